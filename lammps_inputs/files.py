@@ -153,8 +153,8 @@ def read_regular(path: Path) -> bytes:
     return regular(path).read_bytes()
 
 
-def read_text(path: Path) -> str:
-    """Read a whole file as UTF-8; refuse pipes and devices.
+def read_text(path: Path, decode: Callable[[bytes], str] | None = None) -> str:
+    """Read a whole file as UTF-8, or by another decoder; refuse pipes and devices.
 
     Raises
     ------
@@ -163,7 +163,8 @@ def read_text(path: Path) -> str:
     ValueError
         It is not UTF-8; the message gives the line.
     """
-    return decoded(read_regular(path))
+    raw = read_regular(path)
+    return decoded(raw) if decode is None else decode(raw)
 
 
 def decoded(raw: bytes) -> str:
@@ -184,12 +185,17 @@ def decoded(raw: bytes) -> str:
         raise UnicodeError(text) from None
 
 
-def read_user_text(path: Path, what: str, hint: Callable[[Path], str] = lambda _: "") -> str:
+def read_user_text(
+    path: Path,
+    what: str,
+    hint: Callable[[Path], str] = lambda _: "",
+    decode: Callable[[bytes], str] | None = None,
+) -> str:
     """Read a text file that a user named; raise InputError. ``hint`` returns more words about a
-    missing one.
+    missing one, ``decode`` the text of bytes that may be no UTF-8.
     """
     try:
-        return read_text(path)
+        return read_text(path, decode)
     except FileNotFoundError:
         fault = f"no such file{hint(path)}"
     except IsADirectoryError:

@@ -24,12 +24,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave._contact_laws import ContactLaw
+from granwave.analysis.contact_law.curve_table import read_curve_rows
 from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, save_as
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number
-from granwave.lammps_inputs.tables.layout import read_rows
 
 _TURNS = (0.25, 0.5, 0.75, 1.0)  # overlaps at which unloading starts over the largest one
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
@@ -495,8 +495,8 @@ def _turning_points(values: Array, least: float) -> list[int]:
 
 def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
     """Read the rows of a CSV file with their line numbers, and the names of its columns."""
-    parsed = read_rows(path)
-    columns = [name.strip() for name in parsed[0][1]] if parsed else []
+    parsed = read_curve_rows(path)
+    columns = parsed[0][1] if parsed else []
     for what, known in _COLUMNS.items():
         there = [name for name in known if name in columns]
         if len(there) != 1:

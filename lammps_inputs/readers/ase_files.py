@@ -1,4 +1,4 @@
-"""Other formats, read by ASE, in metres: XYZ and extended XYZ, and whatever else it reads."""
+"""Other formats, read by ASE, in metres."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,7 @@ KINDS: dict[str, str] = {
 }
 QUANTITIES = (*PLACE, DIAMETER, RADIUS, "shape", "length", "axis", *AXIS_PARTS, "material",
               "group", CLUMP, *VELOCITIES, *SPINS, ID, TYPE, "mass", "density")  # fmt: skip
+_LARGEST_ID = 2.0**63
 #: Columns of which nothing is needed, and no warning is given.
 _UNUSED = re.compile(
     r"[fti][xyz]|[xyz]su?|force_[xyz012]|torque_[xyz012]|tq[xyz]|mol|element|q|mask"
@@ -54,16 +55,19 @@ _UNUSED = re.compile(
 _MAY_BE_EMPTY = {"length": 0.0, **dict.fromkeys(AXIS_PARTS, 0.0), CLUMP: 0.0}
 _STEMS = {
     "": ("pos", "position", "p", "coord", "coords", "coordinate", "coordinates", "center",
-         "centre", "centroid", "point", "points", "c"),
-    "v": ("v", "vel", "velocity", "velocities"),
+         "centre", "centroid", "barycenter", "barycentre", "point", "points", "c"),
+    "v": ("v", "vel", "velo", "velocity", "velocities"),
     "omega": ("omega", "w", "om", "angular_velocity", "angularvelocity", "angvel", "spin"),
 }  # fmt: skip
 _OTHER_NAMES = {
-    RADIUS: "r rad radii sphere_radius particle_radius grain_radius",
-    DIAMETER: "d dia diam diameters sphere_diameter particle_diameter grain_diameter",
-    ID: "ids particle_id grain_id atom_id sphere_id tag",
+    RADIUS: "r rad radii",
+    DIAMETER: (
+        "d dia diam diameters equivalent_diameter equivalent_diameter_area "
+        "equivalent_spherical_diameter equiv_diameter equivdiameter eq_diameter eqdiameter"
+    ),
+    ID: "ids tag label",
     TYPE: "types atom_type type_id material_id mat_id matid indspecies species phase",
-    "mass": "m masses particle_mass",
+    "mass": "m masses",
     "density": "rho",
 }
 
@@ -76,6 +80,8 @@ def _vector_names(quantity: str, letter: str, number: int) -> Iterable[str]:
         yield f"{stem}_{number}"
         if len(stem) > 1 or quantity:
             yield f"{stem}{letter}"
+        if len(stem) > 1:
+            yield f"{letter}{stem}"
 
 
 def _all_names() -> dict[str, str]:
@@ -92,6 +98,8 @@ def _all_names() -> dict[str, str]:
 
 
 _QUANTITY_OF_NAME = _all_names()
+_BEFORE_NAME = re.compile(r"(?:q[0-9]+_)?(?:particle|grain|sphere|atom|body)_")
+_NUMBERED = re.compile(r"(.*[^0-9])([0-3])")  # a component, such as Points_0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -117,9 +125,26 @@ def quantity_of(head: str) -> tuple[str, str]:
     """Return quantity and unit of the head of a column; the quantity is empty if unknown."""
     for name, unit in ((head, ""), split_unit(head)):
         plain = re.sub(r"[\s:.\-]+", "_", name.strip().strip("'\"").lower()).strip("_")
-        if plain in _QUANTITY_OF_NAME:
-            return _QUANTITY_OF_NAME[plain], unit
+        for word in (plain, _BEFORE_NAME.sub("", plain, count=1)):
+            if word in _QUANTITY_OF_NAME:
+                return _QUANTITY_OF_NAME[word], unit
     return "", ""
+
+
+def counted_from_zero(heads: Sequence[str]) -> list[str]:
+    """Return heads whose components are numbered from 1 (Centroid_1 ... 3), with those from 0."""
+    numbers: dict[str, set[str]] = {}
+    matches = [_NUMBERED.fullmatch(head) for head in heads]
+    for match in matches:
+        if match is not None:
+            numbers.setdefault(match[1], set()).add(match[2])
+    names: list[str] = []
+    for head, match in zip(heads, matches, strict=True):
+        if match is not None and numbers[match[1]] == {"1", "2", "3"}:
+            names.append(f"{match[1]}{int(match[2]) - 1}")
+        else:
+            names.append(head)
+    return names
 
 
 def find_columns(
@@ -139,31 +164,44 @@ def find_columns(
     ValueError
         A column is there twice, or is not there although the user named it.
     """
-    place = f"line {table.head_line}"
     columns: dict[str, GrainColumn] = {}
     unknown: list[str] = []
-    for index, head in enumerate(table.heads):
-        quantity, unit = quantity_of(head)
-        if not quantity:
-            if head and not _UNUSED.fullmatch(head.lower()):
-                unknown.append(head)
-            continue
+    names = counted_from_zero(table.heads)
+    for index, (head, name) in enumerate(zip(table.heads, names, strict=True)):
+        if head.strip() in options.names.values():
+            continue  # the user says what it is
+        quantity, unit = quantity_of(name)
+        column = GrainColumn(index, head, unit or _unit_below(table, index))
         earlier = columns.get(quantity)
-        if earlier is None or (quantity == head and earlier.head != head):
-            columns[quantity] = GrainColumn(index, head, unit)
-        elif not repeated and head == earlier.head:
-            raise ValueError(f"{place}: found the column {head} twice")
-        elif not repeated and earlier.head != quantity:
-            raise ValueError(
-                f"{place}: found the columns {earlier.head} and {head} for {quantity}; choose one: "
-                f"packing.columns = {{{quantity} = {show(head)}}}"
-            )
+        if not quantity:
+            unknown.append(head)
+        elif earlier is None or (quantity == head and earlier.head != head):
+            columns[quantity] = column
+        elif not repeated:
+            _refuse_second(table, quantity, earlier, head)
+            unknown.append(head)
+    for size, other in ((RADIUS, DIAMETER), (DIAMETER, RADIUS)):
+        if size in options.names and other not in options.names:
+            columns.pop(other, None)
     columns |= _named_columns(table, options)
     used = {column.head for column in columns.values()}
-    if left_out := [head for head in dict.fromkeys(unknown) if head not in used]:
+    needless = [head for head in unknown if not head or _UNUSED.fullmatch(head.lower())]
+    if left_out := [head for head in dict.fromkeys(unknown) if head not in {*used, *needless}]:
         several = "s" if len(left_out) > 1 else ""
         notes.append(f"column{several} left out: {', '.join(left_out)}")
     return columns
+
+
+def _refuse_second(table: TextTable, quantity: str, earlier: GrainColumn, head: str) -> None:
+    """Raise ValueError for a second column of a quantity, unless the first has its very name."""
+    place = f"line {table.head_line}"
+    if head == earlier.head:
+        raise ValueError(f"{place}: found the column {head} twice")
+    if earlier.head != quantity:
+        raise ValueError(
+            f"{place}: found the columns {earlier.head} and {head} for {quantity}; choose one: "
+            f"packing.columns = {{{quantity} = {show(head)}}}"
+        )
 
 
 def _named_columns(table: TextTable, options: FileOptions) -> dict[str, GrainColumn]:
@@ -184,8 +222,14 @@ def _named_columns(table: TextTable, options: FileOptions) -> dict[str, GrainCol
                 f"one of {', '.join(heads) or f'1 to {n_columns}'}"
             )
         head = heads[index] if heads else str(name)
-        columns[quantity] = GrainColumn(index, head, split_unit(head)[1] if heads else "")
+        unit = split_unit(head)[1] if heads else ""
+        columns[quantity] = GrainColumn(index, head, unit or _unit_below(table, index))
     return columns
+
+
+def _unit_below(table: TextTable, index: int) -> str:
+    """Return the unit of a column in the row below the names; empty if there is none."""
+    return table.units[index] if index < len(table.units) else ""
 
 
 def require_columns(
@@ -201,7 +245,11 @@ def require_columns(
             f"packing.columns = {show(example)}"
         )
     if DIAMETER in columns and RADIUS in columns:
-        raise ValueError(f"{place}: found the column diameter (or radius for it) twice")
+        head = show(columns[DIAMETER].head)
+        raise ValueError(
+            f"{place}: found the column diameter (or radius for it) twice; choose one: "
+            f"packing.columns = {{{DIAMETER} = {head}}}"
+        )
     needed = PLACE if diameter is not None else (*PLACE, DIAMETER)
     for name in needed:
         if name in columns or (name == DIAMETER and RADIUS in columns):
@@ -225,9 +273,9 @@ class ColumnReader:
         Columns by quantity.
     options
         What the user said of the file.
-    power
-        Power of ten of the lengths of the file, if neither the user nor the name of the column
-        gives it.
+    powers
+        Powers of ten of the units of the file by kind of quantity, if neither the user nor the name
+        of the column gives them.
     """
 
     def __init__(
@@ -235,11 +283,13 @@ class ColumnReader:
         table: TextTable,
         columns: dict[str, GrainColumn],
         options: FileOptions,
-        power: int = 0,
+        powers: Mapping[str, int] | None = None,
     ) -> None:
         self.table = table
         self.columns = columns
-        self.power = options.power(power)
+        self.powers = dict(powers or {})
+        if options.units:
+            self.powers |= dict.fromkeys((LENGTH, VELOCITY), options.power())
 
     def scale(self, quantity: str) -> int:
         """Return the power of ten of the unit of a quantity."""
@@ -254,7 +304,7 @@ class ColumnReader:
             )
         if unit:
             return units[unit]
-        return self.power if kind in (LENGTH, VELOCITY) else 0
+        return self.powers.get(kind, 0)
 
     def numbers(self, quantity: str) -> NDArray[np.float64] | None:
         """Return a quantity: (n,); None if there is none."""
@@ -305,7 +355,7 @@ class ColumnReader:
         values = self.numbers(quantity)
         if values is None:
             return None
-        broken = np.flatnonzero(values != np.round(values))
+        broken = np.flatnonzero((values != np.round(values)) | (np.abs(values) >= _LARGEST_ID))
         if len(broken):
             row = int(broken[0])
             place = self.table.place(row)
@@ -328,10 +378,22 @@ class ColumnReader:
             )
         return numbers
 
+    def _note_units(self, notes: list[str]) -> None:
+        """Note lengths without a unit next to others with one, unless the user gives it."""
+        names = [name for name in (*PLACE, RADIUS, DIAMETER) if name in self.columns]
+        without = [self.columns[name].head for name in names if not self.columns[name].unit]
+        if without and len(without) < len(names) and LENGTH not in self.powers:
+            several = "s" if len(without) > 1 else ""
+            notes.append(
+                f"column{several} without a unit ({', '.join(without)}) next to others with one; "
+                "read in metres, or in packing.units"
+            )
+
     def grains(self, form: str, notes: list[str]) -> GrainTable:
         """Return the grains of the table, of a format that is called ``form``."""
         position = self.vector(PLACE)
         assert position is not None
+        self._note_units(notes)
         words = {name: self.words(name) for name in WORDS if name in self.columns}
         further = ("length", *AXIS_PARTS)
         numbers = {name: self.numbers(name) for name in further}

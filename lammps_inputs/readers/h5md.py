@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.message_words import show
 from granwave.lammps_inputs.readers.grain_table import GrainTable
 from granwave.lammps_inputs.readers.source import GrainSource
 from granwave.lammps_inputs.readers.vtk_files import grains_of_arrays
@@ -54,16 +55,15 @@ def _grains(group: Any, source: GrainSource) -> GrainTable:
     options = source.options
     position = group["position"]
     step, row = _step(position, options.step)
-    unit = str(_values(position).attrs.get("unit", ""))
-    power = options.power(LENGTH_UNITS.get(unit, 0))
-    points = _at(position, row)
+    power = options.power() if options.units else _power(position)
+    points = _at(position, step, row)
     if points is None:
         raise ValueError("found no values of the positions, expected an H5MD file with them")
     arrays = {}
     for name in group:
         if name in ("position", "box", "image", "force"):
             continue
-        values = _at(group[name], row)
+        values = _at(group[name], step, row)
         if values is not None and len(values) == len(points):
             arrays[_NAMES.get(name, name)] = values
     grains = grains_of_arrays(f"{LABEL} trajectory, step {step}", points, arrays, options)
@@ -72,8 +72,24 @@ def _grains(group: Any, source: GrainSource) -> GrainTable:
         grains.half_unit = in_si(grains.half_unit, power)
         grains.radius = None if grains.radius is None else in_si(grains.radius, power)
         grains.velocity = None if grains.velocity is None else in_si(grains.velocity, power)
-    _add_box(group, grains, row, power)
+    _add_box(group, grains, (step, row), power)
     return grains
+
+
+def _power(position: Any) -> int:
+    """Return the power of ten of the unit of the positions; 0 of a file that names none."""
+    unit = _word(_values(position).attrs.get("unit", _word(position.attrs.get("unit", ""))))
+    if unit and unit not in LENGTH_UNITS:
+        raise ValueError(
+            f"found positions in the unit {show(unit)}, expected {', '.join(LENGTH_UNITS)}; give "
+            'it, such as packing.units = "mm"'
+        )
+    return LENGTH_UNITS[unit] if unit else 0
+
+
+def _word(value: Any) -> str:
+    """Return an attribute as a word; strings of C are bytes."""
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
 def _values(element: Any) -> Any:
@@ -86,8 +102,7 @@ def _step(position: Any, wanted: int | None) -> tuple[int, int]:
     if not hasattr(position, "keys"):
         return 0, 0
     n_rows = len(position["value"])
-    steps = np.asarray(position["step"][()]) if "step" in position else np.arange(n_rows)
-    steps = np.broadcast_to(steps, (n_rows,)) if steps.ndim else steps * np.arange(n_rows)
+    steps = _steps(position)
     if wanted is None:
         return int(steps[-1]), n_rows - 1
     rows = np.flatnonzero(steps == wanted)
@@ -98,25 +113,41 @@ def _step(position: Any, wanted: int | None) -> tuple[int, int]:
     return wanted, int(rows[-1])
 
 
-def _at(element: Any, row: int) -> NDArray[np.generic] | None:
-    """Return the values of an element at a step; None of a group of other things."""
+def _steps(element: Any) -> NDArray[np.generic]:
+    """Return the step of each row of an element; without any, the numbers of the rows: (n,)."""
+    n_rows = len(element["value"])
+    steps = np.asarray(element["step"][()]) if "step" in element else np.arange(n_rows)
+    if steps.ndim:
+        return np.broadcast_to(steps, (n_rows,))
+    return np.asarray(steps * np.arange(n_rows))
+
+
+def _at(element: Any, step: int, row: int) -> NDArray[np.generic] | None:
+    """Return the values of an element at a step; None of a group of other things, or if it has none
+    of that step.
+    """
     if hasattr(element, "keys"):
         if "value" not in element:
             return None
+        if "step" in element:
+            rows = np.flatnonzero(_steps(element) == step)
+            if not len(rows):
+                return None
+            row = int(rows[-1])
         value: NDArray[np.generic] = element["value"][min(row, len(element["value"]) - 1)]
         return value
     fixed: NDArray[np.generic] = element[()]
     return fixed
 
 
-def _add_box(group: Any, grains: GrainTable, row: int, power: int) -> None:
-    """Add the box, if it is one along the axes."""
+def _add_box(group: Any, grains: GrainTable, place: tuple[int, int], power: int) -> None:
+    """Add the box at a place, step and row, if it is one along the axes."""
     if "box" not in group or "edges" not in group["box"]:
         return
-    edges = _at(group["box"]["edges"], row)
+    edges = _at(group["box"]["edges"], *place)
     if edges is None or edges.shape != (3,):
         return
-    flags = [str(flag) for flag in np.atleast_1d(group["box"].attrs.get("boundary", []))]
+    flags = [_word(flag) for flag in np.atleast_1d(group["box"].attrs.get("boundary", []))]
     periodic = ["periodic" in flag and "none" not in flag for flag in flags]
     lengths = in_si(np.asarray(edges, dtype=np.float64), power)
     lower = np.zeros(3)

@@ -6,7 +6,7 @@ https://docs.lammps.org/read_data.html
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +20,11 @@ from granwave.lammps_inputs.readers.columns import (
     find_columns,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
-from granwave.lammps_inputs.readers.lammps_dump import power_of_style
+from granwave.lammps_inputs.readers.lammps_dump import powers_of_style
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
-from granwave.lammps_inputs.tables.layout import BLANKS, Layout
+from granwave.lammps_inputs.tables.layout import BLANKS, Layout, with_plain_exponents
 from granwave.lammps_inputs.tables.text_table import table_of
-from granwave.lammps_inputs.tables.units import in_si
+from granwave.lammps_inputs.tables.units import LENGTH, in_si
 
 NAME = "lammps-data"
 LABEL = "LAMMPS data file"
@@ -38,6 +38,7 @@ _SPHERE = ["diameter", "density"]
 _IMAGES = ["ix", "iy", "iz"]
 _STYLES = {
     "sphere": ["id", "type", *_SPHERE, *_PLACE],
+    "granular": ["id", "type", *_SPHERE, *_PLACE],  # of LIGGGHTS and LAMMPS before 2010
     "bpm/sphere": ["id", "mol", "type", *_SPHERE, *_PLACE],
     "atomic": ["id", "type", *_PLACE],
 }
@@ -86,10 +87,10 @@ def read(source: GrainSource) -> GrainTable:
             "or packing.diameter for all grains"
         )
     style = _STYLE_OF_UNITS.search(head.partition("\n")[0])
-    power = power_of_style(style[1] if style else "", options)
-    grains = ColumnReader(table, columns, options, power).grains(LABEL, notes)
-    grains.bounds = _bounds(head, power)
-    _add_velocities(text, grains, power)
+    powers = powers_of_style(style[1] if style else "", options)
+    grains = ColumnReader(table, columns, options, powers).grains(LABEL, notes)
+    grains.bounds = _bounds(head, powers.get(LENGTH, 0))
+    _add_velocities(text, grains, powers)
     return _without_points(grains)
 
 
@@ -110,7 +111,7 @@ def _section(text: str, section: re.Match[str], n_rows: int, name: str) -> Layou
         raise ValueError(
             f"found {len(rows)} of {n_rows} rows in the section {name}: the data file is truncated"
         )
-    return Layout(numbers, rows, BLANKS, ".")
+    return Layout(numbers, with_plain_exponents(rows), BLANKS, ".")
 
 
 def _lines_from(text: str, start: int) -> Sequence[str]:
@@ -136,8 +137,14 @@ def _heads(comment: str, layout: Layout, options: FileOptions) -> list[str]:
 
 
 def _of_style(words: list[str], n_columns: int) -> list[str]:
-    """Return the names of the columns of a style; of a file that says none, those of spheres."""
-    style = words[0] if words else "sphere"
+    """Return the names of the columns of a style; of a file that says none, those of spheres, or of
+    atoms without sizes.
+    """
+    n_of_atomic = len(_STYLES["atomic"])
+    has_no_sizes = n_columns in (n_of_atomic, n_of_atomic + len(_IMAGES))
+    style = "atomic" if has_no_sizes else "sphere"
+    if words:
+        style = words[0]
     if style == "hybrid":
         unknown = [word for word in words[1:] if word not in _OF_HYBRID]
         if not unknown:
@@ -166,7 +173,7 @@ def _bounds(head: str, power: int) -> NDArray[np.float64] | None:
     return in_si(box, power)
 
 
-def _add_velocities(text: str, grains: GrainTable, power: int) -> None:
+def _add_velocities(text: str, grains: GrainTable, powers: Mapping[str, int]) -> None:
     """Add velocities and spins of the section Velocities, if there is one."""
     section = _VELOCITIES.search(text)
     if section is None or grains.ids is None:
@@ -175,7 +182,7 @@ def _add_velocities(text: str, grains: GrainTable, power: int) -> None:
     heads = ["id", *VELOCITIES, *SPINS][: len(layout.cells(0))]
     table = table_of(layout, heads, layout.numbers[0] - 1)
     columns = {head: GrainColumn(index, head) for index, head in enumerate(heads)}
-    reader = ColumnReader(table, columns, FileOptions(), power)
+    reader = ColumnReader(table, columns, FileOptions(), powers)
     ids = reader.ids()
     assert ids is not None
     order = np.argsort(ids, kind="stable")

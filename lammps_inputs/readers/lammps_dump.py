@@ -24,17 +24,37 @@ from granwave.lammps_inputs.readers.grain_table import GrainTable
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
 from granwave.lammps_inputs.tables.layout import BLANKS, Layout
 from granwave.lammps_inputs.tables.text_table import TextTable, table_of
-from granwave.lammps_inputs.tables.units import in_si
+from granwave.lammps_inputs.tables.units import (
+    ANGULAR_VELOCITY,
+    DENSITY,
+    LENGTH,
+    MASS,
+    VELOCITY,
+    in_si,
+)
 
 NAME = "lammps-dump"
 LABEL = "LAMMPS dump"
 _ITEM = "ITEM: "
 _STEP = "ITEM: TIMESTEP"
 _ATOMS = "ITEM: ATOMS"
+_BOX = "ITEM: BOX BOUNDS"
+_ENTRIES = "ITEM: ENTRIES"
+_UNITS = re.compile(r"^ITEM: UNITS[ \t]*\r?\n[ \t]*(\S+)", re.MULTILINE)
+_FRAME = re.compile(  # LAMMPS writes its units and the time above the step
+    rf"^(?:ITEM: (?:UNITS|TIME)[ \t]*\r?\n.*\n)*({_STEP})", re.MULTILINE
+)
+_GENERAL = ["abc", "origin"]  # of a box whose edges have any direction
 _PERIODIC = "pp"
 _SCALED = {"xs": "x", "ys": "y", "zs": "z", "xsu": "x", "ysu": "y", "zsu": "z"}
-#: Powers of ten of the metre by the style of the units; styles without a length of their own lack.
-UNIT_STYLES = {"si": 0, "cgs": -2, "micro": -6, "nano": -9}
+#: Powers of ten of the SI units by the style of the units (https://docs.lammps.org/units.html);
+#: styles without a length of their own lack.
+UNIT_STYLES: dict[str, dict[str, int]] = {
+    "si": {},
+    "cgs": {LENGTH: -2, VELOCITY: -2, MASS: -3, DENSITY: 3},
+    "micro": {LENGTH: -6, VELOCITY: 0, MASS: -15, DENSITY: 3, ANGULAR_VELOCITY: 6},
+    "nano": {LENGTH: -9, VELOCITY: 0, MASS: -21, DENSITY: 6, ANGULAR_VELOCITY: 9},
+}
 
 
 def recognises(source: GrainSource) -> bool:
@@ -51,21 +71,38 @@ def read(source: GrainSource) -> GrainTable:
         There is no such step, it is truncated, or it lacks places or sizes.
     """
     text = source.text
-    starts = [match.start() for match in re.finditer(f"^{_STEP}", text, re.MULTILINE)]
+    matches = list(_FRAME.finditer(text))
+    starts = [match.start() for match in matches]
+    places = [match.start(1) for match in matches]
     if not starts:
         raise ValueError(f"found no {_STEP}, expected a dump of LAMMPS with one or more steps")
     ends = [*starts[1:], len(text)]
-    chosen = _chosen(text, starts, source.options.step)
+    chosen = _chosen(text, places, source.options.step)
     first_line = text.count("\n", 0, starts[chosen]) + 1
     frame = _DumpFrame.read(text[starts[chosen] : ends[chosen]], first_line)
-    frame.check_complete(_step_of(text, starts[chosen - 1]) if chosen else None)
-    return frame.grains(source.options, len(starts))
+    frame.check_complete(_step_of(text, places[chosen - 1]) if chosen else None)
+    units = _UNITS.search(text, 0, places[0])  # once in a file
+    if units is not None and not frame.units:
+        frame.units = units[1]
+    grains = frame.grains(source.options, len(starts))
+    if chosen == len(starts) - 1 and not text.endswith("\n"):
+        grains.notes.append("the last line has no end; the dump may be truncated in it")
+    return grains
 
 
-def power_of_style(style: str, options: FileOptions) -> int:
-    """Return the power of ten of the lengths of a style of units; raise ValueError without one."""
-    if options.units or not style:
-        return options.power()
+def powers_of_style(style: str, options: FileOptions) -> dict[str, int]:
+    """Return the powers of ten of the units of a style by kind of quantity; none of a file that
+    names no style.
+
+    Raises
+    ------
+    ValueError
+        The style has no length of its own, and the user gives none.
+    """
+    if options.units:
+        return dict.fromkeys((LENGTH, VELOCITY), options.power())
+    if not style:
+        return {}
     if style not in UNIT_STYLES:
         raise ValueError(
             f"found the units {style}, expected {', '.join(UNIT_STYLES)}; give the unit of the "
@@ -83,15 +120,76 @@ def _step_of(text: str, start: int) -> int:
     return int(lines[1])
 
 
-def _chosen(text: str, starts: list[int], step: int | None) -> int:
+def _chosen(text: str, places: list[int], step: int | None) -> int:
     """Return the number of the frame that is read, from 0."""
     if step is None:
-        return len(starts) - 1
-    steps = [_step_of(text, start) for start in starts]
+        return len(places) - 1
+    steps = [_step_of(text, place) for place in places]
     if step not in steps:
         some = ", ".join(map(str, steps[:5])) + (f" ... {steps[-1]}" if len(steps) > 5 else "")
         raise ValueError(f"found no step {step} (packing.step), expected one of {some}")
     return len(steps) - 1 - steps[::-1].index(step)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class DumpBox:
+    """Box of a step of a dump, in the unit of the file.
+
+    https://docs.lammps.org/Howto_triclinic.html
+
+    Attributes
+    ----------
+    origin
+        Corner from which the edges start: (3,).
+    edges
+        Edges of the box, in rows: (3, 3).
+    """
+
+    origin: NDArray[np.float64]
+    edges: NDArray[np.float64]
+
+    @classmethod
+    def read(cls, numbers: NDArray[np.float64], *, is_general: bool) -> DumpBox:
+        """Return the box of three rows of a dump.
+
+        Parameters
+        ----------
+        numbers
+            Lowest and highest coordinate, and the tilts xy, xz, yz, if there are any: (3, 2) or
+            (3, 3). Of a general box its edges and its origin: (3, 4).
+        is_general
+            The edges have any direction.
+
+        Raises
+        ------
+        ValueError
+            There are more or fewer numbers.
+        """
+        if is_general and numbers.shape == (3, 4):
+            return cls(numbers[:, 3], numbers[:, :3])
+        if numbers.shape not in ((3, 2), (3, 3)):
+            raise ValueError("no three rows of two or three numbers")
+        low = numbers[:, 0].copy()
+        high = numbers[:, 1].copy()
+        edges = np.zeros((3, 3))
+        if numbers.shape == (3, 3):  # the bounds are those of a straight box around the tilted
+            xy, xz, yz = numbers[:, 2].tolist()
+            tilts = (0.0, xy, xz, xy + xz)
+            low[:2] -= [min(tilts), min(0.0, yz)]
+            high[:2] -= [max(tilts), max(0.0, yz)]
+            edges[1, 0] = xy
+            edges[2, :2] = xz, yz
+        return cls(low, edges + np.diag(high - low))
+
+    @property
+    def is_straight(self) -> bool:
+        """True if the edges are along the axes."""
+        return not (self.edges - np.diag(np.diag(self.edges))).any()
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """Lowest and highest coordinates of a straight box: (3, 2)."""
+        return np.stack([self.origin, self.origin + np.diag(self.edges)], axis=1)
 
 
 @dataclasses.dataclass
@@ -106,10 +204,8 @@ class _DumpFrame:
         Number of atoms that it is said to have.
     units
         Style of units; empty if the dump says none.
-    bounds
-        Box: (3, 2), in the unit of the file; None without one.
-    tilts
-        Tilts of the box, in the unit of the file.
+    box
+        The box, in the unit of the file; None without one.
     flags
         Boundary along each axis.
     heads
@@ -123,8 +219,7 @@ class _DumpFrame:
     step: int = 0
     n_atoms: int = 0
     units: str = ""
-    bounds: NDArray[np.float64] | None = None
-    tilts: tuple[float, ...] = ()
+    box: DumpBox | None = None
     flags: tuple[str, ...] = ()
     heads: tuple[str, ...] = ()
     head_line: int = 0
@@ -143,6 +238,11 @@ class _DumpFrame:
                 frame.head_line = first_line + k
                 frame.rows = tuple(line for line in lines[k + 1 :] if line.strip())
                 return frame
+            if item.startswith(_ENTRIES):
+                raise ValueError(
+                    f"line {first_line + k}: found a dump of contacts ({_ENTRIES}), expected one "
+                    "of atoms: dump custom ... x y z radius"
+                )
             try:
                 k += frame._read_item(item, lines[k + 1 : k + 4])
             except (ValueError, IndexError):
@@ -157,14 +257,11 @@ class _DumpFrame:
 
     def _read_item(self, item: str, values: list[str]) -> int:
         """Read an item before the atoms from the lines below it; return its number of lines."""
-        if item.startswith("ITEM: BOX BOUNDS"):
-            words = item.removeprefix("ITEM: BOX BOUNDS").split()
+        if item.startswith(_BOX):
+            words = item.removeprefix(_BOX).split()
             self.flags = tuple(word for word in words if len(word) == 2 and "_" not in word)[-3:]
             numbers = np.array([line.split() for line in values[:3]], dtype=np.float64)
-            if numbers.shape not in ((3, 2), (3, 3)):
-                raise ValueError("no three rows of two or three numbers")
-            self.bounds = numbers[:, :2]
-            self.tilts = tuple(numbers[:, 2:].ravel().tolist())
+            self.box = DumpBox.read(numbers, is_general=words[:2] == _GENERAL)
             return 4
         if item.startswith(_STEP):
             self.step = int(values[0])
@@ -198,23 +295,34 @@ class _DumpFrame:
         columns = find_columns(table, options, notes, repeated=True)
         scaled = self._scaled(table, columns)
         self._require(columns, options)
-        power = power_of_style(self.units, options)
+        powers = powers_of_style(self.units, options)
         of_steps = f", step {self.step}" + (f" of {n_steps} steps" if n_steps > 1 else "")
-        grains = ColumnReader(table, columns, options, power).grains(LABEL + of_steps, notes)
-        if any(self.tilts) or self.bounds is None:
-            if scaled:
-                raise ValueError("found scaled places in a tilted box; dump x, y, z")
-            return grains
-        grains.bounds = in_si(self.bounds, power)
+        grains = ColumnReader(table, columns, options, powers).grains(LABEL + of_steps, notes)
+        if self.box is not None:
+            self._add_box(self.box, grains, scaled, powers.get(LENGTH, 0))
+        elif scaled:
+            raise ValueError("found scaled places without a box; dump x, y, z")
+        return grains
+
+    def _add_box(self, box: DumpBox, grains: GrainTable, scaled: set[str], power: int) -> None:
+        """Add the box to the grains, and place those whose places are fractions of it."""
         periodic = [flag == _PERIODIC for flag in self.flags] or [False] * 3
-        grains.periodic = periodic[0], periodic[1], periodic[2]
+        if box.is_straight:
+            grains.bounds = in_si(box.bounds, power)
+            grains.periodic = periodic[0], periodic[1], periodic[2]
+        elif any(periodic):
+            grains.notes.append("the box is tilted; its periods are left out")
+        if not scaled:
+            return
+        if len(scaled) < len(PLACE) and not box.is_straight:
+            raise ValueError("found places of which some are scaled in a tilted box; dump x, y, z")
+        fractions = grains.position / 10.0**power
+        places = in_si(box.origin + fractions @ box.edges, power)
+        lengths = np.linalg.norm(box.edges, axis=1)
         for axis, quantity in enumerate(PLACE):
             if quantity in scaled:
-                low, high = grains.bounds[axis]
-                share = grains.position[:, axis] / 10.0**power
-                grains.position[:, axis] = low + share * (high - low)
-                grains.half_unit[:, axis] *= (high - low) / 10.0**power
-        return grains
+                grains.position[:, axis] = places[:, axis]
+                grains.half_unit[:, axis] *= lengths[axis]
 
     def _scaled(self, table: TextTable, columns: dict[str, GrainColumn]) -> set[str]:
         """Return the coordinates that are fractions of the box, whose columns are added."""

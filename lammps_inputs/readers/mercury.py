@@ -25,7 +25,9 @@ _HEADS = ["x", "y", "z", *VELOCITIES, "radius", "tx", "ty", "tz", *SPINS, ""]
 _N_OF_STEP = 8  # N, time, lowest and highest corner
 _N_OF_PLANE = (6, 8)  # values of a step and of a particle in two dimensions
 _PARTICLES = re.compile(r"^Particles[ \t]+([0-9]+)[ \t]*$", re.MULTILINE)
-_DOMAIN = re.compile(r"([xyz])Min[ \t]+(\S+)[ \t]+\1Max[ \t]+(\S+)")
+_DOMAIN = re.compile(r"([xyz])Min[ \t]+(\S+)[ \t]+\1Max[ \t]+(\S+)", re.IGNORECASE)
+_OLD_PARTICLE = "BP"  # of version 3, before the numbers, or nothing
+_N_OF_OLD = 16  # place, velocity, radius, angles, spin, inverse mass and inertia, species
 _VALUES = {"position": 3, "velocity": 3, "radius": 1, "indSpecies": 1, "id": 1}
 
 
@@ -115,8 +117,10 @@ def _read_restart(source: GrainSource) -> GrainTable:
     first_line = text.count("\n", 0, match.end()) + 2
     lines = text[match.end() + 1 :].splitlines()[:n_rows]
     rows: list[str] = []
-    for number, line in enumerate(lines, start=first_line):
-        rows.append(_row_of(line.split(), number))
+    for index, line in enumerate(lines):
+        words = line.split()
+        old = _old_row_of(words, index)
+        rows.append(old or _row_of(words, first_line + index))
     if len(rows) < n_rows or not rows:
         raise ValueError(f"found {len(rows)} of {n_rows} particles: the file is truncated")
     heads = ["x", "y", "z", *VELOCITIES, "radius", "type", "id"]
@@ -130,6 +134,21 @@ def _read_restart(source: GrainSource) -> GrainTable:
         box = np.array([domain[axis] for axis in "xyz"], dtype=np.float64)
         grains.bounds = in_si(box, source.options.power())
     return grains
+
+
+def _old_row_of(words: list[str], index: int) -> str:
+    """Return the values of a particle of version 3 in the order of the columns; empty if it is not.
+
+    Parameters
+    ----------
+    index
+        Number of the particle, from 0, which is its id.
+    """
+    numbers = words[words[:1] == [_OLD_PARTICLE] :]
+    if len(numbers) != _N_OF_OLD or not all(map(is_number, numbers)):
+        return ""
+    *values, species = [*numbers[:7], numbers[-1]]
+    return " ".join([*values, species, str(index)])
 
 
 def _row_of(words: list[str], line: int) -> str:

@@ -13,6 +13,7 @@ from granwave.lammps_inputs.readers import (
     mercury,
     table,
     vtk_files,
+    xyz,
     yade,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
@@ -28,7 +29,7 @@ class GrainReader(Protocol):
     read: Callable[[GrainSource], GrainTable]
 
 
-_READERS = (h5md, vtk_files, lammps_dump, lammps_data, yade, mercury, table, ase_files)
+_READERS = (h5md, vtk_files, lammps_dump, lammps_data, yade, mercury, xyz, table, ase_files)
 #: Readers by format, in the order in which they are asked.
 READERS: dict[str, GrainReader] = {module.NAME: cast("GrainReader", module) for module in _READERS}
 _TABLES = (".csv", ".txt", ".dat", ".tsv")  # endings of files that are tables if nothing else

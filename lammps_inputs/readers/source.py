@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import gzip
-import zlib
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 
-from granwave.lammps_inputs.files import decoded, read_regular
+from granwave.lammps_inputs.files import read_regular
+from granwave.lammps_inputs.readers.packed import unpacked
+from granwave.lammps_inputs.tables.encoding import decoded_table, start_of
 from granwave.lammps_inputs.tables.units import LENGTH_UNITS
 
-_GZIP = b"\x1f\x8b"
 _HEAD = 4096  # characters that show the format
 
 
@@ -73,35 +72,26 @@ class GrainSource:
 
     @cached_property
     def content(self) -> bytes:
-        """Bytes of the file, unpacked if it is a .gz.
+        """Bytes of the file, unpacked if it is a .gz, .xz, .bz2 or .zip.
 
         Raises
         ------
         OSError
             The file cannot be read.
         ValueError
-            It is a .gz that is damaged.
+            It is packed and damaged, or of a kind that holds no text.
         """
-        raw = read_regular(self.path)
-        if not raw.startswith(_GZIP):
-            return raw
-        try:
-            return gzip.decompress(raw)
-        except (OSError, EOFError, zlib.error) as error:
-            reason = str(error) or type(error).__name__
-            raise ValueError(
-                f"found a .gz file that cannot be unpacked ({reason}); copy it again"
-            ) from None
+        return unpacked(read_regular(self.path))
 
     @cached_property
     def text(self) -> str:
-        """Text of the file; raises ValueError unless it is UTF-8."""
-        return decoded(self.content)
+        """Text of the file; raises ValueError if it is none."""
+        return decoded_table(self.content)
 
     @cached_property
     def head(self) -> str:
         """First characters of the file, whatever their encoding."""
-        return self.content[:_HEAD].decode("utf-8-sig", errors="replace")
+        return start_of(self.content, _HEAD)
 
     @property
     def whole_lines(self) -> str:
@@ -113,4 +103,4 @@ class GrainSource:
     @property
     def is_binary(self) -> bool:
         """True if the file is no text."""
-        return b"\0" in self.content[:_HEAD]
+        return "\0" in self.head

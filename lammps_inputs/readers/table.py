@@ -12,12 +12,20 @@ from granwave.lammps_inputs.readers.columns import (
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
-from granwave.lammps_inputs.tables.layout import is_number, layout_of, with_decimal_point
-from granwave.lammps_inputs.tables.text_table import read_text_table
+from granwave.lammps_inputs.tables.layout import (
+    Layout,
+    is_number,
+    layout_from,
+    layout_of,
+    with_decimal_point,
+    without_count,
+)
+from granwave.lammps_inputs.tables.text_table import text_table_of
 
 NAME = "table"
 LABEL = "table"
 _LEAST_COLUMNS = 3
+_LARGEST_TITLE = 20  # rows that may be above the names of the columns
 _NOTHING = (
     f"found no grain, expected a line of names ({', '.join(QUANTITIES)}) and a row for each grain"
 )
@@ -27,8 +35,8 @@ def recognises(source: GrainSource) -> bool:
     """Return True for a line with a name of a place, or equally many cells with numbers."""
     if source.is_binary:
         return False
-    layout = layout_of(source.whole_lines)
-    if not layout.rows:
+    layout = without_count(layout_of(source.whole_lines))
+    if not layout.rows or _row_of_names(layout):
         return True
     try:
         first = layout.cells(0)
@@ -48,10 +56,32 @@ def read(source: GrainSource) -> GrainTable:
 
 def read_table_text(text: str, options: FileOptions) -> GrainTable:
     """Read the text of a table of grains; raise ValueError with the line of the fault."""
-    table = read_text_table(text, options.heads, _NOTHING)
+    layout = without_count(layout_of(text))
+    if not layout.rows:
+        raise ValueError(_NOTHING)
     notes: list[str] = []
+    if not options.heads and (n_above := _row_of_names(layout)):
+        last = layout.numbers[n_above - 1]
+        layout = layout_from(layout, n_above)
+        notes.append(f"text down to line {last} left out, above the names of the columns")
+    table = text_table_of(layout, options.heads)
     columns = find_columns(table, options, notes)
     require_columns(table, columns, options.diameter)
     if not len(table):
         raise ValueError("found no grain, expected a row for each below the line of names")
     return ColumnReader(table, columns, options).grains(LABEL, notes)
+
+
+def _row_of_names(layout: Layout) -> int:
+    """Return the row with the names of the columns, if there are others above it; 0 without."""
+    for row in range(min(len(layout.rows), _LARGEST_TITLE)):
+        try:
+            cells = layout_from(layout, row).cells(0)
+        except ValueError:
+            return 0
+        quantities = {quantity_of(cell)[0] for cell in cells}
+        if {*PLACE[:2]} <= quantities:
+            return row
+        if sum(map(is_number, cells)) >= _LEAST_COLUMNS:
+            return 0
+    return 0

@@ -120,7 +120,7 @@ def grains_of_arrays(
         half_unit=in_si(_half_units(points, position, texts), power),
         radius=None if radius is None else in_si(np.asarray(radius, dtype=np.float64), power),
         ids=None if ids is None else np.asarray(ids, dtype=np.int64),
-        types=[str(word) for word in values[TYPE].tolist()] if TYPE in values else [],
+        types=_names_of_types(values[TYPE]) if TYPE in values else [],
         velocity=None if velocity is None else in_si(velocity, power),
         spin=_vector(values, SPINS),
         words={
@@ -130,6 +130,12 @@ def grains_of_arrays(
         },
         notes=notes,
     )
+
+
+def _names_of_types(types: NDArray[np.generic]) -> list[str]:
+    """Return types as words: (n,); whole numbers without a decimal point."""
+    words = map(str, types.tolist())
+    return [word.removesuffix(".0") for word in words]
 
 
 def _by_quantity(
@@ -221,23 +227,59 @@ class _LegacyReader:
     def _read_section(self, words: list[str]) -> None:
         """Read the section that a line begins; lines of no section are passed over."""
         keyword = words[0].upper()
-        if keyword == "POINTS":
+        try:
+            self._read_values(keyword, words)
+        except (IndexError, OverflowError):
+            raise ValueError(
+                f"found {show(' '.join(words))} without its numbers: the file is damaged"
+            ) from None
+
+    def _read_values(self, keyword: str, words: list[str]) -> None:
+        """Read the values of a section; raise IndexError if its first line lacks a word."""
+        if keyword == "METADATA":
+            self._pass_metadata()
+        elif keyword == "POINTS":
             self.n_points = int(words[1])
             self.points = self._numbers(3 * self.n_points, words[2]).reshape(-1, 3)
         elif keyword in ("POINT_DATA", "CELL_DATA"):
             self.of_points = keyword == "POINT_DATA"
         elif keyword == "SCALARS":
             n_parts = int(words[3]) if len(words) > 3 else 1
-            self._line()  # LOOKUP_TABLE
+            self._pass_lookup_table()
             self._keep(words[1], self._numbers(n_parts * self.n_points, words[2]), n_parts)
         elif keyword in ("VECTORS", "NORMALS"):
             self._keep(words[1], self._numbers(3 * self.n_points, words[2]), 3)
+        elif keyword == "TENSORS":
+            self._numbers(9 * self.n_points, words[2])
         elif keyword == "FIELD":
             for _ in range(int(words[2])):
-                name, parts, rows, kind = self._line() or ["", "0", "0", "float"]
-                values = self._numbers(int(parts) * int(rows), kind)
-                if int(rows) == self.n_points:
-                    self._keep(name, values, int(parts))
+                self._read_array(self._line() or [])
+
+    def _read_array(self, words: list[str]) -> None:
+        """Read an array of a field; arrays of words are passed over."""
+        if words and words[0].upper() == "METADATA":
+            self._pass_metadata()
+            words = self._line() or []
+        name, parts, rows, kind = words[:4]
+        if kind == "string":
+            for _ in range(int(parts) * int(rows)):
+                self._line()
+            return
+        values = self._numbers(int(parts) * int(rows), kind)
+        if int(rows) == self.n_points:
+            self._keep(name, values, int(parts))
+
+    def _pass_lookup_table(self) -> None:
+        """Pass over the line LOOKUP_TABLE, which some programs leave out."""
+        place = self.place
+        words = self._line() or [""]
+        if words[0].upper() != "LOOKUP_TABLE":
+            self.place = place
+
+    def _pass_metadata(self) -> None:
+        """Pass over the lines of a block METADATA, which ends with an empty line."""
+        end = re.compile(rb"\r?\n[ \t]*\r?\n").search(self.content, self.place - 1)
+        self.place = len(self.content) if end is None else end.end()
 
     def _keep(self, name: str, values: NDArray[np.generic], n_parts: int) -> None:
         if self.of_points:
@@ -288,22 +330,47 @@ def _read_xml(
         root = ElementTree.fromstring(content)
     except ElementTree.ParseError as error:
         raise ValueError(f"found XML that is damaged or truncated ({error})") from None
+    sources = [element.get("file") or element.get("Source") for element in root.iter()]
+    if names := [name for name in sources if name]:
+        raise ValueError(
+            f"found a list of other files ({names[0]} ...), expected points; give one "
+            "of them, or save all as one file"
+        )
     reader = _XmlReader(root, blob, is_raw=b'encoding="raw"' in source.content[start:][:200])
-    pieces = list(root.iter("Piece"))
-    if len(pieces) != 1:
-        raise ValueError(f"found {len(pieces)} pieces, expected one; save it as one file")
-    points = None
-    arrays: Arrays = {}
-    for element in pieces[0].iterfind("Points/DataArray"):
-        points = reader.values(element).reshape(-1, 3)
-        is_text = element.get("format") == "ascii"
-        texts = (element.text or "").split() if is_text else None
-    if points is None:
+    pieces = [_read_piece(reader, piece) for piece in root.iter("Piece")]
+    filled = [piece for piece in pieces if piece is not None]
+    if not filled:
         return None, {}, None
-    for element in pieces[0].iterfind("PointData/DataArray"):
-        n_parts = int(element.get("NumberOfComponents") or 1)
-        values = reader.values(element)
-        arrays[element.get("Name") or ""] = values if n_parts == 1 else values.reshape(-1, n_parts)
+    points = np.concatenate([piece[0] for piece in filled])
+    arrays: Arrays = {}
+    for name in filled[0][1]:
+        parts = [piece[1][name] for piece in filled if name in piece[1]]
+        if len(parts) == len(filled):
+            arrays[name] = np.concatenate(parts)
+    texts: list[str] = []
+    for piece in filled:
+        texts += piece[2]
+    return points, arrays, texts or None
+
+
+def _read_piece(
+    reader: _XmlReader, piece: ElementTree.Element
+) -> tuple[NDArray[np.generic], Arrays, list[str]] | None:
+    """Return points, arrays and coordinates as text of a piece; None if it has no points."""
+    element = piece.find("Points/DataArray")
+    if element is None or piece.get("NumberOfPoints") == "0":
+        return None
+    points = reader.rows(element, len(PLACE))
+    if not len(points):
+        return None
+    texts = (element.text or "").split() if element.get("format") == "ascii" else []
+    arrays: Arrays = {}
+    for array in piece.iterfind("PointData/DataArray"):
+        n_parts = array.get("NumberOfComponents") or "1"
+        name = array.get("Name") or ""
+        if not n_parts.isdigit():
+            raise ValueError(f"found {show(n_parts)} components of {name}, expected a number")
+        arrays[name] = reader.rows(array, int(n_parts))
     return points, arrays, texts
 
 
@@ -325,8 +392,10 @@ class _XmlReader:
         self.is_raw = is_raw
         is_little = root.get("byte_order", "LittleEndian") == "LittleEndian"
         self.order: Literal["<", ">"] = "<" if is_little else ">"
-        self.header = np.dtype(_XML_TYPES[root.get("header_type") or "UInt32"])
-        self.header = self.header.newbyteorder(self.order)
+        header_type = root.get("header_type") or "UInt32"
+        if header_type not in _XML_TYPES:
+            raise ValueError(f"found header_type {show(header_type)}, expected UInt32 or UInt64")
+        self.header = np.dtype(_XML_TYPES[header_type]).newbyteorder(self.order)
         compressor = root.get("compressor", "")
         if compressor not in ("", "vtkZLibDataCompressor"):
             raise ValueError(
@@ -334,6 +403,21 @@ class _XmlReader:
                 "save the file without compression"
             )
         self.is_packed = bool(compressor)
+
+    def rows(self, element: ElementTree.Element, n_parts: int) -> NDArray[np.generic]:
+        """Return an array of one or more numbers a point: (n,) or (n, n_parts); raise ValueError as
+        `values`.
+        """
+        values = self.values(element)
+        if n_parts <= 1:
+            return values
+        if len(values) % n_parts:
+            name = element.get("Name") or "Points"
+            raise ValueError(
+                f"found {len(values)} numbers of {name}, expected {n_parts} for each point: the "
+                "file is damaged"
+            )
+        return values.reshape(-1, n_parts)
 
     def values(self, element: ElementTree.Element) -> NDArray[np.generic]:
         """Return the numbers of an array.

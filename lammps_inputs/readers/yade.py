@@ -24,7 +24,7 @@ from granwave.lammps_inputs.tables.units import in_si
 
 NAME = "yade"
 LABEL = "YADE"
-_FORMAT = re.compile(r"^#[ \t]*format[ \t]+(x_y_z_r\S*)", re.MULTILINE)
+_FORMAT = re.compile(r"^#[ \t]*format[ \t]+(\S*x_y_z_r\S*)", re.MULTILINE)
 _PERIODIC = re.compile(r"^##PERIODIC::[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE)
 _HEADS = ["x", "y", "z", "r"]
 _CLUMP = "clumpId"

@@ -2,7 +2,8 @@
 
 Separators are commas, semicolons, tabs or blanks; a decimal comma is told from a separator by the
 cells that it would leave. A ``#`` outside of quotes begins a comment, as do ``%`` and ``//`` at the
-beginning of a line.
+beginning of a line. Rows of separators alone are blank lines, and so is the line ``sep=;`` of
+spreadsheets. Exponents of Fortran (``1.0D-3``) and minus signs of typography are those of numbers.
 """
 
 from __future__ import annotations
@@ -16,12 +17,19 @@ from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number, read_user_text
+from granwave.lammps_inputs.tables.encoding import decoded_table
 
 BLANKS = " "
 _SEPARATORS = (";", "\t", ",", BLANKS)  # the first that fits
 _BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
 _COMMENT_LINES = ("%", "//")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?")
+_FORTRAN = re.compile(
+    r'(?<![^\s,;"])([-+]?(?:[0-9]+\.[0-9]*|\.[0-9]+))[dD]([-+]?[0-9]+)(?![^\s,;"])'
+)
+_SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)  # of spreadsheets
+_ALL_SEPARATORS = "".join(_SEPARATORS)
+_MINUS = "\u2212"  # of typography
 _SHOWN_ROWS = 20  # rows from which separator and decimal sign are found
 
 Row = tuple[int, list[str]]  # number of the line, and the cells
@@ -52,7 +60,14 @@ class Layout:
     comments: Sequence[str] = ()
 
     def cells(self, row: int) -> list[str]:
-        """Return the cells of a row, with decimal points.
+        """Return the cells of a row, with decimal points; raise ValueError as `written_cells`."""
+        cells = self.written_cells(row)
+        if self.decimal == ".":
+            return cells
+        return [with_decimal_point(cell) for cell in cells]
+
+    def written_cells(self, row: int) -> list[str]:
+        """Return the cells of a row as they are written.
 
         Raises
         ------
@@ -60,13 +75,10 @@ class Layout:
             The row cannot be taken apart.
         """
         try:
-            cells = split_row(self.rows[row], self.separator)
+            return split_row(self.rows[row], self.separator)
         except csv.Error as error:
             line = self.numbers[row]
             raise ValueError(f"line {line}: found no row of a CSV file: {error}") from None
-        if self.decimal == ".":
-            return cells
-        return [with_decimal_point(cell) for cell in cells]
 
 
 def layout_of(text: str) -> Layout:
@@ -74,16 +86,35 @@ def layout_of(text: str) -> Layout:
     numbers: list[int] = []
     rows: list[str] = []
     comments: list[str] = []
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.replace(_MINUS, "-").splitlines(), start=1):
         row = _without_comment(line)
+        if number == 1 and _SEPARATOR_LINE.fullmatch(row):
+            continue
         if row:
             numbers.append(number)
             rows.append(row)
-        elif line.strip() and not rows:
-            comments.append(line.strip().lstrip("#%/").strip())
-    sample = rows[:_SHOWN_ROWS]
-    separator = _separator(sample)
-    return Layout(numbers, rows, separator, _decimal(sample, separator), comments)
+        elif not rows and (comment := line.strip().lstrip("#%/").strip()):
+            comments.append(comment)
+    return _layout(numbers, with_plain_exponents(rows), comments)
+
+
+def layout_from(layout: Layout, row: int) -> Layout:
+    """Return the layout of the rows from one on; those above it have another separator, maybe."""
+    return _layout(layout.numbers[row:], layout.rows[row:], layout.comments)
+
+
+def without_count(layout: Layout) -> Layout:
+    """Return the layout without a first row that is the number of the rows below it."""
+    if len(layout.rows) > 1 and layout.rows[0].strip() == str(len(layout.rows) - 1):
+        return layout_from(layout, 1)
+    return layout
+
+
+def with_plain_exponents(rows: list[str]) -> list[str]:
+    """Return rows whose numbers have exponents of Fortran, such as 1.0D-3, with those of C."""
+    if not any(map(_FORTRAN.search, rows[:_SHOWN_ROWS])):
+        return rows
+    return [_FORTRAN.sub(r"\1e\2", row) for row in rows]
 
 
 def split_row(row: str, separator: str) -> list[str]:
@@ -118,19 +149,34 @@ def with_decimal_point(cell: str) -> str:
     return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell
 
 
+def read_layout(path: Path) -> Layout:
+    """Read the layout of a table; raise InputError if the file cannot be read or is no text."""
+    return layout_of(read_user_text(path, "CSV file", decode=decoded_table))
+
+
 def read_rows(path: Path) -> list[Row]:
     """Read the rows of a small table, with decimal points.
 
     Raises
     ------
     InputError
-        The file cannot be read, is not UTF-8, or has a line that cannot be taken apart.
+        The file cannot be read, is no text, or has a line that cannot be taken apart.
     """
-    layout = layout_of(read_user_text(path, "CSV file"))
+    return rows_of(read_layout(path), path)
+
+
+def rows_of(layout: Layout, path: Path) -> list[Row]:
+    """Return the rows of a layout, with decimal points; raise InputError as `read_rows`."""
     try:
         return [(number, layout.cells(row)) for row, number in enumerate(layout.numbers)]
     except ValueError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def _layout(numbers: Sequence[int], rows: Sequence[str], comments: Sequence[str]) -> Layout:
+    """Return the layout of rows, with the separator and the decimal sign that they have."""
+    separator = _separator(rows[:_SHOWN_ROWS])
+    return Layout(numbers, rows, separator, _decimal(rows, separator), comments)
 
 
 def _without_comment(line: str) -> str:
@@ -139,7 +185,7 @@ def _without_comment(line: str) -> str:
         match = _BEFORE_COMMENT.match(line)
         line = match[0] if match else line
     line = line.strip(" \r\n\f\v")
-    return "" if line.startswith(_COMMENT_LINES) or not line.strip() else line
+    return "" if line.startswith(_COMMENT_LINES) or not line.strip(_ALL_SEPARATORS) else line
 
 
 def _separator(rows: Sequence[str]) -> str:
@@ -172,6 +218,12 @@ def _decimal(rows: Sequence[str], separator: str) -> str:
     if separator == ",":
         return "."
     for row in rows:
-        if "," in row and any(map(_DECIMAL_COMMA.fullmatch, split_row(row, separator))):
+        if "," not in row:
+            continue
+        try:
+            cells = split_row(row, separator)
+        except csv.Error:  # a row that is refused where it is read
+            continue
+        if any(map(_DECIMAL_COMMA.fullmatch, cells)):
             return ","
     return "."

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import io
 import itertools
+import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -21,12 +22,17 @@ from granwave.lammps_inputs.tables.layout import (
     join_cells,
     layout_of,
     with_decimal_point,
+    without_count,
 )
+from granwave.lammps_inputs.tables.units import LENGTH_UNITS, unit_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _EXACT_BY_DEFAULT = (3, 1)  # first pandas that reads every bit without being asked to
+_THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:[.,' ][0-9]{3})+(?:[.,][0-9]*)?")
+_UNIT_IN_BRACKETS = re.compile(r"\([^()]+\)|\[[^\[\]]+\]")
+_UNIT_CELL = re.compile(r"[^0-9\s]{0,2}[^\s]{0,7}")  # short, and no number
 _QUOTING_LENGTH = 100_000  # characters from which a row is taken apart by `csv`, which has a limit
 
 
@@ -46,6 +52,8 @@ class TextTable:
         Layout of the text.
     frame
         Cells, in columns numbered from 0.
+    units
+        Units of the columns in a row of their own, below the names; empty if there is none.
     """
 
     heads: Sequence[str]
@@ -53,6 +61,7 @@ class TextTable:
     lines: NDArray[np.int64]
     layout: Layout
     frame: pd.DataFrame
+    units: Sequence[str] = ()
 
     def __len__(self) -> int:
         return len(self.lines)
@@ -88,13 +97,19 @@ class TextTable:
         """Return the number in a cell."""
         if not cell and empty is not None:
             return empty
-        try:
-            number = read_number(with_decimal_point(cell) if self.layout.decimal == "," else cell)
-        except ValueError:
-            number = np.nan
+        has_comma = self.layout.decimal == ","
+        number = np.nan
+        if not (has_comma and _THOUSANDS.fullmatch(cell)):
+            try:
+                number = read_number(with_decimal_point(cell) if has_comma else cell)
+            except ValueError:
+                number = np.nan
         if not np.isfinite(number):
             where = self.place(row)
-            raise ValueError(f"{where}: found {show(cell)} for {name}, expected a finite number")
+            more = ", without a sign of thousands" if _THOUSANDS.fullmatch(cell) else ""
+            raise ValueError(
+                f"{where}: found {show(cell)} for {name}, expected a finite number{more}"
+            )
         return number
 
     def words(self, column: int) -> list[str]:
@@ -130,18 +145,39 @@ def read_text_table(
     ValueError
         It is none; the message names the line.
     """
-    layout = layout_of(text)
+    layout = without_count(layout_of(text))
     if not layout.rows:
         raise ValueError(nothing)
+    return text_table_of(layout, heads)
+
+
+def text_table_of(layout: Layout, heads: Sequence[str] = ()) -> TextTable:
+    """Return the table of a layout, which may begin with a row of names and one of units.
+
+    Parameters
+    ----------
+    heads
+        Names of the columns, of a table that has none, or in place of those that it has.
+
+    Raises
+    ------
+    ValueError
+        It is none; the message names the line.
+    """
     first = layout.cells(0)
+    if layout.separator == BLANKS:
+        first = _with_units(first)
     is_headed = not any(map(is_number, first))
     names = list(heads)
-    head_line = layout.numbers[0]
     if is_headed and not names:
         names = first
     elif not names:
         names = _heads_in_comment(layout, len(first))
-    return table_of(layout, names, head_line, start=int(is_headed))
+    units = _units_below(layout) if is_headed else []
+    start = int(is_headed) + int(bool(units))
+    table = table_of(layout, names, layout.numbers[0], start=start)
+    table.units = units
+    return table
 
 
 def table_of(layout: Layout, heads: Sequence[str], head_line: int, *, start: int = 0) -> TextTable:
@@ -158,13 +194,35 @@ def table_of(layout: Layout, heads: Sequence[str], head_line: int, *, start: int
     return TextTable(heads, head_line, lines, layout, _frame(layout, rows, len(expected)))
 
 
+def _with_units(words: Sequence[str]) -> list[str]:
+    """Return names between blanks, each with the unit in brackets behind it: ``x (mm)``."""
+    names: list[str] = []
+    for word in words:
+        if names and _UNIT_IN_BRACKETS.fullmatch(word):
+            names[-1] = f"{names[-1]} {word}"
+        else:
+            names.append(word)
+    return names
+
+
+def _units_below(layout: Layout) -> list[str]:
+    """Return the units in the row below the names; none without a unit of length among them."""
+    if len(layout.rows) < 3:
+        return []
+    cells = layout.cells(1)
+    if any(map(is_number, cells)) or not all(map(_UNIT_CELL.fullmatch, cells)):
+        return []
+    units = [unit_of(cell) for cell in cells]
+    return units if any(unit in LENGTH_UNITS for unit in units) else []
+
+
 def _heads_in_comment(layout: Layout, n: int) -> list[str]:
     """Return the names of ``n`` columns in the last comment before the rows; none without such."""
     if not layout.comments:
         return []
     line = layout.comments[-1]
     words = line.split(layout.separator) if layout.separator in line.strip() else line.split()
-    words = line.split() if layout.separator == BLANKS else words
+    words = _with_units(line.split()) if layout.separator == BLANKS else words
     has_names = len(words) == n and not any(map(is_number, words))
     return [word.strip() for word in words] if has_names else []
 
@@ -179,9 +237,12 @@ def _checked_rows(layout: Layout, start: int, names: Sequence[str]) -> Sequence[
         if is_plain:
             n_cells = len(row.split()) if sign == BLANKS else row.count(sign) + 1
         else:
-            cells = layout.cells(start + k)
+            cells = layout.written_cells(start + k)
             n_cells = len(cells)
             rows[k] = join_cells(cells, sign)
+        if n_cells == expected + 1 and rows[k].endswith(sign) and sign != BLANKS:
+            rows[k] = rows[k].removesuffix(sign)  # a row that ends with a separator
+            n_cells = expected
         if n_cells != expected:
             line = layout.numbers[start + k]
             hint = _hint_at_cells(layout, start + k, n_cells, expected)

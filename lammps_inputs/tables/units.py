@@ -39,6 +39,8 @@ _SPELLINGS = {
     "g/cc": "g/cm^3",
     "1/s": "rad/s",
 }
+_CAPITALS = ("mm", "cm", "um", "nm", "mm/s", "cm/s", "kg")
+_NO_UNITS = ("-", "--", "1", "/", "none")
 _PARTED = re.compile(r"(.+?)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\]|\s+in\s+(\S+)|\s*/\s*(\S+))")
 _JOINED = re.compile(r"(.+?)_((?:rad|kg|[munc]?m|d?m|[mu]?g)(?:_s|_m3|/s)?)")
 
@@ -53,6 +55,12 @@ def split_unit(head: str) -> tuple[str, str]:
     return head, ""
 
 
+def unit_of(cell: str) -> str:
+    """Return the unit in a cell of its own, such as ``[mm]``; empty if it has none."""
+    unit = _spelt(cell.strip().strip("()[]{}\"'"))
+    return "" if unit in _NO_UNITS else unit
+
+
 def in_si(values: Values, power: int) -> Values:
     """Return values in a unit of this power of ten, in the SI unit; decimal digits are kept."""
     return values / 10.0**-power if power < 0 else values * 10.0**power
@@ -62,4 +70,7 @@ def _spelt(unit: str) -> str:
     unit = unit.strip()
     for spelling in ("µ", "μ"):
         unit = unit.replace(spelling, _SPELLINGS[spelling])
-    return _SPELLINGS.get(unit, unit)
+    spelt = _SPELLINGS.get(unit, unit)
+    if unit.isupper() and unit.lower() in _CAPITALS:  # of names in capitals
+        return unit.lower()
+    return spelt

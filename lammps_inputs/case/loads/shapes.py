@@ -16,17 +16,21 @@ With amplitude A, duration T and frequency f:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.schema import ValidationError, show
 from granwave.lammps_inputs.files import read_number, read_text
+from granwave.lammps_inputs.tables.encoding import decoded_table
 from granwave.lammps_inputs.tables.layout import is_number, layout_of
-from granwave.lammps_inputs.tables.units import in_si, split_unit
+from granwave.lammps_inputs.tables.units import in_si, split_unit, unit_of
 
 Points = tuple[tuple[float, float], ...]
 
+_N_OF_COLUMNS = 2  # time, and force or place
+_MOST_HEADS = 2  # rows above the numbers: names and units
 #: Units in the names of the columns of ``load.file``: powers of ten of the SI unit.
 _UNITS = {"s": 0, "ms": -3, "us": -6, "ns": -9, "N": 0, "kN": 3, "m": 0, "mm": -3, "um": -6}
 
@@ -77,19 +81,23 @@ POINTS = schema.ListType(
 def read_points(path: Path) -> Points:
     """Read the two columns of the file of ``load.file``; raise ValueError with the fault.
 
-    A line of names may come first, with units: ``time (us); force (kN)``.
+    A line of names may come first, with units: ``time (us); force (kN)``, or with the units in a
+    line of their own below.
     """
     form = f"two columns of numbers, {_POINTS_FORM}"
     try:
-        layout = layout_of(read_text(path))
+        layout = layout_of(read_text(path, decoded_table))
     except ValueError as error:
         raise ValueError(f"{error}; expected {form}") from None
-    powers = [0, 0]
+    powers = [0] * _N_OF_COLUMNS
     rows: list[list[float]] = []
     for row, line in enumerate(layout.numbers):
         cells = layout.cells(row)
-        if not row and len(cells) == len(powers) and not any(map(is_number, cells)):
-            powers = [_power(cell, line) for cell in cells]
+        if not rows and row < _MOST_HEADS and _are_words(cells):
+            powers = [
+                power or _power(cell, line, is_unit=row > 0)
+                for power, cell in zip(powers, cells, strict=True)
+            ]
             continue
         try:
             pairs = zip(cells, powers, strict=True)
@@ -104,9 +112,16 @@ def read_points(path: Path) -> Points:
         raise ValueError(f"found {show(rows)}, expected {error}") from None
 
 
-def _power(head: str, line: int) -> int:
-    """Return the power of ten of the unit in the name of a column; 0 without a unit."""
-    _, unit = split_unit(head)
+def _are_words(cells: Sequence[str]) -> bool:
+    """Return True for two cells without numbers."""
+    return len(cells) == _N_OF_COLUMNS and not any(map(is_number, cells))
+
+
+def _power(head: str, line: int, *, is_unit: bool) -> int:
+    """Return the power of ten of the unit in the name of a column, or of the unit itself; 0 without
+    a unit.
+    """
+    unit = unit_of(head) if is_unit else split_unit(head)[1]
     joined = head.rpartition("_")[2]  # time_us
     if joined in _UNITS:
         unit = joined

@@ -152,6 +152,17 @@ def vtk_binary() -> bytes:
     return b"".join(parts)
 
 
+def xyz() -> str:
+    """Return a file of extended XYZ as OVITO writes it."""
+    lines = ["3", 'Lattice="0.04 0 0 0 0.04 0 0 0 0.1" Origin="0 0 0" pbc="T T F" '
+             "Properties=id:I:1:species:S:1:pos:R:3:velo:R:3:Radius:R:1"]  # fmt: skip
+    for k in ORDER:
+        lines.append(
+            f"{k + 1} glass {_numbers(POSITION[k])} {_numbers(VELOCITY[k])} {SIZES[k] / 2!r}"
+        )
+    return "\n".join(lines) + "\n"
+
+
 def _packed(array: np.ndarray) -> bytes:
     """Return an array as VTK packs it: sizes of its blocks, and a block."""
     raw = array.astype("<f8").tobytes()
@@ -226,6 +237,7 @@ FILES: dict[str, Callable[[], str | bytes]] = {
     "vtp inline": lambda: vtp("inline"),
     "vtp appended": lambda: vtp("appended"),
     "h5md": h5md,
+    "xyz": xyz,
 }
 WITHOUT_VELOCITY = ("yade.txt", "yade.spheres")
 

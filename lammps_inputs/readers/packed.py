@@ -1,0 +1,116 @@
+"""Files that are packed, and files of kinds that hold no grains, told by their first bytes."""
+
+from __future__ import annotations
+
+import bz2
+import dataclasses
+import gzip
+import io
+import lzma
+import zipfile
+import zlib
+from collections.abc import Callable
+
+_TAR = b"ustar"
+_PLACE_OF_TAR = 257  # bytes before the signature
+_ZIP = b"PK\x03\x04"
+_UNPACKERS: dict[bytes, tuple[str, Callable[[bytes], bytes]]] = {
+    b"\x1f\x8b": (".gz", gzip.decompress),
+    b"\xfd7zXZ\x00": (".xz", lzma.decompress),
+    b"BZh": (".bz2", bz2.decompress),
+}
+_SPREADSHEETS = {"xl/workbook.xml": ".xlsx", "content.xml": ".ods"}
+_DAMAGED = (OSError, EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile)
+
+
+@dataclasses.dataclass(frozen=True)
+class OtherKind:
+    """Kind of files that are no grains.
+
+    Attributes
+    ----------
+    start
+        First bytes of the file.
+    label
+        Its name in messages.
+    remedy
+        What the user can do.
+    """
+
+    start: bytes
+    label: str
+    remedy: str
+
+
+_OTHER_KINDS = (
+    OtherKind(b"\x28\xb5\x2f\xfd", "a .zst file", "unpack it (unzstd)"),
+    OtherKind(b"7z\xbc\xaf\x27\x1c", "a .7z file", "unpack it"),
+    OtherKind(b"Rar!", "a .rar file", "unpack it"),
+    OtherKind(b"\xd0\xcf\x11\xe0", "a spreadsheet (.xls)", "save it as CSV"),
+    OtherKind(b"\x93NUMPY", "an array of NumPy", "save it as text by numpy.savetxt"),
+    OtherKind(b"MATLAB 5.0", "a file of MATLAB", "save a table by writetable or writematrix"),
+    OtherKind(
+        b"version https://git-lfs", "a pointer of Git LFS", "get the file itself by git lfs pull"
+    ),
+    OtherKind(b"<!DOCTYPE html", "a web page", "download the file itself"),
+    OtherKind(b"<html", "a web page", "download the file itself"),
+)
+
+
+def unpacked(raw: bytes) -> bytes:
+    """Return the content of a file, unpacked if it is a .gz, .xz, .bz2, or a .zip of one file.
+
+    Raises
+    ------
+    ValueError
+        It is damaged, or of a kind that holds no grains; the message says what to do.
+    """
+    for start, (ending, unpack) in _UNPACKERS.items():
+        if raw.startswith(start):
+            return _checked(_without_package(raw, ending, unpack))
+    if raw.startswith(_ZIP):
+        return _checked(_without_package(raw, ".zip", _file_of_zip))
+    return _checked(raw)
+
+
+def _checked(raw: bytes) -> bytes:
+    """Return the content of a file; raise ValueError if it is of a kind that holds no grains."""
+    if raw.startswith(_TAR, _PLACE_OF_TAR):
+        raise ValueError(
+            "found an archive (.tar), expected a file of grains; unpack it and name the file"
+        )
+    for kind in _OTHER_KINDS:
+        if raw[: len(kind.start)].lower() == kind.start.lower():
+            raise ValueError(f"found {kind.label}, expected a file of grains; {kind.remedy}")
+    return raw
+
+
+def _without_package(raw: bytes, ending: str, unpack: Callable[[bytes], bytes]) -> bytes:
+    """Return the content of a packed file; raise ValueError if it is damaged."""
+    try:
+        return unpack(raw)
+    except _DAMAGED as error:
+        reason = str(error) or type(error).__name__
+        raise ValueError(
+            f"found a {ending} file that cannot be unpacked ({reason}); copy it again"
+        ) from None
+
+
+def _file_of_zip(raw: bytes) -> bytes:
+    """Return the only file of an archive; raise ValueError if it has others."""
+    with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+        names = [item.filename for item in archive.infolist() if not item.is_dir()]
+        for part, ending in _SPREADSHEETS.items():
+            if part in names:
+                raise ValueError(
+                    f"found a spreadsheet ({ending}), expected a file of grains; save it as CSV"
+                )
+        if len(names) != 1:
+            raise ValueError(
+                f"found a .zip with {len(names)} files, expected one of them; unpack it and name "
+                "the file of the grains"
+            )
+        try:
+            return archive.read(names[0])
+        except (RuntimeError, NotImplementedError) as error:  # a password, an unknown method
+            raise ValueError(f"found a .zip that cannot be unpacked: {error}") from None

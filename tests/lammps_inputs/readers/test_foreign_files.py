@@ -1,0 +1,308 @@
+"""Files in the forms of other programs and of spreadsheets, each of the same two grains."""
+
+from __future__ import annotations
+
+import base64
+import bz2
+import gzip
+import io
+import lzma
+import tarfile
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from granwave.lammps_inputs.case.grains import Grains, read_grains
+from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
+from tests.lammps_inputs.readers import writers
+
+PLACES = [[0.01, 0.02, 0.005], [0.01, 0.02, 0.015]]
+_LISTED = {"columns": ["x", "y", "z", "radius"]}
+
+
+def read(path: Path, content: str | bytes, **options: Any) -> Grains:
+    return read_grains(GrainSource(writers.write(path, content), FileOptions(**options)))
+
+
+def fault(path: Path, content: str | bytes, **options: Any) -> str:
+    with pytest.raises(ValueError) as caught:
+        read(path, content, **options)
+    return str(caught.value)
+
+
+def dump(
+    heads: str, rows: str, flags: str = "pp pp ff", box: str = "0 0.04\n0 0.04\n0 0.1\n"
+) -> str:
+    n_rows = rows.count("\n")
+    start = f"ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n{n_rows}\nITEM: BOX BOUNDS {flags}\n"
+    return f"{start}{box}ITEM: ATOMS {heads}\n{rows}"
+
+
+def data(rows: str, atoms: str = "Atoms", head: str = "LAMMPS data file") -> str:
+    box = "0 0.04 xlo xhi\n0 0.04 ylo yhi\n0 0.1 zlo zhi\n"
+    return f"{head}\n\n2 atoms\n1 atom types\n\n{box}\n{atoms}\n\n{rows}"
+
+
+DUMP = dump("id type x y z radius", "1 1 .01 .02 .005 .005\n2 1 .01 .02 .015 .005\n")
+SCALED = "1 .175 .5 .05 .005\n2 .15 .5 .15 .005\n"  # of a box with the tilts xy and xz
+TILTED = dump("id xs ys zs radius", SCALED, "xy xz yz pp pp ff",
+              "0 0.055 0.005\n0 0.04 0.01\n0 0.1 0\n")  # fmt: skip
+GENERAL = dump("id xs ys zs radius", SCALED, "abc origin pp pp ff",
+               "0.04 0 0 0\n0.005 0.04 0 0\n0.01 0 0.1 0\n")  # fmt: skip
+SPHERES = "1 1 0.01 2500 .01 .02 .005 0 0 0\n2 1 0.01 2500 .01 .02 .015 0 0 0\n"
+ROWS = "0.01,0.02,0.005,0.005\n0.01,0.02,0.015,0.005\n"
+MILLIMETRES = "10;20;5;10\n10;20;15;10\n"
+BETWEEN_BLANKS = MILLIMETRES.replace(";", " ")
+OLD_MERCURY = "0 0 0 0.005 0 0 0 0 0 0 1 10 3"
+ARCHIVE = io.BytesIO()
+with zipfile.ZipFile(ARCHIVE, "w") as archive:
+    archive.writestr("bed.dump", DUMP)
+TAR = io.BytesIO()
+with tarfile.open(fileobj=TAR, mode="w") as packages:
+    packages.addfile(tarfile.TarInfo("bed.dump"))
+SPREADSHEET = io.BytesIO()
+with zipfile.ZipFile(SPREADSHEET, "w") as archive:
+    archive.writestr("xl/workbook.xml", "<workbook/>")
+    archive.writestr("xl/worksheets/sheet1.xml", "<worksheet/>")
+
+
+def vtk_51() -> str:
+    """Return a legacy file as ParaView writes it today, with metadata and words."""
+    return (
+        "# vtk DataFile Version 5.1\nvtk output\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n"
+        "0.01 0.02 0.005 0.01 0.02 0.015 \n\nMETADATA\nINFORMATION 0\n\nVERTICES 3 2\n"
+        "OFFSETS vtktypeint64\n0 1 2 \nCONNECTIVITY vtktypeint64\n0 1 \n\nPOINT_DATA 2\n"
+        "TENSORS stress double\n1 0 0\n0 1 0\n0 0 1\n\n1 0 0\n0 1 0\n0 0 1\n\n"
+        "FIELD FieldData 3\nname 1 2 string\na\nb\nradius 1 2 float\n0.005 0.005 \n"
+        "METADATA\nINFORMATION 1\nNAME L2_NORM_RANGE LOCATION vtkDataArray\nDATA 2 0 1\n\n"
+        "id 1 2 int\n1 2\n"
+    )
+
+
+def vtu(appended: bool = False) -> str:
+    """Return a file of points in two pieces, and an empty one, as parallel programs write it."""
+    blob = ""
+    pieces = '<Piece NumberOfPoints="0" NumberOfCells="0"><Points/><PointData/></Piece>'
+    for place in PLACES:
+        arrays = []
+        for name, values, n in (("Points", place, 3), ("Diameter", [0.01], 1), ("Type", [2.0], 1)):
+            head = f'<DataArray type="Float32" Name="{name}" NumberOfComponents="{n}"'
+            if appended:
+                raw = np.array(values, "<f4").tobytes()
+                arrays.append(f'{head} format="appended" offset="{len(blob)}"/>')
+                blob += base64.b64encode(np.array([len(raw)], "<u4").tobytes() + raw).decode()
+            else:
+                arrays.append(f'{head} format="ascii">{" ".join(map(str, values))}</DataArray>')
+        points, *others = arrays
+        pieces += (
+            f'<Piece NumberOfPoints="1"><Points>{points}</Points>'
+            f"<PointData>{''.join(others)}</PointData></Piece>"
+        )
+    tail = f'<AppendedData encoding="base64">\n _{blob}\n</AppendedData>' if appended else ""
+    start = '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" byte_order="LittleEndian">'
+    return f"{start}<UnstructuredGrid>{pieces}</UnstructuredGrid>{tail}</VTKFile>\n"
+
+
+FORMS: dict[str, tuple[str | bytes, dict[str, Any]]] = {
+    "dump in a time": (f"ITEM: UNITS\nsi\nITEM: TIME\n0.5\n{DUMP}ITEM: TIME\n1\n{DUMP}", {}),
+    "dump with a tilted box": (TILTED, {}),
+    "dump with a general box": (GENERAL, {}),
+    "dump.xz": (lzma.compress(DUMP.encode()), {}),
+    "dump.bz2": (bz2.compress(DUMP.encode()), {}),
+    "dump.zip": (ARCHIVE.getvalue(), {}),
+    "data of LIGGGHTS": (data(SPHERES, "Atoms # granular"), {}),
+    "data without sizes": (data("1 1 .01 .02 .005\n2 1 .01 .02 .015\n"), {"diameter": 0.01}),
+    "data of Fortran": (data(SPHERES.replace(".005 0", ".5D-02 0")), {}),
+    "header in Latin-1": ("x (µm);y (µm);z (µm);d (µm)\n1e4;2e4;5e3;1e4\n1e4;2e4;15e3;1e4\n"
+                          .encode("cp1252"), {}),
+    "UTF-16 of Excel": ("\ufeffx\ty\tz\tr\n".encode("utf-16-le")
+                        + ROWS.replace(",", "\t").encode("utf-16-le"), {}),
+    "row of units": ("x;y;z;d;n\nmm;mm;mm;mm;-\n10;20;5;10;1\n10;20;15;10;2\n", {}),
+    "row of units in brackets": (f"x;y;z;d\n[mm];[mm];[mm];[mm]\n{MILLIMETRES}", {}),
+    "units between blanks": (f"x (mm) y (mm) z (mm) d (mm)\n{BETWEEN_BLANKS}", {}),
+    "units in a comment": (f"#\n# x [mm] y [mm] z [mm] d [mm]\n#\n{BETWEEN_BLANKS}", {}),
+    "VTK without LOOKUP_TABLE": (
+        "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n"
+        ".01 .02 .005 .01 .02 .015\nPOINT_DATA 2\nSCALARS radius float\n.005\n.005\n", {}),
+    "names in capitals": (f"X [MM];Y [MM];Z [MM];D [MM]\n{MILLIMETRES}", {}),
+    "title": (f"Centres of sample 3\n\nx,y,z,r\n{ROWS}", {}),
+    "title with commas": (f"Centres,,,\nof 2026,,,\nx,y,z,r\n{ROWS},,,\n", {}),
+    "separator of Excel": (f"sep=;\nx;y;z;r\n{ROWS.replace(',', ';')}", {}),
+    "rows that end with a comma": ("x,y,z,r\n" + ROWS.replace("\n", ",\n"), {}),
+    "number of rows above": ("2\n" + ROWS, _LISTED),
+    "exponents of Fortran": (" 1.0D-02 2.0D-02 5.0D-03 5.0D-03\n 1.D-02 .2d-01 1.5D-02 5.0D-03\n",
+                             _LISTED),
+    "decimal commas in quotes": ('"x";"y";"z";"r"\n'
+                                 '"0,01";"0,02";"0,005";"0,005"\n'
+                                 '"0,01";"0,02";"0,015";"0,005"\n', {}),
+    "Avizo": ("Volume3d (um^3),BaryCenterX (um),BaryCenterY (um),BaryCenterZ (um),EqDiameter (um)\n"
+              "5e11,10000,20000,5000,10000\n5e11,10000,20000,15000,10000\n", {}),
+    "spam": ("Label\tZpos\tYpos\tXpos\n1.0\t5\t20\t10\n2.0\t15\t20\t10\n",
+             {"units": "mm", "diameter": 0.01}),
+    "scikit-image": (",label,centroid-0,centroid-1,centroid-2,equivalent_diameter_area\n"
+                     "0,1,10,20,5,10\n1,2,10,20,15,10\n", {"units": "mm"}),
+    "MATLAB": ("Centroid_1,Centroid_2,Centroid_3,EquivDiameter\n10,20,5,10\n10,20,15,10\n",
+               {"units": "mm"}),
+    "EDEM": ("EXTRACTED DATA\nTIME: 0.5 s\nQ01 : Particle Position X (m),"
+             "Q02 : Particle Position Y (m),Q03 : Particle Position Z (m),"
+             f"Q04 : Particle Radius (m)\n{ROWS}", {}),
+    "id_x_y_z_r of YADE": ("#format id_x_y_z_r_matId\n0\t.01\t.02\t.005\t.005\t1\n"
+                           "1\t.01\t.02\t.015\t.005\t1\n", {}),
+    "old restart of MercuryDPM": (
+        "restart_version 3\nxmin 0 xmax 1 ymin 0 ymax 1 zmin 0 zmax 1\nParticles 2\n"
+        f"BP 0.01 0.02 0.005 {OLD_MERCURY}\n0.01 0.02 0.015 {OLD_MERCURY}\n", {}),
+    "VTK 5.1": (vtk_51(), {}),
+    "VTU in pieces": (vtu(), {}),
+    "VTU in pieces, appended": (vtu(appended=True), {}),
+    "XYZ without types": ("2\nProperties=pos:R:3:radius:R:1:color:R:3\n"
+                          ".01 .02 .005 .005 0 0 1\n.01 .02 .015 .005 0 0 1\n", {}),
+    "XYZ with names": ("2\ntype x y z r\n0 .01 .02 .005 .005\n0 .01 .02 .015 .005\n", {}),
+    "XYZ in frames": ("1\n\nA 0 0 0\n2\n\nA 10 20 5\nB 10 20 15\n",
+                      {"units": "mm", "diameter": 0.01}),
+    "plain XYZ with a radius": ("2\nt = 1\n1 .01 .02 .005 .005\n1 .01 .02 .015 .005\n",
+                                {"columns": ["type", "x", "y", "z", "radius"]}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_grains_are_those_of_the_file(name: str, tmp_path: Path) -> None:
+    content, options = FORMS[name]
+    grains = read(tmp_path / "grains.txt", content, **options)
+    single = {"rtol": 1e-6} if name.startswith("V") else {"rtol": 1e-15}
+    assert np.allclose(grains.position, PLACES, atol=0, **single)
+    assert grains.diameter == pytest.approx([0.01, 0.01], rel=single["rtol"])
+
+
+def test_decimal_commas_far_below_the_names(tmp_path: Path) -> None:
+    rows = "".join(f"0;0;{10 * k};10\n" for k in range(30))
+    grains = read(tmp_path / "g.csv", f"x;y;z;d\n{rows}0;0;299,5;10\n", units="mm")
+    assert grains.position[-1, 2] == 0.2995
+
+
+def test_units_of_a_dump_are_above_its_first_step(tmp_path: Path) -> None:
+    """As ``dump_modify units yes`` writes them; in another unit the grains are 100 times as far."""
+    grains = read(tmp_path / "g", f"ITEM: UNITS\ncgs\n{DUMP}{DUMP}")
+    assert grains.position == pytest.approx(np.array(PLACES) / 100)
+    assert "found the units lj" in fault(tmp_path / "lj", f"ITEM: UNITS\nlj\n{DUMP}")
+
+
+@pytest.mark.parametrize(("style", "length", "velocity", "density"), [
+    ("si", 1.0, 1.0, 1.0), ("cgs", 1e-2, 1e-2, 1e3), ("micro", 1e-6, 1.0, 1e3),
+    ("nano", 1e-9, 1.0, 1e6),
+])  # fmt: skip
+def test_units_of_lammps(
+    style: str, length: float, velocity: float, density: float, tmp_path: Path
+) -> None:
+    """Velocities of micro and nano are micrometres a microsecond and nanometres a nanosecond."""
+    head = f"LAMMPS data file via write_data, timestep = 0, units = {style}"
+    motion = "\nVelocities\n\n1 0 0 7 0 0 0\n2 0 0 0 0 0 0\n"
+    grains = read(tmp_path / "g", data(SPHERES, "Atoms # sphere", head) + motion)
+    assert grains.position == pytest.approx(length * np.array(PLACES))
+    assert grains.velocity[0] == pytest.approx([0, 0, 7 * velocity])
+    assert grains.reading is not None
+    assert grains.reading.density == pytest.approx((2500 * density, 2500 * density))
+    rows = "1 .01 .02 .005 0 0 7 .005\n2 .01 .02 .015 0 0 0 .005\n"
+    text = f"ITEM: UNITS\n{style}\n" + dump("id x y z vx vy vz radius", rows)
+    assert np.allclose(read(tmp_path / "d", text).velocity, grains.velocity, rtol=1e-15)
+
+
+def h5md(unit: Any, steps_of_velocity: list[int]) -> bytes:
+    """Return a trajectory of two steps, whose velocities have steps of their own."""
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        group = file.create_group("particles/all")
+        places = 1e3 * np.array(PLACES)
+        group["position/value"] = np.stack([0 * places, places])
+        group["position/value"].attrs["unit"] = unit
+        group["position/step"] = [0, 100]
+        group["velocity/value"] = np.ones((len(steps_of_velocity), 2, 3))
+        group["velocity/step"] = steps_of_velocity
+        group["radius"] = [5.0, 5.0]
+    return content.getvalue()
+
+
+def test_h5md_with_units_of_c_and_elements_of_other_steps(tmp_path: Path) -> None:
+    grains = read(tmp_path / "a", h5md(np.bytes_("mm"), [0, 50, 100]))
+    assert grains.position == pytest.approx(np.array(PLACES))
+    assert grains.velocity.tolist() == [[1e-3] * 3] * 2
+    assert not read(tmp_path / "b", h5md("mm", [0, 50])).velocity.any()
+    message = fault(tmp_path / "c", h5md("Angstrom", [100]))
+    assert 'found positions in the unit "Angstrom", expected m, dm' in message
+
+
+def test_a_number_that_may_be_cut_is_noted(tmp_path: Path) -> None:
+    grains = read(tmp_path / "g", DUMP[:-1])
+    assert grains.reading is not None
+    assert "the last line has no end; the dump may be truncated in it" in grains.reading.notes
+
+
+def test_text_above_a_table_is_noted(tmp_path: Path) -> None:
+    grains = read(tmp_path / "g.csv", f"Centres\nof 2026\nx,y,z,r\n{ROWS}")
+    assert grains.reading is not None
+    assert grains.reading.notes == ["text down to line 2 left out, above the names of the columns"]
+
+
+def test_lengths_without_a_unit_next_to_others_are_noted(tmp_path: Path) -> None:
+    text = "x (mm),y,z,r\n10,0.02,0.005,0.005\n10,0.02,0.015,0.005\n"
+    grains = read(tmp_path / "g.csv", text)
+    assert grains.position == pytest.approx(np.array(PLACES))
+    assert grains.reading is not None
+    assert grains.reading.notes == [
+        "columns without a unit (y, z, r) next to others with one; read in metres, or in "
+        "packing.units"
+    ]
+    text = "x (mm),y,z,r\n10,20,5,5\n10,20,15,5\n"
+    grains = read(tmp_path / "g.csv", text, units="mm")
+    assert grains.reading is not None
+    assert not grains.reading.notes
+
+
+def test_whole_types_of_vtk_have_no_decimals(tmp_path: Path) -> None:
+    grains = read(tmp_path / "g", vtu())
+    assert grains.reading is not None
+    assert grains.reading.types == {"2": 2}
+
+
+@pytest.mark.parametrize(("content", "message"), [
+    (SPREADSHEET.getvalue(),
+     "found a spreadsheet (.xlsx), expected a file of grains; save it as CSV"),
+    (b"\xd0\xcf\x11\xe0" + bytes(99), "found a spreadsheet (.xls)"),
+    (b"\x28\xb5\x2f\xfd" + bytes(99), "found a .zst file, expected a file of grains; unpack it"),
+    (lzma.compress(b"x" * 999)[:-40], "found a .xz file that cannot be unpacked"),
+    (ARCHIVE.getvalue()[:-40], "found a .zip file that cannot be unpacked"),
+    (gzip.compress(b"x" * 999)[:-9], "found a .gz file that cannot be unpacked"),
+    ("version https://git-lfs.github.com/spec/v1\n", "found a pointer of Git LFS"),
+    ("<!doctype html><html></html>", "found a web page"),
+    (b"\xff\xfex\0y", "found UTF-16 that is damaged"),
+    ("ITEM: TIMESTEP\n1\nITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES c_1[1]\n1\n",
+     "line 5: found a dump of contacts (ITEM: ENTRIES), expected one of atoms"),
+    (dump("id x ys zs radius", SCALED, "xy xz yz pp pp ff", "0 1 0.1\n0 1 0\n0 1 0\n"),
+     "found places of which some are scaled in a tilted box"),
+    ("x;y;z;d\n0,5;0;0;1\n1.000;0;0;1\n",
+     'line 3: found "1.000" for x, expected a finite number, without a sign of thousands'),
+    ("id,x,y,z,r\n99999999999999999999,0,0,0,1\n", "line 2: found 1e+20 for id, expected a whole"),
+    (gzip.compress(TAR.getvalue()), "found an archive (.tar), expected a file of grains; unpack"),
+    ('<VTKFile header_type="Foo"/>', 'found header_type "Foo", expected UInt32 or UInt64'),
+    (vtu().replace("0.01 0.02 0.005", "0.01 0.02"),
+     "found 2 numbers of Points, expected 3 for each point: the file is damaged"),
+    (vtu().replace('Diameter" NumberOfComponents="1"', 'Diameter" NumberOfComponents="x"'),
+     'found "x" components of Diameter, expected a number'),
+    ("x,y,z,r,d\n0,0,0,1,2\n", 'choose one: packing.columns = {diameter = "d"}'),
+    ("3\n\nA 0 0 0\nB 0 0 1\n", "line 1: found 2 of 3 grains: the file is truncated"),
+    ("2\n\nA 0 0 0 1\nB 0 0 1 1\n", "type x y z and 1 without a name, expected a property radius"),
+    ('<VTKFile type="Collection"><DataSet file="a.vtu"/></VTKFile>',
+     "found a list of other files (a.vtu ...), expected points"),
+    ("# vtk DataFile Version 3.0\n\nASCII\nPOINTS 2\n", 'found "POINTS 2" without its numbers'),
+])  # fmt: skip
+def test_faults_say_what_to_do(content: str | bytes, message: str, tmp_path: Path) -> None:
+    assert message in fault(tmp_path / "grains.txt", content)
+
+
+def test_a_size_that_the_user_names_is_that_of_the_grains(tmp_path: Path) -> None:
+    text = "x,y,z,r,d\n0,0,0,9,0.01\n0,0,0.01,9,0.01\n"
+    grains = read(tmp_path / "g.csv", text, columns={"diameter": "d"})
+    assert grains.diameter.tolist() == [0.01, 0.01]
