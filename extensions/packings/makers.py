@@ -29,7 +29,7 @@ from granwave.extensions.packings.sizes import volume
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.made_packing import MakerInput, PackingMaker, PackingNotMadeError
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.precompression import Precompression
+from granwave.lammps_inputs.case.precompression import Gravity, Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.extensions import extensions
@@ -313,9 +313,9 @@ def tables_of(tables: Mapping[str, Any], recipe: Recipe, bed: Bed) -> dict[str, 
         "packing": packing,
         "boundary": {"sides": sides, "bottom": "wall", **_table(tables, "boundary")},
     }
-    if "precompression" not in tables:
-        friction = bool(_table(tables, "contact").get("friction"))
-        implied["precompression"] = {"kind": "gravity", "overlaps": True}
-        if friction:
+    stage = _table(tables, "precompression")
+    if stage.get("kind", Gravity.name) == Gravity.name:
+        implied["precompression"] = {"kind": Gravity.name, "overlaps": True, **stage}
+        if _table(tables, "contact").get("friction"):
             packing |= {"contacts": "relax", "relaxation": "damped"}
     return {**tables, **implied}
