@@ -62,6 +62,7 @@ class CompressedRecipe(Recipe):
     """
 
     kind = "compressed"
+    rests_under_gravity = False
 
     keys: CompressedSection
     periodic: bool
@@ -153,7 +154,11 @@ class CompressedRecipe(Recipe):
             "cell": np.diag(lengths).tolist(),
         }
         stage = {"kind": Overlaps.name, **table_of(tables, "precompression")}
-        return {**tables, "packing": packing, "precompression": stage}
+        # the cell says how they repeat
+        repeats = ("sides", "bottom")
+        boundary = table_of(tables, "boundary").items()
+        others = {name: value for name, value in boundary if name not in repeats}
+        return {**tables, "packing": packing, "precompression": stage, "boundary": others}
 
 
 class CompressedMaker(BedMaker):
@@ -191,6 +196,7 @@ def _check(
     width = float(start_lengths(sizes, np.array(keys.proportions)).min())
     least = _LEAST_WIDTH * largest
     most = _MOST_OF_MODULUS * modulus
+    pressure = keys.pressure or 0.0
     errors.check_first(
         (
             keys.solid_fraction is None and keys.pressure is None,
@@ -203,10 +209,10 @@ def _check(
             Mismatch("both solid_fraction and pressure", "one of them"),
         ),
         (
-            keys.pressure is not None and keys.pressure > most,
+            pressure > most,
             "packing.pressure",
             Mismatch(
-                f"{keys.pressure:g} Pa", f"at most {most:g} Pa, {_MOST_OF_MODULUS:g} of the modulus"
+                f"{pressure:g} Pa", f"at most {most:g} Pa, {_MOST_OF_MODULUS:g} of the modulus"
             ),
         ),
         (

@@ -33,6 +33,8 @@ class Recipe(abc.ABC):
     ----------
     kind
         Value of ``packing.kind``.
+    rests_under_gravity
+        True if the grains are in balance under gravity.
     keys
         Keys of ``[packing]``.
     material
@@ -42,6 +44,7 @@ class Recipe(abc.ABC):
     """
 
     kind: ClassVar[str]
+    rests_under_gravity: ClassVar[bool] = True
 
     keys: Any
     material: Material
@@ -73,7 +76,7 @@ class Recipe(abc.ABC):
 
     def tables(self, tables: Mapping[str, Any], bed: Bed) -> dict[str, Any]:
         """Return the tables of a case with the grains of a bed, and what follows from it."""
-        return tables_of_bed(tables, bed, self.diameter.mean)
+        return tables_of_bed(tables, bed, self.diameter.mean, balanced=self.rests_under_gravity)
 
 
 class BedMaker(PackingMaker):
@@ -175,13 +178,17 @@ def _is_built_in(folder: Path) -> bool:
     return any(folder.resolve().is_relative_to(home.resolve()) for home in homes)
 
 
-def tables_of_bed(tables: Mapping[str, Any], bed: Bed, diameter: float) -> dict[str, Any]:
+def tables_of_bed(
+    tables: Mapping[str, Any], bed: Bed, diameter: float, *, balanced: bool
+) -> dict[str, Any]:
     """Return the tables of a case with the grains of a bed on a bottom plane, under gravity.
 
     Parameters
     ----------
     diameter
         Mean diameter, m.
+    balanced
+        True if the grains are in balance under gravity; else they move until they are.
     """
     container = bed.container
     enclosure: dict[str, Any] = {"bottom": bed.bottom}
@@ -202,6 +209,8 @@ def tables_of_bed(tables: Mapping[str, Any], bed: Bed, diameter: float) -> dict[
     stage = table_of(tables, "precompression")
     if stage.get("kind", Gravity.name) == Gravity.name:
         implied["precompression"] = {"kind": Gravity.name, "overlaps": True, **stage}
+        if not balanced:
+            packing["contacts"] = "relax"
         if table_of(tables, "contact").get("friction"):
             packing |= {"contacts": "relax", "relaxation": "damped"}
     return {**tables, **implied}
