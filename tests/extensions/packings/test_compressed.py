@@ -1,4 +1,4 @@
-"""Compressed packings: pressure and solid fraction as asked for, in balance, jammed as published."""
+"""Compressed packings: pressure and solid fraction are met, in balance, jammed as published."""
 
 import json
 import subprocess
@@ -218,7 +218,7 @@ def test_frictionless_spheres_jam_as_published(tmp_path, seed):
     path = case_file(tmp_path, boundary=ENDLESS, pressure=pressure, grains=n, seed=seed)
     found = statistics_of(*made(path))
     assert found.solid_fraction == pytest.approx(0.64, abs=0.01)
-    # finite packings jam below infinite ones: O'Hern et al. 2003, with the width of the distribution
+    # finite packings jam below infinite ones: O'Hern et al. 2003, with its width
     of_size = JAMMED - 0.12 * n ** (-1 / (3 * 0.71))
     assert found.solid_fraction == pytest.approx(of_size, abs=0.16 * n**-0.55)
     assert found.coordination_without_rattlers == pytest.approx(6.0, abs=0.2)
