@@ -59,7 +59,7 @@ def insert(
 
 def scatter(
     diameter: Floats,
-    lengths: Sequence[float],
+    lengths: Sequence[float] | Floats,
     periodic: Sequence[bool],
     random: np.random.Generator,
 ) -> Floats:
