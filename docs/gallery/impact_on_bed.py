@@ -1,15 +1,14 @@
 """A steel sphere that strikes a poured bed
 
-Steel spheres of 20 mm strike a bed of 300 soft glass spheres, poured and at rest under gravity. The
-depth at which they stop is compared with the formula that Ambroso, Santore, Abate and Durian (Phys.
-Rev. E 71 (2005) 051305) found for dry grains, d = (0.14/mu) (rho/rho_bed)^(1/2) D^(2/3) H^(1/3)
-with the total drop distance H; rho_bed is the density of the bed, mu the tangent of its angle of
-repose. The formula, for grains much smaller than the sphere, gives about twice the depth at 1 m/s:
-the grains are half as large as the sphere here, and the first ones that it meets stop it in part.
-At low speed the depth falls with a larger power than in the formula, about the speed itself:
-gravity does not act on the striker, which pushes a falling sphere on. In a bed 1.6 times as wide
-the depth at 1 m/s is 14 % smaller: walls are not the cause. The largest force grows with nearly
-the power 6/5 of a single collision of elastic spheres.
+Steel spheres of 20 mm strike a bed of 300 soft glass spheres, poured and at rest under gravity,
+which acts on the steel sphere too. The depth at which they stop is compared with the formula that
+Ambroso, Santore, Abate and Durian (Phys. Rev. E 71 (2005) 051305) found for dry grains, d =
+(0.14/mu) (rho/rho_bed)^(1/2) D^(2/3) H^(1/3) with the total drop distance H = v^2/2g + d; rho_bed
+is the density of the bed, mu the tangent of its angle of repose. What the depth depends on is on
+the page of poured packings. The largest force is that of the first collision with a grain, which
+grows with nearly the power 6/5 of a collision of elastic spheres. It is far above the inertial
+drag m v^2/d1, d1 = (0.25/mu) (rho/rho_bed) D, that Katsuragi and Durian (Phys. Rev. E 87 (2013)
+052208) found for grains much smaller than the sphere.
 """
 
 import matplotlib.pyplot as plt
@@ -20,7 +19,12 @@ import granwave as gw
 REPOSE = np.tan(np.radians(22.0))  # of spheres with this friction
 GRAVITY = 9.81
 DIAMETER = 0.02
-bed = {"packing.grains": 300, "packing.box": [0.07, 0.07], "run.end_time": 0.04}
+bed = {
+    "packing.grains": 300,
+    "packing.box": [0.07, 0.07],
+    "precompression.strikers": True,
+    "run.end_time": 0.1,
+}
 speeds = [0.25, 1.0, 2.0]
 depths = []
 forces = []
@@ -39,9 +43,10 @@ for speed in speeds:
     depths.append(depth.max())
     forces.append(-mass * np.gradient(velocity, time).min())
 
-density = 0.58 * 2500 * REPOSE**2  # of the bed, with the friction in it
+density = 0.58 * 2500  # of the bed
 height = np.array(speeds) ** 2 / (2 * GRAVITY) + depths
-formula = 0.14 * np.sqrt(7850 / density) * DIAMETER ** (2 / 3) * height ** (1 / 3)
+formula = 0.14 / REPOSE * np.sqrt(7850 / density) * DIAMETER ** (2 / 3) * height ** (1 / 3)
+drag = mass * np.array(speeds) ** 2 / (0.25 / REPOSE * 7850 / density * DIAMETER)
 with gw.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(6, 2.6))
     left.loglog(speeds, 1e3 * np.array(depths), "o", label="runs")
@@ -52,9 +57,10 @@ with gw.style():
     power, level = np.polyfit(np.log(speeds), np.log(forces), 1)
     right.loglog(speeds, np.exp(level) * np.array(speeds) ** power, label=f"power {power:.2f}")
     right.loglog(speeds, forces[0] * (np.array(speeds) / speeds[0]) ** 1.2, ":", label="power 6/5")
+    right.loglog(speeds, drag, "--", label="inertial drag")
     right.set(xlabel="impact speed (m/s)", ylabel="largest force on the sphere (N)")
     right.legend()
-    for axes, values in ((left, [2, 5, 10, 20, 40]), (right, [3, 10, 30])):
+    for axes, values in ((left, [2, 5, 10, 20, 40]), (right, [0.03, 0.1, 0.3, 1, 3, 10, 30])):
         axes.set_xticks(speeds, [f"{speed:g}" for speed in speeds])
         axes.set_yticks(values, [f"{value}" for value in values])
         axes.xaxis.set_minor_formatter("")

@@ -1,4 +1,4 @@
-"""Disordered packings that LAMMPS pours, and statistics of packings."""
+"""Disordered packings that LAMMPS pours or compresses, and statistics of packings."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ from granwave.lammps_inputs.extensions import Extension
 
 extension = Extension(
     name="packings",
-    title="poured packings, and their statistics",
+    title="poured and compressed packings, and their statistics",
     folder=Path(__file__).parent,
     commands="granwave.extensions.packings.commands:COMMANDS",
     packings="granwave.extensions.packings.makers:MAKERS",

@@ -4,9 +4,9 @@ A bed stands in the folder ``beds`` beside the case, under its kind and a digest
 made of. Who needs the same bed reads it; who makes it holds a lock, so that two processes do not
 make it at once, and its file appears whole.
 
-    poured-DIGEST.csv            the grains, as `packing.file` has them, and a record in comments
-    poured-DIGEST-contacts.csv   the contacts between them, with their forces
-    poured-DIGEST-springs.csv    their tangential springs, as `packing.springs` has them
+    KIND-DIGEST.csv              the grains, as `packing.file` has them, and a record in comments
+    KIND-DIGEST-contacts.csv     the contacts between them, with their forces
+    KIND-DIGEST-springs.csv      their tangential springs, as `packing.springs` has them
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import dataclasses
 import fcntl
 import hashlib
 import json
+import math
 import os
 from collections.abc import Iterator, Mapping
 from functools import cached_property
@@ -25,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.extensions.packings.insertion import nearest_image
 from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
@@ -34,6 +36,41 @@ _DIGITS = 12  # of the digest in names
 _MARK = "# bed: "
 _CONTACT_COLUMNS = ("i", "j", "normal_force", "tangential_force")
 FOLDER = "beds"
+
+
+@dataclasses.dataclass(frozen=True)
+class Container:
+    """Walls that grains are in: a box from x = y = 0, or a tube about x = y = 0.
+
+    Attributes
+    ----------
+    box
+        Widths along x and y, m.
+    periodic
+        True if the sides are periodic.
+    tube
+        Radius of a tube in place of the box, m; None: there is none.
+    height
+        Period along z, m; None: the packing is not periodic along z.
+    """
+
+    box: tuple[float, float]
+    periodic: bool = False
+    tube: float | None = None
+    height: float | None = None
+
+    @property
+    def area(self) -> float:
+        """Area of the cross-section, m^2."""
+        if self.tube is not None:
+            return math.pi * self.tube**2
+        return math.prod(self.box)
+
+    @property
+    def period(self) -> tuple[float, float, float]:
+        """Periods along x, y and z, m; infinite along axes that are not periodic."""
+        x, y = self.box if self.periodic else (math.inf, math.inf)
+        return x, y, self.height or math.inf
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -50,10 +87,13 @@ class Bed:
         Forces of the contacts: (n_contacts,), N.
     bottom
         Depth of the plane that it rests on, m.
+    container
+        Walls and periods around it.
     record
         How it was made.
     springs
-        Tangential springs of all contacts, as `packing.springs` has them.
+        Tangential springs of all contacts, as `packing.springs` has them; empty if they are not
+        kept.
     """
 
     grains: Grains
@@ -61,6 +101,7 @@ class Bed:
     normal_force: NDArray[np.float64]
     tangential_force: NDArray[np.float64]
     bottom: float
+    container: Container
     record: Mapping[str, Any]
     springs: str
 
@@ -69,9 +110,7 @@ class Bed:
         """Unit vectors from the first to the second grain of each contact: (n_contacts, 3)."""
         first, second = self.contacts.T
         apart = self.grains.position[second] - self.grains.position[first]
-        period = self.record.get("period")
-        if period is not None:
-            apart[:, :2] -= np.round(apart[:, :2] / period) * period
+        apart -= nearest_image(apart, self.container.period)
         return apart / np.linalg.norm(apart, axis=1)[:, None]
 
     @cached_property
@@ -127,14 +166,16 @@ class BedFile:
         record = json.loads(text.partition("\n")[0].removeprefix(_MARK))
         grains = parse_grains(text, None)
         grains.file = str(self.path)
-        grains.period = tuple(record["period"]) if record.get("period") else None
+        values = record["container"]
+        container = Container(**{**values, "box": tuple(values["box"])})
+        grains.period = container.box if container.periodic else None
         _, *rows = self.contacts_path.read_text(encoding="utf-8").splitlines()
         values = np.array([row.split(",") for row in rows], dtype=np.float64)
         values = values.reshape(-1, len(_CONTACT_COLUMNS))
         pairs = values[:, :2].astype(np.int64) - 1
         forces = (values[:, 2], values[:, 3])
         springs = self.springs_path.read_text(encoding="utf-8")
-        return Bed(grains, pairs, *forces, record["bottom"], record, springs)
+        return Bed(grains, pairs, *forces, record["bottom"], container, record, springs)
 
     def write(self, bed: Bed) -> None:
         """Write the bed; the file of the grains comes last, and whole."""
@@ -146,7 +187,9 @@ class BedFile:
         ]
         replace_text(self.contacts_path, "\n".join([head, *lines]) + "\n")
         replace_text(self.springs_path, bed.springs)
-        record = json.dumps({**bed.record, "bottom": bed.bottom})
+        record = json.dumps(
+            {**bed.record, "bottom": bed.bottom, "container": dataclasses.asdict(bed.container)}
+        )
         replace_text(self.path, f"{_MARK}{record}\n{bed.grains.text}")
 
     @contextlib.contextmanager

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.extensions.packings.bed import Bed
-from granwave.extensions.packings.makers import Recipe
+from granwave.extensions.packings.recipe import Recipe
+from granwave.extensions.packings.sizes import volume
 from granwave.extensions.packings.statistics import (
     COORDINATION_WITH_FRICTION,
     COORDINATION_WITHOUT_FRICTION,
@@ -40,10 +41,10 @@ _CARRIES = 1e-3  # force of a contact over the mean from which on it carries loa
 def inner_part(recipe: Recipe, bed: Bed) -> tuple[Floats, Floats]:
     """Return the corners of the inner part of a bed: (3,) each, m.
 
-    In a tube it is the largest box with a square base.
+    In a tube it is the largest box with a square base; along periodic axes it is all of the bed.
     """
-    container = recipe.container
-    margin = _MARGIN * recipe.keys.diameter.mean
+    container = bed.container
+    margin = _MARGIN * recipe.diameter.mean
     if container.tube is not None:
         half = (container.tube - margin) / math.sqrt(2)
         low = np.array([-half, -half, 0.0])
@@ -52,6 +53,9 @@ def inner_part(recipe: Recipe, bed: Bed) -> tuple[Floats, Floats]:
         beside = 0.0 if container.periodic else margin
         low = np.array([beside, beside, 0.0])
         high = np.array([*(width - beside for width in container.box), 0.0])
+    if container.height is not None:
+        high[2] = container.height
+        return low, high
     low[2] = _surface(bed) + margin
     high[2] = bed.bottom - margin
     return low, high
@@ -82,16 +86,13 @@ def statistics_of(recipe: Recipe, bed: Bed) -> PackingStatistics:
     carries = without_rattlers(n, pairs, least)
     of_all = coordination(n, pairs)
     of_skeleton = coordination(n, pairs[carries[pairs].all(axis=1)])
-    period = recipe.container.box if recipe.container.periodic else None
-    large = bool((high - low >= _LEAST_INNER * recipe.keys.diameter.mean).all())
+    large = bool((high - low >= _LEAST_INNER * recipe.diameter.mean).all())
     tensor = fabric(bed.directions[carrying])
     force = bed.normal_force[carrying]
     return PackingStatistics(
         n_grains=n,
         n_contacts=int(carrying.sum()),
-        solid_fraction=(
-            solid_fraction(position, bed.grains.diameter, low, high, period) if large else math.nan
-        ),
+        solid_fraction=_solid_fraction(bed, low, high) if large else math.nan,
         coordination=_mean(of_all[is_inside]),
         coordination_without_rattlers=_mean(of_skeleton[is_inside & carries]),
         rattlers=1.0 - _mean(carries[is_inside]),
@@ -100,7 +101,16 @@ def statistics_of(recipe: Recipe, bed: Bed) -> PackingStatistics:
         force_tail=exponential_tail(force_over_mean_at_depth(force, bed.depth[carrying])),
         mean_force=float(force.mean()),
         largest_force=float(force.max()),
+        pressure=bed.record.get("pressure", math.nan),
     )
+
+
+def _solid_fraction(bed: Bed, low: Floats, high: Floats) -> float:
+    """Return the solid fraction of a part of a bed; of all of a periodic one, without a grid."""
+    container = bed.container
+    if container.height is not None:
+        return volume(bed.grains.diameter) / (container.area * container.height)
+    return solid_fraction(bed.grains.position, bed.grains.diameter, low, high, container.period)
 
 
 def _mean(values: NDArray[Any]) -> float:
@@ -109,6 +119,9 @@ def _mean(values: NDArray[Any]) -> float:
 
 def statistics_rows(found: PackingStatistics, *, friction: bool) -> list[tuple[str, str]]:
     """Return the statistics and the published values as names and values in words."""
+    pressure = (
+        [] if math.isnan(found.pressure) else [("pressure when made", f"{found.pressure:.4g} Pa")]
+    )
     low, high = RANDOM_LOOSE_PACKING
     limit = COORDINATION_WITH_FRICTION if friction else COORDINATION_WITHOUT_FRICTION
     stable = f"{limit:g} to {COORDINATION_WITHOUT_FRICTION:g}" if friction else f"{limit:g}"
@@ -134,6 +147,7 @@ def statistics_rows(found: PackingStatistics, *, friction: bool) -> list[tuple[s
             "tail of the forces",
             f"exp(-{found.force_tail:.2f} F/<F>), <F> at the same depth; published {FORCE_TAIL:g}",
         ),
+        *pressure,
     ]
 
 
@@ -151,4 +165,5 @@ def statistics_values(found: PackingStatistics) -> Mapping[str, Any]:
         "force_tail": found.force_tail,
         "mean_force_N": found.mean_force,
         "largest_force_N": found.largest_force,
+        "pressure_Pa": None if math.isnan(found.pressure) else found.pressure,
     }

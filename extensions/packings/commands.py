@@ -1,4 +1,4 @@
-"""Command of poured packings: ``granwave bed``."""
+"""Command of poured and compressed packings: ``granwave bed``."""
 
 from granwave.workflows.cli.commands import CASE, FIND, SET, Command, as_json, output
 
@@ -6,7 +6,7 @@ COMMANDS = (
     Command(
         "bed",
         FIND,
-        "make the bed of a case whose grains are poured, and its statistics",
+        "make the bed of a case whose grains are poured or compressed, and its statistics",
         "granwave.extensions.packings.terminal:bed",
         (
             CASE,

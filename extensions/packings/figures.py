@@ -7,7 +7,7 @@ import numpy as np
 from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, WIDTH, Drawing
 from granwave.extensions.packings.bed import Bed
-from granwave.extensions.packings.makers import Recipe
+from granwave.extensions.packings.recipe import Recipe
 from granwave.extensions.packings.statistics import (
     FORCE_TAIL,
     RANDOM_CLOSE_PACKING,
@@ -34,10 +34,17 @@ def bed_figure(recipe: Recipe, bed: Bed) -> Drawing:
     left.semilogy(tail, published, color=ORANGE, label=f"exp(-{FORCE_TAIL:g} F/<F>), published")
     left.set(xlabel="Force over mean at depth", ylabel="Probability density")
     left.legend()
-    step = recipe.keys.diameter.mean / _SLICES_A_DIAMETER
+    step = recipe.diameter.mean / _SLICES_A_DIAMETER
     edges = np.arange(0.0, bed.bottom + step, step)
     edges = edges[edges <= bed.bottom]
-    profile = depth_profile(bed.grains.position, bed.grains.diameter, recipe.container.area, edges)
+    places = bed.grains.position
+    diameter = bed.grains.diameter
+    height = bed.container.height
+    if height is not None:  # grains at the ends, on both sides
+        period = np.array([0.0, 0.0, height])
+        places = np.concatenate([places - period, places, places + period])
+        diameter = np.tile(diameter, 3)
+    profile = depth_profile(places, diameter, bed.container.area, edges)
     depth = (edges[:-1] + edges[1:]) / 2
     right.plot(_MILLI * depth, profile, color=BLUE)
     right.axhline(RANDOM_CLOSE_PACKING, color=GREY, lw=0.8, label="random close packing")

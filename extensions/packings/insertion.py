@@ -1,8 +1,9 @@
-"""Random places in a column, from which grains fall."""
+"""Random places in a box or a column, at which grains start."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +12,13 @@ from granwave.lammps_inputs.errors import InputError
 
 Floats = NDArray[np.float64]
 
-_SOLID_FRACTION = 0.2  # of the column; up to 0.3 random places are found in a few attempts
+SOLID_FRACTION = 0.2  # at the start; up to 0.3 random places are found in a few attempts
 _MOST_ATTEMPTS = 10_000  # of one grain
 
 
 def column_height(volume: float, area: float) -> float:
     """Return the height of the column that grains of a volume (m^3) fall from, m."""
-    return volume / (_SOLID_FRACTION * area)
+    return volume / (SOLID_FRACTION * area)
 
 
 def insert(
@@ -48,14 +49,54 @@ def insert(
     InputError
         There is no room.
     """
+
+    def draw(size: float) -> Floats:
+        return _draw(size, box, height, random, periodic=periodic, tube=tube)
+
+    period = [*box, math.inf] if periodic else [math.inf] * 3
+    return _apart(diameter, draw, period)
+
+
+def scatter(
+    diameter: Floats,
+    lengths: Sequence[float] | Floats,
+    periodic: Sequence[bool],
+    random: np.random.Generator,
+) -> Floats:
+    """Draw places of grains in a box from 0 that do not overlap: (n, 3), m.
+
+    Parameters
+    ----------
+    diameter
+        (n,), m.
+    lengths
+        Lengths of the box along x, y and z, m.
+    periodic
+        True for the axes along which the box is periodic; across the others are walls.
+
+    Raises
+    ------
+    InputError
+        There is no room.
+    """
+
+    def draw(size: float) -> Floats:
+        margin = np.where(periodic, 0.0, size / 2)
+        return random.uniform(margin, lengths - margin)
+
+    return _apart(diameter, draw, np.where(periodic, lengths, math.inf))
+
+
+def _apart(
+    diameter: Floats, draw: Callable[[float], Floats], period: Sequence[float] | Floats
+) -> Floats:
+    """Draw a place for each grain until it overlaps none before it: (n, 3), m."""
     places = np.empty((len(diameter), 3))
-    period = np.array([*box, math.inf])
     for n, size in enumerate(diameter):
         for _ in range(_MOST_ATTEMPTS):
-            place = _draw(size, box, height, random, periodic=periodic, tube=tube)
+            place = draw(size)
             apart = places[:n] - place
-            if periodic:
-                apart[:, :2] -= np.round(apart[:, :2] / period[:2]) * period[:2]
+            apart -= nearest_image(apart, period)
             reach = (diameter[:n] + size) / 2
             if ((apart**2).sum(axis=1) > reach**2).all():
                 places[n] = place
@@ -63,6 +104,21 @@ def insert(
         else:
             raise InputError(f"packing.grains: found no room for grain {n + 1}; take a wider box")
     return places
+
+
+def nearest_image(apart: Floats, period: Sequence[float] | Floats) -> Floats:
+    """Return the whole periods to take off differences of places, for the nearest image: (n, 3), m.
+
+    Parameters
+    ----------
+    apart
+        Differences of places: (n, 3), m.
+    period
+        Periods along x, y and z, infinite along axes that are not periodic: (3,), m.
+    """
+    finite = np.isfinite(period)
+    length = np.where(finite, period, 1.0)
+    return np.asarray(np.where(finite, np.round(apart / length) * length, 0.0))
 
 
 def _draw(

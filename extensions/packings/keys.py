@@ -8,6 +8,7 @@ from granwave.extensions.packings.sizes import DIAMETERS, SizeDistribution
 from granwave.lammps_inputs.case import hints, schema
 
 _BOX_FORM = "[along x, along y] in m, both above 0"
+_PROPORTIONS_FORM = "three numbers above 0"
 _MOST_GRAINS = 100_000
 
 
@@ -45,5 +46,38 @@ class PouredSection:
     )
     restitution: float = schema.number(
         "coefficient of restitution while they settle", above=0, at_most=1, default=0.5
+    )
+    seed: int = schema.count("seed of diameters and places", at_least=0, default=0)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class CompressedSection:
+    """Random grains in a box that shrinks to a solid fraction or a pressure."""
+
+    kind: str = schema.choice(
+        "random grains, compressed to a solid fraction or a pressure", ("compressed",)
+    )
+    grains: int = schema.count("number of grains", at_most=_MOST_GRAINS)
+    diameter: SizeDistribution = schema.typed(
+        "diameter of all grains, or its distribution", DIAMETERS, unit=hints.DIAMETER
+    )
+    solid_fraction: float | None = schema.number(
+        "volume of the grains over that of the box", at_least=0.25, at_most=0.8, default=None
+    )
+    pressure: float | None = schema.number(
+        "pressure at the end, in place of a solid fraction", hints.PRESSURE, above=0, default=None
+    )
+    proportions: tuple[float, float, float] = schema.typed(
+        "proportions of the box along x, y and z; it is periodic where [boundary] says so, with "
+        "planes elsewhere",
+        schema.vector_type(3, _PROPORTIONS_FORM, lambda x, y, z: min(x, y, z) > 0),
+        default=(1.0, 1.0, 1.0),
+    )
+    friction: float | None = schema.number(
+        "coefficient of friction of grains and walls while they are compressed; by default that of "
+        "[contact]",
+        at_least=0,
+        at_most=10,
+        default=None,
     )
     seed: int = schema.count("seed of diameters and places", at_least=0, default=0)

@@ -17,6 +17,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.extensions.packings.bed import Container
+from granwave.extensions.packings.lammps_grains import (
+    CONTACT_FORCE,
+    FIRST,
+    SECOND,
+    TANGENTIAL_FORCE,
+    Report,
+    contact_table,
+    grain_data,
+    grain_script,
+    positions_of,
+)
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.springs import springs_table
 from granwave.lammps_inputs.errors import RunError
@@ -25,7 +37,6 @@ from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
 
 Floats = NDArray[np.float64]
-Report = Callable[[float, str], None]  # fraction that is done, and a note
 
 _DATA = "grains.data"
 _STATE = "grains.restart"
@@ -39,8 +50,6 @@ WALLS = {
     ("y", 1): "yhi",
 }
 _OF_RAYLEIGH = 0.2  # timestep over the time of a Rayleigh wave across the smallest grain
-_SKIN = 0.1  # of the neighbour lists, diameters
-_GAP = 1e-3  # diameters; contacts have no dents that would have to be kept beyond it
 _LOOKS = 20  # looks at the motion in the time of the fall
 _DRAG_TIME = 0.02  # of drag, over the time of the fall
 _MOST_TIMES = 40  # longest time of falling, and of drag, in times of the fall
@@ -48,32 +57,6 @@ _MOST_TIMES = 40  # longest time of falling, and of drag, in times of the fall
 _SLOW = 1e-3
 _AT_REST = 1e-9
 _BALANCED = 3e-4  # net force on a grain over the largest force, at the end
-
-
-@dataclasses.dataclass(frozen=True)
-class Container:
-    """Walls that grains settle in: a box from x = y = 0, or a tube about x = y = 0.
-
-    Attributes
-    ----------
-    box
-        Widths along x and y, m.
-    periodic
-        True if the sides are periodic.
-    tube
-        Radius of a tube in place of the box, m; None: there is none.
-    """
-
-    box: tuple[float, float]
-    periodic: bool = False
-    tube: float | None = None
-
-    @property
-    def area(self) -> float:
-        """Area of the cross-section, m^2."""
-        if self.tube is not None:
-            return math.pi * self.tube**2
-        return math.prod(self.box)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -190,13 +173,12 @@ def settle(
         place = Path(folder)
         (place / _DATA).write_text(_data(position, diameter, container, law), encoding="ascii")
         with open_engine(mpi.this_process(), log="none") as engine:
-            engine.commands(_script(place / _DATA, position, diameter, container, law))
+            engine.commands(_script(place / _DATA, diameter, container, law))
             return _Settling(engine, position, diameter, law, report, place / _STATE).run()
 
 
 def _data(position: Floats, diameter: Floats, container: Container, law: SettlingLaw) -> str:
     """Return the data file of the grains."""
-    n = len(diameter)
     largest = float(diameter.max())
     low = [0.0, 0.0]
     high = list(container.box)
@@ -204,28 +186,19 @@ def _data(position: Floats, diameter: Floats, container: Container, law: Settlin
         low = [-container.tube, -container.tube]
         high = [container.tube, container.tube]
     margin = 0.0 if container.periodic else largest
-    sides = [
-        f"{low[axis] - margin!r} {high[axis] + margin!r} {'xy'[axis]}lo {'xy'[axis]}hi"
-        for axis in range(2)
-    ]
     top = float(position[:, 2].min()) - 10 * largest
-    density = law.material.density
-    rows = [
-        f"{number} 1 {size!r} {density!r} {x!r} {y!r} {z!r}"
-        for number, (size, (x, y, z)) in enumerate(
-            zip(diameter.tolist(), position.tolist(), strict=True), start=1
-        )
-    ]
-    head = ["grains of a bed", "", f"{n} atoms", "1 atom types", "", *sides]
-    return "\n".join([*head, f"{top!r} {largest!r} zlo zhi", "", "Atoms # sphere", "", *rows, ""])
+    return grain_data(
+        position,
+        diameter,
+        law.material.density,
+        [*(edge - margin for edge in low), top],
+        [*(edge + margin for edge in high), largest],
+    )
 
 
-def _script(
-    data: Path, position: Floats, diameter: Floats, container: Container, law: SettlingLaw
-) -> str:
+def _script(data: Path, diameter: Floats, container: Container, law: SettlingLaw) -> str:
     """Return the commands before the first step."""
-    mean = float(diameter.mean())
-    sides = "p p f" if container.periodic else "f f f"
+    sides = "ppf" if container.periodic else "fff"
     walls = [f"fix bottom all wall/gran/hysteretic zplane NULL 0.0 {law.words}"]
     if container.tube is not None:
         walls.append(f"fix tube all wall/gran/hysteretic tube {container.tube!r} {law.words}")
@@ -236,17 +209,7 @@ def _script(
         ]
     return "\n".join(
         [
-            "units si",
-            "atom_style sphere",
-            "atom_modify map yes sort 0 0",
-            "newton off",
-            f"boundary {sides}",
-            f'read_data "{data}"',
-            "comm_modify vel yes",
-            f"neighbor {_SKIN * mean!r} bin",
-            "neigh_modify delay 0 every 5 check yes",
-            f"pair_style gran/hysteretic {_GAP * mean!r}",
-            f"pair_coeff 1 1 {law.words}",
+            grain_script(data, diameter, sides, law.words),
             *walls,
             f"fix weight all gravity {law.acceleration!r} vector 0 0 1",
             "fix motion all nve/sphere",
@@ -256,11 +219,9 @@ def _script(
             "compute largest all reduce max c_grain[1]",
             "variable net atom sqrt(fx^2+fy^2+fz^2)",
             "compute net all reduce max v_net",
-            "compute contacts all gran/hysteretic/local",
             "variable motion equal c_moving",
             "variable largest equal c_largest",
             "variable residual equal c_net/(c_largest+(c_largest==0))",
-            "thermo 1000000",
             "thermo_style custom step c_moving c_largest c_net",
             "thermo_modify lost error norm no",
         ]
@@ -327,32 +288,14 @@ class _Settling:
 
     def _settled(self) -> Settled:
         """Return what LAMMPS holds."""
-        lammps = self._engine.lammps
-        order = np.argsort(self._engine.per_atom("id")[: self._n])
-        position = self._engine.per_atom("x")[: self._n][order].copy()
-        from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
-
-        table = lammps.numpy.extract_compute("contacts", LMP_STYLE_LOCAL, LMP_TYPE_ARRAY)
-        table = np.array(table, dtype=np.float64)
-        if table.ndim < 2:  # without contacts LAMMPS has no table
-            table = np.empty((0, _CONTACT_COLUMNS))
-        table = table[table[:, _FORCE] > 0]
-        table = table[np.lexsort((table[:, _SECOND], table[:, _FIRST]))]
+        table = contact_table(self._engine)
         self._engine.commands(f'write_restart "{self._state}"')
-        pairs = table[:, [_FIRST, _SECOND]].astype(np.int64) - 1
         return Settled(
-            position,
-            pairs,
-            table[:, _FORCE],
-            table[:, _TANGENTIAL],
+            positions_of(self._engine, self._n),
+            table[:, [FIRST, SECOND]].astype(np.int64) - 1,
+            table[:, CONTACT_FORCE],
+            table[:, TANGENTIAL_FORCE],
             self._residual,
             self._engine.step,
             springs_table(read_restart(self._state), WALLS),
         )
-
-
-_CONTACT_COLUMNS = 20  # of compute gran/hysteretic/local, counted from 0 below
-_FIRST = 0
-_SECOND = 1
-_FORCE = 3
-_TANGENTIAL = 12

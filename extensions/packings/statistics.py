@@ -16,7 +16,9 @@ Published values for comparison, of equal spheres, are in `PUBLISHED`:
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +44,7 @@ def solid_fraction(
     diameter: Floats,
     low: Floats,
     high: Floats,
-    period: tuple[float, float] | None = None,
+    period: Sequence[float] = (),
 ) -> float:
     """Return the fraction of a box inside of a packing that spheres cover.
 
@@ -57,7 +59,7 @@ def solid_fraction(
     low, high
         Corners of the box: (3,), m.
     period
-        Periods along x and y, m.
+        Periods along x, y and z, m; infinite, or left out at the end, where there is none.
     """
     from scipy.spatial import KDTree
 
@@ -78,14 +80,15 @@ def _midpoints(low: float, high: float) -> Floats:
 
 
 def _with_images(
-    position: Floats, radius: Floats, period: tuple[float, float] | None
+    position: Floats, radius: Floats, period: Sequence[float]
 ) -> tuple[Floats, Floats]:
     """Return centres and radii, with the periodic images next to the cell."""
-    if period is None:
-        return position, radius
-    shifts = [(i * period[0], j * period[1], 0.0) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-    centres = np.concatenate([position + shift for shift in shifts])
-    return centres, np.tile(radius, len(shifts))
+    lengths = np.zeros(3)
+    lengths[: len(period)] = np.where(np.isfinite(period), period, 0.0)
+    shifts = [(-1, 0, 1) if length else (0,) for length in lengths]
+    images = np.array(list(itertools.product(*shifts))) * lengths
+    centres = np.concatenate([position + shift for shift in images])
+    return centres, np.tile(radius, len(images))
 
 
 def depth_profile(position: Floats, diameter: Floats, area: float, edges: Floats) -> Floats:
@@ -237,6 +240,8 @@ class PackingStatistics:
         See `exponential_tail`.
     mean_force, largest_force
         Of the contacts between grains, N.
+    pressure
+        When it was made, Pa; NaN of packings that were poured.
     """
 
     n_grains: int
@@ -250,3 +255,4 @@ class PackingStatistics:
     force_tail: float
     mean_force: float
     largest_force: float
+    pressure: float

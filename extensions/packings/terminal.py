@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 
 from granwave.analysis.summary_table import lines
-from granwave.extensions.packings.makers import PouredMaker, bed_file, bed_of, read_recipe
+from granwave.extensions.packings.makers import MAKERS
+from granwave.extensions.packings.recipe import bed_file, bed_of
 from granwave.lammps_inputs.case.made_packing import maker_input
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, show
@@ -31,12 +32,14 @@ def bed(options: argparse.Namespace) -> int:
     errors = ErrorList(str(path))
     given = maker_input(tables, path, errors)
     kind = given.tables["packing"].get("kind") if given is not None else None
-    if given is not None and kind != PouredMaker.kind:
+    maker = next((maker for maker in MAKERS if maker.kind == kind), None)
+    if given is not None and maker is None:
+        kinds = " or ".join(show(maker.kind) for maker in MAKERS)
         raise InputError(
-            f"{path}: packing.kind: found {show(kind or '')}, expected "
-            f"{show(PouredMaker.kind)}: other packings have no bed to make"
+            f"{path}: packing.kind: found {show(kind or '')}, expected {kinds}: other packings "
+            "have no bed to make"
         )
-    recipe = read_recipe(given, errors) if given is not None else None
+    recipe = maker.read(given, errors) if given is not None and maker is not None else None
     errors.report(path.stem)
     assert given is not None
     assert recipe is not None

@@ -292,6 +292,11 @@ class Case:
         return self.may_rearrange and self.packing.relaxation == DAMPED
 
     @property
+    def strikers_fall(self) -> bool:
+        """True if gravity acts on strikers."""
+        return self.precompression is not None and self.precompression.strikers
+
+    @property
     def may_rearrange(self) -> bool:
         """True if grains may move far on the way to balance."""
         way = self.packing.contact_way

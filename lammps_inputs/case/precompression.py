@@ -41,7 +41,7 @@ class StaticLoad:
     instead
         Keys to give in place of others.
     takes_acceleration
-        True if ``acceleration`` belongs to it.
+        True if ``acceleration`` and ``strikers`` belong to it.
     takes_moves
         True if distances and forces of walls belong to it.
     moves_walls
@@ -81,16 +81,20 @@ class StaticLoad:
     def check_keys(self, stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
         """Check that a load has the keys of its kind, and no others."""
         moving = [*stage.moves, *(f"{name}_force" for name in stage.presses)]
-        shifted = stage.acceleration != Precompression.acceleration
+        by_gravity = {
+            "acceleration": stage.acceleration != Precompression.acceleration,
+            "strikers": stage.strikers,
+        }
         for name in () if self.takes_moves else moving:
             errors.add(
                 f"{PRECOMPRESSION}.{name}", f'belongs to {_KIND}"walls"; found {show(self.name)}'
             )
         for name in self._foreign_sizes(stage):
             errors.add(f"{PRECOMPRESSION}.{name}", self._refusal_of_size())
-        if shifted and not self.takes_acceleration:
-            found = f'belongs to {_KIND}"gravity"; found "{self.name}"'
-            errors.add(f"{PRECOMPRESSION}.acceleration", found)
+        for name, is_given in by_gravity.items():
+            if is_given and not self.takes_acceleration:
+                found = f'belongs to {_KIND}"gravity"; found "{self.name}"'
+                errors.add(f"{PRECOMPRESSION}.{name}", found)
 
     def check_bounds(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
         """Check that the boundary can bear a load that moves no walls."""
@@ -212,7 +216,10 @@ class Gravity(StaticLoad):
         return "acceleration", "m/s^2"
 
     def words(self, stage: Precompression) -> list[str]:
-        return [f"weight at {stage.acceleration:.4g} m/s^2"]
+        words = [f"weight at {stage.acceleration:.4g} m/s^2"]
+        if stage.strikers:
+            words.append("strikers fall too")
+        return words
 
 
 class MovedWalls(StaticLoad):
@@ -279,6 +286,9 @@ class Precompression:
     )
     acceleration: float = schema.number(
         "acceleration of gravity", hints.ACCELERATION, above=0, default=9.81
+    )
+    strikers: bool = schema.choice(
+        "true: gravity acts on strikers too, from the impact on", (False, True), default=False
     )
 
     @property

@@ -42,6 +42,13 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
             return
     rule = stage.rule
     rule.check_keys(stage, packing, errors)
+    errors.check(
+        (
+            stage.strikers and not case.striker,
+            f"{PRECOMPRESSION}.strikers",
+            Mismatch("true without [[striker]]", remedy="add a striker, or take it out"),
+        ),
+    )
     lattice = packing.grains is None
     key = "kind" if rule.from_overlaps else "overlaps"
     errors.check(

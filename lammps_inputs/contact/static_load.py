@@ -11,11 +11,12 @@ uniform    the forces of the missing neighbours outside of the packing, if every
            hcp. A lattice of equal spheres is then in equilibrium in place under the pressure p, and
            its faces carry p times their area. Vacant sites that are connected to the outside count
            as outside.
-gravity    m g along +z on each sphere of the packing
+gravity    m g along +z on each sphere of the packing; with ``strikers`` on these too, which are
+           held until the static stage is over
 walls      none, or as uniaxial: walls are moved in, and held
 overlaps   the same: the grains overlap at the start
 
-Fixed spheres and strikers carry no dead load.
+Fixed spheres carry no dead load, nor do strikers but for their weight.
 """
 
 from __future__ import annotations
@@ -183,6 +184,15 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
         force[np.isin(ids, lattice.last_layer)] = 0.0
     loaded = force.any(axis=1)
     return ids[loaded], force[loaded]
+
+
+def striker_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the ids of the strikers that gravity acts on, and weights: (n,) and (n, 3), N."""
+    stage = _stage_of(assembly)
+    falls = (assembly.ids > assembly.lattice.n_spheres) & assembly.case.strikers_fall
+    weight = np.zeros((int(falls.sum()), 3))
+    weight[:, 2] = stage.acceleration * assembly.sphere_masses()[falls]
+    return assembly.ids[falls], weight
 
 
 def directions(assembly: Assembly) -> str:

@@ -10,7 +10,7 @@ from granwave.lammps_inputs.contact.law import energy_at_start
 from granwave.lammps_inputs.deck import columns as table
 from granwave.lammps_inputs.deck.columns import recorded, sources
 from granwave.lammps_inputs.deck.commands import time_series
-from granwave.lammps_inputs.deck.motion import POTENTIAL, STATIC, sum_of, velocity_along
+from granwave.lammps_inputs.deck.motion import FALL, POTENTIAL, STATIC, sum_of, velocity_along
 from granwave.lammps_inputs.deck.plugin_columns import EnergyColumn, PairColumn, WallColumn
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import moving_fix, plane_fixes
@@ -184,6 +184,8 @@ def _elastic_energies(
     terms += [f"c_elastic_{bar.name}" for bar in assembly.bars]
     if assembly.case.precompression:
         terms += [POTENTIAL, f"-{STATIC}"]
+    if assembly.case.strikers_fall:
+        terms.append(f"-{FALL}")
     at_start = energy_at_start(assembly)
     if at_start:
         terms.append(num(-at_start))

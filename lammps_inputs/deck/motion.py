@@ -18,6 +18,7 @@ from granwave.lammps_inputs.script_words import joined, num
 
 MOVING_BED = "v_moving_bed"  # kinetic energy in a restart file, but for spheres that are struck
 POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
+FALL = "c_fall"  # part of it that is of strikers: less the work of gravity on them, which is input
 STATIC = "v_static"  # elastic and potential energy at the start of the run
 CLUMPS = "clumps"  # group of the grains of all clumps
 GRAVITY = 9.81  # m/s^2, of beads on their holder
@@ -239,10 +240,13 @@ def _load(assembly: Assembly) -> list[str]:
     """
     load = assembly.case.load
     driven = [bar.far for bar in assembly.bars if bar.name == INCIDENT_BAR]
+    inputs = [load.input_formula]
+    if assembly.case.strikers_fall:
+        inputs.append(f"-{FALL}")
     lines = [
         *(f"group           driven id {far}" for far in driven),
         *load.commands("driven" if driven else "hit"),
-        f"variable        input equal {load.input_formula}",
+        f"variable        input equal {sum_of(inputs)}",
     ]
     if load.may_stop:
         velocity = velocity_along(assembly.case, "hit")

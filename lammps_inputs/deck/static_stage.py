@@ -41,14 +41,16 @@ from granwave.lammps_inputs.contact.static_load import (
     directions,
     force_of_contact,
     static_stiffness,
+    striker_loads,
 )
 from granwave.lammps_inputs.deck.commands import (
+    id_ranges,
     moved_wall,
     pair_coefficients,
     plane_names,
     wall_commands,
 )
-from granwave.lammps_inputs.deck.motion import MOVING_BED, POTENTIAL, integration
+from granwave.lammps_inputs.deck.motion import FALL, MOVING_BED, POTENTIAL, integration
 from granwave.lammps_inputs.deck.output import (
     count_commands,
     displacements,
@@ -167,6 +169,18 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
         f"fix             dead dead addforce {words} energy v_dead_{axes[-1]}",
         f"variable        work atom -({work})",
         f"compute         {POTENTIAL.removeprefix('c_')} dead reduce sum v_work",
+        *_fall(assembly),
+    ]
+
+
+def _fall(assembly: Assembly) -> list[str]:
+    """Return the commands of the potential energy of strikers that gravity acts on."""
+    if not assembly.case.strikers_fall:
+        return []
+    ids, _ = striker_loads(assembly)
+    return [
+        f"group           falling id {id_ranges(ids)}",
+        f"compute         {FALL.removeprefix('c_')} falling reduce sum v_work",
     ]
 
 
@@ -442,7 +456,9 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
     """Return the texts of the files of dead loads and of displacements towards balance by name, one
     for each direction.
     """
-    ids, forces = dead_loads(assembly)
+    each = (dead_loads(assembly), striker_loads(assembly))
+    ids = np.concatenate([numbers for numbers, _ in each])
+    forces = np.concatenate([loads for _, loads in each])
     tables = {}
     for axis in directions(assembly):
         along = forces[:, "xyz".index(axis)]

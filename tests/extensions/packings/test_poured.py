@@ -12,7 +12,8 @@ import tomli_w
 
 from granwave.extensions.packings.bed import BedFile
 from granwave.extensions.packings.bed_statistics import statistics_of
-from granwave.extensions.packings.makers import bed_of, read_recipe
+from granwave.extensions.packings.poured import PouredMaker
+from granwave.extensions.packings.recipe import bed_of
 from granwave.extensions.packings.settling import SettlingLaw
 from granwave.extensions.packings.sizes import SizeDistribution
 from granwave.lammps_inputs.case.made_packing import (
@@ -65,7 +66,7 @@ def made(folder, **changes):
     path = case_file(folder, **changes)
     errors = ErrorList(str(path))
     given = maker_input(tomllib.loads(path.read_text()), path, errors)
-    recipe = read_recipe(given, errors)
+    recipe = PouredMaker().read(given, errors)
     assert not errors.items
     return recipe, bed_of(recipe, given)
 
