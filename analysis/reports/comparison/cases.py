@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     LackingError,
-    physical_keys,
+    is_physical,
     value_text,
 )
 from granwave.analysis.reports.setting import differing, quantity_in
@@ -60,17 +60,25 @@ def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
     """Return what differs in the cases, physics first; grains after the keys."""
     with_case = [run.run for run in runs if run.run.case]
     keys = differing(with_case) if len(with_case) > 1 else []
-    physical = physical_keys(with_case) if len(with_case) > 1 else []
-    own = [key for key in keys if key in physical]
-    rest = [key for key in keys if key not in physical]
+    rows = _kind_rows(runs)
+    if rows:  # keys of one kind alone say nothing
+        keys = [key for key in keys if all(key in run.case for run in with_case)]
+    own = [key for key in keys if is_physical(key)]
+    rest = [key for key in keys if not is_physical(key)]
     is_moved = any(key.startswith(_OF_PACKING) for key in own)
     grains = _grain_rows(runs, places=not is_moved)
     if grains:
         own = [key for key in own if key != _REPLACED]
-    rows = [_key_row(key, runs) for key in own]
+    rows += [_key_row(key, runs) for key in own]
     rows += grains
     rows += [_key_row(key, runs, is_numerical=True) for key in rest]
     return rows
+
+
+def _kind_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
+    """Return a row with the kinds of the runs, where they differ."""
+    nouns = tuple(run.run.kind.noun for run in runs)
+    return [Difference("kind of run", nouns)] if len(set(nouns)) > 1 else []
 
 
 def _key_row(key: str, runs: Sequence[ComparedRun], *, is_numerical: bool = False) -> Difference:

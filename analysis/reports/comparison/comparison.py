@@ -26,6 +26,7 @@ from granwave.analysis.reports.comparison.values import (
     unknown_values,
 )
 from granwave.analysis.reports.kinds import ReportRun
+from granwave.analysis.reports.setting import quantity_in
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.own_files import AnyPath
 
@@ -37,6 +38,7 @@ BOTTOM_FORCE = "bottom_force"  # what a measured curve is compared with by defau
 _UNITS = "units"  # key of ``attrs`` of a table
 _RATIO = "ratio"
 _LEAST_RUNS = 2
+_LATER = 1.01  # latest over earliest end from which on runs end at different times
 
 
 class Comparison:
@@ -245,11 +247,20 @@ class Comparison:
         if early:
             listed = ", ".join(early)
             notes.append(f"Not finished, compared up to where it came: {listed}.")
+        notes += self._unlike_ends()
         for run in self.runs:
             reasons = [self.data(name).lacking.get(run) for name in self.wanted_figures]
             if reasons and all(reasons):
                 notes.append(f"In no figure: {run.name} ({reasons[0]}).")
         return notes
+
+    def _unlike_ends(self) -> list[str]:
+        """Return a sentence on runs that end at different times; nothing if they do not."""
+        ends = {run.name: run.run.number("end_time_s") or 0.0 for run in self.runs}
+        if max(ends.values()) <= _LATER * min(ends.values()):
+            return []
+        listed = ", ".join(f"{name} at {quantity_in(end, 's')}" for name, end in ends.items())
+        return [f"Runs end at different times, and so do their sums over time: {listed}."]
 
     def __repr__(self) -> str:
         lines = [self.sentence, *self.notes, "", self.table.to_string(na_rep="")]

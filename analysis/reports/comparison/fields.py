@@ -41,7 +41,9 @@ MOST_PANELS = 6
 _MILLI = 1e3
 _TALLEST = 8.0  # inches
 _SAME_PLACE = 1e-3  # diameters, between grains that correspond
-_LINEAR = 1e-3  # of the largest difference, within which its scale is linear
+_LINEAR = 1e-2  # of the largest difference, within which its scale is linear
+_LINEAR_PART = 0.4  # length of the linear part of that scale on each side, decades
+_TICKS = 2  # powers of ten on each side of zero
 _DISC = 0.96  # drawn over actual diameter
 _NO_EDGE = 0.2  # width of edges, points
 
@@ -135,19 +137,30 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
     largest = max((float(np.abs(change).max()) for change in changes.values()), default=0.0)
     if not largest:
         return None
-    norm = SymLogNorm(_LINEAR * largest, vmin=-largest, vmax=largest)
+    norm = SymLogNorm(_LINEAR * largest, linscale=_LINEAR_PART, vmin=-largest, vmax=largest)
     window = first.window(decades_up_to(float(first.force.max()), None)[0])
     figure, panels = _panels(len(changes), window)
     columns: dict[str, Array] = {}
     for axes, (run, change) in zip(panels, changes.items(), strict=True):
         _draw_changes(axes, first, change, norm)
         frame_axes(axes, window)
-        axes.set_title(f"{run.label}\nless {reference.label}", pad=2, fontsize=7)
+        axes.set_title(run.label, pad=2, fontsize=7)
         columns |= _columns(run, first, "peak_force_difference_N", change)
     mappable = ScalarMappable(norm, colormaps[BOTH_SIDES_MAP])
-    label = "Difference of the peak force (N)"
-    figure.colorbar(mappable, ax=panels, location="bottom", label=label, aspect=28, shrink=0.9)
+    bar = figure.colorbar(mappable, ax=panels, location="bottom", aspect=28, shrink=0.9)
+    bar.set_label(f"Peak force less that of {reference.label} (N)")
+    bar.set_ticks(_ticks(largest))
+    bar.minorticks_off()
     return Drawing(figure, columns)
+
+
+def _ticks(largest: float) -> list[float]:
+    """Return the powers of ten on both sides of zero that a scale up to ``largest`` shows."""
+    power = math.floor(math.log10(largest))
+    positive = [
+        10.0 ** (power - n) for n in range(_TICKS) if 10.0 ** (power - n) > _LINEAR * largest
+    ]
+    return [*(-tick for tick in positive), 0.0, *reversed(positive)]
 
 
 def difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:

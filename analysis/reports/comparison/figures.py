@@ -52,6 +52,9 @@ _KILO = 1e3
 _DECADES = 1e-4  # lowest over highest value of a logarithmic axis
 _PER_ROW = 2  # entries in a row of the legend of one column
 _THIN = 0.9  # points
+_NOTHING = 1e-9  # of the input: energy that is rounding
+_POINTS_OF_FIT = 30
+_ROOM_ABOVE = 1.06  # upper end of a linear axis over the largest value
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
 _LONG_LABEL = 26  # characters of a label that takes a row of the legend alone
 
@@ -199,19 +202,23 @@ def draw_bottom_force(
 def draw_energies(
     curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
-    """Draw kinetic, elastic and dissipated energy over the input in time, a panel each."""
-    figure, *stack = panels(4.3, rows=len(FORMS), sharex=True)
+    """Draw kinetic, elastic and dissipated energy over the input in time, a panel each.
+
+    A form of energy that is zero in every run has no panel.
+    """
+    forms = [form for form in FORMS if _has_energy(curves, form)]
+    figure, *stack = panels(1.0 + 1.1 * len(forms), rows=len(forms), sharex=True)
     columns: dict[str, Array] = {}
     ends: list[float] = []
     for run, look in _styles(list(curves)).items():
         linestyle = look.pop("linestyle")
-        for axes, form in zip(stack, FORMS, strict=True):
+        for axes, form in zip(stack, forms, strict=True):
             curve = curves[run][form]
             against_time(axes, curve.x, curve.y, linestyle, **look)
             name = column_name(run.label)
             columns |= {f"{name}_time_s": curve.x, f"{name}_{form}_over_input": curve.y}
-        ends.append(float(curve.x[-1]))
-    for axes, form in zip(stack, FORMS, strict=True):
+        ends.append(float(curves[run][forms[0]].x[-1]))
+    for axes, form in zip(stack, forms, strict=True):
         label(axes, y=form.capitalize())
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     label(stack[-1], "Time (µs)")
@@ -221,25 +228,30 @@ def draw_energies(
     return Drawing(figure, columns)
 
 
+def _has_energy(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], form: str) -> bool:
+    return any(np.abs(shares[form].y).max() > _NOTHING for shares in curves.values())
+
+
 def draw_peaks(
     peaks: Mapping[ComparedRun, PeaksByDepth], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
-    """Draw the largest and median peak force of each layer against depth, with the fits."""
-    figure, left, right = panels(2.9, columns=2, sharex=True)
-    highest = max(float(one.largest.max()) for one in peaks.values())
-    scale, unit = _force_unit(highest)
+    """Draw the largest and median peak force of each layer against depth, with the fits.
+
+    Where each layer is one sphere, as in a chain, there is no panel of the median.
+    """
+    has_layers = any((one.largest != one.median).any() for one in peaks.values())
+    figure, left, *others = panels(2.9, columns=1 + has_layers)
     columns: dict[str, Array] = {}
     for run, look in _styles(list(peaks)).items():
         one = peaks[run]
         depth = one.depth * _MILLI
-        left.plot(depth, one.largest * scale, marker=".", markersize=4, **look)
-        is_loaded = one.median > 0
-        right.plot(
-            depth[is_loaded], one.median[is_loaded] * scale, marker=".", markersize=4, **look
-        )
+        left.plot(depth, one.largest, marker=".", markersize=4, **look)
+        for right in others:
+            is_loaded = one.median > 0
+            right.plot(depth[is_loaded], one.median[is_loaded], marker=".", markersize=4, **look)
         if one.decay is not None:
-            ends = np.geomspace(one.decay.first, one.decay.last, 30)
-            fit = one.decay(ends) * scale
+            ends = np.geomspace(one.decay.first, one.decay.last, _POINTS_OF_FIT)
+            fit = one.decay(ends)
             left.plot(ends * _MILLI, fit, color=look["color"], linestyle=":", linewidth=1.6)
         name = column_name(run.label)
         columns |= {
@@ -247,11 +259,14 @@ def draw_peaks(
             f"{name}_largest_N": one.largest,
             f"{name}_median_N": one.median,
         }
-    columns |= _measured_lines(left, measured, _MILLI, scale)
-    label(left, "Depth (mm)", f"Peak force ({unit})", log="y", title="largest of the layer")
-    label(right, "Depth (mm)", title="median of the layer")
-    _log_if_wide(right)
-    _legend_of(figure, left)
+    columns |= _measured_lines(left, measured, _MILLI, 1.0)
+    label(left, "Depth (mm)", "Peak force (N)")
+    _log_if_wide(left)
+    for right in others:
+        left.set_title("largest of the layer")
+        label(right, "Depth (mm)", title="median of the layer")
+        _log_if_wide(right)
+    _legend_of(figure, left, _PER_ROW * (1 + has_layers))
     return Drawing(figure, columns)
 
 
@@ -261,13 +276,13 @@ def _log_if_wide(axes: Axes) -> None:
     if len(values) and values.max() > _WIDE * values.min():
         axes.set_yscale("log")
     else:
-        axes.set_ylim(bottom=0)
+        axes.set_ylim(0, _ROOM_ABOVE * values.max())
 
 
-def _legend_of(figure: Any, axes: Axes) -> None:
-    """Put the legend of the labelled lines of axes above a figure of two columns."""
+def _legend_of(figure: Any, axes: Axes, ncols: int) -> None:
+    """Put the legend of the labelled lines of axes above a figure."""
     lines = [line for line in axes.lines if not line.get_label().startswith("_")]
-    figure.legend(handles=lines, loc="outside upper center", ncols=_PER_ROW, fontsize=7)
+    figure.legend(handles=lines, loc="outside upper center", ncols=ncols, fontsize=7)
 
 
 def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:

@@ -101,10 +101,15 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
 
 def physical_keys(runs: Sequence[ReportRun]) -> list[str]:
     """Return the keys that differ and change the physics; of different materials their name."""
-    keys = [key for key in differing(runs) if not key.startswith(_NO_PHYSICS)]
+    keys = [key for key in differing(runs) if is_physical(key)]
     if _MATERIAL not in keys:
         return keys
     return [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
+
+
+def is_physical(key: str) -> bool:
+    """Return False for keys that say how a run is followed."""
+    return not key.startswith(_NO_PHYSICS)
 
 
 def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> str:
@@ -134,7 +139,10 @@ def _with_unit(value: float, unit: str) -> str:
 def _texts(runs: Sequence[ReportRun]) -> list[str]:
     """Return what differs in the case of each run, in a few words."""
     with_case = [run for run in runs if run.case]
-    keys = physical_keys(with_case)[:_MOST_KEYS] if len(with_case) > 1 else []
+    keys = physical_keys(with_case) if len(with_case) > 1 else []
+    if len({run.kind for run in runs}) > 1:  # keys of one kind alone say nothing
+        keys = [key for key in keys if all(key in run.case for run in with_case)]
+    keys = keys[:_MOST_KEYS]
     texts: list[str] = []
     for run in runs:
         parts = [value_text(key, run.case, missing="") for key in keys]
