@@ -32,8 +32,8 @@ from granwave.analysis.reports.comparison.comparison import compare_runs
 from granwave.analysis.reports.figures import picture_in
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
-from granwave.analysis.reports.results import compact_table, value_rows
-from granwave.analysis.reports.sentences import by_part, printed, sentences, share
+from granwave.analysis.reports.results import value_rows
+from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
 from granwave.analysis.reports.setting import is_chain, quantity_in, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Means, VariedKey
@@ -111,7 +111,8 @@ def answer_blocks(
         blocks += comparison_blocks(compare_runs(runs))
     for alike in by_part(inputs.runs):
         said = [f"{run.label}: {in_words(run)}" for run in alike[:_MOST_NAMED]]
-        blocks += [*(Note(text, "lead") for text in said), compact_table(alike)]
+        table = value_table(alike, alike[0].kind.title(alike[0]))
+        blocks += [*(Note(text, "lead") for text in said), table]
     return blocks
 
 

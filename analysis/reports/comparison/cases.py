@@ -112,7 +112,7 @@ def _grain_rows(runs: Sequence[ComparedRun], *, places: bool) -> list[Difference
 def _grains_of(run: ComparedRun) -> _Grains:
     with run.opened() as result:
         assembly = result.assembly
-        ids = result["spheres/id"]
+        ids = result["spheres/id"].astype(np.int64)
         names = [species.material.name or UNNAMED for species in assembly.species]
         materials = [names[number] for number in assembly.body[ids - 1].tolist()]
         return _Grains(ids, materials, 2 * result["spheres/radius"], result["spheres/position"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from granwave.analysis.figures.series import (
     legend_outside,
     panels,
 )
-from granwave.analysis.figures.style import WIDTH, Drawing
+from granwave.analysis.figures.style import WIDTH, Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
@@ -117,9 +118,14 @@ def read_figure(figure: ComparisonFigure, runs: Sequence[ComparedRun]) -> Figure
             data.lacking[run] = f"only {figure.most} runs are drawn"
             continue
         try:
-            data.present[run] = figure.read(run)
+            curve = attempt(f"a figure of {run.name}", partial(figure.read, run))
         except LackingError as error:
             data.lacking[run] = str(error)
+            continue
+        if isinstance(curve, NotDrawn):
+            data.lacking[run] = curve.reason
+        else:
+            data.present[run] = curve
     return data
 
 

@@ -71,8 +71,14 @@ class ComparedRun:
                 yield result
         except MissingOutputError:
             raise LackingError(f"it has no {RESULT_FILE}") from None
-        except OutputFormatError as error:
-            raise LackingError(f"its {RESULT_FILE} lacks it or is damaged: {error}") from None
+        except OutputFormatError:
+            raise LackingError(f"its {RESULT_FILE} lacks it, or is damaged") from None
+        except GranwaveError as error:
+            if isinstance(error, LackingError):
+                raise
+            raise LackingError(f"its case cannot be read: {error}") from None
+        except KeyError as error:  # an id
+            raise LackingError(f"its {RESULT_FILE} lacks grains of its case: {error}") from None
 
     @property
     def unfinished(self) -> str:
