@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from functools import partial
 
@@ -122,12 +123,17 @@ def case_tables(comparison: Comparison) -> list[Block]:
         blocks.append(Note("The cases do not differ in their physics."))
     if physical:
         table = _case_table(_OF_CASES, physical, comparison.runs)
-        is_long = len(table.rows) > _MOST_OPEN
-        blocks.append(Group(_OF_CASES, (table,), folded=True) if is_long else table)
+        is_long = len(physical) > _MOST_OPEN
+        blocks.append(_folded(table) if is_long else table)
     if numerical:
-        table = _case_table(_OF_NUMERICS, numerical, comparison.runs)
-        blocks.append(Group(_OF_NUMERICS, (table,), folded=True))
+        blocks.append(_folded(_case_table(_OF_NUMERICS, numerical, comparison.runs)))
     return blocks
+
+
+def _folded(table: DocumentTable) -> Group:
+    """Return a table folded away under its caption."""
+    bare = dataclasses.replace(table, captioned=False)
+    return Group(table.caption, (bare,), folded=True)
 
 
 def _case_table(

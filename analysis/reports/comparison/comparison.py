@@ -38,6 +38,7 @@ BOTTOM_FORCE = "bottom_force"  # what a measured curve is compared with by defau
 _UNITS = "units"  # key of ``attrs`` of a table
 _RATIO = "ratio"
 _LEAST_RUNS = 2
+_MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
 _LATER = 1.01  # latest over earliest end from which on runs end at different times
 
 
@@ -259,7 +260,11 @@ class Comparison:
         ends = {run.name: run.run.number("end_time_s") or 0.0 for run in self.runs}
         if max(ends.values()) <= _LATER * min(ends.values()):
             return []
-        listed = ", ".join(f"{name} at {quantity_in(end, 's')}" for name, end in ends.items())
+        texts = [f"{name} at {quantity_in(end, 's')}" for name, end in ends.items()]
+        listed = ", ".join(texts)
+        if len(texts) > _MOST_LISTED:
+            order = sorted(range(len(texts)), key=lambda n: list(ends.values())[n])
+            listed = f"from {texts[order[0]]} to {texts[order[-1]]}"
         return [f"Runs end at different times, and so do their sums over time: {listed}."]
 
     def __repr__(self) -> str:
