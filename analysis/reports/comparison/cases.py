@@ -22,6 +22,7 @@ _SAME_PLACE = 1e-9  # diameters, between positions that are equal
 _MOST_RANGES = 4  # of ids in a row of the table
 _MOST_ROWS = 12  # for grains; further ones are counted
 NOT_RECORDED = "not recorded"
+_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # of ordinal numbers
 UNNAMED = "unnamed"  # material without a name
 _OF_PACKING = "packing."
 _REPLACED = "replace"  # key whose changes are said grain by grain
@@ -181,11 +182,18 @@ def ids_in_words(ids: Iterable[int]) -> str:
         else:
             ranges.append([number])
     if step := _step(numbers):
-        return f"grains {numbers[0]}, {numbers[1]}, … {numbers[-1]} (every {step}th)"
+        return f"grains {numbers[0]}, {numbers[1]}, … {numbers[-1]} (every {_ordinal(step)})"
     texts = [f"{part[0]} to {part[-1]}" if len(part) > 1 else f"{part[0]}" for part in ranges]
     if len(texts) > _MOST_RANGES:
         return f"{len(numbers)} grains ({', '.join(texts[:_MOST_RANGES])}, …)"
     return f"grains {', '.join(texts)}"
+
+
+def _ordinal(number: int) -> str:
+    """Return a number as ``2nd``, ``13th``."""
+    if number % 100 in (11, 12, 13):
+        return f"{number}th"
+    return f"{number}{_ENDINGS.get(number % 10, 'th')}"
 
 
 def _step(numbers: Sequence[int]) -> int:

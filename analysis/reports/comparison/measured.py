@@ -112,12 +112,12 @@ def read_measured(
     try:
         table = read_text_table(text)
         numbers = _columns(table, units, source)
+        x, y = (_values(table, column, power) for column, power in numbers)
     except ValueError as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{source}: {error}") from None
     names = (table.heads[numbers[0][0]], table.heads[numbers[1][0]])
-    x, y = (in_si(table.numbers(column, table.heads[column]), power) for column, power in numbers)
     if len(x) < _LEAST_POINTS:
         raise InputError(f"{source}: found {len(x)} row, expected at least {_LEAST_POINTS}")
     if not y.any():
@@ -140,6 +140,11 @@ def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
     peak = float(measured.y[inside].max())
     largest = float(own.max()) if len(own) else float(np.interp(low, curve.x, curve.y))
     return Deviation(rms, rms / size, largest / peak - 1 if peak else np.nan, int(inside.sum()))
+
+
+def _values(table: TextTable, column: int, power: int) -> Array:
+    """Return a column in its SI unit: (n,)."""
+    return in_si(table.numbers(column, table.heads[column]), power)
 
 
 def _columns(table: TextTable, units: tuple[str, str], source: str) -> Sequence[tuple[int, int]]:
