@@ -84,7 +84,8 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
         ]
         if not named:
             continue
-        least, most = min(named), max(named)
+        least = min(named)
+        most = max(named)
         ends = (value_cell(least[0]), Cell(least[1]), value_cell(most[0]), Cell(most[1]))
         rows.append((*_head(value), *ends, _ratio(value)))
     columns = (
@@ -166,7 +167,7 @@ def misfit_tables(comparison: Comparison) -> list[Block]:
             rows.append((run.name, why, "", "", ""))
         units = FIGURES[name].units
         rms_head = f"rms ({units[1]})" if units is not None else "rms"
-        heads = ("Run", rms_head, "over the measured peak", "peak", "points")
+        heads = ("Run", rms_head, "rms over the measured peak", "Difference of the peaks", "Points")
         blocks.append(text_table(f"Difference from {curve.source}", heads, rows))
     return blocks
 

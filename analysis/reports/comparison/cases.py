@@ -12,6 +12,7 @@ from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     LackingError,
     is_physical,
+    keys_of_all,
     value_text,
 )
 from granwave.analysis.reports.setting import differing, quantity_in
@@ -63,7 +64,7 @@ def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
     keys = differing(with_case) if len(with_case) > 1 else []
     rows = _kind_rows(runs)
     if rows:  # keys of one kind alone say nothing
-        keys = [key for key in keys if all(key in run.case for run in with_case)]
+        keys = keys_of_all(keys, with_case)
     own = [key for key in keys if is_physical(key)]
     rest = [key for key in keys if not is_physical(key)]
     is_moved = any(key.startswith(_OF_PACKING) for key in own)

@@ -105,9 +105,9 @@ class Comparison:
         """
         import pandas
 
-        columns: dict[str, list[float | None]] = {
-            run.name: [value.values[n] for value in self.values] for n, run in enumerate(self.runs)
-        }
+        columns: dict[str, list[float | None]] = {}
+        for n, run in enumerate(self.runs):
+            columns[run.name] = [value.values[n] for value in self.values]
         columns[_RATIO] = [value.ratio for value in self.values]
         names = pandas.Index([value.name for value in self.values], name="quantity")
         table = pandas.DataFrame(columns, index=names, dtype=float)
@@ -119,9 +119,9 @@ class Comparison:
         """Keys of the cases, and grains, that differ: values in words, a column for each run."""
         import pandas
 
-        columns = {
-            run.name: [row.values[n] for row in self.case_rows] for n, run in enumerate(self.runs)
-        }
+        columns: dict[str, list[str]] = {}
+        for n, run in enumerate(self.runs):
+            columns[run.name] = [row.values[n] for row in self.case_rows]
         keys = pandas.Index([row.what for row in self.case_rows], name="key")
         return pandas.DataFrame(columns, index=keys, dtype=object)
 
@@ -169,10 +169,11 @@ class Comparison:
 
     def _measured_words(self, name: str) -> str:
         curve = self.measured[name]
+        units = FIGURES[name].units
         words = f"Black, dotted: {curve.columns[1]} of {curve.source}"
         changes: list[str] = []
-        if curve.shift:
-            changes.append(f"shifted by {curve.shift:g} {FIGURES[name].units[0]}")  # type: ignore[index]
+        if curve.shift and units is not None:
+            changes.append(f"shifted by {quantity_in(curve.shift, units[0])}")
         if curve.scale != 1:
             changes.append(f"multiplied by {curve.scale:g}")
         return f"{words}, {' and '.join(changes) or 'as measured'}."

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
@@ -92,7 +93,15 @@ class PeaksByDepth:
 
 @dataclass(frozen=True, eq=False)
 class GrowthCurves:
-    """Plastic zone in time, s: number of yielded spheres, and depth of the deepest, m: (n,) each."""
+    """Plastic zone in time.
+
+    Attributes
+    ----------
+    time
+        s: (n,).
+    spheres, depth
+        Number of yielded spheres, and depth of the deepest, m: (n,).
+    """
 
     time: Array
     spheres: Array
@@ -226,7 +235,7 @@ def front(run: ComparedRun) -> SampledCurve:
     return SampledCurve(depth[is_reached], arrival[is_reached])
 
 
-def _layers_below(result: Result) -> tuple[Array, Array]:
+def _layers_below(result: Result) -> tuple[Array, NDArray[np.int64]]:
     """Return the depth of each layer of the packing, m, and the layer of each of its spheres."""
     depth = result["spheres/position"][:, 2] - result.origin[2]
     return layers(depth, result["spheres/radius"], result.case.packing.diameter)

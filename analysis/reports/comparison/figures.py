@@ -287,7 +287,7 @@ def _log_if_wide(axes: Axes) -> None:
 
 def _legend_of(figure: Any, axes: Axes, ncols: int) -> None:
     """Put the legend of the labelled lines of axes above a figure."""
-    lines = [line for line in axes.lines if not line.get_label().startswith("_")]
+    lines = [line for line in axes.lines if not str(line.get_label()).startswith("_")]
     figure.legend(handles=lines, loc="outside upper center", ncols=ncols, fontsize=7)
 
 

@@ -113,6 +113,12 @@ def physical_keys(runs: Sequence[ReportRun]) -> list[str]:
     return [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
 
 
+def keys_of_all(keys: Sequence[str], runs: Sequence[ReportRun]) -> list[str]:
+    """Return the keys that every case has."""
+    shared = set(keys).intersection(*(run.case for run in runs))
+    return [key for key in keys if key in shared]
+
+
 def is_physical(key: str) -> bool:
     """Return False for keys that say how a run is followed."""
     return not key.startswith(_NO_PHYSICS)
@@ -147,7 +153,7 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     with_case = [run for run in runs if run.case]
     keys = physical_keys(with_case) if len(with_case) > 1 else []
     if len({run.kind for run in runs}) > 1:  # keys of one kind alone say nothing
-        keys = [key for key in keys if all(key in run.case for run in with_case)]
+        keys = keys_of_all(keys, with_case)
     keys = keys[:_MOST_KEYS]
     texts: list[str] = []
     for run in runs:

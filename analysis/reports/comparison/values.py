@@ -10,7 +10,7 @@ from granwave.analysis.document.model import label_of, unit_of_value
 from granwave.analysis.errors import did_you_mean
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in
-from granwave.analysis.quantities import quantities, quantity, report_columns
+from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 from granwave.analysis.reports.sentences import share
 from granwave.analysis.reports.setting import quantity_in
@@ -18,9 +18,11 @@ from granwave.analysis.reports.setting import quantity_in
 #: Values that are no result of the run: what was put in, how it was computed, and how well.
 _NO_OUTCOME = (
     "energy_input_J", "energy_input_normalised", "velocity_normalised", "energy_balance_error",
-    "energy_balance_accepted", "deck_changed", "n_spheres", "n_elements", "n_cylinders", "n_contacts",
-    "end_time_s", "wall_time_s", "contacts_beyond_law", "zone_cut", "wave_return_share",
-    "packing_mass_kg", "packing_height_m", "unprotected_peak_force_N", "unprotected_ground_peak_force_N",
+    "energy_balance_accepted", "deck_changed", "n_spheres", "n_elements", "n_cylinders",
+    "n_contacts", "end_time_s", "wall_time_s", "contacts_beyond_law", "zone_cut",
+    "wave_return_share",
+    "packing_mass_kg", "packing_height_m", "unprotected_peak_force_N",
+    "unprotected_ground_peak_force_N",
 )  # fmt: skip
 #: Values that kinds of runs do not share, or define in another way.
 _OF_ONE_KIND = (
@@ -33,6 +35,7 @@ _FAMILIES = (
     ("peak_force",),
     ("wall_", "unprotected", "ground", "target", "energy_target", "peak_reduction"),
 )
+_OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
 _ROUNDING = 1e-12  # over the largest value of the runs: zero
 _SAME = 1e-9  # relative difference of values that are equal
 _IN_SENTENCE = 3
@@ -119,7 +122,7 @@ def unknown_values(
     names: Iterable[str], runs: Sequence[ComparedRun], figures: Sequence[str]
 ) -> list[str]:
     """Return a message for each name that is no number in the summary of any run, nor a figure."""
-    present = {key for run in runs for key in run.run.summary if run.run.number(key) is not None}
+    present = {name for name in _keys(runs) if _value(name, runs).numbers}
     faults: list[str] = []
     for name in names:
         if name in present:
@@ -184,16 +187,17 @@ def _outcomes(runs: Sequence[ComparedRun]) -> list[str]:
     if len({run.run.kind for run in runs}) > 1:
         left_out |= {*_OF_ONE_KIND}
     names = [name for name in report_columns() if name not in left_out]
-    keys = dict.fromkeys(key for run in runs for key in run.run.summary)
-    names += [key for key in keys if "*" in _entry_name(key)]
-    return [name for name in dict.fromkeys(names) if name in keys]
+    keys = _keys(runs)
+    of_parts = [key for key in keys if key.startswith(_OF_PARTS) and key not in quantities()]
+    return [name for name in [*names, *of_parts] if name in keys]
 
 
-def _entry_name(key: str) -> str:
-    """Return the name of the entry of a key: ``sensor_*_peak_force_N`` of a sensor's."""
-    if key in quantities():
-        return key
-    return "*" if key.startswith(("sensor_", "line_", "wall_")) and quantity(key).label else key
+def _keys(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return the keys of all summaries, each once."""
+    keys: dict[str, None] = {}
+    for run in runs:
+        keys |= dict.fromkeys(run.run.summary)
+    return list(keys)
 
 
 def _value(name: str, runs: Sequence[ComparedRun]) -> ComparedValue:

@@ -151,8 +151,8 @@ def test_several_runs(tmp_path):
     assert sentence.tone == "lead" and sentence.text.startswith("The runs differ most in ")
     headings = [column.heading for column in values.columns]
     assert headings == ["Quantity", "Unit", "r1", "r2", "r4", "Largest / smallest"]
-    texts = [[cell.text for cell in row] for row in cases.rows]
-    assert texts == [["load.velocity", "1 m/s", "2 m/s", "4 m/s"]]
+    (row,) = cases.rows
+    assert [cell.text for cell in row] == ["load.velocity", "1 m/s", "2 m/s", "4 m/s"]
 
 
 def test_a_study_speaks_for_its_scan(tmp_path):
