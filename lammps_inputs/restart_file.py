@@ -60,13 +60,13 @@ _RECORD = 10
 _SPRING = 5  # force, compliance, loss
 _STRETCH = 4  # of these: force and compliance
 _DENTS = 2
-# state of a sphere in a wall: reported values, times of a front, two sides of six values
+# state of a sphere in a wall: reported values, times of a front, two sides of seven values
 _OVERLAP = 0
 _REPORTED = 18
-_SIDE = 6
+_SIDE = 7
 _DENT = 0
-_PLACE_OF_DENT = slice(1, 3)
-_TOUCHING = 4
+_PLACE_OF_DENT = slice(1, 3)  # on a plane or a tube; on a face of a region it has three numbers
+_TOUCHING = 5
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -52,7 +52,7 @@ _METADATA: dict[str, dict[str, Any]] = {
     "pdf": {"CreationDate": None, "Creator": _MAKER},
     "svg": {"Date": None, "Creator": _MAKER},
 }
-_OWN = {
+OWN_PICTURES = {
     ".png": rb"tEXtSoftware\x00granwave",
     ".pdf": rb"/Creator \(granwave\)",
 }  # its form in the files
@@ -323,7 +323,7 @@ def save_as(path: Path, columns: Columns, draw: Callable[[], Drawing]) -> None:
     files = [path]
     if path.suffix != ".csv":
         files = [path.with_suffix(suffix) for suffix in FIGURE_SUFFIXES]
-    own = {**_OWN, ".csv": rb"\A" + re.escape(",".join(columns).encode()) + rb"\n"}
+    own = {**OWN_PICTURES, ".csv": rb"\A" + re.escape(",".join(columns).encode()) + rb"\n"}
     for file in files:
         refuse_other_file(file, own[file.suffix])
     if path.suffix != ".csv":

@@ -27,11 +27,13 @@ from granwave.analysis.document.model import (
     value_column,
 )
 from granwave.analysis.formatting.values import grains_called_in
-from granwave.analysis.reports.figures import overlay, picture_in
+from granwave.analysis.reports.comparison.blocks import comparison_blocks
+from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.figures import picture_in
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
-from granwave.analysis.reports.results import compact_table, value_rows
-from granwave.analysis.reports.sentences import by_part, printed, sentences, share
+from granwave.analysis.reports.results import value_rows
+from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
 from granwave.analysis.reports.setting import is_chain, quantity_in, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Means, VariedKey
@@ -41,7 +43,7 @@ from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 _MOST_COLUMNS = 5  # of the table of means, keys and quantities together
-_MOST_NAMED = 4  # runs whose values a sentence lists
+_MOST_NAMED = 4  # runs that are said in a sentence each
 _MOST_ROWS = 14  # of that table; two keys with more are crossed
 _MOST_OPEN = 3  # scans whose figures and tables are not folded away
 _OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
@@ -102,16 +104,15 @@ def answer_blocks(
         )
     if len(inputs.runs) == 1:
         return [*blocks, *_of_run(inputs.runs[0], inputs)]
-    if runs := [run for run in inputs.runs if run.has_balance]:
-        if words := _of_runs_in_words(runs):
-            blocks.append(Note(words, "lead"))
-        table = compact_table(runs)
-        drawn = overlay(runs)
-        first = drawn.pop(0) if drawn and isinstance(drawn[0], Gallery) else None
-        blocks += [Beside(first, table) if isinstance(first, Gallery) else table, *drawn]
+    runs = [run for run in inputs.runs if run.has_balance]
+    if len(runs) == 1:
+        blocks += _of_run(runs[0], inputs)
+    elif runs:
+        blocks += comparison_blocks(compare_runs(runs))
     for alike in by_part(inputs.runs):
         said = [f"{run.label}: {in_words(run)}" for run in alike[:_MOST_NAMED]]
-        blocks += [*(Note(text, "lead") for text in said), compact_table(alike)]
+        table = value_table(alike, alike[0].kind.title(alike[0]))
+        blocks += [*(Note(text, "lead") for text in said), table]
     return blocks
 
 
@@ -256,32 +257,6 @@ def _of_run(run: ReportRun, inputs: ReportInputs) -> list[Block]:
     if not table.rows:
         return blocks
     return [*blocks, Beside(Gallery((picture,)), table) if picture else table]
-
-
-def _of_runs_in_words(runs: Sequence[ReportRun]) -> str:
-    """Return how much of the load came through several driven rows, or of the input was dissipated,
-    in each of them.
-    """
-    for key, what, text_of in (
-        ("transmission", "Transmission", share),
-        ("dissipated_fraction", "Dissipated of the input", share),
-        ("peak_force_with_walls_N", "Largest force of all contacts", _in_newtons),
-        ("peak_force_N", "Largest contact force", _in_newtons),
-    ):
-        values = [(run.number(key), run.label) for run in runs]
-        found = sorted((value, label) for value, label in values if value is not None)
-        if len(found) < len(runs) or not any(value for value, _ in found):
-            continue  # a value that is zero in all runs is no answer
-        if len(found) <= _MOST_NAMED:
-            listed = ", ".join(f"{text_of(value or 0.0)} ({label})" for value, label in values)
-            return f"{what}: {listed}."
-        (least, first), (most, last) = found[0], found[-1]
-        return f"{what}: from {text_of(least)} ({first}) to {text_of(most)} ({last})."
-    return ""
-
-
-def _in_newtons(force: float) -> str:
-    return quantity_in(force, "N")
 
 
 def in_words(run: ReportRun) -> str:

@@ -1,15 +1,12 @@
-"""Section of figures: reduced pictures of runs and scans, and curves of several runs in one."""
+"""Section of figures: reduced pictures of runs and scans."""
 
 from __future__ import annotations
 
 import io
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from pathlib import Path
 
-import h5py
-import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 from granwave.analysis.document.model import (
@@ -22,20 +19,17 @@ from granwave.analysis.document.model import (
     Note,
 )
 from granwave.analysis.figures.run_figures import run_figures
-from granwave.analysis.figures.series import label, panels
-from granwave.analysis.figures.style import Drawing, FigureFolder, lay_out, legend_above, style
+from granwave.analysis.figures.style import Drawing, FigureFolder, lay_out
 from granwave.analysis.formatting.values import as_label, grains_called_in
 from granwave.analysis.quantities import readable
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.run import FILM_FORMATS
-from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import (
     FIGURES_DIRECTORY,
     FILM_FILE,
-    RESULT_FILE,
     VIEW_FILE,
 )
 
@@ -47,10 +41,7 @@ WIDTH = 900
 POINT_WIDTH = 600
 WIDEST = 1200  # largest width of pictures that take a whole row, pixels
 POINTS_BUDGET = 8_000_000  # bytes of all pictures of points; further ones are only linked
-MOST_CURVES = 12
 _COLOURS = 256
-_MOST_INSTANTS = 2000  # points of a curve
-_UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
 
 _OF_SCANS = {  # captions
     "collapse_dissipated_fraction": (
@@ -72,9 +63,6 @@ _QUANTITIES = {  # captions of figures of scans that differ from their names
     "zone_radius_90": "Radius that holds 90 % of the energy of yielding, interpolated between spheres",
     "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
 }
-_LEVEL = "Where a curve is level, its impact is over; the higher it ends, the more is dissipated"
-_ELASTIC = "No run dissipated energy: what is not kinetic is stored in contacts"
-_NOTHING = 1e-12  # of the input: a dissipated share that rounding leaves
 _UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
 _AGAINST = "_vs_"  # between quantity and key in names of figures of scans
 
@@ -113,37 +101,6 @@ def figures_section(
     return DocumentSection(
         "Figures", SLUG, tuple(blocks) or (Note("There are no figures."),) * (not shown)
     )
-
-
-def overlay(runs: Sequence[ReportRun]) -> list[Block]:
-    """Draw the dissipated share against time for runs, or the kinetic share where no run dissipates
-    anything; empty for fewer than two.
-    """
-    if len(runs) < 2:
-        return []
-    name = "dissipated-share"
-    what = "Dissipated share of the input"
-    look = _LEVEL
-    found = {run.label: _share_of_input(run, ("dissipated", "plastic")) for run in runs}
-    if not any(curve is not None and np.any(curve[1] > _NOTHING) for curve in found.values()):
-        name = "kinetic-share"
-        what = "Kinetic share of the input"
-        look = _ELASTIC
-        found = {run.label: _share_of_input(run, ("kinetic",)) for run in runs}
-    curves = [(label, *curve) for label, curve in found.items() if curve is not None]
-    missing = [label for label, curve in found.items() if curve is None]
-    blocks: list[Block] = []
-    if curves:
-        more = "" if len(curves) <= MOST_CURVES else f", the first {MOST_CURVES} runs"
-        caption = f"{what} against time{more}. {look}"
-        with style():
-            drawing = _draw(curves[:MOST_CURVES], what)
-            blocks.append(Gallery((picture_of(drawing, name, caption),)))
-    if missing:
-        blocks.append(
-            Note(f"No energies against time in {RESULT_FILE}: {', '.join(missing)}.", "note")
-        )
-    return blocks
 
 
 def picture_in(item: ReportRun | ReportScan, name: str, inputs: ReportInputs) -> Figure | None:
@@ -351,47 +308,3 @@ def _picture(
     shown = (caption if alone else alt) + (f". {look}" if look else "") + said
     slug = re.sub(r"[^a-z0-9]+", "-", f"{name}-{path.stem}".lower()).strip("-")
     return Figure(slug, shown, alt, png, size, link, inches)
-
-
-def _share_of_input(
-    run: ReportRun, names: Sequence[str]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Return times, s, and the first of some energies that the run has over the final input; None
-    without them.
-    """
-    try:
-        with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
-            chosen = next(name for name in names if f"energy/{name}" in file)
-            time, lost, given = (
-                np.asarray(file[f"energy/{n}"][()], float) for n in ("time", chosen, "input")
-            )
-    except (OSError, KeyError, ValueError, TypeError, StopIteration):
-        return None
-    if (
-        time.ndim != 1
-        or not time.shape == lost.shape == given.shape
-        or not len(time)
-        or not given[-1] > 0
-    ):
-        return None
-    step = -(-len(time) // _MOST_INSTANTS)
-    shown = np.append(np.arange(0, len(time) - 1, step), len(time) - 1)
-    return time[shown], lost[shown] / given[-1]
-
-
-def _draw(curves: Sequence[tuple[str, NDArray, NDArray]], what: str) -> Drawing:
-    figure, axes = panels(2.9)
-    for n, (run, time, share) in enumerate(curves):
-        name = run if len(run) <= 32 else run[:15] + "…" + run[-16:]
-        line = ("-", "--")[n // 6 % 2]
-        axes.plot(1e6 * time, share, line, label=name.replace("$", r"\$").lstrip("_") or "run")
-    label(axes, "Time (µs)", what)
-    ends = [1e6 * time[-1] for _, time, _ in curves]
-    if min(ends) * _UNLIKE < max(ends):
-        axes.set_xscale("log")
-        axes.set_xlim(min(ends) / _UNLIKE**2, max(ends))
-    else:
-        axes.set_xlim(0, max(ends) or 1.0)
-    axes.set_ylim(0, 1.0 if max(share.max() for _, _, share in curves) <= 1 else None)
-    legend_above(axes, 2)
-    return Drawing(figure, {})

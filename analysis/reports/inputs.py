@@ -129,7 +129,11 @@ def relative(path: Path, base: Path) -> str:
 
 
 def read_inputs(
-    directories: Sequence[str | Path], base: Path, study_files: Collection[str] = ()
+    directories: Sequence[str | Path],
+    base: Path,
+    study_files: Collection[str] = (),
+    *,
+    repeated: bool = False,
 ) -> ReportInputs:
     """Read runs and scans.
 
@@ -143,6 +147,8 @@ def read_inputs(
     study_files
         Files of studies that the user named just now; others that scans hold are left out, as they
         are code.
+    repeated
+        True to read a directory as often as it is given.
 
     Raises
     ------
@@ -151,27 +157,47 @@ def read_inputs(
         faults.
     """
     errors: list[str | InputFault] = []
-    unique: dict[Path, Path] = {}
-    for path in [part for directory in directories for part in _parts(Path(directory))]:
-        unique.setdefault(path.resolve(), path)
-    paths = list(unique.values())
+    paths = [part for directory in directories for part in _parts(Path(directory))]
+    if not repeated:
+        paths = _each_once(paths)
     if not paths:
         errors.append(
             "no directory was given, expected those of runs or scans: granwave report DIR..."
         )
-    names = [path.resolve().name or "/" for path in paths]
     items: list[ReportRun | ReportScan] = []
-    for path, name in zip(paths, names, strict=True):
+    for path, label in zip(paths, _labels(paths, base), strict=True):
         try:
-            items += _read(
-                path, name if names.count(name) == 1 else relative(path, base), study_files
-            )
+            items += _read(path, label, study_files)
         except InputError as error:
             errors += error.items
     if errors:
         raise InputError(errors)
     suite = read_json(Path(directories[0]) / SUITE_INDEX) if len(directories) == 1 else None
     return ReportInputs(tuple(items), base, str((suite or {}).get("name", "")))
+
+
+def _each_once(paths: Sequence[Path]) -> list[Path]:
+    """Return the first of the paths to each directory."""
+    unique: dict[Path, Path] = {}
+    for path in paths:
+        unique.setdefault(path.resolve(), path)
+    return list(unique.values())
+
+
+def _labels(paths: Sequence[Path], base: Path) -> list[str]:
+    """Return a label for each directory: its name, or its path where names are equal; a directory
+    that is there again gets a number.
+    """
+    names = [path.resolve().name or "/" for path in _each_once(paths)]
+    labels: list[str] = []
+    for path in paths:
+        name = path.resolve().name or "/"
+        label = name if names.count(name) == 1 else relative(path, base)
+        number = 1 + labels.count(label)
+        labels.append(label)
+        if number > 1:
+            labels[-1] = f"{label} ({number})"
+    return labels
 
 
 def _parts(directory: Path) -> list[Path]:

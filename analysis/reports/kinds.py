@@ -144,6 +144,8 @@ class ReportKind:
         ``run.energy_tolerance`` of the case.
     energies
         Values of the summary that are parts of the energy at the end, besides those of all runs.
+    ledger
+        Data sets of ``/energy`` of result.h5 that make up each form of energy of a comparison.
     limits
         Sentences on energies and their balance.
     main_figures
@@ -166,6 +168,11 @@ class ReportKind:
     has_balance: ClassVar[bool] = True
     accepted_error: ClassVar[float | None] = None
     energies: ClassVar[Sequence[str]] = ()
+    ledger: ClassVar[Mapping[str, Sequence[str]]] = {
+        "kinetic": ("kinetic",),
+        "elastic": ("elastic",),
+        "dissipated": ("dissipated",),
+    }
     limits: ClassVar[str] = ""
     main_figures: ClassVar[Sequence[str]] = ()
     captions: ClassVar[Mapping[str, str]] = {}

@@ -14,6 +14,7 @@ from granwave.analysis.document.model import (
     DocumentTable,
     Figure,
     Group,
+    Link,
     Note,
     Report,
     TableColumn,
@@ -30,6 +31,8 @@ from granwave.analysis.document.model import (
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.answer import answer_blocks, main_figures
+from granwave.analysis.reports.comparison.blocks import comparison_blocks
+from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import figures_section
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun, report_kinds
@@ -89,9 +92,6 @@ def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
         Names of studies of all runs, in addition to those that the scans name.
     """
     labels = [inputs.suite] if inputs.suite else [item.label for item in inputs.items]
-    names = ", ".join(labels[:_IN_TITLE]) + (
-        f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else ""
-    )
     failures = failures_section(inputs)
     studies = studies_of(inputs, named)
     above = {picture.name for study in studies for picture in study.pictures}
@@ -115,11 +115,43 @@ def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
     )
     return tidied(
         Report(
-            f"Report: {names}",
+            f"Report: {_names_in_title(labels)}",
             _lead(inputs),
             tuple(section for section in sections if section.blocks),
         )
     )
+
+
+def build_comparison(inputs: ReportInputs, comparison: Comparison, data: Link) -> Report:
+    """Build the page of a comparison: the comparison itself, all values, energies and settings.
+
+    Parameters
+    ----------
+    data
+        Link to the folder of its figures.
+    """
+    failures = failures_section(inputs)
+    notes = [note for note in _notes(inputs, failures.slug) if note.tone != "good"]
+    first = (*comparison_blocks(comparison, data), *symbols_note(inputs), *notes)
+    sections = (
+        DocumentSection("Comparison", "short", first),
+        failures,
+        results_section(inputs),
+        balance_section(inputs),
+        DocumentSection(
+            "Settings and versions", "inputs", (*settings_blocks(inputs), *_versions(inputs))
+        ),
+    )
+    names = _names_in_title([run.name for run in comparison.runs])
+    shown = tuple(section for section in sections if section.blocks)
+    return tidied(Report(f"Comparison: {names}", _lead(inputs), shown))
+
+
+def _names_in_title(labels: Sequence[str]) -> str:
+    """Return some names, and the number of the others."""
+    names = ", ".join(labels[:_IN_TITLE])
+    more = len(labels) - _IN_TITLE
+    return f"{names} and {more} more" if more > 0 else names
 
 
 def _lead(inputs: ReportInputs) -> str:

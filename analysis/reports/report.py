@@ -229,7 +229,7 @@ SUFFIXES = (".html", ".pdf", ".md")
 _OWN = {  # patterns that match every report
     ".html": rb'<meta name="generator" content="granwave">',
     ".pdf": rb"%%EOF\n% report of granwave\n\Z",
-    ".md": rb"\A# Report: .*\n\n(?!1 run\.)(\d+ runs?)?( and )?(\d+ scans? with \d+ of \d+ points done)?"
+    ".md": rb"\A# (?:Report|Comparison): .*\n\n(?!1 run\.)(\d+ runs?)?( and )?(\d+ scans? with \d+ of \d+ points done)?"
     rb"(: .+|\. SI units)?\.\n",
 }
 
@@ -269,7 +269,7 @@ def write_report(
         Writing failed, on a full disk for instance; an older report remains.
     """
     output = output_path(output)
-    errors = _errors_in(output)
+    errors = output_faults(output)
     report = None if errors else _whole_report(directories)
     if report is None:
         named, faults = find_studies(studies, Path())
@@ -284,11 +284,22 @@ def write_report(
             report = build_report(inputs, named)
         except (MissingOutputError, OutputFormatError) as error:  # in a file that a study needs
             raise InputError(str(error)) from None
+    write_page(report, output)
+    return output
+
+
+def write_page(report: Report, output: Path) -> None:
+    """Write a report in the format of the suffix of a path; an older one of this name is replaced.
+
+    Raises
+    ------
+    RunError
+        Writing failed, on a full disk for instance; an older report remains.
+    """
     try:
         _write(cleaned(report), output)
     except OSError as error:
         raise RunError(f"{output}: cannot be written: {error.strerror or error}") from None
-    return output
 
 
 def _whole_report(directories: Sequence[str | Path]) -> Report | None:
@@ -301,7 +312,8 @@ def _whole_report(directories: Sequence[str | Path]) -> Report | None:
     return None if kind is None else kind.whole_report(results.path)
 
 
-def _errors_in(output: Path) -> list[str | InputFault]:
+def output_faults(output: Path) -> list[str | InputFault]:
+    """Return why a report cannot be written to a path; empty if it can."""
     errors: list[str | InputFault] = []
     suffix = output.suffix.lower()
     parent = output.parent

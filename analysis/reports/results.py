@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -54,20 +53,9 @@ SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
 MOST_OPEN = 12  # points of a scan whose table is not folded
 MOST_ROWS = 14  # values of one run in the first section
-# keys and values, and keys, in the compact table of runs
-MOST_OF_A_RUN = 4
-MOST_KEYS = 2
-_NO_PHYSICS = ("run.", "output.", "figures.")  # tables of the case
 _LONGEST = 600  # characters of a reason
 _STATUS = "Status"
 _NUMBER = TableColumn("#", numeric=True, key=True)
-_MATERIAL = "material.name"
-_OF_MATERIAL = "material."
-#: Values that kinds of runs do not share, or mean otherwise.
-_OF_ONE_KIND = (
-    "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "zone_cut", "energy_input_normalised",
-    "wave_return_share",
-)  # fmt: skip
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
 _OF_YIELDING = (
     "plastic_fraction",
@@ -144,33 +132,6 @@ def results_section(inputs: ReportInputs) -> DocumentSection:
         )
     blocks += meanings([run.summary for run in inputs.results()])
     return DocumentSection("All values", SLUG, tuple(blocks))
-
-
-def compact_table(runs: Sequence[ReportRun]) -> DocumentTable:
-    """Make a table of runs with some keys that differ, and the first values, of those that all runs
-    have.
-
-    Runs without an energy balance have their values below each other.
-    """
-    if not runs[0].has_balance:
-        return value_table(runs, runs[0].kind.title(runs[0]))
-    keys = [key for key in differing(runs) if all(key in run.case for run in runs)]
-    if _MATERIAL in keys:
-        keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
-    keys = [key for key in keys if not key.startswith(_NO_PHYSICS)][:MOST_KEYS]
-    summaries = [run.summary for run in runs]
-    left_out = {*_OF_COST, *FRICTION_SHARES, *_beside_others(summaries)}
-    if not any(map(_yields, runs)):
-        left_out |= {*_OF_YIELDING}
-    shown = [key for key in _worth_showing(summaries) if key not in left_out]
-    shown = [key for key in shown if all(run.summary.get(key) is not None for run in runs)]
-    if len({run.kind for run in runs}) > 1:
-        shown = [key for key in shown if key not in _OF_ONE_KIND]
-    table = _runs_table(runs, keys, shown[: MOST_OF_A_RUN - len(keys)], readable=True)
-    if any(run.status != "done" for run in runs):
-        return table
-    kept = [n for n, column in enumerate(table.columns) if column.heading != _STATUS]
-    return table.keeping(kept)
 
 
 def value_rows(run: ReportRun) -> DocumentTable:
@@ -253,11 +214,11 @@ def status_cell(status: str) -> Cell:
 
 
 def _runs_table(
-    runs: Sequence[ReportRun], keys: Sequence[str], shown: Sequence[str], *, readable: bool = False
+    runs: Sequence[ReportRun], keys: Sequence[str], shown: Sequence[str]
 ) -> DocumentTable:
     cases = [run.case for run in runs]
     names = TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]
-    results = _results([(run.status, run.summary) for run in runs], shown, readable=readable)
+    results = _results([(run.status, run.summary) for run in runs], shown)
     return column_table("Runs", [names, *_settings(keys, cases, cases), *results], sortable=True)
 
 
@@ -320,25 +281,13 @@ def _settings(
     return columns
 
 
-def _results(
-    results: Sequence[tuple[str, Mapping[str, Any]]],
-    shown: Iterable[str],
-    *,
-    readable: bool = False,
-) -> Columns:
-    """Return columns of the status and of values, of the status and the summary of each row.
-
-    Parameters
-    ----------
-    readable
-        Lengths and times are in the units of sentences and figures, else in those of summary.json.
-    """
+def _results(results: Sequence[tuple[str, Mapping[str, Any]]], shown: Iterable[str]) -> Columns:
+    """Return columns of the status and of values, of the status and the summary of each row."""
     called = grains_called_in(summary for _, summary in results)
     columns: Columns = [(TableColumn(_STATUS), [status_cell(status) for status, _ in results])]
     for key in shown:
-        unit, scale = _readable(key) if readable else (unit_of_value(key), 1.0)
-        cells = [_result_cell(key, summary, scale) for _, summary in results]
-        columns.append((dataclasses.replace(value_column(key, called), unit=unit), cells))
+        cells = [_result_cell(key, summary) for _, summary in results]
+        columns.append((value_column(key, called), cells))
     return columns
 
 

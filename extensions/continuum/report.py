@@ -15,6 +15,11 @@ _OF_PUNCH = (
     "the unit of energies of the punch, with its diameter D and the block's yield strength and "
     "modulus"
 )
+_LEDGER = {
+    "kinetic": ("kinetic", "punch"),
+    "elastic": ("elastic", "contact"),
+    "dissipated": ("plastic", "viscous", "hourglass", "damping"),
+}
 _LOOKS = {
     "plastic_strain": "The coloured region is the plastic zone.",
     "plastic_zone": "The outline is the zone at its largest; what lies outside of it stayed "
@@ -32,6 +37,7 @@ class ElementKind(ReportKind):
     noun = "continuum run"
     accepted_error = 2e-2  # of results that do not record it
     energies = ("energy_punch_J", "energy_viscous_J", "energy_hourglass_J")
+    ledger = _LEDGER
     limits = "A continuum run above the accepted error is stopped."
     main_figures = ("plastic_strain", "von_mises", "energies")
     looks = _LOOKS

@@ -170,6 +170,7 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
 bool FixWallGranHysteretic::set_contact(int i, const KnownContact &contact)
 {
   require_dented(i, contact.peak);
+  if (face) error->one(FLERR, "Fix {} {}: a face of a region takes dents of a file, found a whole contact", STYLE, id);
   if (!has.takes(contact)) return false;
   const int which = nearer(i);
   const bool yielded = scaled_law(i).yielded(contact.peak);

@@ -197,7 +197,7 @@ REFUSED = {
         ("zplane 1 0 hertz 1e9 0.3", "below"),
         ("zplane NULL 1 rubber 1 1", "unknown contact law"),
         ("tube -1 hertz 115e9 0.3", "the radius of the tube must be positive, found -1"),
-        ("pipe 0.01 hertz 115e9 0.3", "expected xplane, yplane, zplane or tube, found pipe"),
+        ("pipe 0.01 hertz 115e9 0.3", "expected xplane, yplane, zplane, tube or region, found pipe"),
         ("tube 0.01 hertz 115e9 0.3 support 0.5 1e8 2e3", "support moves a plane, found a tube"),
         ("tube 0.002 hertz 1e9 0.3\nrun 0", "does not fit into the tube"),
         ("zplane -1 1 hertz 1e9 0.3 support 1 1e6 0", "found two"),

@@ -13,6 +13,7 @@ from collections.abc import Callable, Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.exports.names import export_names
+from granwave.analysis.quantities import entries
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.run import figure_names
@@ -188,6 +189,9 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ),
     ("keys", "table"): _names(_tables),
     ("report", "study"): _names(lambda _: STUDIES),
+    ("compare", "quantities"): _names(
+        lambda _: [entry.name for entry in entries() if "*" not in entry.name]
+    ),
     ("figures", "only"): _names(lambda _: figure_names()),
     ("export", "to"): _names(lambda _: export_names()),
     ("bench", "parts"): _names(lambda _: BENCH_PARTS),

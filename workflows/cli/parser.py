@@ -62,6 +62,67 @@ def _law_parameter(parameter: LawParameter) -> Option:
     return option(name, type=kind, metavar=parameter.symbol, help=what)
 
 
+def _compare() -> Command:
+    """Return the command that compares runs."""
+    return Command(
+        "compare",
+        LOOK,
+        "what differs most between runs: a sentence, tables, a page, figures",
+        "granwave.workflows.cli.compare:compare",
+        (
+            option(
+                "directories",
+                nargs="+",
+                type=read.input_name,
+                metavar="DIR",
+                help="directories of runs, and of scans for all their points",
+            ),
+            option(
+                "--quantity",
+                dest="quantities",
+                action="extend",
+                nargs="+",
+                default=[],
+                metavar="NAME",
+                help="values of summary.json and figures of the comparison (default: all)",
+            ),
+            option(
+                "--measured",
+                type=read.input_name,
+                metavar="FILE.csv",
+                help="a measured curve: two columns, units in their names, as time_us, force_N",
+            ),
+            option(
+                "--as",
+                dest="measured_as",
+                default="bottom_force",
+                metavar="NAME",
+                help="figure that the measured curve lies over: bottom_force (default), "
+                "peak_force_depth or fronts",
+            ),
+            option(
+                "--shift",
+                type=read.finite,
+                default=0.0,
+                metavar="X",
+                help="add X, s or m, to the times or lengths that were measured",
+            ),
+            option(
+                "--scale",
+                type=read.factor,
+                default=1.0,
+                metavar="Y",
+                help="multiply the measured values by Y",
+            ),
+            output(
+                "a file that ends in .html, .pdf or .md (default: compare.html); figures go to "
+                "NAME_figures next to it",
+                default=Path("compare.html"),
+            ),
+        ),
+    )
+
+
 def _core() -> tuple[Command, ...]:
     """Return the commands of the core."""
     files = [kind.name for kind in file_kinds()]
@@ -117,6 +178,7 @@ def _core() -> tuple[Command, ...]:
                     help="a study to make of all runs, by name or in a file of yours, beside those that scan and suite "
                     "files name; may be repeated"),
         )),
+        _compare(),
         Command("figures", LOOK, "draw the figures of a run again, all or some", "granwave.workflows.cli.results:figures", (
             RUN,
             option("--only", type=read.words, metavar="NAME,...",

@@ -6,6 +6,7 @@ run = gw.run("fcc-small", load__velocity=10)    # a case: run, and loaded
 scan = gw.scan("restitution", jobs=2)           # a scan
 best = gw.design("plate-design.toml").best      # a search for the best packing
 gw.load("fcc-small")                            # what is there
+gw.compare(["fcc-small", "hcp-small"])          # what differs most between runs
 gw.bands("precompressed-chain")                 # small waves: bands, modes, transmission
 gw.infer("grains.csv", "infer.toml")            # contact forces from measured grains
 gw.case("fcc-small", load__velocity=10)         # a case, checked and not run
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from granwave.extensions.waves.python import bands, modes, transmission
     from granwave.workflows.python.api import (
         Case,
+        Comparison,
         GranwaveError,
         InputError,
         MissingOutputError,
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
         RunError,
         ScanRuns,
         case,
+        compare,
         contact_energy,
         contact_force,
         contact_overlap,
@@ -48,6 +51,7 @@ if TYPE_CHECKING:
 
     __all__ = [
         "Case",
+        "Comparison",
         "Designs",
         "GranwaveError",
         "InferredForces",
@@ -61,6 +65,7 @@ if TYPE_CHECKING:
         "ScanRuns",
         "bands",
         "case",
+        "compare",
         "contact_energy",
         "contact_force",
         "contact_overlap",

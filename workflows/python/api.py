@@ -10,9 +10,9 @@ import contextlib
 import logging
 import os
 import subprocess
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.measures.zone_size import zone_warning
@@ -48,8 +48,12 @@ from granwave.workflows.run.leftovers import scratch_directory
 from granwave.workflows.run.turns import turn
 from granwave.workflows.solvers import GRANULAR
 
+if TYPE_CHECKING:
+    from granwave.analysis.reports.comparison.comparison import Comparison
+
 __all__ = [
     "Case",
+    "Comparison",
     "GranwaveError",
     "InputError",
     "MissingOutputError",
@@ -60,6 +64,7 @@ __all__ = [
     "RunError",
     "ScanRuns",
     "case",
+    "compare",
     "contact_energy",
     "contact_force",
     "contact_overlap",
@@ -73,6 +78,8 @@ __all__ = [
 
 logger = logging.getLogger(__name__)
 
+#: Classes that are loaded when they are asked for, with the drawing library.
+_ON_DEMAND = {"Comparison": "granwave.analysis.reports.comparison.comparison:Comparison"}
 _STOPPED = "{}: stopped before its end; resume=True goes on"
 
 
@@ -91,6 +98,8 @@ def object_of(name: str) -> Any:
     InputError
         A package that the extension of this name needs is not installed.
     """
+    if name in _ON_DEMAND:
+        return load_reference(_ON_DEMAND[name])
     if name in __all__:
         return globals()[name]
     references = added_by_name("python")
@@ -313,6 +322,54 @@ def scan(
                 text = "%s: of %d points %d %s; table.reason tells why, resume=True tries again"
                 logger.warning(text, place, len(found.distinct), count, what)
         return ScanRuns(place)
+
+
+def compare(
+    runs: Sequence[Run | ScanRuns | str | Path],
+    quantities: str | Sequence[str] = (),
+    measured: str | Path | None = None,
+    measured_as: str = "bottom_force",
+    *,
+    shift: float = 0.0,
+    scale: float = 1.0,
+) -> Comparison:
+    """Compare runs: what differs most, what differs in their cases, and their curves.
+
+    Parameters
+    ----------
+    runs
+        Two or more: as `load` gives them, or their directories; of scans all finished points.
+    quantities
+        Names of values of summary.json and of figures; by default all.
+    measured
+        Table of a measured curve with a column of times or lengths and one of values, each with its
+        unit in its name, such as ``time_us`` and ``force_kN``.
+    measured_as
+        Figure that it lies over: ``bottom_force``, ``peak_force_depth`` or ``fronts``.
+    shift, scale
+        What is added to the times or lengths that were measured, s or m, and the factor of the
+        values.
+
+    Returns
+    -------
+    Comparison
+        Its ``sentence``, ``table``, ``differences``, ``figures`` and ``figure(name)``.
+
+    Raises
+    ------
+    InputError
+        A directory is no result, there are fewer than two runs, a name is unknown, or a file cannot
+        be read.
+    """
+    from granwave.analysis.reports.comparison.comparison import compare_runs
+    from granwave.analysis.reports.inputs import read_inputs
+
+    with words_of_python():
+        places = [run if isinstance(run, str | Path) else run.directory for run in runs]
+        names = [quantities] if isinstance(quantities, str) else list(quantities)
+        inputs = read_inputs(places, Path.cwd(), repeated=True)
+        balanced = [run for run in inputs.results() if run.has_balance]
+        return compare_runs(balanced, names, measured, measured_as, shift=shift, scale=scale)
 
 
 def _run_on_ranks(

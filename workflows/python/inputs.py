@@ -159,6 +159,8 @@ _WORDS = (
     (re.compile(r"--(force|resume)\b"), r"\1=True"),
     (re.compile(r" with -o\b"), " with directory=..."),
     (re.compile(r"--np (\d+)"), r"ranks=\1"),
+    (re.compile(r"--quantity\b"), "quantities"),
+    (re.compile(r"--as\b"), "measured_as"),
 )
 
 

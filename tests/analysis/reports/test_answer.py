@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
-import re
 import shutil
 
 import pytest
 
 from granwave.analysis.document.model import Beside, DocumentTable, Figure, Group, Note, Report
-from granwave.analysis.reports.answer import _of_runs_in_words, answer_blocks, main_figures
+from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.inputs import read_inputs
-from granwave.analysis.reports.kinds import GRANULAR, ReportRun
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.results import compact_table
 from granwave.analysis.reports.studies import leads, verdicts
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.studies.study import Row, Study
-from granwave.extensions.continuum.report import ElementKind
-from granwave.lammps_inputs.result_directory import ResultDirectory
-from tests.helpers.made_up.synthetic_report import NASTY, build, draw, write_run
+from tests.helpers.made_up.synthetic_report import NASTY, blocks, build, draw, write_run
 from tests.helpers.made_up.synthetic_scan import grid, write_scan
 from tests.helpers.programs.chromium import Browser
 
@@ -151,67 +145,14 @@ def test_one_run(tmp_path):
 
 
 def test_several_runs(tmp_path):
+    """The first section is their comparison."""
     runs = [write_run(tmp_path / f"r{v}", figures=False, load__velocity=v) for v in (1, 2, 4)]
-    sentence, shown = answer(build(runs, tmp_path))
-    assert re.fullmatch(
-        r"Dissipated of the input: [\d.]+ % \(r1\), [\d.]+ % \(r2\), [\d.]+ % \(r4\)\.", sentence
-    )
-    headings = [column.heading for column in shown.table.columns]
-    assert headings[:4] == [
-        "Run",
-        "load.velocity",
-        "Dissipated fraction",
-        "Peak contact force, walls left out",
-    ]
-    assert len(headings) == 5 and len(shown.table.rows) == 3
-
-
-def test_a_packing_and_a_block(tmp_path):
-    """Only values and keys that both have, and no keys that change no physics."""
-    summary = {"dissipated_fraction": 0.9, "peak_force_N": 10.0, "zone_depth_90_m": 0.1}
-    packing = {
-        "packing.kind": "fcc",
-        "material.name": "brass",
-        "material.density": 8500,
-        "run.end_time": 1e-3,
-    }
-    block = {
-        "punch.velocity": 10.0,
-        "material.name": "steel",
-        "material.density": 7850,
-        "run.end_time": "auto",
-    }
-    runs = [
-        ReportRun(
-            "packing",
-            GRANULAR,
-            ResultDirectory(tmp_path),
-            "done",
-            summary | {"n_plastic_spheres": 3},
-            packing,
-            {},
-        ),
-        ReportRun(
-            "block",
-            ElementKind(),
-            ResultDirectory(tmp_path),
-            "done",
-            summary | {"dissipated_fraction": 0.2},
-            block,
-            {},
-        ),
-    ]
-    assert _of_runs_in_words(runs) == "Dissipated of the input: 90 % (packing), 20 % (block)."
-    headings = [column.heading for column in compact_table(runs).columns]
-    assert headings == [
-        "Run",
-        "material.name",
-        "Dissipated fraction",
-        "Peak contact force, walls left out",
-        "Zone of 90 %, depth",
-    ]
-    refused = [runs[0], dataclasses.replace(runs[1], status="refused")]
-    assert "Status" in [column.heading for column in compact_table(refused).columns]
+    sentence, values, cases, *_ = blocks(build(runs, tmp_path), "short")
+    assert sentence.tone == "lead" and sentence.text.startswith("The runs differ most in ")
+    headings = [column.heading for column in values.columns]
+    assert headings == ["Quantity", "Unit", "r1", "r2", "r4", "Largest / smallest"]
+    (row,) = cases.rows
+    assert [cell.text for cell in row] == ["load.velocity", "1 m/s", "2 m/s", "4 m/s"]
 
 
 def test_a_study_speaks_for_its_scan(tmp_path):

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis.document.model import DocumentTable, Gallery, Note
-from granwave.analysis.reports import figures
-from granwave.analysis.reports.answer import _of_runs_in_words
+from granwave.analysis.reports.comparison.comparison import compare_runs
 from granwave.analysis.reports.inputs import read_inputs
 from tests.helpers.made_up.synthetic_report import blocks, build, write_run
 
@@ -39,36 +38,36 @@ def elastic(tmp_path):
 
 
 def test_two_elastic_runs_do_not_lead_with_zero(elastic, tmp_path):
-    report = build(elastic, tmp_path)
-    lead = blocks(report, "short")[0]
+    lead, values, *_ = blocks(build(elastic, tmp_path), "short")
     assert isinstance(lead, Note)
-    assert lead.text == "Largest force of all contacts: 20 N (soft), 50 N (hard)."
-    (table,) = [block for block in blocks(report, "short") if isinstance(block, DocumentTable)]
-    headings = [column.heading for column in table.columns]
-    assert "Dissipated fraction" not in headings
-    assert "Yielded contacts" not in headings
-    assert "Peak contact force, walls included" in headings
+    assert lead.text == (
+        "The runs differ most in peak contact force, walls left out, 10 N (soft) and 25 N (hard), "
+        "a ratio of 2.5."
+    )
+    assert isinstance(values, DocumentTable)
+    labels = [row[0].text for row in values.rows]
+    assert "Dissipated fraction" not in labels
+    assert "Yielded contacts" not in labels
+    assert "Peak contact force, walls included" in labels
 
 
-def test_the_figure_of_elastic_runs_is_not_empty(elastic, tmp_path, monkeypatch):
-    drawn = []
-    draw = figures._draw
-
-    def noted(curves, what):
-        drawn.append((curves, what))
-        return draw(curves, what)
-
-    monkeypatch.setattr(figures, "_draw", noted)
-    report = build(elastic, tmp_path)
-    ((curves, what),) = drawn
-    assert what == "Kinetic share of the input"
-    for _, time, share in curves:
-        assert share == pytest.approx(np.cos(time / 1e-3) ** 2)
-    (gallery,) = [block for block in blocks(report, "short") if isinstance(block, Gallery)]
-    assert gallery.figures[0].caption.startswith("Kinetic share of the input against time.")
+def test_the_figure_of_elastic_runs_is_not_empty(elastic, tmp_path):
+    """It shows kinetic and elastic energy, and no panel of what none dissipated."""
+    comparison = compare_runs(read_inputs(elastic, tmp_path).runs)
+    drawing = comparison.drawing("energies")
+    panels = [axes.get_ylabel() for axes in drawing.figure.axes]
+    assert panels == ["Kinetic", "Elastic"]
+    time = drawing.columns["soft_time_s"]
+    share = drawing.columns["soft_kinetic_over_input"]
+    assert share == pytest.approx(np.cos(time / 1e-3) ** 2)
+    (gallery,) = [b for b in blocks(build(elastic, tmp_path), "short") if isinstance(b, Gallery)]
+    captions = [figure.caption for figure in gallery.figures]
+    assert any(caption.startswith("Kinetic, elastic and dissipated") for caption in captions)
 
 
 def test_an_elastic_run_and_another_are_compared_by_dissipation(elastic, tmp_path):
+    """A value that is zero in one of them is in the table, without a ratio."""
     plastic = write_run(tmp_path / "plastic", figures=False, dissipated_fraction=0.8)
-    runs = list(read_inputs([elastic[0], plastic], tmp_path).results())
-    assert _of_runs_in_words(runs) == "Dissipated of the input: 0 % (soft), 80 % (plastic)."
+    comparison = compare_runs(read_inputs([elastic[0], plastic], tmp_path).runs)
+    row = comparison.table.loc["dissipated_fraction"]
+    assert row["soft"] == 0 and row["plastic"] == 0.8 and np.isnan(row["ratio"])

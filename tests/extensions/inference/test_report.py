@@ -13,7 +13,8 @@ from granwave.analysis.document.model import BLANK
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.reports.answer import in_words
 from granwave.analysis.reports.kinds import ReportRun
-from granwave.analysis.reports.results import compact_table, value_rows
+from granwave.analysis.reports.results import value_rows
+from granwave.analysis.reports.sentences import value_table
 from granwave.extensions.inference.report import InferenceKind
 from granwave.lammps_inputs.files import plain
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -61,7 +62,7 @@ def test_answer_and_table():
             run, label="two", summary={**run.summary, "n_significant_contacts": None}
         )
     ]
-    table = compact_table([run, *others])
+    table = value_table([run, *others], "inferred forces")
     assert [column.heading for column in table.columns] == ["Quantity", "one", "two", "Unit"]
     rows = {row[0].text: row[1:] for row in table.rows}
     error = rows["Error of the forces, of the true ones"]

@@ -1,0 +1,189 @@
+"""A comparison as the first section of a report: sentence, tables and figures."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from functools import partial
+
+from granwave.analysis.document.model import (
+    Block,
+    Cell,
+    DocumentTable,
+    Figure,
+    Gallery,
+    Group,
+    Link,
+    Note,
+    TableColumn,
+    percent,
+    text_table,
+    value_cell,
+)
+from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
+from granwave.analysis.reports.comparison.cases import Difference
+from granwave.analysis.reports.comparison.comparison import Comparison
+from granwave.analysis.reports.comparison.figures import FIGURES
+from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.comparison.values import ComparedValue, factor
+from granwave.analysis.reports.figures import picture_of
+
+_MOST_SIDE_BY_SIDE = 6  # runs with a column each
+_MOST_VALUES = 10  # rows of the table of values
+_MOST_OPEN = 12  # rows of the table of keys that is not folded
+_OF_VALUES = "Results that differ most"
+_OF_CASES = "What differs in the cases"
+_OF_NUMERICS = "What differs in how the runs were followed"
+_QUANTITY = TableColumn("Quantity", key=True)
+_UNIT = TableColumn("Unit", key=True)
+
+
+def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[Block]:
+    """Return the blocks of a comparison.
+
+    Parameters
+    ----------
+    data
+        Link to the folder with the data of the figures, where they were saved.
+    """
+    blocks: list[Block] = [Note(comparison.sentence, "lead")]
+    blocks += [Note(text, "note") for text in comparison.notes]
+    blocks += misfit_tables(comparison)
+    if comparison.values:
+        blocks.append(value_table(comparison))
+    blocks += case_tables(comparison)
+    with style():
+        blocks += _pictures(comparison)
+    if data is not None:
+        blocks.append(Note("Figures as PNG and PDF, with their data:", links=(data,)))
+    return blocks
+
+
+def value_table(comparison: Comparison) -> DocumentTable:
+    """Return the table of values; of many runs the smallest and largest of each."""
+    values = comparison.values
+    if not comparison.quantities:
+        values = values[:_MOST_VALUES]
+    if len(comparison.runs) > _MOST_SIDE_BY_SIDE:
+        return _ranges(comparison.runs, values)
+    heads = [TableColumn(run.name, numeric=True) for run in comparison.runs]
+    rows = [(*_head(value), *map(value_cell, value.values), _ratio(value)) for value in values]
+    ratio = TableColumn(_ratio_name(comparison.runs), numeric=True)
+    columns = (_QUANTITY, _UNIT, *heads, ratio)
+    return DocumentTable(_OF_VALUES, columns, tuple(rows), by_row=True)
+
+
+def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> DocumentTable:
+    """Return smallest and largest value of all runs, with the runs that have them."""
+    rows: list[tuple[Cell, ...]] = []
+    for value in values:
+        named = [
+            (number, run.name)
+            for number, run in zip(value.values, runs, strict=True)
+            if number is not None
+        ]
+        if not named:
+            continue
+        least = min(named)
+        most = max(named)
+        ends = (value_cell(least[0]), Cell(least[1]), value_cell(most[0]), Cell(most[1]))
+        rows.append((*_head(value), *ends, _ratio(value)))
+    columns = (
+        _QUANTITY,
+        _UNIT,
+        TableColumn("Smallest", numeric=True),
+        TableColumn("of"),
+        TableColumn("Largest", numeric=True),
+        TableColumn("of run"),
+        TableColumn("Ratio", numeric=True),
+    )
+    return DocumentTable(_OF_VALUES, columns, tuple(rows), by_row=True)
+
+
+def _head(value: ComparedValue) -> tuple[Cell, Cell]:
+    return Cell(value.label, value.label), Cell(value.unit)
+
+
+def _ratio(value: ComparedValue) -> Cell:
+    return Cell("") if value.ratio is None else Cell(factor(value.ratio), value.ratio)
+
+
+def _ratio_name(runs: Sequence[ComparedRun]) -> str:
+    if len(runs) == 1:
+        return "Ratio"
+    return f"{runs[1].name} / {runs[0].name}" if len(runs) == 2 else "Largest / smallest"
+
+
+def case_tables(comparison: Comparison) -> list[Block]:
+    """Return what differs in the cases: physics open, and how the runs were followed folded."""
+    rows = comparison.case_rows
+    physical = [row for row in rows if not row.is_numerical]
+    numerical = [row for row in rows if row.is_numerical]
+    blocks: list[Block] = []
+    if not physical and comparison.differs and len(comparison.runs) > 1:
+        blocks.append(Note("The cases do not differ in their physics."))
+    if physical:
+        table = _case_table(_OF_CASES, physical, comparison.runs)
+        is_long = len(physical) > _MOST_OPEN
+        blocks.append(_folded(table) if is_long else table)
+    if numerical:
+        blocks.append(_folded(_case_table(_OF_NUMERICS, numerical, comparison.runs)))
+    return blocks
+
+
+def _folded(table: DocumentTable) -> Group:
+    """Return a table folded away under its caption."""
+    bare = dataclasses.replace(table, captioned=False)
+    return Group(table.caption, (bare,), folded=True)
+
+
+def _case_table(
+    caption: str, rows: Sequence[Difference], runs: Sequence[ComparedRun]
+) -> DocumentTable:
+    """Return a row for each key; of many runs a row for each run."""
+    names = [run.name for run in runs]
+    if len(runs) <= _MOST_SIDE_BY_SIDE:
+        texts = [(row.what, *row.values) for row in rows]
+        return text_table(caption, ("Key", *names), texts)
+    columns = [row.values for row in rows]
+    texts = list(zip(names, *columns, strict=True))
+    return text_table(caption, ("Run", *(row.what for row in rows)), texts)
+
+
+def misfit_tables(comparison: Comparison) -> list[Block]:
+    """Return the differences from measured curves, a table each."""
+    blocks: list[Block] = []
+    for name, curve in comparison.measured.items():
+        rows: list[tuple[str, ...]] = []
+        for run, difference in comparison.deviations(name).items():
+            if difference is None:
+                rows.append((run.name, "no common range", "", "", ""))
+                continue
+            rms = f"{difference.rms:.4g}"
+            relative = f"{100 * difference.relative_rms:.3g} %"
+            peak = percent(100 * difference.peak_difference)
+            rows.append((run.name, rms, relative, peak, str(difference.n_points)))
+        for run, why in comparison.data(name).lacking.items():
+            rows.append((run.name, why, "", "", ""))
+        units = FIGURES[name].units
+        rms_head = f"rms ({units[1]})" if units is not None else "rms"
+        heads = ("Run", rms_head, "rms over the measured peak", "Difference of the peaks", "Points")
+        blocks.append(text_table(f"Difference from {curve.source}", heads, rows))
+    return blocks
+
+
+def _pictures(comparison: Comparison) -> list[Block]:
+    """Return the figures, and what of them could not be drawn."""
+    figures: list[Figure] = []
+    failed: list[NotDrawn] = []
+    for name in comparison.wanted_figures:
+        drawing = comparison.drawing(name)
+        if isinstance(drawing, Drawing):
+            slug = f"compared-{name.replace('_', '-')}"
+            make = partial(picture_of, drawing, slug, comparison.caption(name))
+            picture = attempt(f"figure {name}", make)
+            failed.append(picture) if isinstance(picture, NotDrawn) else figures.append(picture)
+        elif isinstance(drawing, NotDrawn):
+            failed.append(drawing)
+    blocks: list[Block] = [Gallery(tuple(figures))] if figures else []
+    return blocks + [Note(f"The {reason}.", "bad") for reason in failed]

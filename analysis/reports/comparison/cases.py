@@ -1,0 +1,205 @@
+"""Differences of the cases of several runs: keys, and grains one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.reports.comparison.subjects import (
+    ComparedRun,
+    LackingError,
+    is_physical,
+    keys_of_all,
+    value_text,
+)
+from granwave.analysis.reports.setting import differing, quantity_in
+from granwave.lammps_inputs.errors import GranwaveError
+
+_SAME = 1e-12  # relative difference of diameters that are equal
+_SAME_PLACE = 1e-9  # diameters, between positions that are equal
+_MOST_RANGES = 4  # of ids in a row of the table
+_MOST_ROWS = 12  # for grains; further ones are counted
+NOT_RECORDED = "not recorded"
+_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # of ordinal numbers
+UNNAMED = "unnamed"  # material without a name
+_OF_PACKING = "packing."
+_REPLACED = "replace"  # key whose changes are said grain by grain
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A key, or some grains, that differ between the cases of runs.
+
+    Attributes
+    ----------
+    what
+        Dotted key, or the grains.
+    values
+        In words, by run: (n_runs,).
+    is_numerical
+        True for keys of the tables run and output, which change how a run is followed.
+    """
+
+    what: str
+    values: tuple[str, ...]
+    is_numerical: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class _Grains:
+    """Grains of a run by id: material, diameter (m) and centre (m)."""
+
+    ids: NDArray[np.int64]
+    materials: list[str]
+    diameter: NDArray[np.float64]
+    position: NDArray[np.float64]
+
+
+def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
+    """Return what differs in the cases, physics first; grains after the keys."""
+    with_case = [run.run for run in runs if run.run.case]
+    keys = differing(with_case) if len(with_case) > 1 else []
+    rows = _kind_rows(runs)
+    if rows:  # keys of one kind alone say nothing
+        keys = keys_of_all(keys, with_case)
+    own = [key for key in keys if is_physical(key)]
+    rest = [key for key in keys if not is_physical(key)]
+    is_moved = any(key.startswith(_OF_PACKING) for key in own)
+    grains = _grain_rows(runs, places=not is_moved)
+    if grains:
+        own = [key for key in own if key != _REPLACED]
+    rows += [_key_row(key, runs) for key in own]
+    rows += grains
+    rows += [_key_row(key, runs, is_numerical=True) for key in rest]
+    return rows
+
+
+def _kind_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
+    """Return a row with the kinds of the runs, where they differ."""
+    nouns = tuple(run.run.kind.noun for run in runs)
+    return [Difference("kind of run", nouns)] if len(set(nouns)) > 1 else []
+
+
+def _key_row(key: str, runs: Sequence[ComparedRun], *, is_numerical: bool = False) -> Difference:
+    texts = [value_text(key, run.run.case) if run.run.case else NOT_RECORDED for run in runs]
+    return Difference(key, tuple(texts), is_numerical)
+
+
+def _grain_rows(runs: Sequence[ComparedRun], *, places: bool) -> list[Difference]:
+    """Return rows for grains of the same ids that differ in material, diameter or position.
+
+    Positions are left out without ``places``, where a key of the packing says that they differ.
+    """
+    grains: list[_Grains] = []
+    for run in runs:
+        try:
+            grains.append(_grains_of(run))
+        except (LackingError, GranwaveError):
+            return []
+    first = grains[0]
+    if not all(np.array_equal(other.ids, first.ids) for other in grains):
+        return []
+    rows = _material_rows(grains)
+    rows += _number_rows(grains, places=places)
+    if len(rows) > _MOST_ROWS:
+        left = len(rows) - _MOST_ROWS
+        more = Difference(f"{left} more groups of grains", ("",) * len(runs))
+        return [*rows[:_MOST_ROWS], more]
+    return rows
+
+
+def _grains_of(run: ComparedRun) -> _Grains:
+    with run.opened() as result:
+        assembly = result.assembly
+        ids = result["spheres/id"].astype(np.int64)
+        names = [species.material.name or UNNAMED for species in assembly.species]
+        materials = [names[number] for number in assembly.body[ids - 1].tolist()]
+        return _Grains(ids, materials, 2 * result["spheres/radius"], result["spheres/position"])
+
+
+def _material_rows(grains: Sequence[_Grains]) -> list[Difference]:
+    """Return a row for each combination of materials that differ, with the grains that have it."""
+    groups: dict[tuple[str, ...], list[int]] = {}
+    columns = [one.materials for one in grains]
+    if all(column == columns[0] for column in columns):
+        return []
+    if all(len(set(column)) == 1 for column in columns):
+        return []  # the key of the material says it
+    for sphere, combination in zip(grains[0].ids.tolist(), zip(*columns, strict=True), strict=True):
+        if len(set(combination)) > 1:
+            groups.setdefault(combination, []).append(sphere)
+    return [
+        Difference(f"material of {ids_in_words(ids)}", combination)
+        for combination, ids in groups.items()
+    ]
+
+
+def _number_rows(grains: Sequence[_Grains], *, places: bool) -> list[Difference]:
+    """Return rows for diameters and positions that differ: which grains, and by how much."""
+    first = grains[0]
+    scale = float(first.diameter.max(initial=0.0))
+    sizes = [other.diameter - first.diameter for other in grains]
+    moves = [np.linalg.norm(other.position - first.position, axis=1) for other in grains]
+    rows: list[Difference] = []
+    if not _is_constant(sizes):  # else a key says it
+        rows += _changed_row("diameter", first.ids, sizes, _SAME * scale)
+    if places:
+        rows += _changed_row("position", first.ids, moves, _SAME_PLACE * scale)
+    return rows
+
+
+def _changed_row(
+    what: str, ids: NDArray[np.int64], changes: Sequence[NDArray[np.float64]], least: float
+) -> list[Difference]:
+    """Return the row of the grains that changed by more than ``least``, m; nothing without any."""
+    changed = ids[np.max(np.abs(changes), axis=0) > least]
+    if not len(changed):
+        return []
+    texts = [_change_text(change) for change in changes]
+    return [Difference(f"{what} of {ids_in_words(changed.tolist())}", tuple(texts))]
+
+
+def _is_constant(changes: Sequence[NDArray[np.float64]]) -> bool:
+    return all(np.ptp(change) <= _SAME * np.abs(change).max(initial=0.0) for change in changes)
+
+
+def _change_text(change: NDArray[np.float64]) -> str:
+    largest = float(np.abs(change).max(initial=0.0))
+    return f"up to {quantity_in(largest, 'm')} off" if largest else "the reference"
+
+
+def ids_in_words(ids: Iterable[int]) -> str:
+    """Return ids as ranges: ``grains 1, 3 to 5``; of long lists the first, and their number."""
+    numbers = sorted(ids)
+    if len(numbers) == 1:
+        return f"grain {numbers[0]}"
+    ranges: list[list[int]] = []
+    for number in numbers:
+        if ranges and number == ranges[-1][-1] + 1:
+            ranges[-1] = [ranges[-1][0], number]
+        else:
+            ranges.append([number])
+    if step := _step(numbers):
+        return f"grains {numbers[0]}, {numbers[1]}, … {numbers[-1]} (every {_ordinal(step)})"
+    texts = [f"{part[0]} to {part[-1]}" if len(part) > 1 else f"{part[0]}" for part in ranges]
+    if len(texts) > _MOST_RANGES:
+        return f"{len(numbers)} grains ({', '.join(texts[:_MOST_RANGES])}, …)"
+    return f"grains {', '.join(texts)}"
+
+
+def _ordinal(number: int) -> str:
+    """Return a number as ``2nd``, ``13th``."""
+    if number % 100 in (11, 12, 13):
+        return f"{number}th"
+    return f"{number}{_ENDINGS.get(number % 10, 'th')}"
+
+
+def _step(numbers: Sequence[int]) -> int:
+    """Return the even distance of at least four numbers that are further apart than one; else 0."""
+    steps = set(np.diff(numbers).tolist())
+    if len(numbers) > _MOST_RANGES and len(steps) == 1 and steps != {1}:
+        return int(steps.pop())
+    return 0

@@ -1,0 +1,339 @@
+"""Comparison of some runs: a sentence, tables and figures."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Collection, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from granwave.analysis.errors import MissingDataError, did_you_mean
+from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
+from granwave.analysis.reports.comparison.cases import Difference, case_differences
+from granwave.analysis.reports.comparison.figures import FIGURES, FigureData, read_figure
+from granwave.analysis.reports.comparison.measured import (
+    Deviation,
+    MeasuredCurve,
+    deviation,
+    read_measured,
+)
+from granwave.analysis.reports.comparison.subjects import ComparedRun, compared_runs
+from granwave.analysis.reports.comparison.values import (
+    ComparedValue,
+    compared_values,
+    differing_values,
+    sentence,
+    unknown_values,
+)
+from granwave.analysis.reports.kinds import ReportRun
+from granwave.analysis.reports.setting import quantity_in
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.own_files import AnyPath
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.axes import Axes
+
+BOTTOM_FORCE = "bottom_force"  # what a measured curve is compared with by default
+_UNITS = "units"  # key of ``attrs`` of a table
+_RATIO = "ratio"
+_LEAST_RUNS = 2
+_MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
+_LATER = 1.01  # latest over earliest end from which on runs end at different times
+
+
+class Comparison:
+    """Comparison of runs.
+
+    Attributes
+    ----------
+    runs
+        The runs, with their labels in figures.
+    measured
+        Measured curve by the name of the figure that it lies over; empty without one.
+    quantities
+        Names that were asked for: of values and of figures; empty for all.
+    """
+
+    def __init__(
+        self,
+        runs: Sequence[ComparedRun],
+        quantities: Sequence[str] = (),
+        measured: Mapping[str, MeasuredCurve] | None = None,
+    ) -> None:
+        self.runs = tuple(runs)
+        self.quantities = tuple(quantities)
+        self.measured = dict(measured or {})
+        self._drawn: dict[str, Drawing | NotDrawn | None] = {}
+        self._data: dict[str, FigureData] = {}
+
+    # ------------------------------------------------------------------ values and cases
+
+    @cached_property
+    def values(self) -> list[ComparedValue]:
+        """Values of the summaries: those asked for, or all results, the most different first."""
+        names = [name for name in self.quantities if name not in FIGURES]
+        if self.quantities and not names:
+            return []
+        return compared_values(self.runs, names)
+
+    @cached_property
+    def case_rows(self) -> list[Difference]:
+        """What differs in the cases: keys, and grains."""
+        return case_differences(self.runs)
+
+    @property
+    def differs(self) -> bool:
+        """True if any value or any case differs."""
+        return bool(differing_values(self.values) or self.case_rows)
+
+    @cached_property
+    def sentence(self) -> str:
+        """The values that differ most, in a sentence."""
+        if not self.differs:
+            names = [run.name for run in self.runs]
+            listed = f"{', '.join(names[:-1])} and {names[-1]}"
+            return f"Nothing differs: cases and results of {listed} are equal."
+        return sentence(self.values or compared_values(self.runs), self.runs)
+
+    @property
+    def table(self) -> pandas.DataFrame:
+        """Values by name, the most different first: a column for each run, and the ratio.
+
+        Units are in ``attrs["units"]``, by name. The ratio is second over first of two runs, of
+        more largest over smallest; NaN where a value is zero or missing.
+        """
+        import pandas
+
+        columns: dict[str, list[float | None]] = {}
+        for n, run in enumerate(self.runs):
+            columns[run.name] = [value.values[n] for value in self.values]
+        columns[_RATIO] = [value.ratio for value in self.values]
+        names = pandas.Index([value.name for value in self.values], name="quantity")
+        table = pandas.DataFrame(columns, index=names, dtype=float)
+        table.attrs[_UNITS] = {value.name: value.unit or "1" for value in self.values}
+        return table
+
+    @property
+    def differences(self) -> pandas.DataFrame:
+        """Keys of the cases, and grains, that differ: values in words, a column for each run."""
+        import pandas
+
+        columns: dict[str, list[str]] = {}
+        for n, run in enumerate(self.runs):
+            columns[run.name] = [row.values[n] for row in self.case_rows]
+        keys = pandas.Index([row.what for row in self.case_rows], name="key")
+        return pandas.DataFrame(columns, index=keys, dtype=object)
+
+    # ------------------------------------------------------------------ figures
+
+    @property
+    def wanted_figures(self) -> list[str]:
+        """Names of the figures that are drawn, as far as runs have what they show."""
+        asked = [name for name in FIGURES if name in self.quantities]
+        asked += [name for name in self.measured if name not in asked]
+        return asked if self.quantities else list(FIGURES)
+
+    def data(self, name: str) -> FigureData:
+        """Return what the runs give for a figure, and why others give nothing."""
+        if name not in self._data:
+            self._data[name] = read_figure(FIGURES[name], self.runs)
+        return self._data[name]
+
+    def drawing(self, name: str) -> Drawing | NotDrawn | None:
+        """Return a figure; None where no run has what it shows, and the reason where it failed."""
+        if name not in self._drawn:
+            self._drawn[name] = attempt(f"figure {name}", lambda: self._draw(name))
+        return self._drawn[name]
+
+    def _draw(self, name: str) -> Drawing | None:
+        present = self.data(name).present
+        curves = [self.measured[name]] if name in self.measured else []
+        return FIGURES[name].draw(present, curves) if present else None
+
+    def caption(self, name: str) -> str:
+        """Return the caption of a figure, with the runs that are not in it and the reasons."""
+        figure = FIGURES[name]
+        data = self.data(name)
+        parts = [f"{figure.caption}."]
+        if figure.look:
+            parts.append(figure.look)
+        if figure.notes is not None:
+            parts.append(figure.notes(data.present))
+        if name in self.measured:
+            parts.append(self._measured_words(name))
+        if data.lacking:
+            reasons = [f"{run.name} ({why})" for run, why in data.lacking.items()]
+            parts.append(f"Not drawn: {'; '.join(reasons)}.")
+        return " ".join(filter(None, parts))
+
+    def _measured_words(self, name: str) -> str:
+        curve = self.measured[name]
+        units = FIGURES[name].units
+        words = f"Black, dotted: {curve.columns[1]} of {curve.source}"
+        changes: list[str] = []
+        if curve.shift and units is not None:
+            changes.append(f"shifted by {quantity_in(curve.shift, units[0])}")
+        if curve.scale != 1:
+            changes.append(f"multiplied by {curve.scale:g}")
+        return f"{words}, {' and '.join(changes) or 'as measured'}."
+
+    @cached_property
+    def figures(self) -> tuple[str, ...]:
+        """Names of the figures that these runs have."""
+        from granwave.analysis.figures.style import style
+
+        with style():
+            return tuple(
+                name for name in self.wanted_figures if isinstance(self.drawing(name), Drawing)
+            )
+
+    def figure(self, name: str) -> Axes | list[Axes]:
+        """Draw a figure, to go on with; it is not saved.
+
+        Returns
+        -------
+        Axes or list of Axes
+            Axes of the figure, which pyplot shows; a list if there are several.
+
+        Raises
+        ------
+        MissingDataError
+            There is no figure of this name, or no run has what it shows.
+        """
+        from granwave.analysis.figures.series import draw_axes, no_figure
+
+        if name not in FIGURES:
+            raise no_figure("comparison", name, FIGURES)
+        axes = draw_axes(lambda: self._draw(name))
+        if axes is None:
+            lacking = self.data(name).lacking
+            reasons = [f"{run.name}: {why}" for run, why in lacking.items()]
+            why = "; ".join(reasons) or "the runs do not differ in it, or share no grains"
+            raise MissingDataError(f"comparison: figure {name} does not apply ({why})")
+        return axes
+
+    # ------------------------------------------------------------------ measured
+
+    def deviations(self, name: str) -> dict[ComparedRun, Deviation | None]:
+        """Return the difference of each run from the measured curve over a figure."""
+        curve_of = FIGURES[name].curve
+        measured = self.measured[name]
+        assert curve_of is not None  # else no curve can lie over it
+        return {
+            run: deviation(measured, curve_of(data))
+            for run, data in self.data(name).present.items()
+        }
+
+    @property
+    def misfits(self) -> pandas.DataFrame:
+        """Difference of each run from the measured curve: rms, rms over the measured peak, relative
+        difference of the peaks, and number of points; empty without a measured curve.
+        """
+        import pandas
+
+        rows: list[dict[str, Any]] = []
+        for name in self.measured:
+            for run, difference in self.deviations(name).items():
+                values = vars(difference) if difference is not None else {}
+                rows.append({"figure": name, "run": run.name, **values})
+        return pandas.DataFrame(rows)
+
+    # ------------------------------------------------------------------ in words
+
+    @property
+    def notes(self) -> list[str]:
+        """Sentences on runs that ended early, and on runs that no figure shows."""
+        early = [f"{run.name} ({run.unfinished})" for run in self.runs if run.unfinished]
+        notes: list[str] = []
+        if early:
+            listed = ", ".join(early)
+            notes.append(f"Not finished, compared up to where it came: {listed}.")
+        notes += self._unlike_ends()
+        for run in self.runs:
+            reasons = [self.data(name).lacking.get(run) for name in self.wanted_figures]
+            if reasons and all(reasons):
+                notes.append(f"In no figure: {run.name} ({reasons[0]}).")
+        return notes
+
+    def _unlike_ends(self) -> list[str]:
+        """Return a sentence on runs that end at different times; nothing if they do not."""
+        ends = {run.name: run.run.number("end_time_s") or 0.0 for run in self.runs}
+        if max(ends.values()) <= _LATER * min(ends.values()):
+            return []
+        texts = [f"{name} at {quantity_in(end, 's')}" for name, end in ends.items()]
+        listed = ", ".join(texts)
+        if len(texts) > _MOST_LISTED:
+            order = sorted(range(len(texts)), key=lambda n: list(ends.values())[n])
+            listed = f"from {texts[order[0]]} to {texts[order[-1]]}"
+        return [f"Runs end at different times, and so do their sums over time: {listed}."]
+
+    def __repr__(self) -> str:
+        lines = [self.sentence, *self.notes, "", self.table.to_string(na_rep="")]
+        return "\n".join([*lines, "", self.differences.to_string()])
+
+    def _repr_html_(self) -> str:
+        notes = "".join(f"<p>{html.escape(note)}</p>" for note in (self.sentence, *self.notes))
+        return f"{notes}\n{self.table.to_html(na_rep='')}\n{self.differences.to_html()}"
+
+
+def compare_runs(
+    runs: Sequence[ReportRun],
+    quantities: Sequence[str] = (),
+    measured: AnyPath | None = None,
+    measured_as: str = BOTTOM_FORCE,
+    *,
+    shift: float = 0.0,
+    scale: float = 1.0,
+) -> Comparison:
+    """Compare runs.
+
+    Parameters
+    ----------
+    runs
+        Two at least.
+    quantities
+        Names of values of summary.json and of figures; by default all results and all figures.
+    measured
+        File of a measured curve, see `read_measured`.
+    measured_as
+        Figure that it lies over.
+    shift, scale
+        What is added to its times or lengths, s or m, and the factor of its values.
+
+    Raises
+    ------
+    InputError
+        There are fewer than two runs, a name is unknown, or the file cannot be read; all faults are
+        listed.
+    """
+    errors: list[Any] = []
+    if len(runs) < _LEAST_RUNS and measured is None:
+        labels = ", ".join(run.label for run in runs) or "none"
+        errors.append(f"found {len(runs)} run ({labels}), expected two or more to compare")
+    compared = compared_runs(runs)
+    names = [name for name in quantities if name not in FIGURES]
+    errors += unknown_values(names, compared, tuple(FIGURES))
+    curves: dict[str, MeasuredCurve] = {}
+    if measured is not None:
+        try:
+            curves[measured_as] = _measured_curve(measured, measured_as, shift, scale)
+        except InputError as error:
+            errors += error.items
+    if errors:
+        raise InputError(errors)
+    return Comparison(compared, quantities, curves)
+
+
+def _measured_curve(path: Any, name: str, shift: float, scale: float) -> MeasuredCurve:
+    units = FIGURES[name].units if name in FIGURES else None
+    if units is None:
+        names = names_for_measured()
+        hint = did_you_mean(name, names) or f"expected {', '.join(names)}"
+        raise InputError(f"--as: found {name}, which no measured curve can lie over; {hint}")
+    return read_measured(path, units, shift=shift, scale=scale)
+
+
+def names_for_measured() -> Collection[str]:
+    """Return the names of the figures that a measured curve can lie over."""
+    return [name for name, figure in FIGURES.items() if figure.units is not None]

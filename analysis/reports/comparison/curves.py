@@ -1,0 +1,241 @@
+"""Curves of a run that a comparison draws on shared axes, in SI units.
+
+A function of a run returns a curve, or raises `LackingError` with the reason why there is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.measures.geometry import layers
+from granwave.analysis.measures.impact import zone_growth
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.waves import front_arrivals
+from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.files import regular
+from granwave.lammps_inputs.run_directory import RESULT_FILE
+
+FORMS = ("kinetic", "elastic", "dissipated")  # of energy, in the order of their panels
+_LEAST_FIT = 4  # layers of a fit of the decay
+_LEAST_SHARE = 1e-4  # of the largest peak force: layers that a wave reached
+_TOP = 0.5  # diameters below the struck sphere, above which layers are left out of the fit
+_DEGREES = 2  # constants of the fit
+
+
+@dataclass(frozen=True, eq=False)
+class SampledCurve:
+    """Values at places or times, rising: (n,) each, SI units."""
+
+    x: Array
+    y: Array
+
+
+@dataclass(frozen=True)
+class PowerDecay:
+    """Decay of the peak force with depth, as a power of it: ``F = F_D (z/D)^-exponent``.
+
+    Attributes
+    ----------
+    exponent, error
+        The exponent and its standard error.
+    force
+        Of the fit at a depth of one diameter, N.
+    diameter
+        m.
+    misfit
+        Root mean square of ``ln(F / fit)``.
+    first, last
+        Depths of the first and the last layer of the fit, m.
+    n_layers
+        Number of its layers.
+    """
+
+    exponent: float
+    error: float
+    force: float
+    diameter: float
+    misfit: float
+    first: float
+    last: float
+    n_layers: int
+
+    def __call__(self, depth: Array) -> Array:
+        """Return forces at depths, (n,), m: (n,), N."""
+        return np.asarray(self.force * (depth / self.diameter) ** -self.exponent)
+
+
+@dataclass(frozen=True, eq=False)
+class PeaksByDepth:
+    """Peak forces of the spheres of each layer that the load reached.
+
+    Attributes
+    ----------
+    depth
+        Of the layers below the struck sphere, m: (n_layers,).
+    largest, median
+        Of the peak forces of their spheres, N: (n_layers,).
+    decay
+        Fit of the largest; None with fewer than four layers below the struck one.
+    """
+
+    depth: Array
+    largest: Array
+    median: Array
+    decay: PowerDecay | None
+
+
+@dataclass(frozen=True, eq=False)
+class GrowthCurves:
+    """Plastic zone in time.
+
+    Attributes
+    ----------
+    time
+        s: (n,).
+    spheres, depth
+        Number of yielded spheres, and depth of the deepest, m: (n,).
+    """
+
+    time: Array
+    spheres: Array
+    depth: Array
+
+
+def force_at_bottom(run: ComparedRun) -> SampledCurve:
+    """Return the force on the bottom in time: s, N."""
+    with run.opened() as result:
+        record = reached(result)
+        if record is None:
+            raise LackingError("it has no bottom that records a force")
+        return SampledCurve(record.time, record.force)
+
+
+def energy_shares(run: ComparedRun) -> dict[str, SampledCurve]:
+    """Return the forms of energy over the final input, in time: s, 1."""
+    try:
+        with h5py.File(regular(run.run.directory / RESULT_FILE), "r") as file:
+            time = _dataset(file, "energy/time")
+            given = _dataset(file, "energy/input")
+            columns = {form: _form(file, run.run.kind.ledger[form]) for form in FORMS}
+    except (OSError, KeyError, ValueError, TypeError):
+        raise LackingError(f"{RESULT_FILE} has no energies") from None
+    is_whole = all(np.shape(values) == time.shape == given.shape for values in columns.values())
+    if not is_whole or not len(time) or not given[-1] > 0:
+        raise LackingError("no energy was put in, or its record is damaged")
+    return {form: SampledCurve(time, values / given[-1]) for form, values in columns.items()}
+
+
+def _form(file: h5py.File, names: Sequence[str]) -> Array:
+    """Return the sum of the data sets of a form of energy; a run has the first of them at least."""
+    first, *others = names
+    present = [name for name in others if f"energy/{name}" in file]
+    total = _dataset(file, f"energy/{first}")
+    for name in present:
+        total = total + _dataset(file, f"energy/{name}")
+    return total
+
+
+def _dataset(file: h5py.File, name: str) -> Array:
+    return np.asarray(file[name][()], dtype=np.float64)
+
+
+def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
+    """Return the peak forces of the layers of a run."""
+    with run.opened() as result:
+        mean, layer = _layers_below(result)
+        force = result["spheres/peak_force"]
+        diameter = result.case.packing.diameter
+        largest = np.array([force[layer == n].max() for n in range(len(mean))])
+        median = np.array([np.median(force[layer == n]) for n in range(len(mean))])
+    if len(mean) < 2 or not largest.any():
+        raise LackingError("no force goes through two layers")
+    shown = largest > _LEAST_SHARE * largest.max()
+    depth = mean[shown]
+    largest = largest[shown]
+    return PeaksByDepth(depth, largest, median[shown], power_decay(depth, largest, diameter))
+
+
+def power_decay(depth: Array, force: Array, diameter: float) -> PowerDecay | None:
+    """Fit forces by a power of the depth, by least squares in their logarithms.
+
+    Layers within half a diameter of the struck sphere, where the load acts, are left out, and the
+    last one, which the bottom loads.
+
+    Parameters
+    ----------
+    depth, force
+        Of the layers: (n_layers,), m and N.
+    diameter
+        Of the spheres, nominal, m.
+
+    Returns
+    -------
+    PowerDecay or None
+        None with fewer than four layers.
+    """
+    below = np.flatnonzero(depth > _TOP * diameter)[:-1]
+    if len(below) < _LEAST_FIT:
+        return None
+    x = np.log(depth[below] / diameter)
+    y = np.log(force[below])
+    about = x - x.mean()
+    spread = float(about @ about)
+    slope = float(about @ y) / spread
+    start = float(y.mean() - slope * x.mean())
+    residual = y - start - slope * x
+    squares = float(residual @ residual)
+    error = np.sqrt(squares / (len(x) - _DEGREES) / spread)
+    misfit = np.sqrt(squares / len(x))
+    ends = (float(depth[below[0]]), float(depth[below[-1]]))
+    return PowerDecay(
+        -slope, float(error), float(np.exp(start)), diameter, float(misfit), *ends, len(x)
+    )
+
+
+def dissipation_by_depth(run: ComparedRun) -> SampledCurve:
+    """Return the energy that the spheres of each layer dissipated, over the input: m, 1."""
+    with run.opened() as result:
+        mean, layer = _layers_below(result)
+        lost = np.bincount(layer, result["spheres/dissipated_energy"], minlength=len(mean))
+        given = result.energy_input
+    if not given > 0 or not np.any(lost > 0):
+        raise LackingError("it dissipated nothing")
+    return SampledCurve(mean, lost / given)
+
+
+def growth(run: ComparedRun) -> GrowthCurves:
+    """Return the growth of the plastic zone, from zero to the end of the run."""
+    with run.opened() as result:
+        if not result["contacts/yielded"].any():
+            raise LackingError("no contact yielded")
+        zone = zone_growth(result)
+        end = float(result["energy/time"][-1])
+    time = np.concatenate([[0.0], zone.time, [end]])
+    spheres = np.concatenate([[0], zone.spheres, zone.spheres[-1:]]).astype(np.float64)
+    depth = np.concatenate([[0.0], zone.depth, zone.depth[-1:]])
+    return GrowthCurves(time, spheres, depth)
+
+
+def front(run: ComparedRun) -> SampledCurve:
+    """Return when the front of the wave reached each layer, or bead of a chain: m, s."""
+    with run.opened() as result:
+        if result.case.precompression is not None:
+            raise LackingError("its contacts are loaded from the start")
+        depth, arrival = front_arrivals(result)
+    is_reached = np.isfinite(arrival)
+    if np.count_nonzero(is_reached) < 2:
+        raise LackingError("the wave reached fewer than two layers")
+    return SampledCurve(depth[is_reached], arrival[is_reached])
+
+
+def _layers_below(result: Result) -> tuple[Array, NDArray[np.int64]]:
+    """Return the depth of each layer of the packing, m, and the layer of each of its spheres."""
+    depth = result["spheres/position"][:, 2] - result.origin[2]
+    return layers(depth, result["spheres/radius"], result.case.packing.diameter)

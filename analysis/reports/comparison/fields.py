@@ -1,0 +1,225 @@
+"""Peak forces on a vertical section of several packings side by side, on one colour scale, and
+their difference where grains correspond.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection
+from matplotlib.colors import SymLogNorm
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from granwave.analysis.figures.sections import (
+    Colouring,
+    colour_bar,
+    cut_of,
+    decades_up_to,
+    disc_radii,
+    draw_discs,
+    frame_axes,
+    sticks_of,
+    window_around,
+)
+from granwave.analysis.figures.series import column_name
+from granwave.analysis.figures.style import BOTH_SIDES_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
+from granwave.analysis.measures.geometry import SpheresOnPlane
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+
+Window = tuple[float, float, float, float]  # left, right, top, bottom; mm
+
+_PLANES = ("orthogonal", "principal")  # the first that a packing has
+_ACROSS = 3  # most panels in a row
+MOST_PANELS = 6
+_MILLI = 1e3
+_TALLEST = 8.0  # inches
+_SAME_PLACE = 1e-3  # diameters, between grains that correspond
+_LINEAR = 1e-2  # of the largest difference, within which its scale is linear
+_LINEAR_PART = 0.4  # length of the linear part of that scale on each side, decades
+_TICKS = 2  # powers of ten on each side of zero
+_DISC = 0.96  # drawn over actual diameter
+_NO_EDGE = 0.2  # width of edges, points
+
+
+@dataclass(frozen=True, eq=False)
+class ForceField:
+    """Peak forces of the grains on a section.
+
+    Attributes
+    ----------
+    cut
+        Grains on the plane.
+    force
+        Largest contact force of each, N: (n,).
+    ids
+        Their ids: (n,).
+    radius
+        Of their discs, m: (n,).
+    sticks
+        Half axes of cylinders, as of `granwave.analysis.figures.sections.sticks_of`.
+    diameter
+        Nominal, m.
+    """
+
+    cut: SpheresOnPlane
+    force: Array
+    ids: Array
+    radius: Array
+    sticks: Array | None
+    diameter: float
+
+    def window(self, least: float) -> Window:
+        """Return the part of the plane where forces are not below ``least``, N."""
+        return window_around(self.cut, self.force >= least, self.diameter)
+
+
+def force_field(run: ComparedRun) -> ForceField:
+    """Return the peak forces of a run on its vertical section."""
+    with run.opened() as result:
+        cut = next(filter(None, (cut_of(result, name) for name in _PLANES)), None)
+        if cut is None:
+            raise LackingError("it has no vertical section of several rows")
+        force = result["spheres/peak_force"][cut.index]
+        ids = result["spheres/id"][cut.index]
+        radius = disc_radii(result, cut)
+        sticks = sticks_of(result, cut)
+        diameter = result.case.packing.diameter
+    if not force.any():
+        raise LackingError("no contact carried a force")
+    return ForceField(cut, force, ids, radius, sticks, diameter)
+
+
+def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
+    """Draw the sections of several runs side by side, on one scale of lengths and of colours."""
+    runs = list(fields)[:MOST_PANELS]
+    largest = max(float(fields[run].force.max()) for run in runs)
+    low, high = decades_up_to(largest, None)
+    window = _joint([fields[run].window(low) for run in runs])
+    figure, panels = _panels(len(runs), window)
+    columns: dict[str, Array] = {}
+    for axes, run in zip(panels, runs, strict=True):
+        field = fields[run]
+        colouring = Colouring(field.force, "Peak force (N)", "peak_force_N", FORCE_MAP, low, high)
+        draw_discs(axes, field.cut, field.force, colouring, field.radius, sticks=field.sticks)
+        frame_axes(axes, window)
+        axes.set_title(run.label, pad=2, fontsize=7)
+        columns |= _columns(run, field, "peak_force_N", field.force)
+    forces = np.concatenate([fields[run].force for run in runs])
+    colour_bar(figure, panels, colouring, forces)
+    return Drawing(figure, columns)
+
+
+def corresponding(first: ForceField, other: ForceField) -> bool:
+    """Return True if two sections have the same grains at the same places."""
+    if not np.array_equal(first.ids, other.ids):
+        return False
+    apart = np.hypot(first.cut.across - other.cut.across, first.cut.down - other.cut.down)
+    return bool(np.all(apart <= _SAME_PLACE * first.diameter))
+
+
+def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
+    """Draw the peak force of each run less that of the first, for runs with the same grains.
+
+    None where no run corresponds to the first, or none differs from it.
+    """
+    reference, *others = list(fields)[:MOST_PANELS]
+    first = fields[reference]
+    changes = {
+        run: fields[run].force - first.force for run in others if corresponding(first, fields[run])
+    }
+    largest = max((float(np.abs(change).max()) for change in changes.values()), default=0.0)
+    if not largest:
+        return None
+    norm = SymLogNorm(_LINEAR * largest, linscale=_LINEAR_PART, vmin=-largest, vmax=largest)
+    window = first.window(decades_up_to(float(first.force.max()), None)[0])
+    figure, panels = _panels(len(changes), window)
+    columns: dict[str, Array] = {}
+    for axes, (run, change) in zip(panels, changes.items(), strict=True):
+        _draw_changes(axes, first, change, norm)
+        frame_axes(axes, window)
+        axes.set_title(run.label, pad=2, fontsize=7)
+        columns |= _columns(run, first, "peak_force_difference_N", change)
+    mappable = ScalarMappable(norm, colormaps[BOTH_SIDES_MAP])
+    bar = figure.colorbar(mappable, ax=panels, location="bottom", aspect=28, shrink=0.9)
+    bar.set_label(f"Peak force less that of {reference.label} (N)")
+    bar.set_ticks(_ticks(largest))
+    bar.minorticks_off()
+    return Drawing(figure, columns)
+
+
+def _ticks(largest: float) -> list[float]:
+    """Return the powers of ten on both sides of zero that a scale up to ``largest`` shows."""
+    power = math.floor(math.log10(largest))
+    positive = [
+        10.0 ** (power - n) for n in range(_TICKS) if 10.0 ** (power - n) > _LINEAR * largest
+    ]
+    return [*(-tick for tick in positive), 0.0, *reversed(positive)]
+
+
+def difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
+    """Return the runs whose grains do not correspond to those of the first, in a sentence."""
+    reference, *others = list(fields)
+    unlike = [run.name for run in others if not corresponding(fields[reference], fields[run])]
+    if not unlike:
+        return ""
+    return f"Without {', '.join(unlike)}: other grains than {reference.name}."
+
+
+def _draw_changes(axes: Axes, field: ForceField, change: Array, norm: SymLogNorm) -> None:
+    """Draw differences as discs, in mm."""
+    size = _DISC * 2 * field.radius * _MILLI
+    centres = np.stack([field.cut.across, field.cut.down], axis=1) * _MILLI
+    colours = colormaps[BOTH_SIDES_MAP](norm(change))
+    discs = EllipseCollection(
+        size,
+        size,
+        np.zeros(len(size)),
+        units="xy",
+        offsets=centres,
+        offset_transform=axes.transData,
+        facecolors=colours,
+        edgecolors="#c4c4c4",
+        linewidths=_NO_EDGE,
+    )
+    axes.add_collection(discs)
+
+
+def _panels(number: int, window: Window) -> tuple[MatplotlibFigure, list[Axes]]:
+    """Return a figure with a panel for each section, with common axes."""
+    across = min(number, _ACROSS)
+    rows = math.ceil(number / across)
+    width = WIDTH if number == 1 else 2 * WIDTH
+    left, right, top, bottom = window
+    panel = (width - 0.6 - 0.2 * across) / across * (bottom - top) / (right - left) + 0.35
+    figure = new_figure(min(rows * panel + 0.95, _TALLEST), width)
+    grid = figure.subplots(rows, across, sharex=True, sharey=True, squeeze=False)
+    for empty in grid.flat[number:]:
+        empty.set_visible(False)
+    for axes in grid[-1]:
+        axes.set_xlabel("From the impact axis (mm)")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("Depth (mm)")
+    return figure, list(grid.flat[:number])
+
+
+def _joint(windows: Sequence[Window]) -> Window:
+    """Return the smallest window around several."""
+    left, right, top, bottom = zip(*windows, strict=True)
+    return min(left), max(right), min(top), max(bottom)
+
+
+def _columns(run: ComparedRun, field: ForceField, name: str, values: Array) -> dict[str, Array]:
+    start = column_name(run.label)
+    return {
+        f"{start}_id": field.ids,
+        f"{start}_across_m": field.cut.across,
+        f"{start}_down_m": field.cut.down,
+        f"{start}_{name}": values,
+    }

@@ -1,0 +1,438 @@
+"""Figures of a comparison: curves of several runs on shared axes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from granwave.analysis.figures.series import (
+    COLOURS,
+    against_time,
+    column_name,
+    label,
+    legend_outside,
+    panels,
+)
+from granwave.analysis.figures.style import WIDTH, Drawing, NotDrawn, attempt
+from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.reports.comparison.curves import (
+    FORMS,
+    GrowthCurves,
+    PeaksByDepth,
+    SampledCurve,
+    dissipation_by_depth,
+    energy_shares,
+    force_at_bottom,
+    front,
+    growth,
+    peaks_by_depth,
+)
+from granwave.analysis.reports.comparison.fields import (
+    MOST_PANELS,
+    ForceField,
+    difference_notes,
+    draw_difference,
+    draw_fields,
+    force_field,
+)
+from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+
+MOST_CURVES = 12
+_UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
+_LINES = ("-", "--")
+_MICRO = 1e6
+_MILLI = 1e3
+_KILO = 1e3
+_DECADES = 1e-4  # lowest over highest value of a logarithmic axis
+_PER_ROW = 2  # entries in a row of the legend of one column
+_THIN = 0.9  # points
+_NOTHING = 1e-9  # of the input: energy that is rounding
+_POINTS_OF_FIT = 30
+_ROOM_ABOVE = 1.06  # upper end of a linear axis over the largest value
+_WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
+_LONG_LABEL = 26  # characters of a label that takes a row of the legend alone
+
+
+@dataclass(frozen=True)
+class ComparisonFigure:
+    """A figure of a comparison.
+
+    Attributes
+    ----------
+    caption
+        What it shows.
+    read
+        Function that reads of a run what is drawn, or raises `LackingError`.
+    draw
+        Function that draws what was read, by run, and measured curves; None: there is nothing.
+    units
+        SI units of the axes of a measured curve over it; empty: none can lie over it.
+    look
+        What to look for.
+    notes
+        Function that returns sentences on what was read.
+    curve
+        Function that returns the curve of a run that a measured one is compared with.
+    most
+        Largest number of runs that it shows.
+    """
+
+    caption: str
+    read: Callable[[ComparedRun], Any]
+    draw: Callable[[Mapping[ComparedRun, Any], Sequence[MeasuredCurve]], Drawing | None]
+    units: tuple[str, str] | None = None
+    look: str = ""
+    notes: Callable[[Mapping[ComparedRun, Any]], str] | None = None
+    curve: Callable[[Any], SampledCurve] | None = None
+    most: int = MOST_CURVES
+
+
+@dataclass(frozen=True, eq=False)
+class FigureData:
+    """What the runs give for a figure, and why others give nothing.
+
+    Attributes
+    ----------
+    present
+        What was read of each run that has it.
+    lacking
+        Reason by run without it.
+    """
+
+    present: dict[ComparedRun, Any] = field(default_factory=dict)
+    lacking: dict[ComparedRun, str] = field(default_factory=dict)
+
+
+def read_figure(figure: ComparisonFigure, runs: Sequence[ComparedRun]) -> FigureData:
+    """Read what a figure needs of each run; runs beyond its largest number are named, too."""
+    data = FigureData()
+    for run in runs:
+        if len(data.present) == figure.most:
+            data.lacking[run] = f"only {figure.most} runs are drawn"
+            continue
+        try:
+            curve = attempt(f"a figure of {run.name}", partial(figure.read, run))
+        except LackingError as error:
+            data.lacking[run] = str(error)
+            continue
+        if isinstance(curve, NotDrawn):
+            data.lacking[run] = curve.reason
+        else:
+            data.present[run] = curve
+    return data
+
+
+def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
+    """Return colour and line of each run."""
+    return {
+        run: {
+            "color": COLOURS[n % len(COLOURS)],
+            "linestyle": _LINES[n // len(COLOURS) % len(_LINES)],
+            "linewidth": _THIN,
+            "label": run.label.replace("$", r"\$").lstrip("_") or "run",
+        }
+        for n, run in enumerate(runs)
+    }
+
+
+def _legend(figure: Any, width: float = WIDTH) -> None:
+    longest = max(len(text.get_label()) for text in figure.axes[0].lines)
+    per_row = 1 if longest > _LONG_LABEL else _PER_ROW
+    legend_outside(figure, per_row * round(width / WIDTH), fontsize=7)
+
+
+def _end_of_time(axes: Axes, ends: Sequence[float]) -> None:
+    """Show all of the longest run; with a logarithmic axis where runs differ a lot in length."""
+    longest = max(ends) * _MICRO
+    shortest = min(ends) * _MICRO
+    if 0 < shortest * _UNLIKE < longest:
+        axes.set_xscale("log")
+        axes.set_xlim(shortest / _UNLIKE**2, longest)
+        return
+    axes.set_xlim(0, longest or 1.0)
+
+
+def _force_unit(largest: float) -> tuple[float, str]:
+    """Return the unit of forces up to ``largest`` (N): how many are a newton, and its name."""
+    return (1 / _KILO, "kN") if largest >= _KILO else (1.0, "N")
+
+
+def _measured_lines(
+    axes: Axes, measured: Sequence[MeasuredCurve], x_scale: float, y_scale: float
+) -> dict[str, Array]:
+    """Draw measured curves in black, and return their columns."""
+    columns: dict[str, Array] = {}
+    for curve in measured:
+        axes.plot(
+            curve.x * x_scale,
+            curve.y * y_scale,
+            color="black",
+            linestyle=":",
+            linewidth=1.4,
+            label="measured",
+            zorder=3,
+        )
+        columns |= {"measured_x": curve.x, "measured_y": curve.y}
+    return columns
+
+
+def draw_bottom_force(
+    curves: Mapping[ComparedRun, SampledCurve], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw the force on the bottom in time."""
+    figure, axes = panels(2.7)
+    largest = max(float(np.abs(curve.y).max(initial=0.0)) for curve in curves.values())
+    scale, unit = _force_unit(largest)
+    columns: dict[str, Array] = {}
+    for run, look in _styles(list(curves)).items():
+        curve = curves[run]
+        linestyle = look.pop("linestyle")
+        against_time(axes, curve.x, curve.y * scale, linestyle, **look)
+        name = column_name(run.label)
+        columns |= {f"{name}_time_s": curve.x, f"{name}_force_N": curve.y}
+    columns |= _measured_lines(axes, measured, _MICRO, scale)
+    label(axes, "Time (µs)", f"Force on the bottom ({unit})")
+    _end_of_time(axes, [float(curve.x[-1]) for curve in curves.values()])
+    axes.axhline(0, color="black", linewidth=0.4, zorder=0)
+    _legend(figure)
+    return Drawing(figure, columns)
+
+
+def draw_energies(
+    curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw kinetic, elastic and dissipated energy over the input in time, a panel each.
+
+    A form of energy that is zero in every run has no panel.
+    """
+    forms = [form for form in FORMS if _has_energy(curves, form)]
+    figure, *stack = panels(1.0 + 1.1 * len(forms), rows=len(forms), sharex=True)
+    columns: dict[str, Array] = {}
+    ends: list[float] = []
+    for run, look in _styles(list(curves)).items():
+        linestyle = look.pop("linestyle")
+        for axes, form in zip(stack, forms, strict=True):
+            curve = curves[run][form]
+            against_time(axes, curve.x, curve.y, linestyle, **look)
+            name = column_name(run.label)
+            columns |= {f"{name}_time_s": curve.x, f"{name}_{form}_over_input": curve.y}
+        ends.append(float(curves[run][forms[0]].x[-1]))
+    for axes, form in zip(stack, forms, strict=True):
+        label(axes, y=form.capitalize())
+        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    label(stack[-1], "Time (µs)")
+    _end_of_time(stack[-1], ends)
+    figure.supylabel("Energy / input", fontsize=8)
+    _legend(figure)
+    return Drawing(figure, columns)
+
+
+def _has_energy(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], form: str) -> bool:
+    return any(np.abs(shares[form].y).max() > _NOTHING for shares in curves.values())
+
+
+def draw_peaks(
+    peaks: Mapping[ComparedRun, PeaksByDepth], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw the largest and median peak force of each layer against depth, with the fits.
+
+    Where each layer is one sphere, as in a chain, there is no panel of the median.
+    """
+    has_layers = any((one.largest != one.median).any() for one in peaks.values())
+    figure, left, *others = panels(2.9, columns=1 + has_layers)
+    columns: dict[str, Array] = {}
+    for run, look in _styles(list(peaks)).items():
+        one = peaks[run]
+        depth = one.depth * _MILLI
+        left.plot(depth, one.largest, marker=".", markersize=4, **look)
+        for right in others:
+            is_loaded = one.median > 0
+            right.plot(depth[is_loaded], one.median[is_loaded], marker=".", markersize=4, **look)
+        if one.decay is not None:
+            ends = np.geomspace(one.decay.first, one.decay.last, _POINTS_OF_FIT)
+            fit = one.decay(ends)
+            left.plot(ends * _MILLI, fit, color=look["color"], linestyle=":", linewidth=1.6)
+        name = column_name(run.label)
+        columns |= {
+            f"{name}_depth_m": one.depth,
+            f"{name}_largest_N": one.largest,
+            f"{name}_median_N": one.median,
+        }
+    columns |= _measured_lines(left, measured, _MILLI, 1.0)
+    label(left, "Depth (mm)", "Peak force (N)")
+    _log_if_wide(left)
+    for right in others:
+        left.set_title("largest of the layer")
+        label(right, "Depth (mm)", title="median of the layer")
+        _log_if_wide(right)
+    _legend_of(figure, left, _PER_ROW * (1 + has_layers))
+    return Drawing(figure, columns)
+
+
+def _log_if_wide(axes: Axes) -> None:
+    """Make the vertical axis logarithmic where the lines span more than a decade."""
+    values = np.concatenate([np.asarray(line.get_ydata()) for line in axes.lines] or [np.ones(1)])
+    if len(values) and values.max() > _WIDE * values.min():
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(0, _ROOM_ABOVE * values.max())
+
+
+def _legend_of(figure: Any, axes: Axes, ncols: int) -> None:
+    """Put the legend of the labelled lines of axes above a figure."""
+    lines = [line for line in axes.lines if not str(line.get_label()).startswith("_")]
+    figure.legend(handles=lines, loc="outside upper center", ncols=ncols, fontsize=7)
+
+
+def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the fits of the decay in a sentence."""
+    fits = [(run, one.decay) for run, one in peaks.items() if one.decay is not None]
+    if not fits:
+        return ""
+    parts = [
+        f"{fit.exponent:.2f} ± {plain(f'{fit.error:.1g}')} ({run.name}, {fit.n_layers} layers, "
+        f"rms {100 * fit.misfit:.2g} %)"
+        for run, fit in fits
+    ]
+    return (
+        "Dotted: the largest force as a power of the depth, F ~ z^-n, fitted between the struck "
+        f"and the last layer; n and its standard error: {'; '.join(parts)}."
+    )
+
+
+def draw_dissipation(
+    curves: Mapping[ComparedRun, SampledCurve], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw the dissipated share of the input by layer."""
+    figure, axes = panels(2.7)
+    columns: dict[str, Array] = {}
+    highest = max(float(curve.y.max()) for curve in curves.values())
+    for run, look in _styles(list(curves)).items():
+        curve = curves[run]
+        shown = curve.y > 0
+        axes.plot(curve.x[shown] * _MILLI, curve.y[shown], marker=".", markersize=4, **look)
+        name = column_name(run.label)
+        columns |= {f"{name}_depth_m": curve.x, f"{name}_dissipated_over_input": curve.y}
+    label(axes, "Depth (mm)", "Dissipation of the layer / input", log="y")
+    axes.set_ylim(bottom=max(axes.get_ylim()[0], _DECADES * highest))
+    _legend(figure)
+    return Drawing(figure, columns)
+
+
+def draw_growth(
+    zones: Mapping[ComparedRun, GrowthCurves], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw number and depth of the yielded spheres in time."""
+    figure, upper, lower = panels(3.4, rows=2, sharex=True)
+    columns: dict[str, Array] = {}
+    for run, look in _styles(list(zones)).items():
+        zone = zones[run]
+        upper.step(zone.time * _MICRO, zone.spheres, where="post", **look)
+        lower.step(zone.time * _MICRO, zone.depth * _MILLI, where="post", **look)
+        name = column_name(run.label)
+        columns |= {
+            f"{name}_time_s": zone.time,
+            f"{name}_yielded_spheres": zone.spheres,
+            f"{name}_depth_m": zone.depth,
+        }
+    label(upper, y="Yielded spheres")
+    label(lower, "Time (µs)", "Deepest yield (mm)")
+    for axes in (upper, lower):
+        axes.set_ylim(bottom=0)
+    _end_of_time(lower, [float(zone.time[-1]) for zone in zones.values()])
+    _legend(figure)
+    return Drawing(figure, columns)
+
+
+def draw_fronts(
+    curves: Mapping[ComparedRun, SampledCurve], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw when the front of the wave reached each layer or bead."""
+    figure, axes = panels(2.7)
+    columns: dict[str, Array] = {}
+    for run, look in _styles(list(curves)).items():
+        curve = curves[run]
+        axes.plot(curve.x * _MILLI, curve.y * _MICRO, marker=".", markersize=4, **look)
+        name = column_name(run.label)
+        columns |= {f"{name}_depth_m": curve.x, f"{name}_arrival_s": curve.y}
+    columns |= _measured_lines(axes, measured, _MILLI, _MICRO)
+    label(axes, "Depth (mm)", "Arrival of the front (µs)")
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    _legend(figure)
+    return Drawing(figure, columns)
+
+
+def speed_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
+    """Return the speeds of the fronts in a sentence, of runs that have one."""
+    speeds = [(run.name, run.run.number("wave_speed_m_s")) for run in curves]
+    parts = [f"{speed:.4g} m/s ({name})" for name, speed in speeds if speed is not None]
+    if not parts:
+        return ""
+    return f"Speed of the front in the deeper half: {', '.join(parts)}."
+
+
+def draw_field_panels(
+    fields: Mapping[ComparedRun, ForceField], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw peak forces on sections side by side."""
+    return draw_fields(fields)
+
+
+def draw_field_difference(
+    fields: Mapping[ComparedRun, ForceField], measured: Sequence[MeasuredCurve]
+) -> Drawing | None:
+    """Draw the difference of peak forces, of runs with the same grains."""
+    return draw_difference(fields) if len(fields) > 1 else None
+
+
+def _largest(peaks: PeaksByDepth) -> SampledCurve:
+    return SampledCurve(peaks.depth, peaks.largest)
+
+
+def _itself(curve: SampledCurve) -> SampledCurve:
+    return curve
+
+
+#: Figures by their names, which ``--as`` and ``--quantity`` take, in their order.
+FIGURES: dict[str, ComparisonFigure] = {
+    "bottom_force": ComparisonFigure(
+        "Force on the bottom in time", force_at_bottom, draw_bottom_force,
+        units=("s", "N"), curve=_itself,
+    ),
+    "peak_force_depth": ComparisonFigure(
+        "Peak force against depth: largest and median sphere of each layer", peaks_by_depth,
+        draw_peaks, units=("m", "N"), notes=decay_notes, curve=_largest,
+    ),
+    "energies": ComparisonFigure(
+        "Kinetic, elastic and dissipated energy over the input in time", energy_shares,
+        draw_energies,
+        look="Where a curve is level, its impact is over.",
+    ),
+    "dissipation_depth": ComparisonFigure(
+        "Dissipation by layer over the input", dissipation_by_depth, draw_dissipation,
+    ),
+    "zone_growth": ComparisonFigure(
+        "Growth of the plastic zone: yielded spheres, and depth of the deepest", growth,
+        draw_growth,
+    ),
+    "fronts": ComparisonFigure(
+        "Arrival of the front of the wave at each layer", front, draw_fronts, units=("m", "s"),
+        notes=speed_notes, curve=_itself,
+    ),
+    "peak_force_field": ComparisonFigure(
+        "Peak force on a section through the impact axis, on one colour scale", force_field,
+        draw_field_panels, most=MOST_PANELS,
+    ),
+    "peak_force_difference": ComparisonFigure(
+        "Difference of the peak force where grains correspond", force_field,
+        draw_field_difference, notes=difference_notes, most=MOST_PANELS,
+    ),
+}  # fmt: skip

@@ -1,0 +1,170 @@
+"""Runs of a comparison, with the labels that tell them apart."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from granwave.analysis.document.model import show
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.formatting.values import as_label, unit_in_cases
+from granwave.analysis.reports.kinds import ReportRun
+from granwave.analysis.reports.setting import differing, quantity_in
+from granwave.analysis.result.not_a_run import UNFINISHED
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.run_directory import RESULT_FILE
+
+_NO_PHYSICS = ("run.", "output.", "figures.", "sensor")  # keys that no label shows
+_MATERIAL = "material.name"
+_OF_MATERIAL = "material."
+_MOST_KEYS = 2  # in a label
+_LONGEST = 40  # characters of a label
+_LONGEST_VALUE = 24  # characters of a value in a label
+_KILO = 1e3
+
+
+class LackingError(GranwaveError, ValueError):
+    """Error of a run that has no such curve or field; the message is the reason."""
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedRun:
+    """A run of a comparison.
+
+    Attributes
+    ----------
+    run
+        The run, as a report reads it.
+    label
+        Its label in figures: its name and what differs in its case.
+    """
+
+    run: ReportRun
+    label: str
+
+    @property
+    def name(self) -> str:
+        """Its name in tables and sentences."""
+        return self.run.label
+
+    @property
+    def has_spheres(self) -> bool:
+        """True for a run of spheres."""
+        return self.run.kind.of_spheres
+
+    @contextlib.contextmanager
+    def opened(self) -> Iterator[Result]:
+        """Open the result of a run of spheres within a ``with`` block.
+
+        Raises
+        ------
+        LackingError
+            It is no run of spheres, its result.h5 is missing or damaged, or lacks a data set.
+        """
+        if not self.has_spheres:
+            raise LackingError(f"it is a {self.run.kind.noun}, without grains")
+        try:
+            with Result(self.run.results) as result:
+                yield result
+        except MissingOutputError:
+            raise LackingError(f"it has no {RESULT_FILE}") from None
+        except OutputFormatError:
+            raise LackingError(f"its {RESULT_FILE} lacks it, or is damaged") from None
+        except GranwaveError as error:
+            if isinstance(error, LackingError):
+                raise
+            raise LackingError(f"its case cannot be read: {error}") from None
+        except KeyError as error:  # an id
+            raise LackingError(f"its {RESULT_FILE} lacks grains of its case: {error}") from None
+
+    @property
+    def unfinished(self) -> str:
+        """Why its results end early; empty for a finished run."""
+        state = self.run.record.get("state")
+        end = self.run.number("end_time_s")
+        if state not in UNFINISHED or end is None:
+            return ""
+        return f"{state} at {quantity_in(end, 's')}"
+
+
+def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
+    """Return the runs with their labels, each of which is used once."""
+    labels: list[str] = []
+    for run, text in zip(runs, _texts(runs), strict=True):
+        is_said = text == run.label or not text
+        label = _shortened(run.label if is_said else f"{run.label}: {text}")
+        number = 1
+        unique = label
+        while unique in labels:
+            number += 1
+            unique = f"{label} ({number})"
+        labels.append(unique)
+    return [ComparedRun(run, label) for run, label in zip(runs, labels, strict=True)]
+
+
+def physical_keys(runs: Sequence[ReportRun]) -> list[str]:
+    """Return the keys that differ and change the physics; of different materials their name."""
+    keys = [key for key in differing(runs) if is_physical(key)]
+    if _MATERIAL not in keys:
+        return keys
+    return [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
+
+
+def keys_of_all(keys: Sequence[str], runs: Sequence[ReportRun]) -> list[str]:
+    """Return the keys that every case has."""
+    shared = set(keys).intersection(*(run.case for run in runs))
+    return [key for key in keys if key in shared]
+
+
+def is_physical(key: str) -> bool:
+    """Return False for keys that say how a run is followed."""
+    return not key.startswith(_NO_PHYSICS)
+
+
+def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> str:
+    """Return the value of a key of a case in words: ``10 m/s``, ``12 x 12 x 8``, ``steel``."""
+    value = case.get(key)
+    if value is None or value == "":
+        return missing
+    if isinstance(value, list | tuple) and all(isinstance(part, int) for part in value):
+        return " x ".join(map(str, value))
+    unit = unit_in_cases(key, [case])
+    if isinstance(value, bool):
+        return show(value)
+    if isinstance(value, float | int) and unit:
+        return _with_unit(value, unit)
+    return as_label(value)
+
+
+def _with_unit(value: float, unit: str) -> str:
+    """Return a number with its unit; of plain units with a prefix."""
+    if unit.isalpha() and unit != "kg":
+        return quantity_in(value, unit)
+    if unit == "m/s" or 1 / _KILO <= abs(value) < _KILO:
+        return f"{value:g} {unit}"
+    return f"{show(float(value))} {unit}"
+
+
+def _texts(runs: Sequence[ReportRun]) -> list[str]:
+    """Return what differs in the case of each run, in a few words."""
+    with_case = [run for run in runs if run.case]
+    keys = physical_keys(with_case) if len(with_case) > 1 else []
+    if len({run.kind for run in runs}) > 1:  # keys of one kind alone say nothing
+        keys = keys_of_all(keys, with_case)
+    keys = keys[:_MOST_KEYS]
+    texts: list[str] = []
+    for run in runs:
+        parts = [value_text(key, run.case, missing="") for key in keys]
+        texts.append(", ".join(part for part in parts if 0 < len(part) <= _LONGEST_VALUE))
+    return texts
+
+
+def _shortened(label: str) -> str:
+    """Return a label with its middle left out where it is long."""
+    if len(label) <= _LONGEST:
+        return label
+    half = _LONGEST // 2 - 1
+    return f"{label[:half]}…{label[-half:]}"

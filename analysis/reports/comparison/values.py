@@ -1,0 +1,226 @@
+"""Values of the summaries of several runs: which differ most, by which factor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from granwave.analysis.document.model import label_of, unit_of_value
+from granwave.analysis.errors import did_you_mean
+from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.quantities import quantities, report_columns
+from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.sentences import share
+from granwave.analysis.reports.setting import quantity_in
+
+#: Values that are no result of the run: what was put in, how it was computed, and how well.
+_NO_OUTCOME = (
+    "energy_input_J", "energy_input_normalised", "velocity_normalised", "energy_balance_error",
+    "energy_balance_accepted", "deck_changed", "n_spheres", "n_elements", "n_cylinders",
+    "n_contacts", "end_time_s", "wall_time_s", "contacts_beyond_law", "zone_cut",
+    "wave_return_share",
+    "packing_mass_kg", "packing_height_m", "unprotected_peak_force_N",
+    "unprotected_ground_peak_force_N",
+)  # fmt: skip
+#: Values that kinds of runs do not share, or define in another way.
+_OF_ONE_KIND = (
+    "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "peak_force_N",
+)  # fmt: skip
+#: Beginnings of the names of values that say much the same; a sentence has one of each.
+_FAMILIES = (
+    ("plastic_fraction", "dissipated_fraction"),
+    ("n_plastic", "n_dissipating", "plastic_zone", "zone_"),
+    ("peak_force",),
+    ("wall_", "unprotected", "ground", "target", "energy_target", "peak_reduction"),
+)
+_OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
+_ROUNDING = 1e-12  # over the largest value of the runs: zero
+_SAME = 1e-9  # relative difference of values that are equal
+_IN_SENTENCE = 3
+
+
+@dataclass(frozen=True)
+class ComparedValue:
+    """A value of the summary in each run.
+
+    Attributes
+    ----------
+    name
+        Its key in summary.json.
+    values
+        By run; None where a run does not have it: (n_runs,).
+    label
+        What it is, in words.
+    unit
+        SI unit; empty without one.
+    """
+
+    name: str
+    values: tuple[float | None, ...]
+    label: str
+    unit: str
+
+    @property
+    def numbers(self) -> list[float]:
+        """Values of the runs that have it."""
+        return [value for value in self.values if value is not None]
+
+    @property
+    def is_zero(self) -> bool:
+        """True if it is zero in every run."""
+        return not any(self.numbers)
+
+    @property
+    def ratio(self) -> float | None:
+        """Second over first value of two runs; of more the one of largest over smallest magnitude.
+
+        None where a run has none, or with zero or unlike signs.
+        """
+        if None in self.values or not all(self.numbers):
+            return None
+        if len(self.numbers) == 2:
+            return self.numbers[1] / self.numbers[0]
+        smallest, *_, largest = sorted(self.numbers, key=abs)
+        return largest / smallest
+
+    @property
+    def spread(self) -> float:
+        """Logarithm of largest over smallest magnitude; infinite for zero next to a number."""
+        sizes = [abs(number) for number in self.numbers]
+        if len(sizes) < 2 or self.is_zero:
+            return 0.0
+        if min(sizes) <= _ROUNDING * max(sizes) or min(self.numbers) < 0 < max(self.numbers):
+            return math.inf
+        return math.log(max(sizes) / min(sizes))
+
+    def text(self, value: float) -> str:
+        """Return a value in words: ``1.2 kN``, ``34 %``."""
+        if self.name.endswith("_fraction"):
+            return share(value)
+        prefixed = self.unit.isalpha() and self.unit != "kg"
+        return quantity_in(value, self.unit if prefixed else "") + (
+            f" {self.unit}" if self.unit and not prefixed else ""
+        )
+
+
+def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> list[ComparedValue]:
+    """Return the values of the runs: those of some names, or all results, the most different first.
+
+    Values that are zero in every run are left out, unless they are asked for by their names.
+    """
+    asked = list(names)
+    values = [_value(name, runs) for name in asked or _outcomes(runs)]
+    if asked:
+        return values
+    shown = [value for value in values if len(value.numbers) > 1 and not value.is_zero]
+    return sorted(shown, key=_rank)
+
+
+def unknown_values(
+    names: Iterable[str], runs: Sequence[ComparedRun], figures: Sequence[str]
+) -> list[str]:
+    """Return a message for each name that is no number in the summary of any run, nor a figure."""
+    present = {name for name in _keys(runs) if _value(name, runs).numbers}
+    faults: list[str] = []
+    for name in names:
+        if name in present:
+            continue
+        is_known = name in quantities()
+        what = "is a number in none of these runs" if is_known else "is no value of summary.json"
+        hint = did_you_mean(name, [*present, *figures])
+        more = hint or f"expected a name of summary.json, or of {', '.join(figures)}"
+        faults.append(f"--quantity: found {name}, which {what}; {more}")
+    return faults
+
+
+def differing_values(values: Iterable[ComparedValue]) -> list[ComparedValue]:
+    """Return the values that differ by more than rounding."""
+    return [value for value in values if value.spread > _SAME]
+
+
+def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> str:
+    """Return the values that differ most in a sentence, with both values and the ratio.
+
+    Of values that say much the same the first is taken.
+    """
+    different = differing_values(value for value in values if None not in value.values)
+    names = [run.name for run in runs]
+    if not different:
+        listed = f"{', '.join(names[:-1])} and {names[-1]}"
+        return f"No result differs between {listed}."
+    chosen: list[ComparedValue] = []
+    families: set[str] = set()
+    for value in different:
+        family = _family(value.name)
+        if family not in families and len(chosen) < _IN_SENTENCE:
+            families.add(family)
+            chosen.append(value)
+    parts = [_clause(value, names) for value in chosen]
+    return f"The runs differ most in {'; '.join(parts)}."
+
+
+def factor(ratio: float) -> str:
+    """Return a ratio as text with three digits."""
+    return plain(f"{ratio:.3g}")
+
+
+def _clause(value: ComparedValue, names: Sequence[str]) -> str:
+    """Return label, values and ratio: ``peak force 1.2 kN (a) and 2.4 kN (b), a factor of 2``."""
+    label = value.label[:1].lower() + value.label[1:]
+    named = list(zip(value.numbers, names, strict=True))
+    joint = "and"
+    if len(named) > 2:
+        named = [min(named), max(named)]
+        joint = "to"
+    (first, first_name), (last, last_name) = named
+    text = f"{label}, {value.text(first)} ({first_name}) {joint} {value.text(last)} ({last_name})"
+    if value.ratio is None:
+        return text
+    return f"{text}, a ratio of {factor(value.ratio)}"
+
+
+def _outcomes(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return the names of the results that the runs have, in the order of reports."""
+    left_out = {*_NO_OUTCOME}
+    if len({run.run.kind for run in runs}) > 1:
+        left_out |= {*_OF_ONE_KIND}
+    names = [name for name in report_columns() if name not in left_out]
+    keys = _keys(runs)
+    of_parts = [key for key in keys if key.startswith(_OF_PARTS) and key not in quantities()]
+    return [name for name in [*names, *of_parts] if name in keys]
+
+
+def _keys(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return the keys of all summaries, each once."""
+    keys: dict[str, None] = {}
+    for run in runs:
+        keys |= dict.fromkeys(run.run.summary)
+    return list(keys)
+
+
+def _value(name: str, runs: Sequence[ComparedRun]) -> ComparedValue:
+    numbers = [run.run.number(name) for run in runs]
+    finite = [None if value is None or not math.isfinite(value) else value for value in numbers]
+    largest = max((abs(value) for value in finite if value is not None), default=0.0)
+    values = [
+        0.0 if value is not None and abs(value) <= _ROUNDING * largest else value
+        for value in finite
+    ]
+    called = grains_called_in([run.run.summary for run in runs])
+    return ComparedValue(name, tuple(values), label_of(name, called), unit_of_value(name))
+
+
+def _rank(value: ComparedValue) -> tuple[bool, float]:
+    """Return the order of a value: the most different first, zeros next to numbers after them."""
+    infinite = math.isinf(value.spread) or None in value.values
+    return infinite, -value.spread
+
+
+def _family(name: str) -> str:
+    """Return the beginning of the names that say much the same; the name where it is alone."""
+    for beginnings in _FAMILIES:
+        if name.startswith(beginnings):
+            return beginnings[0]
+    return name

@@ -1,0 +1,322 @@
+"""Comparison of runs: real small ones, made-up curves with known answers, measured curves."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+import granwave as gw
+from granwave.analysis.figures.style import Drawing, style
+from granwave.analysis.reports.comparison.cases import ids_in_words
+from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
+from granwave.analysis.reports.comparison.curves import (
+    SampledCurve,
+    energy_shares,
+    force_at_bottom,
+    power_decay,
+)
+from granwave.analysis.reports.comparison.measured import deviation, read_measured
+from granwave.analysis.reports.comparison.page import figure_folder, write_comparison
+from granwave.analysis.reports.comparison.subjects import compared_runs
+from granwave.analysis.reports.comparison.values import compared_values, sentence
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.kinds import ReportKind
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows import load_case, run_case
+from granwave.workflows.cli.main import main
+from tests.helpers.made_up.synthetic_report import write_run
+
+SMALL = {"packing.size": [6, 6, 4], "run.end_time": 1e-4}
+CHAIN = {"packing.size": 8, "run.end_time": 1e-4}
+STEEL_BEAD = {"index": [3, 4], "material": "aluminium"}
+CASES = {
+    "fcc": ("fcc-small", SMALL),
+    "hcp": ("hcp-small", SMALL),
+    "fast": ("fcc-small", SMALL | {"load.velocity": 10}),
+    "chain": ("elastic-impact", CHAIN),
+    "mixed": ("elastic-impact", CHAIN | {"replace": [STEEL_BEAD], "run.end_time": 2e-4}),
+}
+
+
+class BlockKind(ReportKind):
+    """Runs of a block, as an extension brings them."""
+
+    result_kind = "block"
+    noun = "continuum run"
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """Small runs of packings and chains, without figures of their own."""
+    folder = tmp_path_factory.mktemp("compared")
+    for name, (case, changes) in CASES.items():
+        run_case(load_case(case, changes), folder / name, figures=False)
+    return folder
+
+
+def compared(place, *names: str, **options) -> Comparison:
+    inputs = read_inputs([place / name for name in names], place, repeated=True)
+    return compare_runs(list(inputs.results()), **options)
+
+
+def drawn(comparison: Comparison) -> dict[str, Drawing]:
+    with style():
+        names = comparison.figures
+        return {name: comparison.drawing(name) for name in names}
+
+
+def test_lattices(place):
+    comparison = compared(place, "fcc", "hcp")
+    assert comparison.sentence.startswith("The runs differ most in ")
+    assert comparison.differences.to_dict("index") == {"packing.kind": {"fcc": "fcc", "hcp": "hcp"}}
+    names = [
+        "bottom_force",
+        "peak_force_depth",
+        "energies",
+        "dissipation_depth",
+        "zone_growth",
+        "fronts",
+        "peak_force_field",
+    ]
+    assert list(drawn(comparison)) == names  # without runs whose grains correspond no difference
+    legend = comparison.drawing("energies").figure.legends[0]
+    assert [text.get_text() for text in legend.get_texts()] == ["fcc", "hcp"]
+
+
+def test_values_are_those_of_the_summaries(place):
+    """Ratios too; the table begins with what differs most."""
+    table = compared(place, "fcc", "fast").table
+    summaries = [
+        json.loads((place / name / "summary.json").read_text()) for name in ("fcc", "fast")
+    ]
+    for name in table.index:
+        first, second = (summary[name] for summary in summaries)
+        assert table.loc[name, "fcc"] == pytest.approx(first, rel=1e-12, abs=1e-300)
+        if first and second:
+            assert table.loc[name, "ratio"] == pytest.approx(second / first)
+    spread = np.abs(np.log(np.abs(table["ratio"].dropna())))
+    assert (np.diff(spread) <= 1e-12).all()
+    assert table.attrs["units"]["peak_force_N"] == "N"
+
+
+def test_velocities(place):
+    """Grains correspond, so that their forces are subtracted; labels say what differs."""
+    comparison = compared(place, "fcc", "fast")
+    columns = drawn(comparison)["peak_force_difference"].columns
+    runs = [gw.load(place / name) for name in ("fcc", "fast")]
+    force = [run.spheres["peak_force"] for run in runs]
+    ids = columns["fast_10_m_s_id"]
+    expected = (force[1] - force[0]).loc[ids]
+    assert columns["fast_10_m_s_peak_force_difference_N"] == pytest.approx(expected.to_numpy())
+    assert [run.label for run in comparison.runs] == ["fcc: 5 m/s", "fast: 10 m/s"]
+
+
+def test_a_run_and_itself(place):
+    comparison = compared(place, "fcc", "fcc")
+    assert comparison.sentence == (
+        "Nothing differs: cases and results of fcc and fcc (2) are equal."
+    )
+    assert not len(comparison.differences)
+    assert (comparison.table["ratio"].dropna() == 1).all()
+    assert "peak_force_difference" not in drawn(comparison)
+
+
+def test_chains_to_the_bead(place):
+    comparison = compared(place, "chain", "mixed")
+    differences = comparison.differences
+    assert "material of grains 3 to 4" in differences.index and "replace" not in differences.index
+    assert differences.loc["material of grains 3 to 4", "mixed"] == "aluminium"
+    assert any("end at different times" in note for note in comparison.notes)
+    figures = drawn(comparison)
+    axes = figures["energies"].figure.axes
+    assert [panel.get_ylabel() for panel in axes] == ["Kinetic", "Elastic"]  # nothing dissipates
+    assert len(figures["peak_force_depth"].figure.axes) == 1  # a layer is a bead
+    assert "fronts" in figures and "bottom_force" not in figures
+
+
+def test_nothing_is_left_out_without_a_name(place):
+    """Packing and chain: each figure names the run that it lacks, with the reason."""
+    comparison = compared(place, "fcc", "chain")
+    caption = comparison.caption("bottom_force")
+    assert "Not drawn: chain (it has no bottom that records a force)." in caption
+    assert "Not drawn: chain (" in comparison.caption("peak_force_field")
+    for name in comparison.wanted_figures:
+        data = comparison.data(name)
+        assert {*data.present, *data.lacking} == set(comparison.runs)
+
+
+def test_energies_close(place):
+    """The three forms add up to the input."""
+    (run, *_) = compared(place, "fcc", "hcp").runs
+    shares = energy_shares(run)
+    total = sum(curve.y for curve in shares.values())
+    time = shares["kinetic"].x
+    assert total[time > time[-1] / 2] == pytest.approx(1, abs=1e-4)
+
+
+def test_decay_of_a_power():
+    """A power is found again, without an error."""
+    depth = np.arange(9) * 0.008
+    force = 40.0 * (np.maximum(depth, 1e-9) / 0.01) ** -1.5
+    fit = power_decay(depth, force, 0.01)
+    assert fit.exponent == pytest.approx(1.5) and fit.force == pytest.approx(40.0)
+    assert fit.error < 1e-9 and fit.n_layers == 7
+    assert power_decay(depth[:5], force[:5], 0.01) is None
+
+
+def test_error_of_the_decay():
+    """Its standard error is the scatter of the exponent over many noisy forces."""
+    rng = np.random.default_rng(3)
+    depth = np.arange(1, 14) * 0.008
+    force = 40.0 * (depth / 0.01) ** -2.0
+    noise = np.exp(0.1 * rng.standard_normal((300, len(depth))))
+    fits = [power_decay(depth, force * factors, 0.01) for factors in noise]
+    exponents = np.array([fit.exponent for fit in fits])
+    errors = np.array([fit.error for fit in fits])
+    assert exponents.mean() == pytest.approx(2.0, abs=4 * exponents.std() / np.sqrt(300))
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(exponents.std(), rel=0.15)
+
+
+def test_a_value_that_is_zero_everywhere_is_no_answer(tmp_path):
+    runs = [
+        write_run(tmp_path / name, figures=False, dissipated_fraction=0.0, peak_force_N=force)
+        for name, force in (("soft", 10.0), ("hard", 25.0))
+    ]
+    subjects = compared_runs(read_inputs(runs, tmp_path).runs)
+    values = compared_values(subjects)
+    assert "dissipated_fraction" not in [value.name for value in values]
+    assert "10 N (soft) and 25 N (hard), a ratio of 2.5" in sentence(values, subjects)
+
+
+def test_an_unfinished_run_is_named(tmp_path):
+    runs = [write_run(tmp_path / name, figures=False) for name in ("whole", "part")]
+    (runs[1] / "run.json").write_text(json.dumps({"state": "interrupted", "attempts": []}))
+    comparison = compare_runs(read_inputs(runs, tmp_path).runs)
+    assert any(note.startswith("Not finished") and "part (" in note for note in comparison.notes)
+
+
+@pytest.mark.parametrize("head", ["time_us,force_kN", "t (µs); F (kN)", "t [us]\tF [kN]"])
+def test_a_measured_curve(place, tmp_path, head):
+    """The curve of a run itself, in other units, with a tenth more: rms and peak differ by it."""
+    run = compared(place, "fcc", "hcp").runs[0]
+    curve = force_at_bottom(run)
+    sign = next(letter for letter in (";", "\t", ",") if letter in head)
+    rows = [f"{1e6 * x:.17g}{sign}{1.1e-3 * y:.17g}" for x, y in zip(curve.x, curve.y, strict=True)]
+    file = tmp_path / "measured.csv"
+    file.write_text("\n".join([head, *rows]), encoding="utf-8")
+    measured = read_measured(file, ("s", "N"))
+    difference = deviation(measured, curve)
+    assert difference.peak_difference == pytest.approx(1 / 1.1 - 1, rel=1e-6)
+    assert difference.rms == pytest.approx(0.1 * np.sqrt(np.mean(curve.y**2)), rel=1e-6)
+
+
+def test_shift_and_scale(tmp_path):
+    """They are those asked for, and are said in the caption."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_ms,force_N\n0,0\n1,5\n2,0\n")
+    measured = read_measured(file, ("s", "N"), shift=1e-3, scale=2.0)
+    assert measured.x == pytest.approx([1e-3, 2e-3, 3e-3]) and measured.peak == 10
+    line = SampledCurve(np.array([0.0, 1.5e-3]), np.array([0.0, 15.0]))
+    assert deviation(measured, line).n_points == 1
+    far = SampledCurve(np.array([5.0, 6.0]), np.zeros(2))
+    assert deviation(measured, far) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a,b\n1,2\n2,3\n", "found the columns a, b, expected one in s, ms, us, ns"),
+        ("time_s,mass_kg\n1,2\n2,3\n", "expected one in N, mN, kN, MN"),
+        ("1,2\n2,3\n", "found no names of columns, expected time_us, force_N"),
+        ("time_s,force_N\n1,x\n2,3\n", 'line 2: found "x" for force_N'),
+        ("time_s,force_N\n1,2\n", "found 1 row, expected at least 2"),
+    ],
+)
+def test_wrong_measured_curves(tmp_path, text, message):
+    file = tmp_path / "measured.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_measured(file, ("s", "N"))
+
+
+def test_page_and_figures(place, tmp_path, monkeypatch, capsys):
+    """Sentence and table at the terminal, the page, and each figure as PNG, PDF and CSV."""
+    monkeypatch.chdir(tmp_path)
+    names = ["--quantity", "wall_peak_force_N", "bottom_force"]
+    assert main(["compare", str(place / "fcc"), str(place / "hcp"), *names]) == 0
+    printed = capsys.readouterr().out
+    assert "peak force on the bottom" in printed and "wall_peak_force_N" in printed
+    assert printed.splitlines()[-1] == "compare.html"
+    figures = sorted(path.name for path in (tmp_path / "compare_figures").iterdir())
+    assert figures == ["bottom_force.csv", "bottom_force.pdf", "bottom_force.png"]
+    page = (tmp_path / "compare.html").read_text()
+    assert "<title>Comparison: fcc, hcp" in page and "data:image/png" in page
+
+
+def test_files_of_others_stay(place, tmp_path):
+    output = tmp_path / "compare.html"
+    folder = figure_folder(output)
+    folder.mkdir()
+    (folder / "energies.png").write_text("mine")
+    (folder / "fronts.csv").write_text("mine")
+    with pytest.raises(InputError) as error:
+        write_comparison([place / "fcc", place / "hcp"], output)
+    assert len(error.value.items) == 2
+    assert not output.exists() and (folder / "energies.png").read_text() == "mine"
+
+
+def test_wrong_words_are_listed_together(place, capsys):
+    words = ["--quantity", "peak_forc_N", "nothing", "--as", "zone_growth", "--measured", "x.csv"]
+    assert main(["compare", str(place / "fcc"), str(place / "hcp"), *words]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 3
+    assert "did you mean peak_force_N?" in lines[0]
+    assert "expected a name of summary.json, or of bottom_force" in lines[1]
+    assert "--as: found zone_growth" in lines[2]
+    assert main(["compare", str(place / "fcc")]) == 2
+    assert "found 1 run (fcc), expected two or more" in capsys.readouterr().err
+
+
+def test_in_python(place):
+    runs = [gw.load(place / "fcc"), str(place / "hcp")]
+    comparison = gw.compare(runs, quantities="peak_force_N")
+    assert isinstance(comparison, gw.Comparison)
+    assert list(comparison.table.index) == ["peak_force_N"]
+    whole = gw.compare(runs)
+    axes = whole.figure("bottom_force")
+    assert axes.get_ylabel().startswith("Force on the bottom")
+    with pytest.raises(KeyError, match="did you mean fronts"):
+        whole.figure("front")
+    with pytest.raises(InputError, match="quantities: found nothing"):
+        gw.compare(runs, quantities=["nothing"])
+    assert "packing.kind" in repr(whole) and "<table" in whole._repr_html_()
+
+
+@pytest.mark.parametrize(
+    ("ids", "words"),
+    [
+        ([4], "grain 4"),
+        ([3, 4, 5], "grains 3 to 5"),
+        ([1, 2, 7], "grains 1 to 2, 7"),
+        ([2, 4, 6, 8, 10], "grains 2, 4, … 10 (every 2nd)"),
+        ([1, 4, 7, 10, 13], "grains 1, 4, … 13 (every 3rd)"),
+        ([1, 3, 7, 12, 20], "5 grains (1, 3, 7, 12, …)"),
+    ],
+)
+def test_ids_in_words(ids, words):
+    assert ids_in_words(ids) == words
+
+
+def test_unlike_kinds_say_what_they_are(place):
+    """Of packing and block, only keys that both have are compared."""
+    runs = list(read_inputs([place / "fcc", place / "hcp"], place).results())
+    case = {"punch.mass": 1.0}
+    other = dataclasses.replace(runs[1], label="block", kind=BlockKind(), case=case)
+    comparison = compare_runs([runs[0], other])
+    assert list(comparison.differences.index) == ["kind of run"]
+    assert "Not drawn: block (it is a continuum run, without grains)." in comparison.caption(
+        "bottom_force"
+    )

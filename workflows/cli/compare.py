@@ -1,0 +1,87 @@
+"""Command that compares runs; it returns the exit status."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from granwave.workflows.cli.commands import chosen
+from granwave.workflows.cli.results import as_wrong_input
+from granwave.workflows.cli.terminal import columns
+
+if TYPE_CHECKING:
+    from granwave.analysis.reports.comparison.comparison import Comparison
+
+_MOST_VALUES = 12  # rows at the terminal
+_MOST_KEYS = 12
+_MOST_RUNS = 6  # with a column each
+_WIDEST = 28  # characters of a cell
+
+
+def compare(options: argparse.Namespace) -> int:
+    """Execute ``granwave compare``."""
+    from granwave.analysis.reports.comparison.page import write_comparison
+
+    with as_wrong_input():
+        comparison, page = write_comparison(**chosen(options, write_comparison))
+    print(text_of(comparison))
+    print(page)
+    return 0
+
+
+def text_of(comparison: Comparison) -> str:
+    """Return sentence, notes and tables for the terminal, with an empty line at the end."""
+    parts = ["\n".join([comparison.sentence, *comparison.notes])]
+    parts += _misfits(comparison)
+    if len(comparison.runs) <= _MOST_RUNS:
+        parts += [_values(comparison), _differences(comparison)]
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _values(comparison: Comparison) -> str:
+    """Return the table of the values that differ most."""
+    values = comparison.values
+    if not comparison.quantities:
+        values = values[:_MOST_VALUES]
+    if not values:
+        return ""
+    rows = [["quantity", "unit", *(_cut(run.name) for run in comparison.runs), "ratio"]]
+    for value in values:
+        numbers = ["" if number is None else f"{number:.5g}" for number in value.values]
+        ratio = "" if value.ratio is None else f"{value.ratio:.3g}"
+        rows.append([value.name, value.unit, *numbers, ratio])
+    return columns(rows, left=(0, 1))
+
+
+def _differences(comparison: Comparison) -> str:
+    """Return the table of what differs in the cases, physics only where there is any."""
+    physical = [row for row in comparison.case_rows if not row.is_numerical]
+    chosen_rows = physical or comparison.case_rows
+    if not chosen_rows:
+        return ""
+    rows = [["in the cases", *(_cut(run.name) for run in comparison.runs)]]
+    rows += [[row.what, *map(_cut, row.values)] for row in chosen_rows[:_MOST_KEYS]]
+    left = len(chosen_rows) - _MOST_KEYS
+    text = columns(rows, left=range(len(rows[0])))
+    return f"{text}\nand {left} more, on the page" if left > 0 else text
+
+
+def _misfits(comparison: Comparison) -> list[str]:
+    """Return a table of the differences from each measured curve."""
+    tables: list[str] = []
+    for name, curve in comparison.measured.items():
+        rows = [[f"{name} from {curve.source}", "rms", "over peak", "peak"]]
+        for run, difference in comparison.deviations(name).items():
+            if difference is None:
+                rows.append([run.name, "no common range", "", ""])
+                continue
+            relative = f"{100 * difference.relative_rms:.3g} %"
+            peak = f"{100 * difference.peak_difference:+.3g} %"
+            rows.append([run.name, f"{difference.rms:.4g}", relative, peak])
+        rows += [[run.name, why, "", ""] for run, why in comparison.data(name).lacking.items()]
+        tables.append(columns(rows, left=(0,)))
+    return tables
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _WIDEST else f"{text[: _WIDEST - 1]}…"
