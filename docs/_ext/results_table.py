@@ -18,6 +18,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import results_coverage
 import results_picture
 
 from granwave.analysis.document.model import (
@@ -297,6 +298,7 @@ def write_pages(stored: Mapping[str, Any]) -> None:
             stored, LABELS
         ):
             results_picture.draw(stored, LABELS, picture)
+    results_coverage.write_page(stored)
     for page, table in tables_elsewhere(stored).items():
         replace_text(page, with_block(page.read_text(encoding="utf-8"), table))
 

@@ -24,6 +24,7 @@ QUICK = (("homogeneous-chain", HOMOGENEOUS), ("sensor-chain", SENSOR_CHAIN))
 
 
 PICTURE = extension("results_picture")
+extension("results_coverage")
 TABLE = extension("results_table")
 RESULTS = extension("results")
 STORED = TABLE.read_stored()
