@@ -205,8 +205,8 @@ MORE = (
     (
         "FCC packing: ",
         "thesis-5",
-        "blocks",
-        ("Volume that dissipates 0.61 of the input, spheres",),
+        "packings",
+        ("Dissipated share of 7 struck spheres over that of one",),
     ),
     (
         "Row in a tube: ",
