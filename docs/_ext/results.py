@@ -197,7 +197,9 @@ def digests(suite: Suite) -> dict[str, str]:
     files: set[Path] = set()
     for module in modules:
         files |= _files_of(module)
-    code = [part for file in files for part in _code(file)]
+    code: list[str] = []
+    for file in files:
+        code += _code(file)
     code = sorted([*code, *_code_of_scripts(_scripts(suite, names))])
     code += [table.read_text(encoding="utf-8") for table in _solver_tables(suite)]
     return {"runs": _digest(tables), "studies": _digest(code)}
@@ -304,7 +306,9 @@ def _code_of_scripts(files: Sequence[Path]) -> list[str]:
 
     Others, such as a table of words that only a figure needs, make no row stale.
     """
-    definitions = [node for file in files for node in _definitions(file)]
+    definitions: list[ast.stmt] = []
+    for file in files:
+        definitions += _definitions(file)
     names = set(_ROW_FUNCTIONS)
     reached: list[ast.stmt] = []
     while more := [

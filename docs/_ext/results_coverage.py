@@ -82,10 +82,11 @@ def page_of(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
     parts = [_section(name, _of_source(items, name), stored) for name in SOURCES]
     return f"""# Coverage of the sources
 
-What of the four sources granwave computes again: each of their {len(items)} systems, laws, figures and tables. Sketches
-and photographs are left out. An item *works* if what it shows is computed and compared; it is there *partly* if some of it
-is, or if the source's own values cannot be had; else it is *missing*. How well the values agree is on the
-[pages of results](results.md), to which the last column leads; misprints are in the [errata](errata.md).
+What of the four sources granwave computes again: each of their {len(items)} systems, laws,
+figures and tables. Sketches and photographs are left out. An item *works* if what it shows is
+computed and compared; it is there *partly* if some of it is, or if the source's own values cannot
+be had; else it is *missing*. How well the values agree is on the [pages of results](results.md), to
+which the last column leads; misprints are in the [errata](errata.md).
 
 | source | {" | ".join(STATES)} |
 |---|---|---|---|
@@ -100,8 +101,9 @@ def _of_source(items: Iterable[Item], name: str) -> list[Item]:
 
 
 def _count_line(name: str, items: Sequence[Item]) -> str:
-    numbers = (sum(item.state == state for item in items) for state in STATES)
-    return f"| {SOURCES.get(name, name)} | {' | '.join(map(str, numbers))} |"
+    states = [item.state for item in items]
+    numbers = [str(states.count(state)) for state in STATES]
+    return f"| {SOURCES.get(name, name)} | {' | '.join(numbers)} |"
 
 
 def _section(name: str, items: Sequence[Item], stored: Mapping[str, Any]) -> str:
@@ -120,8 +122,8 @@ def _section(name: str, items: Sequence[Item], stored: Mapping[str, Any]) -> str
 def _item_line(item: Item) -> str:
     suites = dict.fromkeys(suite for suite, _ in item.studies)
     links = ", ".join(f"[{suite}](results/{suite}.md)" for suite in suites)
-    cells = (item.place, item.what, item.state, item.why, links)
-    return f"| {' | '.join(_escaped(cell) for cell in cells[:-1])} | {links} |"
+    cells = map(_escaped, (item.place, item.what, item.state, item.why))
+    return f"| {' | '.join(cells)} | {links} |"
 
 
 def _escaped(text: str) -> str:
@@ -130,20 +132,20 @@ def _escaped(text: str) -> str:
 
 def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
     """Return how far the values of ours lie from those that the source prints."""
-    named = dict.fromkeys(pair for item in items for pair in item.studies)
-    rows = [
-        row
-        for suite, study in named
-        for row in stored["suites"][suite]["studies"][study]["rows"]
-        if row["kind"] == "source"
-    ]
+    named: dict[tuple[str, str], None] = {}
+    for item in items:
+        named |= dict.fromkeys(item.studies)
+    rows: list[Mapping[str, Any]] = []
+    for suite, study in named:
+        stored_rows = stored["suites"][suite]["studies"][study]["rows"]
+        rows += [row for row in stored_rows if row["kind"] == "source"]
     off = [abs(row["difference"]) for row in rows if row["difference"] is not None]
     close = sum(one <= _CLOSE for one in off)
     far = sum(one > _FAR for one in off)
     return (
         f"Of {len(rows)} rows with a value of a source, {close} agree within {100 * _CLOSE:g} %, "
-        f"{len(off) - close - far} within {100 * _FAR:g} %, and {far} do not; {len(rows) - len(off)} are bounds, "
-        "have zero as the printed value, or no value of ours."
+        f"{len(off) - close - far} within {100 * _FAR:g} %, and {far} do not; "
+        f"{len(rows) - len(off)} are bounds, have zero as the printed value, or no value of ours."
     )
 
 

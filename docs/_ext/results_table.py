@@ -393,13 +393,10 @@ def _first_page(stored: Mapping[str, Any]) -> str:
         for suite in stored["suites"].values()
         for study in suite["studies"].values()
     )
-    bounds = [
-        (name, row)
-        for name, suite in stored["suites"].items()
-        for study in suite["studies"].values()
-        for row in map(row_of, study["rows"])
-        if row.bound
-    ]
+    bounds: list[tuple[str, Row]] = []
+    for name, suite in stored["suites"].items():
+        for study in suite["studies"].values():
+            bounds += [(name, row_of(row)) for row in study["rows"] if row.get("bound")]
     outside = [(name, row) for name, row in bounds if beyond(row)]
     tree = "\n".join(f"{LABELS.get(name, name)} <results/{name}>" for name in names)
     return f"""# {_TITLE}

@@ -41,26 +41,69 @@ def rows(runs):
     slowest = (
         (SPHERE - 1) / TIME / plain.row_frequency
     )  # group velocity in spheres/s over sqrt(K/m)
-    # fmt: off
-    yield gw.Row("Cut-off of the row", "Hz", ours=top, theory=2 * plain.row_frequency / (2 * math.pi),
-                 where="2 sqrt(K/m)", verification=True)
-    yield gw.Row("Cut-off of the row", "Hz", PRINTED, top, THESIS, "The digits are those of rad/s, by two readings "
-                 "(next rows), between which nothing decides.")
-    yield gw.Row("Cut-off of the row, with sqrt(R) for sqrt(D) in the constant of two spheres", "rad/s", DIGITS,
-                 where=THESIS, theory=2 * plain.row_frequency * RADIUS_FOR_DIAMETER, digits=4,
-                 remark="A reading of the digits of 5.6 kHz, found by trying.")
-    yield gw.Row("Highest frequency whose waves reach sphere 75 within 5 ms", "rad/s", DIGITS, where=THESIS, digits=4,
-                 theory=2 * plain.row_frequency * math.sqrt(1 - slowest**2), remark="Group velocity sqrt(K/m) "
-                 "sqrt(1 - (w/2)^2 m/K) spheres a second. The other reading of the digits, found by trying.")
+    yield gw.Row(
+        "Cut-off of the row",
+        "Hz",
+        ours=top,
+        theory=2 * plain.row_frequency / (2 * math.pi),
+        where="2 sqrt(K/m)",
+        verification=True,
+    )
+    yield gw.Row(
+        "Cut-off of the row",
+        "Hz",
+        PRINTED,
+        top,
+        THESIS,
+        "The digits are those of rad/s, by two readings "
+        "(next rows), between which nothing decides.",
+    )
+    yield gw.Row(
+        "Cut-off of the row, with sqrt(R) for sqrt(D) in the constant of two spheres",
+        "rad/s",
+        DIGITS,
+        where=THESIS,
+        theory=2 * plain.row_frequency * RADIUS_FOR_DIAMETER,
+        digits=4,
+        remark="A reading of the digits of 5.6 kHz, found by trying.",
+    )
+    yield gw.Row(
+        "Highest frequency whose waves reach sphere 75 within 5 ms",
+        "rad/s",
+        DIGITS,
+        where=THESIS,
+        digits=4,
+        theory=2 * plain.row_frequency * math.sqrt(1 - slowest**2),
+        remark="Group velocity sqrt(K/m) "
+        "sqrt(1 - (w/2)^2 m/K) spheres a second. The other reading of the digits, found by trying.",
+    )
     for a in APPROACHES:
         edges = Tunnel(a).edges
         axis = TOP_OF_AXIS if a <= 0 else None
-        yield gw.Row(f"Top of the acoustic band, a = {a:g}", "rad/s", ours=edges[0, 1], where=THESIS)
-        yield gw.Row(f"Bottom of the optical band, a = {a:g}", "rad/s", ours=edges[1, 0], where=THESIS)
-        yield gw.Row(f"Top of the optical band, a = {a:g}", "rad/s", axis, edges[1, 1], THESIS, bound=a <= 0,
-                     remark="The source: at most, by the axis of Fig. 7.7a." if axis else "")
+        yield gw.Row(
+            f"Top of the acoustic band, a = {a:g}", "rad/s", ours=edges[0, 1], where=THESIS
+        )
+        yield gw.Row(
+            f"Bottom of the optical band, a = {a:g}", "rad/s", ours=edges[1, 0], where=THESIS
+        )
+        yield gw.Row(
+            f"Top of the optical band, a = {a:g}",
+            "rad/s",
+            axis,
+            edges[1, 1],
+            THESIS,
+            bound=a <= 0,
+            remark="The source: at most, by the axis of Fig. 7.7a." if axis else "",
+        )
         third = "" if a else "The source: in the range of 0.3 MHz, which is 0.3e6 rad/s, 58 kHz."
-        yield gw.Row(f"Top of the third band, a = {a:g}", "rad/s", None if a else THIRD, edges[2, 1], THESIS, third)
+        yield gw.Row(
+            f"Top of the third band, a = {a:g}",
+            "rad/s",
+            None if a else THIRD,
+            edges[2, 1],
+            THESIS,
+            third,
+        )
     yield from single_cylinder()
     for pair, (highest, said) in PAIRS.items():
         places = [[Tunnel(a, ratio, *pair) for a in (-2e-5, 0.0, 3e-5)] for ratio in RATIOS]
@@ -72,17 +115,42 @@ def rows(runs):
             remark += " With cylinders of 2100 kg/m3, which 7.1 prints for 2700, "
             remark += " and ".join(f"{word} {edge:.3g}" for word, edge in lighter_edges().items())
             remark += ": that mends this edge and breaks the other."
-        yield gw.Row(f"Lowest edge of the gap, at least: {name}", "rad/s", BOTTOM, lowest, FIGURE, remark, digits=3,
-                     bound=True)
-        yield gw.Row(f"Highest edge of the gap, at most: {name}", "rad/s", highest, gap[..., 1].max(), FIGURE,
-                     "By the end of the axis.", digits=3, bound=True)
-        yield gw.Row(f"Width of the gap over its middle, cylinders of 0.5 D, a = 0: {name}", digits=3, where=FIGURE,
-                     ours=2 * (high - low) / (high + low), remark=f"The source: {said}." if said else "")
+        yield gw.Row(
+            f"Lowest edge of the gap, at least: {name}",
+            "rad/s",
+            BOTTOM,
+            lowest,
+            FIGURE,
+            remark,
+            digits=3,
+            bound=True,
+        )
+        yield gw.Row(
+            f"Highest edge of the gap, at most: {name}",
+            "rad/s",
+            highest,
+            gap[..., 1].max(),
+            FIGURE,
+            "By the end of the axis.",
+            digits=3,
+            bound=True,
+        )
+        yield gw.Row(
+            f"Width of the gap over its middle, cylinders of 0.5 D, a = 0: {name}",
+            digits=3,
+            where=FIGURE,
+            ours=2 * (high - low) / (high + low),
+            remark=f"The source: {said}." if said else "",
+        )
     for ratio in RATIOS:
         low, high = (Tunnel(a, ratio).edges[0, 1] for a in (-2e-5, 3e-5))
-        yield gw.Row(f"Shift of the acoustic top from a = -2e-5 to 3e-5, cylinders of {ratio:g} diameters", "rad/s",
-                     ours=high - low, where=THESIS, digits=3)
-    # fmt: on
+        yield gw.Row(
+            f"Shift of the acoustic top from a = -2e-5 to 3e-5, cylinders of {ratio:g} diameters",
+            "rad/s",
+            ours=high - low,
+            where=THESIS,
+            digits=3,
+        )
 
 
 def single_cylinder():
@@ -106,11 +174,11 @@ def lighter_edges():
     """Lowest and highest edge of the gap, rad/s, of steel spheres and aluminium as light as 7.1
     prints it.
     """
-    lighter = [
-        Tunnel(a, ratio, "steel", "light aluminium").edges[[0, 1], [1, 0]]
-        for a in (-2e-5, 0.0, 3e-5)
-        for ratio in RATIOS
-    ]
+    lighter = []
+    for a in (-2e-5, 0.0, 3e-5):
+        for ratio in RATIOS:
+            tunnel = Tunnel(a, ratio, "steel", "light aluminium")
+            lighter.append(tunnel.edges[[0, 1], [1, 0]])
     return {
         "the lowest is": min(low for low, _ in lighter),
         "the highest": max(high for _, high in lighter),

@@ -79,9 +79,14 @@ def rows(runs):
                  if abs(one["energy_input_J"] / run["energy_input_J"] - 1) < SAME}  # fmt: skip
         for count in sorted(equal.keys() - {1}):
             what = f"Dissipated share of {count} struck spheres over that of one, input "
-            yield gw.Row(what + f"{run['energy_input_normalised']:.2g} F_y alpha_y", source=1.0, digits=3,
-                         ours=equal[count] / equal[1], where="thesis Fig. 5.7",
-                         remark=f"The source: its curves overlap. {equal[count]:.3f} for {equal[1]:.3f}.")  # fmt: skip
+            yield gw.Row(
+                what + f"{run['energy_input_normalised']:.2g} F_y alpha_y",
+                source=1.0,
+                digits=3,
+                ours=equal[count] / equal[1],
+                where="thesis Fig. 5.7",
+                remark=f"The source: its curves overlap. {equal[count]:.3f} for {equal[1]:.3f}.",
+            )
 
 
 def constants(reference):
@@ -91,10 +96,22 @@ def constants(reference):
         CONSTANTS, law.constants, law.deviations, strict=True
     ):
         remark = f"± {deviation:.2g} (standard deviation). {text}"
-        yield gw.Row(f"{name} of the quadratic law, where the input is v0²/2", ours=ours, theory=theory,
-                     where="thesis 5.17", remark=remark, verification=theory is not None, digits=digits)  # fmt: skip
+        yield gw.Row(
+            f"{name} of the quadratic law, where the input is v0²/2",
+            ours=ours,
+            theory=theory,
+            where="thesis 5.17",
+            remark=remark,
+            verification=theory is not None,
+            digits=digits,
+        )
     for least, most in RANGES:
         chosen = [run for run in reference if least <= run.case.load.velocity <= most]
         law = quadratic_law(chosen)
-        yield gw.Row(f"D1 of the quadratic law, fitted from {least:g} to {most:g} m/s", ours=law.constants[1],
-                     where="thesis 5.17", remark=f"± {law.deviations[1]:.1g} (standard deviation).", digits=3)  # fmt: skip
+        yield gw.Row(
+            f"D1 of the quadratic law, fitted from {least:g} to {most:g} m/s",
+            ours=law.constants[1],
+            where="thesis 5.17",
+            remark=f"± {law.deviations[1]:.1g} (standard deviation).",
+            digits=3,
+        )
