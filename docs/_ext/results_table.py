@@ -11,12 +11,14 @@ own. Nothing of them is typed: all is made from the stored results.
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import results_coverage
 import results_picture
 
 from granwave.analysis.document.model import (
@@ -78,6 +80,7 @@ LABELS = {
     "tolerance": "Tolerance and friction",
 }
 _ROUNDING = 1e-12  # relative
+_LOWER = ("at least", "more than", "Well over")  # words of a bound below
 _LARGE = 10.0  # deviation from which on a ratio says more than per cent
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _KINDS = {
@@ -199,7 +202,12 @@ MORE = (
         "bilinear_pulse",
         ("Factor of sqrt(1 - beta) in 4.22, beta 0.7",),
     ),
-    ("FCC packing: ", "thesis-5", "spheres", ("Energy of a sphere at 16 m/s",)),
+    (
+        "FCC packing: ",
+        "thesis-5",
+        "packings",
+        ("Dissipated share of 7 struck spheres over that of one",),
+    ),
     (
         "Row in a tube: ",
         "confined",
@@ -290,6 +298,7 @@ def write_pages(stored: Mapping[str, Any]) -> None:
             stored, LABELS
         ):
             results_picture.draw(stored, LABELS, picture)
+    results_coverage.write_page(stored)
     for page, table in tables_elsewhere(stored).items():
         replace_text(page, with_block(page.read_text(encoding="utf-8"), table))
 
@@ -384,6 +393,11 @@ def _first_page(stored: Mapping[str, Any]) -> str:
         for suite in stored["suites"].values()
         for study in suite["studies"].values()
     )
+    bounds: list[tuple[str, Row]] = []
+    for name, suite in stored["suites"].items():
+        for study in suite["studies"].values():
+            bounds += [(name, row_of(row)) for row in study["rows"] if row.get("bound")]
+    outside = [(name, row) for name, row in bounds if beyond(row)]
     tree = "\n".join(f"{LABELS.get(name, name)} <results/{name}>" for name in names)
     return f"""# {_TITLE}
 
@@ -415,6 +429,13 @@ the furthest.
 | | study | compared with | how many | difference | remark on the furthest |
 |---|---|---|---|---|---|
 {_far_rows(stored)}
+## Beyond a bound
+
+Of {len(bounds)} values that a source only bounds, {len(outside)} lie outside.
+
+| quantity | bound | granwave | beyond by |
+|---|---|---|---|
+{_outside_rows(outside)}
 ## All rows
 
 | page | what | rows |
@@ -448,6 +469,45 @@ def _far_rows(stored: Mapping[str, Any]) -> str:
         ]
         lines.append(f"| {' | '.join(cells)} |\n")
     return "".join(lines)
+
+
+def _outside_rows(outside: Iterable[tuple[str, Row]]) -> str:
+    lines = []
+    for name, row in outside:
+        unit = f" {row.unit}" if row.unit else ""
+        cells = [
+            f"[{_escaped(row.quantity)}](results/{name}.md)",
+            f"{significant(row.source, 5)}{unit}",
+            f"{significant(row.ours, row.digits)}{unit}",
+            _excess(beyond(row)),
+        ]
+        lines.append(f"| {' | '.join(cells)} |\n")
+    return "".join(lines)
+
+
+def beyond(row: Row) -> float:
+    """Return by how much of a bound a value of ours lies outside it; 0 if it does not.
+
+    A bound is an upper one of the size, unless the quantity or the remark says that it is the
+    least.
+    """
+    if not row.bound or row.ours is None or not row.source:
+        return 0.0
+    over = abs(row.ours / row.source) - 1
+    lower = any(words in f"{row.quantity} {row.remark}" for words in _LOWER)
+    return max(-over if lower else over, 0.0)
+
+
+def flagged(row: Row) -> Row:
+    """Return a row that says if it lies beyond its bound."""
+    over = beyond(row)
+    if not over:
+        return row
+    return dataclasses.replace(row, remark=f"{row.remark} Beyond the bound by {_excess(over)}.")
+
+
+def _excess(over: float) -> str:
+    return f"{significant(100 * over, 2)} %" if over < _LARGE else _factor(over)
 
 
 def _difference(row: Row) -> str:
@@ -552,7 +612,7 @@ def _suite_page(suite: Mapping[str, Any]) -> str:
     lead = f"Command: {suite['command']}. Last run on {suite['date']}, with {versions}.{state} Rows: {_counts(suite)}."
     sections = []
     for name, study in suite["studies"].items():
-        found = Study("", study["title"], "", tuple(map(row_of, study["rows"])))
+        found = Study("", study["title"], "", tuple(flagged(row_of(row)) for row in study["rows"]))
         notes = [Note(text) for text in (study["text"], *study["verdict"]) if text]
         tables = [
             Note(one) if isinstance(one, str) else _read_table(one) for one in study["tables"]

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 from matplotlib.figure import Figure
-from tunnel import DIAMETER, Tunnel
+from tunnel import DIAMETER, PAIR, Tunnel
 
 import granwave as gw
 
@@ -22,6 +22,8 @@ RATIOS = (0.3, 0.5, 0.65)
 SPHERE = 75
 TIME = 5e-3
 PRINTED = 5.6e3  # Hz, the source's cut-off of the row
+DIGITS = 5.6e4  # rad/s, of its digits
+RADIUS_FOR_DIAMETER = 2 ** (-1 / 6)  # of a frequency, with sqrt(R) for sqrt(D) in k_bb
 # rad/s: of Fig. 7.7a, and the source's third band
 TOP_OF_AXIS = 7e4
 THIRD = 3e5
@@ -39,38 +41,148 @@ def rows(runs):
     slowest = (
         (SPHERE - 1) / TIME / plain.row_frequency
     )  # group velocity in spheres/s over sqrt(K/m)
-    # fmt: off
-    yield gw.Row("Cut-off of the row", "Hz", ours=top, theory=2 * plain.row_frequency / (2 * math.pi),
-                 where="2 sqrt(K/m)", verification=True)
-    yield gw.Row("Cut-off of the row", "Hz", PRINTED, top, THESIS, "Why they differ is not certain. One reading: 5.6e4 "
-                 "rad/s, what a run of 5 ms shows at sphere 75 (next row).")
-    yield gw.Row("Highest frequency whose waves reach sphere 75 within 5 ms", "rad/s", where=THESIS,
-                 ours=2 * plain.row_frequency * math.sqrt(1 - slowest**2), remark="Group velocity sqrt(K/m) "
-                 "sqrt(1 - (w/2)^2 m/K) spheres a second. Near the digits of the source's 5.6 kHz.")
+    yield gw.Row(
+        "Cut-off of the row",
+        "Hz",
+        ours=top,
+        theory=2 * plain.row_frequency / (2 * math.pi),
+        where="2 sqrt(K/m)",
+        verification=True,
+    )
+    yield gw.Row(
+        "Cut-off of the row",
+        "Hz",
+        PRINTED,
+        top,
+        THESIS,
+        "The digits are those of rad/s, by two readings "
+        "(next rows), between which nothing decides.",
+    )
+    yield gw.Row(
+        "Cut-off of the row, with sqrt(R) for sqrt(D) in the constant of two spheres",
+        "rad/s",
+        DIGITS,
+        where=THESIS,
+        theory=2 * plain.row_frequency * RADIUS_FOR_DIAMETER,
+        digits=4,
+        remark="A reading of the digits of 5.6 kHz, found by trying.",
+    )
+    yield gw.Row(
+        "Highest frequency whose waves reach sphere 75 within 5 ms",
+        "rad/s",
+        DIGITS,
+        where=THESIS,
+        digits=4,
+        theory=2 * plain.row_frequency * math.sqrt(1 - slowest**2),
+        remark="Group velocity sqrt(K/m) "
+        "sqrt(1 - (w/2)^2 m/K) spheres a second. The other reading of the digits, found by trying.",
+    )
     for a in APPROACHES:
         edges = Tunnel(a).edges
         axis = TOP_OF_AXIS if a <= 0 else None
-        yield gw.Row(f"Top of the acoustic band, a = {a:g}", "rad/s", ours=edges[0, 1], where=THESIS)
-        yield gw.Row(f"Bottom of the optical band, a = {a:g}", "rad/s", ours=edges[1, 0], where=THESIS)
-        yield gw.Row(f"Top of the optical band, a = {a:g}", "rad/s", axis, edges[1, 1], THESIS, bound=a <= 0,
-                     remark="The source: at most, by the axis of Fig. 7.7a." if axis else "")
+        yield gw.Row(
+            f"Top of the acoustic band, a = {a:g}", "rad/s", ours=edges[0, 1], where=THESIS
+        )
+        yield gw.Row(
+            f"Bottom of the optical band, a = {a:g}", "rad/s", ours=edges[1, 0], where=THESIS
+        )
+        yield gw.Row(
+            f"Top of the optical band, a = {a:g}",
+            "rad/s",
+            axis,
+            edges[1, 1],
+            THESIS,
+            bound=a <= 0,
+            remark="The source: at most, by the axis of Fig. 7.7a." if axis else "",
+        )
         third = "" if a else "The source: in the range of 0.3 MHz, which is 0.3e6 rad/s, 58 kHz."
-        yield gw.Row(f"Top of the third band, a = {a:g}", "rad/s", None if a else THIRD, edges[2, 1], THESIS, third)
+        yield gw.Row(
+            f"Top of the third band, a = {a:g}",
+            "rad/s",
+            None if a else THIRD,
+            edges[2, 1],
+            THESIS,
+            third,
+        )
+    yield from single_cylinder()
     for pair, (highest, said) in PAIRS.items():
         places = [[Tunnel(a, ratio, *pair) for a in (-2e-5, 0.0, 3e-5)] for ratio in RATIOS]
         gap = np.array([[one.edges[[0, 1], [1, 0]] for one in row] for row in places])
         (low, high), name = gap[1, 1], "spheres of {}, {} cylinders".format(*pair)
-        for word, source, ours in (("Lowest edge of the gap, at least", BOTTOM, gap[..., 0].min()),
-                                   ("Highest edge of the gap, at most", highest, gap[..., 1].max())):
-            yield gw.Row(f"{word}: {name}", "rad/s", source, ours, FIGURE, "By the end of the axis.", digits=3,
-                         bound=True)
-        yield gw.Row(f"Width of the gap over its middle, cylinders of 0.5 D, a = 0: {name}", digits=3, where=FIGURE,
-                     ours=2 * (high - low) / (high + low), remark=f"The source: {said}." if said else "")
+        lowest = gap[..., 0].min()
+        remark = "By the end of the axis."
+        if lowest < BOTTOM:
+            remark += " With cylinders of 2100 kg/m3, which 7.1 prints for 2700, "
+            remark += " and ".join(f"{word} {edge:.3g}" for word, edge in lighter_edges().items())
+            remark += ": that mends this edge and breaks the other."
+        yield gw.Row(
+            f"Lowest edge of the gap, at least: {name}",
+            "rad/s",
+            BOTTOM,
+            lowest,
+            FIGURE,
+            remark,
+            digits=3,
+            bound=True,
+        )
+        yield gw.Row(
+            f"Highest edge of the gap, at most: {name}",
+            "rad/s",
+            highest,
+            gap[..., 1].max(),
+            FIGURE,
+            "By the end of the axis.",
+            digits=3,
+            bound=True,
+        )
+        yield gw.Row(
+            f"Width of the gap over its middle, cylinders of 0.5 D, a = 0: {name}",
+            digits=3,
+            where=FIGURE,
+            ours=2 * (high - low) / (high + low),
+            remark=f"The source: {said}." if said else "",
+        )
     for ratio in RATIOS:
         low, high = (Tunnel(a, ratio).edges[0, 1] for a in (-2e-5, 3e-5))
-        yield gw.Row(f"Shift of the acoustic top from a = -2e-5 to 3e-5, cylinders of {ratio:g} diameters", "rad/s",
-                     ours=high - low, where=THESIS, digits=3)
-    # fmt: on
+        yield gw.Row(
+            f"Shift of the acoustic top from a = -2e-5 to 3e-5, cylinders of {ratio:g} diameters",
+            "rad/s",
+            ours=high - low,
+            where=THESIS,
+            digits=3,
+        )
+
+
+def single_cylinder():
+    """Rows of the gap with a cylinder in each gap, as 7.12 is printed, and with two."""
+    for words, cylinders in (("two cylinders in a gap", PAIR), ("one, as 7.12 is printed", 1)):
+        low, high = Tunnel(0.0, cylinders=cylinders).edges[[0, 1], [1, 0]]
+        remark = f"{low:.5g} to {high:.5g} rad/s."
+        if cylinders == 1:
+            remark += " The static state is that of 7.5, which has two."
+        yield gw.Row(
+            f"Width of the gap over its middle, a = 0: {words}",
+            "%",
+            ours=200 * (high - low) / (high + low),
+            where="thesis 7.12",
+            remark=remark,
+            digits=3,
+        )
+
+
+def lighter_edges():
+    """Lowest and highest edge of the gap, rad/s, of steel spheres and aluminium as light as 7.1
+    prints it.
+    """
+    lighter = []
+    for a in (-2e-5, 0.0, 3e-5):
+        for ratio in RATIOS:
+            tunnel = Tunnel(a, ratio, "steel", "light aluminium")
+            lighter.append(tunnel.edges[[0, 1], [1, 0]])
+    return {
+        "the lowest is": min(low for low, _ in lighter),
+        "the highest": max(high for _, high in lighter),
+    }
 
 
 def verdict(runs):

@@ -8,7 +8,8 @@ cylinder's axis from that of the row,
     F = kbb d0^1.5 + 2 cos kcs d1^1.5,   2 sin kcs d1^1.5 = F_wall(d2),   y - d2 = sqrt((R + r)^2 - R^2) - a D/2
 
 with the line law of Puttock and Thwaite at the wall. The two cylinders of a gap move alike: one
-with twice the mass and twice the springs stands for them. Thesis 7.12 has half of their springs.
+with twice the mass and twice the springs stands for them. Thesis 7.12 is that of a single cylinder
+in each gap, over the static state of two.
 """
 
 import math
@@ -23,16 +24,23 @@ DIAMETER = 9.525e-3
 FORCE = 1.0
 MATERIALS = {  # density, kg/m^3, and Young's modulus, Pa
     "brass": (8500.0, 115e9), "steel": (7800.0, 210e9), "aluminium": (2700.0, 70e9),
+    "light aluminium": (2100.0, 70e9),
 }  # fmt: skip
 POINTS = 61  # wave numbers from the middle to the edge of the zone
+PAIR = 2  # cylinders in a gap
 
 
 class Tunnel:
     """A tunnel whose walls approach by a part of the diameter; 0: everything just touches without
     force.
+
+    Waves move so many cylinders in each gap: two, or the single one of thesis 7.12.
     """
 
-    def __init__(self, approach, ratio=4.76 / 9.525, sphere="brass", cylinder="brass"):
+    def __init__(
+        self, approach, ratio=4.76 / 9.525, sphere="brass", cylinder="brass", cylinders=PAIR
+    ):
+        self.cylinders = cylinders
         self.radius = DIAMETER / 2
         self.small = ratio * DIAMETER / 2
         density, modulus = zip(MATERIALS[sphere], MATERIALS[cylinder], strict=True)
@@ -52,7 +60,7 @@ class Tunnel:
             gw.contact_force("hertz", pair, 1e-6) / 1e-9 for pair in ((one, one), (one, two))
         ]
         self.mass = density[0] * math.pi / 6 * DIAMETER**3
-        self.pair_mass = 2 * density[1] * math.pi / 4 * (2 * self.small) ** 2 * DIAMETER
+        self.side_mass = cylinders * density[1] * math.pi / 4 * (2 * self.small) ** 2 * DIAMETER
         self.alone = (
             math.sqrt((self.radius + self.small) ** 2 - self.radius**2) - approach * self.radius
         )  # y - d2, m
@@ -88,13 +96,13 @@ class Tunnel:
         return 2 * math.sqrt(1 - cosine**2) * self.constants[1] * d1**1.5 - at_wall
 
     def dynamical_matrix(self):
-        """Matrix of the sphere along z and of the pair of cylinders along x and z: (wave numbers,
+        """Matrix of the sphere along z and of the cylinders of a gap along x and z: (wave numbers,
         3, 3), s^-2.
         """
         d1, d2, cosine = self.geometry(self.d0)
         sine = math.sqrt(1 - cosine**2)
         phase = np.exp(1j * self.k * DIAMETER)
-        forces = self.constants[0] * self.d0**1.5, 2 * self.constants[1] * d1**1.5
+        forces = self.constants[0] * self.d0**1.5, self.cylinders * self.constants[1] * d1**1.5
         # body, x or z
         reach = self.radius + self.small - d1
         matrix = np.zeros((POINTS, 2, 2, 2, 2), dtype=complex)
@@ -109,7 +117,8 @@ class Tunnel:
             matrix[:, second, :, second] += spring
             matrix[:, first, :, second] -= np.multiply.outer(shift, spring)
             matrix[:, second, :, first] -= np.multiply.outer(np.conj(shift), spring)
-        matrix[:, 1, 0, 1, 0] += 2 * gw.contact_stiffness("hertz", self.wall, d2)
+        wall = gw.contact_stiffness("hertz", self.wall, d2)
+        matrix[:, 1, 0, 1, 0] += self.cylinders * wall
         moves = matrix.reshape(POINTS, 4, 4)[:, 1:, 1:]
-        masses = np.sqrt([self.mass, self.pair_mass, self.pair_mass])
+        masses = np.sqrt([self.mass, self.side_mass, self.side_mass])
         return moves / np.outer(masses, masses)

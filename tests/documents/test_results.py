@@ -24,6 +24,7 @@ QUICK = (("homogeneous-chain", HOMOGENEOUS), ("sensor-chain", SENSOR_CHAIN))
 
 
 PICTURE = extension("results_picture")
+extension("results_coverage")
 TABLE = extension("results_table")
 RESULTS = extension("results")
 STORED = TABLE.read_stored()
@@ -184,6 +185,44 @@ def test_a_digest_sees_code_and_no_words(tmp_path):
         file.write_text(text)
     first, same, other = map(RESULTS._code, files)
     assert first == same != other
+
+
+def test_a_digest_of_scripts_sees_what_makes_rows(tmp_path):
+    """Definitions that only figures, tables or nothing need are left out."""
+    beside = tmp_path / "beside.py"
+    beside.write_text("LIMIT = 2\n\n\ndef measured(runs):\n    return LIMIT\n")
+    study = tmp_path / "study.py"
+
+    def digest(words, factor):
+        study.write_text(
+            f"from beside import measured\nWORDS = {words}\nFACTOR = {factor}\n\n\n"
+            "def rows(runs):\n    yield FACTOR * measured(runs)\n\n\n"
+            "def tables(runs):\n    yield WORDS\n"
+        )
+        return RESULTS._code_of_scripts([beside, study])
+
+    first = digest("'one'", 1)
+    assert first == digest("'two'", 1)
+    assert first != digest("'one'", 3)
+    beside.write_text(beside.read_text().replace("2", "4"))
+    assert first != digest("'one'", 1)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "source", "ours", "over"),
+    [
+        ("Force, at most", 100.0, 120.0, 0.2),
+        ("Force, at most", 100.0, 99.0, 0.0),
+        ("Edge, at least", 100.0, 80.0, 0.2),
+        ("Edge, at least", 100.0, 120.0, 0.0),
+        ("Ratio, within", -10.0, -900.0, 89.0),
+    ],
+)
+def test_what_lies_beyond_a_bound_is_flagged(quantity, source, ours, over):
+    row = gw.Row(quantity, source=source, ours=ours, bound=True)
+    assert TABLE.beyond(row) == pytest.approx(over)
+    assert ("Beyond the bound" in TABLE.flagged(row).remark) == (over > 0)
+    assert not TABLE.beyond(gw.Row(quantity, source=source, ours=ours))
 
 
 def test_every_study_of_a_source_has_its_rows_stored():

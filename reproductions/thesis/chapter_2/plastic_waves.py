@@ -7,6 +7,7 @@ only per contact does it agree with its figures.
 """
 
 import math
+from functools import cached_property
 from itertools import groupby
 
 import numpy as np
@@ -18,6 +19,7 @@ START = 3.74e-2
 DECAY = 0.256
 INVERSE = 0.268
 SWITCH = 7  # contact: x_t/R* = 28
+SWITCHES = (6, 10)  # contacts between which it was seen
 SPACING = 4.0  # R* from contact to contact
 OVERTAKEN = 1.005  # of the leading peak of a contact: from then on a later wave presses it harder
 HALF = 5  # contacts on either side over which a speed is taken
@@ -54,9 +56,19 @@ class PlasticWave(Chain):
             n + 1 for n, top in enumerate(self.largest) if top > OVERTAKEN * self.first_peak(n)[1]
         )
 
+    @cached_property
+    def leading(self):
+        """Peak of the leading wave at each contact, N."""
+        return np.array([self.first_peak(n)[1] for n in range(self.contacts)])
+
+    @property
+    def merger(self):
+        """Contact at which the leading wave ceases to fall, for a trailing one meets it."""
+        return int(np.flatnonzero(np.diff(self.leading) > 0)[0]) + 1
+
     def decay(self, first, last):
-        """Decay of the logarithm of the largest force, per contact."""
-        return math.log(self.largest[first - 1] / self.largest[last - 1]) / (last - first)
+        """Decay of the logarithm of the leading wave's peak, per contact."""
+        return math.log(self.leading[first - 1] / self.leading[last - 1]) / (last - first)
 
     def force_power(self, first, last):
         """Power of the largest force with the distance."""

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 import granwave as gw
 
 LARGEST_FORCE = 700.0  # F_y: end of the colours of Fig. 5.3, whose velocity is not printed
-ENERGIES = {16: 0.576, 40: 3.60}  # J by velocity, m/s
 # along a preferred direction; with a point below the struck sphere
 CONTACTS = 7
 LAYER = 3
@@ -72,10 +71,6 @@ def rows(runs):
          "The source: highest in the preferred directions.", 3),
     ):
         yield gw.Row(what, ours=ours, where="thesis 5.2, Fig. 5.3", remark=remark, digits=digits)
-    for velocity, energy in ENERGIES.items():
-        ours = found[velocity]["energy_input_J"]
-        yield gw.Row(f"Energy of a sphere at {velocity} m/s", "J", source=energy, ours=ours,
-                     where="thesis Fig. 5.14", remark="The source's is that of 4.5 g; a sphere has 4.45 g.")
     yield gw.Row(f"Largest dissipation of a sphere (thesis 5.15), {name}, at most", source=1e6, bound=True, digits=3,
                  ours=2 * 16 / 15 * fast.result["spheres/dissipated_energy"].max() / unit, where="thesis Fig. 5.8",
                  remark="By the end of the axis; the source counts each contact at both of its spheres.")
@@ -83,7 +78,7 @@ def rows(runs):
                  where="thesis Fig. 5.8", remark="The source: the bulk in the first few.")
     yield gw.Row(f"Dissipated share of a packing, {fast['energy_input_J']:.3g} J, at most", source=0.9, bound=True,
                  ours=fast["dissipated_fraction"], where="thesis Fig. 5.13",
-                 remark="By the end of the axis; those of its Figs 5.5 to 5.7 end at 1.")
+                 remark="By the end of the axis; those of its Figs 5.5 to 5.7, of the same packings, end at 1.")
     # fmt: on
 
 

@@ -13,23 +13,6 @@ import granwave as gw
 
 A = 8e-4
 GAMMAS = (0.56, 0.90)
-ERRATA = (
-    ("7.2", "2 kcs (beta - beta)",
-     "a factor cos theta is missing (7.3 has it); the mass on the left is that of a sphere"),
-    ("7.4", "kcs sin (beta_(i+1/4) - beta_(i+3/4))",
-     "plus: both spheres push the cylinder outward; with minus there is no static balance"),
-    ("7.1, materials", "aluminium of 2100 kg/m^3",
-     "2700: with 2100 neither the first nor the last curve of Fig. 7.4 is what the text says of it (rows of the peak "
-     "forces); chapter 8 has 2800"),
-    ("7.1", "the diameter of the spheres is missing", "9.525 mm, that of 7.2, fits the axis of Fig. 7.4"),
-    ("Fig. 7.3", "caption: ratio of decay rates; text: ratio of peak forces",
-     "decay rates, by the range of -10 to 10"),
-    ("Figs 7.2, 7.5", "sign and size of the decay rate",
-     "positive is decay in 7.2, negative in 7.5, whose values are -50 times those of 7.2"),
-    ("7.1, text", "the map at a = 0 is highly irregular at large gamma, for the wave spreads over ten beads",
-     "it is smooth below gamma = 0.9; the line law makes overlaps of 1e-300 m at the foot of a wave, where a logarithm "
-     "fails: 0 below 1e-25 m"),
-)  # fmt: skip
 
 
 def rows(runs):
@@ -58,8 +41,3 @@ def rows(runs):
         where=WHERE,
         remark="Theory: sqrt(gamma^2 + 2 gamma) + gamma = 1.",
     )  # fmt: skip
-
-
-def tables(runs):
-    columns = zip(("where", "printed", "right, and why"), zip(*ERRATA, strict=True), strict=True)
-    yield "Errata of the source, chapter 7.1", dict(columns)

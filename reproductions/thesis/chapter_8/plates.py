@@ -14,14 +14,6 @@ import granwave as gw
 
 APART = 15.975e-3  # m: distance of the plates of the other rows
 TOUCHING = (SPHERE + CYLINDER) / 2  # m: distance of the centres
-ERRATA = (
-    ("8.2, 8.3", "k u max(u, 0)", "k max(u, 0), by its dimension; and the sign of the axial velocity, not of w"),
-    ("8.3, text", "uc, wc axial, lateral", "uc is lateral, wc axial"),
-    ("8.4, text, and Fig. 8.9", "first state, tilted downward: cylinders on the sphere downstream, decays",
-     "exchanged: cylinders on the sphere upstream take from the wave (as the caption of 8.10 says), those downstream "
-     "do nothing (rows of the first peaks)"),
-    ("H0", "not given", "16.279 mm; 15.95 to 16 mm opens the gaps, 16.5 mm closes them: consistent"),
-)  # fmt: skip
 
 
 def difference(row):
@@ -77,8 +69,3 @@ def rows(found):
                          ours=row.first[1] / usual.first[1],
                          remark="Those: cylinders 9.5 mm long, plates of aluminium, 15.975 mm apart.", **not_stated)
     # fmt: on
-
-
-def tables(found):
-    columns = zip(("where", "printed", "right, and why"), zip(*ERRATA, strict=True), strict=True)
-    yield "Errata of the source, chapter 8", dict(columns)

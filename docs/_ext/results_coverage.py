@@ -1,0 +1,160 @@
+"""What of the four sources is there: the page ``docs/explanation/coverage.md``, made of
+``reproductions/coverage.csv`` and of the stored rows.
+
+    python docs/_ext/results_coverage.py      # the page again; no runs
+
+A line of the table is a system, law, figure or table of a source; it works, is there partly, or is
+missing, and then says why. It names the studies whose rows compare it.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from granwave.lammps_inputs.files import replace_text
+
+ROOT = Path(__file__).parents[2]
+TABLE = ROOT / "reproductions" / "coverage.csv"
+PAGE = ROOT / "docs" / "explanation" / "coverage.md"
+STATES = ("works", "partly", "missing")
+#: What the page calls the sources, by their names in the table.
+SOURCES = {
+    "thesis": "Thesis of R. K. Pal, 2015",
+    "composite chains": "Paper on chains of steel with brass or PTFE",
+    "lateral constraints": "Paper on crystals of soft cylinders between walls",
+    "square packing": "Paper on impacts on square packings",
+}
+_CLOSE = 0.05
+_FAR = 0.3
+
+
+@dataclasses.dataclass(frozen=True)
+class Item:
+    """A system, law, figure or table of a source.
+
+    Attributes
+    ----------
+    place
+        Figure, table, equation or section of the source.
+    state
+        One of `STATES`.
+    studies
+        Pairs of a suite and a study whose rows compare it.
+    why
+        What is missing; empty where all works.
+    """
+
+    source: str
+    place: str
+    what: str
+    state: str
+    studies: tuple[tuple[str, str], ...]
+    why: str
+
+
+def read_items(path: Path = TABLE) -> list[Item]:
+    """Read the table."""
+    with path.open(encoding="utf-8", newline="") as stream:
+        return [_item(row) for row in csv.DictReader(stream)]
+
+
+def _item(row: Mapping[str, str]) -> Item:
+    studies: list[tuple[str, str]] = []
+    for name in row["studies"].split():
+        suite, _, study = name.partition("/")
+        studies.append((suite, study))
+    return Item(row["source"], row["place"], row["what"], row["state"], tuple(studies), row["why"])
+
+
+def write_page(stored: Mapping[str, Any]) -> None:
+    """Write the page."""
+    replace_text(PAGE, page_of(read_items(), stored))
+
+
+def page_of(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
+    """Return the page: how many of each source work, and a table for each."""
+    counts = "\n".join(_count_line(name, _of_source(items, name)) for name in SOURCES)
+    parts = [_section(name, _of_source(items, name), stored) for name in SOURCES]
+    return f"""# Coverage of the sources
+
+What of the four sources granwave computes again: each of their {len(items)} systems, laws,
+figures and tables. Sketches and photographs are left out. An item *works* if what it shows is
+computed and compared; it is there *partly* if some of it is, or if the source's own values cannot
+be had; else it is *missing*. How well the values agree is on the [pages of results](results.md), to
+which the last column leads; misprints are in the [errata](errata.md).
+
+| source | {" | ".join(STATES)} |
+|---|---|---|---|
+{counts}
+{_count_line("all", items)}
+
+{"".join(parts)}"""
+
+
+def _of_source(items: Iterable[Item], name: str) -> list[Item]:
+    return [item for item in items if item.source == name]
+
+
+def _count_line(name: str, items: Sequence[Item]) -> str:
+    states = [item.state for item in items]
+    numbers = [str(states.count(state)) for state in STATES]
+    return f"| {SOURCES.get(name, name)} | {' | '.join(numbers)} |"
+
+
+def _section(name: str, items: Sequence[Item], stored: Mapping[str, Any]) -> str:
+    lines = "\n".join(_item_line(item) for item in items)
+    return f"""## {SOURCES[name]}
+
+{_agreement(items, stored)}
+
+| where | what | state | what is missing, and why | results |
+|---|---|---|---|---|
+{lines}
+
+"""
+
+
+def _item_line(item: Item) -> str:
+    suites = dict.fromkeys(suite for suite, _ in item.studies)
+    links = ", ".join(f"[{suite}](results/{suite}.md)" for suite in suites)
+    cells = map(_escaped, (item.place, item.what, item.state, item.why))
+    return f"| {' | '.join(cells)} | {links} |"
+
+
+def _escaped(text: str) -> str:
+    return re.sub(r"([\\`*_|~#$<>])", r"\\\1", text)
+
+
+def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
+    """Return how far the values of ours lie from those that the source prints."""
+    named: dict[tuple[str, str], None] = {}
+    for item in items:
+        named |= dict.fromkeys(item.studies)
+    rows: list[Mapping[str, Any]] = []
+    for suite, study in named:
+        stored_rows = stored["suites"][suite]["studies"][study]["rows"]
+        rows += [row for row in stored_rows if row["kind"] == "source"]
+    off = [abs(row["difference"]) for row in rows if row["difference"] is not None]
+    close = sum(one <= _CLOSE for one in off)
+    far = sum(one > _FAR for one in off)
+    return (
+        f"Of {len(rows)} rows with a value of a source, {close} agree within {100 * _CLOSE:g} %, "
+        f"{len(off) - close - far} within {100 * _FAR:g} %, and {far} do not; "
+        f"{len(rows) - len(off)} are bounds, have zero as the printed value, or no value of ours."
+    )
+
+
+def main() -> None:
+    """Write the page of the table and the stored rows as they are."""
+    import results_table
+
+    write_page(results_table.read_stored())
+
+
+if __name__ == "__main__":
+    main()
