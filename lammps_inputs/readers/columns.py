@@ -46,7 +46,6 @@ KINDS: dict[str, str] = {
 }
 QUANTITIES = (*PLACE, DIAMETER, RADIUS, "shape", "length", "axis", *AXIS_PARTS, "material",
               "group", CLUMP, *VELOCITIES, *SPINS, ID, TYPE, "mass", "density")  # fmt: skip
-_LARGEST_ID = 2.0**63
 #: Columns of which nothing is needed, and no warning is given.
 _UNUSED = re.compile(
     r"[fti][xyz]|[xyz]su?|force_[xyz012]|torque_[xyz012]|tq[xyz]|mol|element|q|mask"
@@ -99,6 +98,7 @@ def _all_names() -> dict[str, str]:
 
 _QUANTITY_OF_NAME = _all_names()
 _BEFORE_NAME = re.compile(r"(?:q[0-9]+_)?(?:particle|grain|sphere|atom|body)_")
+_LARGEST_ID = 2.0**63
 _NUMBERED = re.compile(r"(.*[^0-9])([0-3])")  # a component, such as Points_0
 
 
