@@ -9,8 +9,13 @@ with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents
 load that grows steadily. Then time and energies are reset to zero.
 
 Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
-halves are one stage of motion with drag, friction and losses, from the places of the case on; the
-tangential springs that it leaves stay. It costs some thousand steps for grains that were settled.
+halves are one stage of motion with friction, losses and local damping (Cundall and Strack 1979),
+from the places of the case on; the tangential springs that it leaves stay. Half of the net force
+on a sphere is taken from it along each axis where the sphere moves with the force, and added where
+it moves against it. That damps a grain that rolls under its weight as fast, in its own periods, as
+one that swings on a stiff contact. A drag that ends the swings would hold the rolling grain, which
+then creeps on with a net force equal to its drag. Settled grains need some thousand steps, and
+tens of thousands where some roll to other places.
 
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
 would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
@@ -94,6 +99,7 @@ LARGEST_MOVE = 0.1
 LOST_LOAD = 1e-3
 
 _SPHERES = "static_spheres"  # group of the moving spheres
+_DAMPING = "static_damping"  # fix, and prefix of its variables
 _STRIKERS = "static_strikers"  # group, and fix that holds them
 _PREFIX = "static_"  # prefix of the wall fixes of the stage
 _TOLERANCE = 1e-9  # net force on a sphere at convergence over the mean contact force
@@ -109,9 +115,10 @@ _ROLLING = (EnergyColumn.ELASTIC_ROLLING, WallColumn.ELASTIC_ROLLING)
 _TWISTING = (EnergyColumn.ELASTIC_TWISTING, WallColumn.ELASTIC_TWISTING)
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 MOST_ITERATIONS = 200_000
-QUIET = 3e-8  # net force over the largest contact force, drag and losses included, at its end
+QUIET = 3e-8  # net force over the largest contact force, damping and losses included, at its end
 _MOST_STEPS = 1_000_000  # of a damped run
-_DRAG = 0.03  # of a damped run over sqrt(stiffness mass)
+_DAMPED_PART = 0.5  # of a net force, taken from it where it speeds up a sphere in a damped run
+_DRAG_ON_SPIN = 0.002  # of a damped run over sqrt(stiffness mass) times 0.4 radius^2
 _DAMPED_STEP = 0.05  # timestep of a damped run over sqrt(mass/stiffness)
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
 # least slope of its power 2/3 over that of the line through the start: bounds the next distance
@@ -402,26 +409,40 @@ def _damped_run(assembly: Assembly) -> list[str]:
     mass = float(assembly.sphere_masses().min())
     radius = float(assembly.sphere_diameters().min()) / 2
     stiffness = static_stiffness(assembly)
-    drag = _DRAG * math.sqrt(stiffness * mass)
     lines = integration(assembly)
     if case.load.prescribes_motion:
         lines.insert(0, f"group           hit id {joined(struck_of(assembly))}")
     fixes = [line.split()[1] for line in lines if line.startswith("fix ")]
     least = num(QUIET)
     if case.has_rotation:
-        turning = f"fix             static_twist all viscous/sphere {num(0.4 * drag * radius**2)}"
+        drag = 0.4 * _DRAG_ON_SPIN * math.sqrt(stiffness * mass) * radius**2
+        turning = f"fix             static_twist all viscous/sphere {num(drag)}"
         lines.append(turning)
         fixes.append("static_twist")
     return [
         "# A damped run, until the largest net force is small beside the largest contact force.",
         "thermo          1000",
         *lines,
-        f"fix             static_drag all viscous {num(drag)}",
+        *_local_damping(),
         f"timestep        {num(_DAMPED_STEP * math.sqrt(mass / stiffness))}",
         "variable        static_quiet equal c_static_net/(c_static_largest+(c_static_largest==0))",
         f"fix             static_quiet all halt 100 v_static_quiet < {least} error continue",
         f"run             {_MOST_STEPS} post no",
-        *(f"unfix           {name}" for name in (*fixes, "static_drag", "static_quiet")),
+        *(f"unfix           {name}" for name in (*fixes, _DAMPING, "static_quiet")),
+    ]
+
+
+def _local_damping() -> list[str]:
+    """Return the commands of local damping; its fix acts on the sum of the other forces, so that it
+    is the last.
+    """
+    part = num(_DAMPED_PART)
+    return [
+        *(
+            f"variable        {_DAMPING}_{axis} atom -{part}*abs(f{axis})*((v{axis}>0)-(v{axis}<0))"
+            for axis in "xyz"
+        ),
+        f"fix             {_DAMPING} all addforce {joined(f'v_{_DAMPING}_{axis}' for axis in 'xyz')}",
     ]
 
 
