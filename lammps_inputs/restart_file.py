@@ -36,10 +36,18 @@ _MASS = 12
 _SPIN = slice(13, 16)
 _SHORTEST = 16  # values of a sphere, the angular velocity last
 
+NO_CLUMPS = (
+    'give the grains with a column "clump" as packing.kind = "file" with packing.contacts = '
+    '"relax"; if they are no clumps, settle the bed without fix property/atom and neigh_modify '
+    "exclude"
+)
+
 # fixes with states of atoms: they stand in a list at most so far before the history of contacts
 _HISTORY = ("GRAN_HYSTERETIC_HISTORY", "gran/hysteretic/history")
 _WALL = "wall/gran/hysteretic"
 _OTHER_WALLS = "wall/"
+_PROPERTIES = "property/atom"  # its state of a sphere: its own length, and the values
+_LARGEST_NUMBER = 2**31 - 1  # of a body: larger ones are the bits of a double
 _MOST_FIXES = 64
 _LONGEST_NAME = 256
 _FARTHEST = _MOST_FIXES * _LONGEST_NAME
@@ -159,6 +167,9 @@ class RestartSpheres:
         Their contacts with walls.
     other_walls
         IDs and styles of fixes of walls whose states are not known.
+    bodies
+        Numbers of bodies, positive integers that spheres share (``fix property/atom mol``); 0 for a
+        sphere by itself: (n,).
     """
 
     position: NDArray[np.float64]
@@ -170,6 +181,7 @@ class RestartSpheres:
     contacts: RestartContacts | None
     walls: tuple[RestartWall, ...]
     other_walls: tuple[tuple[str, str], ...]
+    bodies: NDArray[np.int64]
 
 
 def read_restart(path: Path) -> RestartSpheres:
@@ -199,6 +211,9 @@ def read_restart(path: Path) -> RestartSpheres:
     rows = rows[order]
     fixes = _fixes(content)
     states = [list(_states(records[row], len(fixes))) for row in order.tolist()]
+    lengths = [_SHORTEST + sum(map(len, of_sphere)) for of_sphere in states]
+    if fixes and lengths != [len(records[row]) for row in order.tolist()]:
+        raise ValueError("found atoms with more than spheres have, expected atom_style sphere")
     spheres = RestartSpheres(
         rows[:, _PLACE],
         rows[:, _VELOCITY],
@@ -213,6 +228,7 @@ def read_restart(path: Path) -> RestartSpheres:
             for name, style in fixes
             if style.startswith(_OTHER_WALLS) and style != _WALL
         ),
+        _bodies(fixes, states),
     )
     if not (spheres.radius > 0).all() or not np.isfinite(rows[:, _PLACE]).all():
         raise ValueError("found atoms without a radius, expected atom_style sphere")
@@ -359,6 +375,22 @@ def _contacts_of(state: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.f
             continue
         spring = rest[n_block : n_block + _STRETCH] if extended else np.zeros(_STRETCH)
         yield partner, np.concatenate([record[_PEAK : _PEAK + 1], spring, rest[:n_block]])
+
+
+def _bodies(fixes: _Fixes, states: _States) -> NDArray[np.int64]:
+    """Return the number of the body of each sphere, 0 for one that shares its number with none."""
+    bodies = np.zeros(len(states), dtype=np.int64)
+    for number, (_, style) in enumerate(fixes):
+        if style != _PROPERTIES:
+            continue
+        table = np.array([of_sphere[number][1:] for of_sphere in states])
+        for values in table.T.copy().view(np.int64):
+            if not ((values >= 0) & (values <= _LARGEST_NUMBER)).all():
+                continue
+            _, of_each, counts = np.unique(values, return_inverse=True, return_counts=True)
+            shared = (values > 0) & (counts[of_each] > 1)
+            bodies = np.where(shared, values, bodies)
+    return bodies
 
 
 def _walls(fixes: _Fixes, states: _States) -> Iterator[RestartWall]:

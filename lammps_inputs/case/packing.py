@@ -55,7 +55,7 @@ from granwave.lammps_inputs.lattices import (
     lattice_kinds,
 )
 from granwave.lammps_inputs.packing_kind import PackingKind
-from granwave.lammps_inputs.restart_file import RestartSpheres, read_restart
+from granwave.lammps_inputs.restart_file import NO_CLUMPS, RestartSpheres, read_restart
 
 LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
@@ -465,6 +465,10 @@ def _of_restart(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
     spheres = schema.read_named("packing.file", file, _FORM_OF_RESTART, read_restart, errors)
     if spheres is None:
         return kept
+    if spheres.bodies.any():
+        first, second = (1 + np.flatnonzero(spheres.bodies == spheres.bodies.max()))[:2].tolist()
+        found = f"spheres {first} and {second} of one body (the same number in fix property/atom)"
+        errors.add("packing.file", Mismatch(found, "spheres that move one by one", NO_CLUMPS))
     materials = _materials_of(spheres, table.get(TYPES), errors)
     n = len(spheres.radius)
     still = np.zeros((n, 3))  # their velocities stay in the file

@@ -21,8 +21,9 @@ from granwave.lammps_inputs.case.springs import ContactSpring, parse_springs
 from granwave.lammps_inputs.errors import InputError, Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_image
+from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import Wall, wall_friction, walls
-from granwave.lammps_inputs.restart_file import RestartSpheres, RestartWall, read_restart
+from granwave.lammps_inputs.restart_file import NO_CLUMPS, RestartSpheres, RestartWall, read_restart
 from granwave.lammps_inputs.script_words import joined, num
 
 KEY = "packing.restart"
@@ -30,6 +31,7 @@ _ROUNDING = 1e-12  # radii; smaller overlaps with a wall are rounding, as LAMMPS
 _INSIDE = 1 - 1e-6  # largest gap over the one beyond which LAMMPS forgets a contact
 _SAME_OVERLAP = 1e-6  # relative difference of overlaps with the same wall
 _SAME_MASS = 1e-9  # relative difference of masses of the same spheres
+_DEEP = 1e-3  # diameters; deeper overlaps are contacts, except within rigid bodies
 _TITLE = (
     "# Contacts so far: spheres i and j, or the fix of a wall and a sphere; largest overlap, m;\n"
     "# force, N, and compliance, m/N, of the tangential spring on the first sphere; at walls the\n"
@@ -274,6 +276,10 @@ def _faults_of_file(assembly: Assembly, spheres: RestartSpheres) -> Iterator[tup
     if spheres.contacts is None:
         found = "no contacts of pair_style gran/hysteretic"
         yield KEY, Mismatch(found, remedy="settle the bed with this pair style")
+    pair = _rigid_pair(assembly, spheres)
+    if pair is not None:
+        found = f"spheres {pair[0]} and {pair[1]}, which overlap without a contact, as in a clump"
+        yield KEY, Mismatch(found, "spheres that move one by one", NO_CLUMPS)
     for name, style in spheres.other_walls:
         found = f"fix {name} of style {style}"
         yield KEY, Mismatch(found, "walls of style wall/gran/hysteretic")
@@ -290,3 +296,27 @@ def _faults_of_file(assembly: Assembly, spheres: RestartSpheres) -> Iterator[tup
         expected = f"{masses[worst]:.9g} kg by the density of the material"
         found = f"sphere {worst + 1} with a mass of {spheres.mass[worst]:.9g} kg"
         yield "material.density", Mismatch(found, expected)
+
+
+def _rigid_pair(assembly: Assembly, spheres: RestartSpheres) -> tuple[int, int] | None:
+    """Return the ids of two spheres of a rigid body of the file; None if there is none.
+
+    Such spheres overlap and have no contact, as LAMMPS leaves out the contacts within bodies.
+    Spheres that the case holds may do so too.
+    """
+    if spheres.contacts is None:
+        return None
+    from scipy.spatial import cKDTree  # takes longer to load than most commands need
+
+    tree = cKDTree(spheres.position)
+    near = tree.query_pairs(2 * float(spheres.radius.max()), output_type="ndarray")
+    apart = np.linalg.norm(np.diff(spheres.position[near], axis=1)[:, 0], axis=1)
+    reach = spheres.radius[near].sum(axis=1)
+    deep = near[reach - apart > _DEEP * reach] + 1
+    held = [held_ids(assembly.case, hold) for hold in assembly.case.holds.values()]
+    still = np.isin(deep, [sphere for ids in held for sphere in ids]).all(axis=1)
+    contacts = set(map(tuple, spheres.contacts.pairs.tolist()))
+    for pair in np.sort(deep[~still], axis=1).tolist():
+        if tuple(pair) not in contacts:
+            return pair[0], pair[1]
+    return None
