@@ -14,7 +14,8 @@ from the places of the case on; the tangential springs that it leaves stay. Half
 on a sphere is taken from it along each axis where the sphere moves with the force, and added where
 it moves against it. That damps a grain that rolls under its weight as fast, in its own periods, as
 one that swings on a stiff contact. A drag that ends the swings would hold the rolling grain, which
-then creeps on with a net force equal to its drag. Settled grains need some thousand steps, and
+then creeps on with a net force equal to its drag. Local damping switches with the direction of
+motion, which leaves a little noise: in the end a drag takes it away. Settled grains need some thousand steps, and
 tens of thousands where some roll to other places.
 
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
@@ -118,6 +119,9 @@ MOST_ITERATIONS = 200_000
 QUIET = 3e-8  # net force over the largest contact force, damping and losses included, at its end
 _MOST_STEPS = 1_000_000  # of a damped run
 _DAMPED_PART = 0.5  # of a net force, taken from it where it speeds up a sphere in a damped run
+_FIRST_QUIET = 3e-7  # as QUIET below, at the end of local damping
+_DRAG = 0.03  # at the end of a damped run over sqrt(stiffness mass)
+_MOST_STEPS_OF_DRAG = 10_000
 _DRAG_ON_SPIN = 0.002  # of a damped run over sqrt(stiffness mass) times 0.4 radius^2
 _DAMPED_STEP = 0.05  # timestep of a damped run over sqrt(mass/stiffness)
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
@@ -413,10 +417,10 @@ def _damped_run(assembly: Assembly) -> list[str]:
     if case.load.prescribes_motion:
         lines.insert(0, f"group           hit id {joined(struck_of(assembly))}")
     fixes = [line.split()[1] for line in lines if line.startswith("fix ")]
-    least = num(QUIET)
+    drag = _DRAG * math.sqrt(stiffness * mass)
     if case.has_rotation:
-        drag = 0.4 * _DRAG_ON_SPIN * math.sqrt(stiffness * mass) * radius**2
-        turning = f"fix             static_twist all viscous/sphere {num(drag)}"
+        on_spin = 0.4 * _DRAG_ON_SPIN * math.sqrt(stiffness * mass) * radius**2
+        turning = f"fix             static_twist all viscous/sphere {num(on_spin)}"
         lines.append(turning)
         fixes.append("static_twist")
     return [
@@ -426,9 +430,20 @@ def _damped_run(assembly: Assembly) -> list[str]:
         *_local_damping(),
         f"timestep        {num(_DAMPED_STEP * math.sqrt(mass / stiffness))}",
         "variable        static_quiet equal c_static_net/(c_static_largest+(c_static_largest==0))",
-        f"fix             static_quiet all halt 100 v_static_quiet < {least} error continue",
-        f"run             {_MOST_STEPS} post no",
-        *(f"unfix           {name}" for name in (*fixes, _DAMPING, "static_quiet")),
+        *_run_until(_FIRST_QUIET, _MOST_STEPS),
+        f"unfix           {_DAMPING}",
+        f"fix             static_drag all viscous {num(drag)}",
+        *_run_until(QUIET, _MOST_STEPS_OF_DRAG),
+        *(f"unfix           {name}" for name in (*fixes, "static_drag")),
+    ]
+
+
+def _run_until(least: float, most_steps: int) -> list[str]:
+    """Return the commands of a run until net forces are small relative to the largest force."""
+    return [
+        f"fix             static_quiet all halt 100 v_static_quiet < {num(least)} error continue",
+        f"run             {most_steps} post no",
+        "unfix           static_quiet",
     ]
 
 
