@@ -45,6 +45,7 @@ from granwave.lammps_inputs.errors import Mismatch
 _RESTITUTION = 0.5  # of contacts with friction, while grains come to rest
 _ROLLING = 0.01  # coefficient of rolling resistance with friction; it ends slow rolling
 _STEPS = 100_000  # steps or iterations of a compression, measured with some hundred grains
+_STEPS_WITH_FRICTION = 50_000  # the same
 _MOST_OF_MODULUS = 0.01  # pressure over Young's modulus, beyond which overlaps are large
 _LEAST_WIDTH = 3.0  # of the box at the start, in largest diameters
 
@@ -94,7 +95,8 @@ class CompressedRecipe(Recipe):
     @property
     def expected_time(self) -> float:
         """Estimate of the time that it takes on one core, s."""
-        return _STEPS * self.keys.grains / SPEED
+        steps = _STEPS_WITH_FRICTION if self.friction else _STEPS
+        return steps * self.keys.grains / SPEED
 
     def make(self, report: Report) -> Bed:
         """Make the packing."""
