@@ -313,8 +313,10 @@ def _rigid_pair(assembly: Assembly, spheres: RestartSpheres) -> tuple[int, int] 
     apart = np.linalg.norm(np.diff(spheres.position[near], axis=1)[:, 0], axis=1)
     reach = spheres.radius[near].sum(axis=1)
     deep = near[reach - apart > _DEEP * reach] + 1
-    held = [held_ids(assembly.case, hold) for hold in assembly.case.holds.values()]
-    still = np.isin(deep, [sphere for ids in held for sphere in ids]).all(axis=1)
+    held = set[int]()
+    for hold in assembly.case.holds.values():
+        held.update(held_ids(assembly.case, hold))
+    still = np.isin(deep, list(held)).all(axis=1)
     contacts = set(map(tuple, spheres.contacts.pairs.tolist()))
     for pair in np.sort(deep[~still], axis=1).tolist():
         if tuple(pair) not in contacts:

@@ -15,7 +15,7 @@ on a sphere is taken from it along each axis where the sphere moves with the for
 it moves against it. That damps a grain that rolls under its weight as fast, in its own periods, as
 one that swings on a stiff contact. A drag that ends the swings would hold the rolling grain, which
 then creeps on with a net force equal to its drag. Local damping switches with the direction of
-motion, which leaves a little noise: in the end a drag takes it away. Settled grains need some thousand steps, and
+motion, which leaves a little noise of 1e-7 of the largest force. Settled grains need some thousand steps, and
 tens of thousands where some roll to other places.
 
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
@@ -119,9 +119,8 @@ MOST_ITERATIONS = 200_000
 QUIET = 3e-8  # net force over the largest contact force, damping and losses included, at its end
 _MOST_STEPS = 1_000_000  # of a damped run
 _DAMPED_PART = 0.5  # of a net force, taken from it where it speeds up a sphere in a damped run
-_FIRST_QUIET = 1.5e-7  # as QUIET below, at the end of local damping
-_DRAG = 0.03  # at the end of a damped run over sqrt(stiffness mass)
-_MOST_STEPS_OF_DRAG = 10_000
+_FIRST_QUIET = 1.5e-7  # as QUIET below; noise may keep net forces above that one
+_MORE_STEPS = 100_000  # from there to QUIET, at most
 _DRAG_ON_SPIN = 0.002  # of a damped run over sqrt(stiffness mass) times 0.4 radius^2
 _DAMPED_STEP = 0.05  # timestep of a damped run over sqrt(mass/stiffness)
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
@@ -417,7 +416,6 @@ def _damped_run(assembly: Assembly) -> list[str]:
     if case.load.prescribes_motion:
         lines.insert(0, f"group           hit id {joined(struck_of(assembly))}")
     fixes = [line.split()[1] for line in lines if line.startswith("fix ")]
-    drag = _DRAG * math.sqrt(stiffness * mass)
     if case.has_rotation:
         on_spin = 0.4 * _DRAG_ON_SPIN * math.sqrt(stiffness * mass) * radius**2
         turning = f"fix             static_twist all viscous/sphere {num(on_spin)}"
@@ -431,10 +429,8 @@ def _damped_run(assembly: Assembly) -> list[str]:
         f"timestep        {num(_DAMPED_STEP * math.sqrt(mass / stiffness))}",
         "variable        static_quiet equal c_static_net/(c_static_largest+(c_static_largest==0))",
         *_run_until(_FIRST_QUIET, _MOST_STEPS),
-        f"unfix           {_DAMPING}",
-        f"fix             static_drag all viscous {num(drag)}",
-        *_run_until(QUIET, _MOST_STEPS_OF_DRAG),
-        *(f"unfix           {name}" for name in (*fixes, "static_drag")),
+        *_run_until(QUIET, _MORE_STEPS),
+        *(f"unfix           {name}" for name in (*fixes, _DAMPING)),
     ]
 
 
@@ -452,12 +448,13 @@ def _local_damping() -> list[str]:
     is the last.
     """
     part = num(_DAMPED_PART)
+    words = [f"v_{_DAMPING}_{axis}" for axis in "xyz"]
     return [
         *(
             f"variable        {_DAMPING}_{axis} atom -{part}*abs(f{axis})*((v{axis}>0)-(v{axis}<0))"
             for axis in "xyz"
         ),
-        f"fix             {_DAMPING} all addforce {joined(f'v_{_DAMPING}_{axis}' for axis in 'xyz')}",
+        f"fix             {_DAMPING} all addforce {joined(words)}",
     ]
 
 
