@@ -160,7 +160,11 @@ COHESION = {"contact.law": "hertz", "contact.cohesion": {"kind": "jkr", "energy"
 NAMES = [entry.name for entry in ENTRIES]
 
 
-GRAINS = "x,y,z,diameter,clump,vx,vy,vz\n0,0,0,0.01,1,0,0,0\n0,0,0.009,0.01,1,0,0,0\n0,0,-0.01,0.01,0,0,0,1\n"
+GRAINS = """x,y,z,diameter,clump,vx,vy,vz
+0,0,0,0.01,1,0,0,0
+0,0,0.009,0.01,1,0,0,0
+0,0,-0.01,0.01,0,0,0,1
+"""
 DIMER = {
     "name": "dimer",
     "material": "steel",
