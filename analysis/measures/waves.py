@@ -234,18 +234,30 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
         m/s; None when fewer than four layers below the five uppermost were reached, or when
         contacts are loaded from the start, as under precompression.
     """
-    reached = np.isfinite(first) & (mean > -_STRUCK_LAYER * diameter)
-    z = mean[reached]
-    time = first[reached]
-    used = slice(max(_LEAD, len(z) // 2), None)
-    z = z[used]
-    time = time[used]
-    if len(z) < _FEWEST_LAYERS:
+    z, time = fitted_layers(mean, first, diameter)
+    if not len(z):
         return None
     late = time - time.mean()
     deep = z - z.mean()
     slope = float(late @ deep / (late @ late)) if late.any() else 0.0
     return slope if slope > 0 else None
+
+
+def fitted_layers(mean: Array, first: Array, diameter: float) -> tuple[Array, Array]:
+    """Return depth, m, and arrival, s, of the layers that `wave_speed` takes: the deeper half of
+    those reached, without the five uppermost; none where there are fewer than four.
+
+    Parameters
+    ----------
+    mean, first, diameter
+        As of `wave_speed`.
+    """
+    reached = np.isfinite(first) & (mean > -_STRUCK_LAYER * diameter)
+    z = mean[reached]
+    used = slice(max(_LEAD, len(z) // 2), None)
+    if len(z[used]) < _FEWEST_LAYERS:
+        used = slice(0, 0)
+    return z[used], first[reached][used]
 
 
 def wave_speed_of(result: Result) -> float | None:
