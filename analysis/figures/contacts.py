@@ -90,11 +90,11 @@ def contact_network(result: Result) -> Drawing | None:
     columns: dict[str, ArrayLike] = {}
     width = _width_in_points(window, diameter, len(states), height)
     for axes, state in zip(stack, states, strict=True):
-        ends = _ends(result, cut, state)
+        ends, rows = _lines(result, cut, state)
         outlines = outline_grains(axes, cut, disc_radii(result, cut), sticks_of(result, cut))
         lines = LineCollection(
             list(ends * _MILLI),
-            linewidths=width * state.force / state.force.max(),
+            linewidths=width * state.force[rows] / state.force.max(),
             colors=_LINE,
             capstyle="butt",
         )
@@ -105,7 +105,7 @@ def contact_network(result: Result) -> Drawing | None:
         axes.set_title(f"{_capital(state.title)}: thickest line {_newton(state)}", pad=2)
         if cut.plane.through is None:
             draw_impact(axes, result, cut, window)
-        columns |= _columns_of_network(state, ends)
+        columns |= _columns_of_network(state, ends[: len(state.force)])
     if is_lying:
         for axes in stack:
             axes.set_yticks([])  # there is little room for them
@@ -157,10 +157,14 @@ def _loaded(result: Result, cut: SpheresOnPlane, states: list[ContactForces]) ->
     return loaded[cut.index]
 
 
-def _ends(result: Result, cut: SpheresOnPlane, state: ContactForces) -> Vectors:
-    """Return the ends of the lines of contacts in a section: (n_lines, 2, 2), m.
+def _lines(
+    result: Result, cut: SpheresOnPlane, state: ContactForces
+) -> tuple[Vectors, NDArray[np.int64]]:
+    """Return the ends of the lines of contacts in a section, (n_lines, 2, 2), m, and the contact of
+    each, (n_lines,).
 
-    A contact across a periodic boundary is two lines, one from each grain.
+    A line goes from the centre of one grain to that of the other. A contact across periodic sides
+    has two lines, one from each grain to the nearest image of the other; the second ones are last.
     """
     position = result["spheres/position"]
     first = position[result.rows(state.i)]
@@ -168,9 +172,13 @@ def _ends(result: Result, cut: SpheresOnPlane, state: ContactForces) -> Vectors:
     step = second - first
     step[:, :2] = result.across(step[:, :2])
     plane = np.stack([cut.plane.across, cut.plane.down], axis=1)
+    shift = (second - first - step) @ plane  # not zero across periodic sides
     start = (first - result.origin) @ plane
-    end = start + step @ plane
-    return np.stack([start, end], axis=1)
+    ends = np.stack([start, start + step @ plane], axis=1)
+    is_across = np.abs(shift).max(axis=1, initial=0.0) > 0.5 * result.case.packing.diameter
+    images = ends[is_across] + shift[is_across][:, None]
+    rows = np.arange(len(ends))
+    return np.concatenate([ends, images]), np.concatenate([rows, rows[is_across]])
 
 
 def _width_in_points(window: Window, diameter: float, n_panels: int, height: float) -> float:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.lines import lines_of
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.waves import fitted_layers
+from granwave.analysis.measures.waves import fitted_layers, has_parallel_cylinders
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 
@@ -180,8 +180,10 @@ def _first_passes(time: Array, velocity: Array) -> Array:
 
 
 def _front_along_load(result: Result, along: Array, arrival: Array) -> Front | None:
-    """Return the line through the arrivals along the load; None for one that goes on oscillating."""
-    if result.case.load.keeps_oscillating:
+    """Return the line through the arrivals along the load; None for a load that goes on
+    oscillating, and for parallel cylinders, whose front spreads without a limit.
+    """
+    if result.case.load.keeps_oscillating or has_parallel_cylinders(result):
         return None
     arrived = np.where(np.isfinite(arrival), arrival, np.inf)
     place, time = fitted_layers(along, arrived, result.case.packing.diameter)

@@ -278,9 +278,7 @@ def wave_speed_of(result: Result) -> float | None:
     """
     diameter = result.case.packing.diameter
     load = result.case.load
-    axes = [one.axis if one else None for one in result.assembly.shapes]
-    beside_each_other = result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
-    if beside_each_other or load.way[2] <= 0 or load.keeps_oscillating:
+    if has_parallel_cylinders(result) or load.way[2] <= 0 or load.keeps_oscillating:
         return None
     if result.case.precompression is None:
         return wave_speed(*front_arrivals(result), diameter)
@@ -298,6 +296,12 @@ def wave_speed_of(result: Result) -> float | None:
         *first_arrivals(result["chain/contact_position"] - result.origin[2], arrival, diameter),
         diameter,
     )
+
+
+def has_parallel_cylinders(result: Result) -> bool:
+    """Return True for a packing of parallel cylinders: its front spreads without a limit."""
+    axes = [shape.axis if shape else None for shape in result.assembly.shapes]
+    return result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
 
 
 def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array, Array]:
