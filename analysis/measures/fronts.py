@@ -22,7 +22,11 @@ from numpy.typing import NDArray
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.lines import lines_of
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.waves import fitted_layers, has_parallel_cylinders
+from granwave.analysis.measures.waves import (
+    arrivals_of_groups,
+    fitted_layers,
+    has_parallel_cylinders,
+)
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 
@@ -158,13 +162,18 @@ def _nearest_to_axis(
 def _arrivals(result: Result, ids: NDArray[np.int64], time: Array, velocity: Array) -> Array:
     """Return the arrivals of the wave at grains, s; NaN where there is none, or no record tells."""
     if result.case.precompression is None:
-        is_grain = ids <= result.assembly.n_spheres
-        arrival = np.full(len(ids), np.nan)
-        arrival[is_grain] = result["spheres/time_first"][result.rows(ids[is_grain])]
-        return arrival
+        return _arrivals_by_contacts(result, ids)
     if "chain" not in result:
         return np.full(len(ids), np.nan)
     return _first_passes(time, velocity)
+
+
+def _arrivals_by_contacts(result: Result, ids: NDArray[np.int64]) -> Array:
+    """Return the arrivals at grains as their contacts recorded them, s; NaN where there is none."""
+    group = np.full(result.n_spheres, -1, dtype=np.int64)
+    group[result.rows(ids)] = np.arange(len(ids))
+    arrival = arrivals_of_groups(result, group, len(ids))
+    return np.where(np.isfinite(arrival), arrival, np.nan)
 
 
 def _first_passes(time: Array, velocity: Array) -> Array:

@@ -324,20 +324,36 @@ def front_arrivals(result: Result) -> tuple[Array, Array]:
     force of all: grains that touch overlap by the rounding of their coordinates.
     """
     mean, layer = _layers_of(result, result.case.packing.diameter)
-    largest = np.zeros(len(mean))
+    return mean, arrivals_of_groups(result, layer, len(mean))
+
+
+def arrivals_of_groups(result: Result, group: NDArray[np.integer], n_groups: int) -> Array:
+    """Return the arrival of the wave front at groups of spheres, as `front_arrivals` at layers:
+    (n_groups,), s; inf if it never arrived.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    group
+        Group of each sphere, from 0; below 0: none. (n_spheres,).
+    """
+    largest = np.zeros(n_groups)
     for i, j, force in result.blocks("contacts/i", "contacts/j", "contacts/peak_force"):
         for ends in (i, j):
-            np.maximum.at(largest, layer[result.rows(ends)], force)
+            there = group[result.rows(ends)]
+            inside = there >= 0
+            np.maximum.at(largest, there[inside], force[inside])
     least = np.maximum(ARRIVED * largest, _REACHES * largest.max(initial=0.0))
     last = (1 - _SAME_TIME) * float(result["energy/time"][-1])
-    first = np.full(len(mean), np.inf)
+    first = np.full(n_groups, np.inf)
     names = ("i", "j", "peak_force", "time_first", "time_peak")
     for i, j, force, arrival, peak in result.blocks(*(f"contacts/{name}" for name in names)):
         for ends in (i, j):
-            there = layer[result.rows(ends)]
-            counts = (force > 0) & (force >= least[there]) & (peak < last)
+            there = group[result.rows(ends)]
+            counts = (there >= 0) & (force > 0) & (force >= least[there]) & (peak < last)
             np.fmin.at(first, there[counts], arrival[counts])
-    return mean, first
+    return first
 
 
 def passage(result: Result) -> float:
