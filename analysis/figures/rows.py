@@ -363,14 +363,15 @@ def _draw_motion(axes: Axes, motion: LineMotion, colours: str) -> Any:
     """Draw the speed of the grains of a line by colour; return the image, for a colour bar."""
     speed = np.abs(motion.velocity)
     largest = float(speed.max())
-    norm = LogNorm(largest / 10**_DECADES_OF_SPEED, largest)
+    least = largest / 10**_DECADES_OF_SPEED
+    norm = LogNorm(least, largest)
     rows = slice(None, None, max(1, len(motion.time) // _MOST_COLUMNS))
     places = slice(None, None, max(1, len(motion.place) // _MOST_COLUMNS))
     shown = speed[rows, places]
-    shown = np.where(shown > norm.vmin, shown, np.nan)
+    shown = np.where(shown > least, shown, np.nan)
     image = space_time_map(axes, motion.place[places], motion.time[rows], shown, norm, colours)
     left, _ = axes.get_xlim()
-    limits = (left, _last_moved(motion, norm.vmin), 0.0, _last_shown(motion))
+    limits = (left, _last_moved(motion, least), 0.0, _last_shown(motion))
     reached = np.isfinite(motion.arrival)
     axes.plot(
         motion.place[reached] * _MILLI,

@@ -17,6 +17,7 @@ from granwave.lammps_inputs.case.run import FIGURES_ON_REQUEST, Figures, usual_f
 from tests.helpers.made_up import synthetic
 
 DIAMETER = synthetic.DIAMETER
+SUFFIXES = ("png", "pdf", "csv")
 
 
 @pytest.fixture(scope="module")
@@ -44,19 +45,20 @@ def lines_of(drawing):
 
 
 def test_they_are_drawn_by_name_only(tmp_path, monkeypatch):
+    """And go when all usual figures are drawn."""
     monkeypatch.setenv(PROCESSES, "1")
-    write_result(synthetic.write_run(tmp_path, synthetic.make_case(size=(3, 3, 3))))
-    draw_figures(tmp_path, options=Figures(formats=()))
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 2)))
     folder = tmp_path / "figures"
+    draw_figures(tmp_path, names=("energies", "line_diagram"))
+    files = {f"{name}.{suffix}" for name in ("energies", "line_diagram") for suffix in SUFFIXES}
+    assert {path.name for path in folder.iterdir()} == files
+    draw_figures(tmp_path, options=Figures(formats=()))
     names = {path.stem for path in folder.iterdir()}
     assert "energies" in names
     assert not names & set(FIGURES_ON_REQUEST)
     assert not set(usual_figure_names()) & set(FIGURES_ON_REQUEST)
-    draw_figures(tmp_path, names=FIGURES_ON_REQUEST)
-    for name in FIGURES_ON_REQUEST:
-        assert all((folder / f"{name}.{suffix}").stat().st_size for suffix in ("png", "pdf", "csv"))
-    draw_figures(tmp_path, options=Figures(only=("energies", "line_diagram")))
-    assert {path.stem for path in folder.iterdir()} == {"energies", "line_diagram"}
+    draw_figures(tmp_path, options=Figures(only=("contact_network",)))
+    assert {path.stem for path in folder.iterdir()} == {"contact_network"}
 
 
 @pytest.mark.parametrize(
