@@ -100,7 +100,7 @@ def contact_network(result: Result) -> Drawing | None:
         )
         axes.add_collection(lines)
         for artist in (lines, *outlines):
-            artist.set_rasterized(len(state.force) > _MOST_VECTORS)
+            artist.set_rasterized(max(len(ends), len(cut.index)) > _MOST_VECTORS)
         frame_axes(axes, window)
         axes.set_title(f"{_capital(state.title)}: thickest line {_newton(state)}", pad=2)
         if cut.plane.through is None:
