@@ -121,11 +121,14 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Compare sensors that lie alike: ideally their curves are the same."),
     ("directions", dissipation.directions, "Energy and dissipation by direction from the impact point",
      "Peaks lie along rows of contacts; a level curve is a wave that goes everywhere alike."),
-    ("contact_network", contacts.contact_network, "Contacts between grains, as lines as thick as their force",
+    ("contact_network", contacts.contact_network,
+     "Contacts between grains, as lines as thick as their force",
      "Thick lines in a row are a force chain; the title gives the force of the thickest line."),
-    ("force_distribution", contacts.force_distribution, "Distribution of contact forces over their mean",
-     "A straight line is an exponential tail; the smaller its decay, the more uneven are the forces."),
-    ("line_diagram", rows.line_diagram, "Speed of a line of grains in place and time, with the front",
+    ("force_distribution", contacts.force_distribution,
+     "Distribution of contact forces over their mean",
+     "A straight line is an exponential tail; the smaller its decay, the more uneven the forces."),
+    ("line_diagram", rows.line_diagram,
+     "Speed of a line of grains in place and time, with the front",
      "The front is the lower edge of the colours; dots on the fitted line mean a steady speed."),
 )  # fmt: skip
 _PLANES = {

@@ -349,8 +349,8 @@ class Figures:
     """``[figures]``: what is drawn of a run, and how; none of it changes a result."""
 
     only: tuple[str, ...] = schema.typed(
-        "names of the figures to draw; by default all that apply, but contact_network, force_distribution and "
-        "line_diagram",
+        "names of the figures to draw; by default all that apply, but contact_network, "
+        "force_distribution and line_diagram",
         _ONLY,
         default=(),
     )

@@ -74,8 +74,8 @@ def test_they_are_drawn_by_name_only(tmp_path, monkeypatch):
     ],
 )
 def test_figures_that_apply(tmp_path, options, expected):
-    """A lone sphere has no contacts; less than ten loaded contacts have no distribution, and a layer that
-    is struck across has no line.
+    """A lone sphere has no contacts; less than ten loaded contacts have no distribution, and a
+    layer that is struck across has no line.
     """
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(**options)))
     assert {name for name in FIGURES_ON_REQUEST if drawn(tmp_path, name) is not None} == expected
