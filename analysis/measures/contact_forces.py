@@ -8,7 +8,7 @@ the largest force do not count: grains that touch overlap by the rounding of the
 Beyond a threshold x0 an exponential tail is exp(-b (x - x0)). Of n independent values beyond it
 the decay is b = (n - 1) / sum(x - x0), without bias, with the standard error b / sqrt(n - 2).
 Whether the values are exponential is tested by the distance D of Kolmogorov and Smirnov, with the
-limit for a fitted decay at a level of 1 % (Stephens, J. Am. Stat. Assoc. 69 (1974) 730, table 1.5):
+limit for a fitted decay at a level of 1 % (Stephens, J. Am. Stat. Assoc. 69 (1974) 730):
 (D - 0.2/n) (sqrt(n) + 0.26 + 0.5/sqrt(n)) < 1.308.
 """
 
