@@ -99,7 +99,8 @@ class DrivenRow:
         overlap = (FORCE / tunnel.constants[0]) ** (2 / 3)
         self.velocity = np.array(largest) / (overlap * self.unit)
         self.linear = self.of(LinearRow(tunnel, gaps)) / (overlap * self.unit)
-        self.longer = self.of(LinearRow(tunnel, gaps, LONGER)) / (overlap * self.unit)
+        self.gaps = gaps
+        self.springs = tunnel
         self.tunnel = approach is not None
         self.name = f"a = {approach:g}" if self.tunnel else "no tunnel"
         self.top = tunnel.edges[0, 1] / self.unit if self.tunnel else ROW_EDGE
@@ -111,6 +112,11 @@ class DrivenRow:
         for frequency, run in zip(self.frequency, self.runs, strict=True):
             peaks.append(linear.peak_velocity(frequency * self.unit, run.case.load.amplitude))
         return np.array(peaks)
+
+    @property
+    def longer(self):
+        """Peak velocities of the linear row in 15 ms, m/s."""
+        return self.of(LinearRow(self.springs, self.gaps, LONGER))
 
     @property
     def difference(self):
@@ -200,7 +206,7 @@ def edges(row):
             theory=theory,
             where=WHERE,
             remark=f"Theory: {edge}. The source: good agreement, without a value. The linear row: "
-            f"{linear[index]:.4g} in 5 ms, {longer[index]:.4g} in 15 ms.",
+            f"{linear[index]:.4g} in 5 ms, {shown(longer, index)} in 15 ms.",
             digits=4,
         )
         yield gw.Row(
@@ -233,6 +239,11 @@ def edges(row):
     )
 
 
+def shown(crossings, index):
+    """Text of a crossing, which may lie beyond the frequencies of the runs."""
+    return f"{crossings[index]:.4g}" if index < len(crossings) else "beyond the last run"
+
+
 def verdict(runs):
     driven, _ = driven_rows(runs)
     falls = [row.crossings(row.velocity)[0] for row in driven if row.tunnel]
@@ -261,12 +272,10 @@ def pictures(runs):
         data[f"frequency_{name}"] = row.frequency
         data[f"velocity_{name}"] = row.velocity
         data[f"linear_{name}"] = row.linear
-    axes.set(
-        xlabel=r"Frequency / $\sqrt{K/m}$", ylabel=f"Peak velocity of sphere {SPHERE}, normalised"
-    )
-    axes.legend(fontsize=7)
+    axes.set(xlabel=r"Frequency / $\sqrt{K/m}$", ylabel="Peak velocity, normalised")
+    figure.legend(loc="outside upper center", ncols=2)
     caption = (
-        "Peak velocity behind the tunnel against the frequency of the force (points), the same of a "
+        "Peak velocity of sphere 75, behind the tunnel, against the frequency of the force (points), the same of a "
         "linear row (lines), and the top of the acoustic band (dashed), as in thesis Fig. 7.7b: "
         "walls that approach raise the frequency at which waves are stopped"
     )
