@@ -179,8 +179,8 @@ def rows(runs):
         )
     for row in weaker:
         yield gw.Row(
-            f"Largest difference from the linear row, {row.name}, {row.frequency[0]:.2g} sqrt(K/m), "
-            f"{row.runs[0].case.load.amplitude:g} N",
+            f"Largest difference from the linear row, {row.name}, "
+            f"{row.frequency[0]:.2g} sqrt(K/m), {row.runs[0].case.load.amplitude:g} N",
             "%",
             ours=100 * row.difference,
             theory=0.0,
@@ -233,8 +233,8 @@ def edges(row):
         DIGITS,
         ours[0] * row.unit,
         "thesis 7.2",
-        "The source prints 5.6 kHz for the cut-off, which is 10.07 kHz. Half the level is our choice: "
-        "this supports the reading of its digits as what 5 ms show.",
+        "The source prints 5.6 kHz for the cut-off, which is 10.07 kHz. Half the level is "
+        "our choice: this supports the reading of its digits as what 5 ms show.",
         digits=4,
     )
 
@@ -275,8 +275,8 @@ def pictures(runs):
     axes.set(xlabel=r"Frequency / $\sqrt{K/m}$", ylabel="Peak velocity, normalised")
     figure.legend(loc="outside upper center", ncols=2)
     caption = (
-        "Peak velocity of sphere 75, behind the tunnel, against the frequency of the force (points), the same of a "
-        "linear row (lines), and the top of the acoustic band (dashed), as in thesis Fig. 7.7b: "
+        "Peak velocity of sphere 75, behind the tunnel, against the frequency of the force (points), "
+        "the same of a linear row (lines), and the top of the acoustic band (dashed), as in thesis Fig. 7.7b: "
         "walls that approach raise the frequency at which waves are stopped"
     )
     yield gw.Picture("finite_tunnel", caption, figure, data)

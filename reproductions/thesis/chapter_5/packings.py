@@ -75,8 +75,8 @@ def rows(runs):
         what = f"Largest difference in dissipated share at {len(gaps)} equal normalised velocities: {name}"
         overlap = max(run["peak_overlap_m"] / (run.case.packing.diameter / 4) for run in group)
         yield gw.Row(what, ours=max(gaps), theory=0.0, where="thesis Fig. 5.5", digits=2,
-                     remark=f"The source: one curve. Overlaps reach {overlap:.2g} R*; the contact law ends at "
-                     f"{LAW_ENDS:g} R*.")  # fmt: skip
+                     remark=f"The source: one curve. Overlaps reach {overlap:.2g} R*; "
+                     f"the contact law ends at {LAW_ENDS:g} R*.")  # fmt: skip
     for run in reference:
         equal = {one.case.load.spheres: one["dissipated_fraction"] for one in brass
                  if abs(one["energy_input_J"] / run["energy_input_J"] - 1) < SAME}  # fmt: skip
