@@ -275,8 +275,8 @@ def pictures(runs):
     axes.set(xlabel=r"Frequency / $\sqrt{K/m}$", ylabel="Peak velocity, normalised")
     figure.legend(loc="outside upper center", ncols=2)
     caption = (
-        "Peak velocity of sphere 75, behind the tunnel, against the frequency of the force (points), "
-        "the same of a linear row (lines), and the top of the acoustic band (dashed), as in thesis Fig. 7.7b: "
-        "walls that approach raise the frequency at which waves are stopped"
+        "Peak velocity of sphere 75, behind the tunnel, against the frequency of the force "
+        "(points), the same of a linear row (lines), and the top of the acoustic band (dashed), as "
+        "in thesis Fig. 7.7b: walls that approach raise the frequency at which waves are stopped"
     )
     yield gw.Picture("finite_tunnel", caption, figure, data)
