@@ -405,11 +405,27 @@ class _Run:
                     self._log(
                         f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression"
                     )
+                self._look_at_strikers(engine)
             elif not saved:
                 expected = on_first(self.comm, lambda: checks.expected_neighbours(self.assembly))
                 checks.check_coordination(self.case.packing.kind, expected, engine)
             self._advance(engine, deck.schedule, stop)
             engine.commands(part(script, "end"))
+
+    def _look_at_strikers(self, engine: Engine) -> None:
+        """Warn of strikers that no longer touch their spheres after the static stage."""
+        chosen = {number for pair in self.assembly.striker_contacts for number in pair}
+        if not chosen:
+            return
+        centres = {
+            int(number): centre.copy()
+            for number, centre in zip(engine.per_atom("id"), engine.per_atom("x"), strict=True)
+            if int(number) in chosen
+        }
+        gathered = self.comm.gather(centres)
+        if self.comm.rank == 0:
+            everywhere = {number: centre for part in gathered for number, centre in part.items()}
+            checks.warn_of_strikers(self.assembly, everywhere)
 
     def _set_up(self, engine: Engine, commands: str, stop: StopRequest, *, static: bool) -> None:
         """Execute the commands before the first step; a request to stop ends them, as a static
