@@ -19,7 +19,6 @@ from granwave.lammps_inputs.packing.walls import untouched
 
 _LOG = logging.getLogger("granwave")
 _FAR_LONGER = 100.0  # times the run: a load that lasts so long is in another unit
-_FREE_SIDES = "free"
 _SMALL_GAP = 1e-3  # diameters; gaps that dents leave are larger
 
 
@@ -220,5 +219,6 @@ def _of_overlaps_that_push_apart(assembly: Assembly) -> Iterator[str]:
 def _holds_together(case: Case) -> bool:
     """Return True if held grains, side walls, or the packing itself hold its grains together."""
     boundary = case.boundary
+    has_sides = boundary.periodic or boundary.sides_tube is not None
     has_walls = bool(case.wall) or any(map(boundary.has_planes, "xy"))
-    return bool(case.holds) or has_walls or boundary.sides != _FREE_SIDES
+    return bool(case.holds) or has_sides or has_walls

@@ -261,8 +261,8 @@ def warn_of_strikers(assembly: Assembly, centres: Mapping[int, NDArray[np.float6
             continue
         where = f"{gap:.3g} m clear of" if gap > 0 else f"{-gap:.3g} m deep in"
         _LOG.warning(
-            "%s: striker %d touched sphere %d, which the static stage moved; it begins %s it: start "
-            "from a packing in balance, whose grains keep their places (packing.relaxation = "
+            "%s: striker %d touched sphere %d, which the static stage moved; it begins %s it: "
+            "start from a packing in balance, whose grains keep their places (packing.relaxation = "
             '"damped" keeps the friction)',
             assembly.case.name,
             striker - assembly.lattice.n_spheres,

@@ -12,8 +12,11 @@ import dataclasses
 import logging
 import threading
 import time
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.pipeline import analyse
@@ -414,17 +417,13 @@ class _Run:
 
     def _look_at_strikers(self, engine: Engine) -> None:
         """Warn of strikers that no longer touch their spheres after the static stage."""
-        chosen = {number for pair in self.assembly.striker_contacts for number in pair}
+        chosen = set(chain.from_iterable(self.assembly.striker_contacts))
         if not chosen:
             return
-        centres = {
-            int(number): centre.copy()
-            for number, centre in zip(engine.per_atom("id"), engine.per_atom("x"), strict=True)
-            if int(number) in chosen
-        }
-        gathered = self.comm.gather(centres)
+        centres = zip(engine.per_atom("id").tolist(), engine.per_atom("x").tolist(), strict=True)
+        gathered = self.comm.gather([row for row in centres if row[0] in chosen])
         if self.comm.rank == 0:
-            everywhere = {number: centre for part in gathered for number, centre in part.items()}
+            everywhere = {number: np.array(at) for number, at in chain.from_iterable(gathered)}
             checks.warn_of_strikers(self.assembly, everywhere)
 
     def _set_up(self, engine: Engine, commands: str, stop: StopRequest, *, static: bool) -> None:
