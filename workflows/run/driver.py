@@ -422,7 +422,7 @@ class _Run:
             return
         centres = zip(engine.per_atom("id").tolist(), engine.per_atom("x").tolist(), strict=True)
         gathered = self.comm.gather([row for row in centres if row[0] in chosen])
-        if self.comm.rank == 0:
+        if gathered is not None:  # on the first rank
             everywhere = {number: np.array(at) for number, at in chain.from_iterable(gathered)}
             checks.warn_of_strikers(self.assembly, everywhere)
 
