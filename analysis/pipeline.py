@@ -17,7 +17,7 @@ from granwave.analysis.result.not_a_run import why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
-from granwave.lammps_inputs.case.run import figure_names
+from granwave.lammps_inputs.case.run import usual_figure_names
 from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import added_by_key, missing_package
@@ -93,7 +93,7 @@ def analyse(
     if callable(progress):
         results = ResultDirectory.at(directory)
         return _analyse(results, progress, figures, at_once, processes, assembly)
-    parts = 2 + (len(figure_names()) if figures else 0)
+    parts = 2 + (len(usual_figure_names()) if figures else 0)
     with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
         def report(part: str) -> None:

@@ -4,6 +4,7 @@ of their own.
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import subprocess
@@ -39,6 +40,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--one-of-each", action="store_true", help="run the first case of each test function"
     )
+
+
+def pytest_collection_finish() -> None:
+    """Leave the collected tests out of garbage collection: a million objects that stay to the end,
+    visited by each full collection, took a sixth of the time of all tests.
+    """
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True)

@@ -15,6 +15,7 @@ the order of measurement, and the branches follow from the turning points of the
 from __future__ import annotations
 
 import dataclasses
+import logging
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -31,9 +32,12 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number
 
+_LOG = logging.getLogger("granwave")
 _TURNS = (0.25, 0.5, 0.75, 1.0)  # overlaps at which unloading starts over the largest one
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
 _POINTS = 400
+_JUMP = 0.2  # step of a measured overlap over its range beyond which rows may be out of order,
+_FAR = 20.0  # if it is so many times the median step, too
 _MAX_OVERLAP = 200.0
 _UNIT_WITHOUT_YIELD = 1e-4  # unit of overlaps over R* for laws without alpha_y
 _MICRO = 1e6  # micrometres in a metre
@@ -438,6 +442,7 @@ def curve_of(
     overlap = np.asarray(overlap, float)
     force = np.asarray(force, float)
     if branch is None:
+        _warn_of_jumps(overlap, source)
         start = min(0.0, float(overlap.min(initial=0.0)))
         names, peak = _branches(overlap - start)
         peak += start
@@ -449,6 +454,24 @@ def curve_of(
             rows = (names != LOADING) & (turn == number)
             peak[rows] = overlap[rows].max()
     return Curve(source, names, overlap, force, peak)
+
+
+def _warn_of_jumps(overlap: Array, source: str) -> None:
+    """Log a warning of a curve without branches whose rows are not in the order of measurement."""
+    steps = np.abs(np.diff(overlap))
+    if not steps.size:
+        return
+    row = int(np.argmax(steps))
+    is_far = steps[row] > _JUMP * float(np.ptp(overlap))
+    if is_far and steps[row] > _FAR * float(np.median(steps)):
+        _LOG.warning(
+            "%s: the overlap jumps from %.4g to %.4g um at row %d, and rows count in the order of "
+            "measurement; sort them so, or give a column branch (loading, unloading_1, ...)",
+            source,
+            overlap[row] * _MICRO,
+            overlap[row + 1] * _MICRO,
+            row + 2,
+        )
 
 
 def _branches(overlap: Array) -> tuple[NDArray[np.str_], Array]:

@@ -10,9 +10,11 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize, SymLogNorm
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.impact_arrow import impact_arrow
 from granwave.analysis.figures.series import (
     COLOURS,
     against_time,
@@ -36,6 +38,7 @@ from granwave.analysis.measures.driven import (
     amplitude_sweep_of,
     transmission_of,
 )
+from granwave.analysis.measures.fronts import AXIS, LineMotion, line_motions
 from granwave.analysis.measures.lines import LineRecord, lines_of, sensor_forces
 from granwave.analysis.result.reader import Result
 
@@ -46,6 +49,16 @@ _MOST_CURVES = 5
 _DECADES = 3.0  # decades of force in the map
 _LINEAR = 30.0  # largest dynamic force / force up to which the scale of the map is linear
 _MOST_COLUMNS = 2000  # largest number of columns of a map
+_AFTER = 2.0  # times the last arrival: where the diagram of a line ends
+_FEWEST_TIMES = 8  # instants of a diagram of a line
+_DECADES_OF_SPEED = 3.0  # decades of speed in the diagram of a line
+_EDGE = [withStroke(linewidth=2.2, foreground="white")]  # seen on dark and bright colours
+_ARRIVALS: dict[str, Any] = {
+    "color": "black", "markersize": 2.6, "markeredgecolor": "white", "markeredgewidth": 0.4,
+}  # fmt: skip
+_FITTED: dict[str, Any] = {
+    "color": ORANGE, "linewidth": 1.1, "path_effects": _EDGE, "zorder": 1.5
+}  # fmt: skip
 _MOST_OF_A_LINE = 12  # largest number of curves of a line of grains
 _WIDE = 0.05  # smallest / largest amplitude below which the axis is logarithmic
 
@@ -321,6 +334,96 @@ def _draw_decay(axes: Axes, line: LineRecord) -> None:
     x = np.sort(np.append(line.distance[fitted], decay.border))
     axes.plot(x * _MILLI, np.exp(shape(x) + height), color=ORANGE, linewidth=0.9)
     axes.axvline(decay.border * _MILLI, color=GREY, linestyle=":", linewidth=0.8)
+
+
+def line_diagram(result: Result) -> Drawing | None:
+    """Draw the speed of the grains of lines in place and time, with the arrivals of the wave and
+    the line through them.
+
+    The lines are the chain, or the grains nearest to the axis of the load, and each ``[[line]]``.
+    """
+    arrow = impact_arrow(result)
+    motions = [
+        motion
+        for motion in line_motions(result, arrow.place, arrow.direction)
+        if motion.velocity.any()
+    ]
+    if not motions:
+        return None
+    figure, *stack = panels(0.9 + 2.5 * len(motions), rows=len(motions))
+    columns: dict[str, NDArray] = {}
+    for axes, motion in zip(stack, motions, strict=True):
+        image = _draw_motion(axes, motion, result.figure_options.colour_map or FORCE_MAP)
+        figure.colorbar(image, ax=axes, label="Speed along the line (m/s)")
+        columns |= _columns_of_motion(motion)
+    return Drawing(figure, columns)
+
+
+def _draw_motion(axes: Axes, motion: LineMotion, colours: str) -> Any:
+    """Draw the speed of the grains of a line by colour; return the image, for a colour bar."""
+    speed = np.abs(motion.velocity)
+    largest = float(speed.max())
+    least = largest / 10**_DECADES_OF_SPEED
+    norm = LogNorm(least, largest)
+    rows = slice(None, None, max(1, len(motion.time) // _MOST_COLUMNS))
+    places = slice(None, None, max(1, len(motion.place) // _MOST_COLUMNS))
+    shown = speed[rows, places]
+    shown = np.where(shown > least, shown, np.nan)
+    image = space_time_map(axes, motion.place[places], motion.time[rows], shown, norm, colours)
+    left, _ = axes.get_xlim()
+    limits = (left, _last_moved(motion, least), 0.0, _last_shown(motion))
+    reached = np.isfinite(motion.arrival)
+    axes.plot(
+        motion.place[reached] * _MILLI,
+        motion.arrival[reached] * _MICRO,
+        "o",
+        label="front at a grain",
+        **_ARRIVALS,
+    )
+    if motion.front is not None:
+        ends = motion.front.place[[0, -1]]
+        text = f"fitted: {motion.front.speed:.4g} m/s"
+        axes.plot(ends * _MILLI, motion.front.when(ends) * _MICRO, "-", label=text, **_FITTED)
+    axes.axis(limits)
+    title = "Distance along the load (mm)" if motion.name == AXIS else f"Along {motion.name} (mm)"
+    label(axes, title, "Time (µs)")
+    if reached.any():
+        legend_above(axes, 2)
+    return image
+
+
+def _last_moved(motion: LineMotion, least: float) -> float:
+    """Return where the axis of places ends: beyond the last grain that is coloured, mm."""
+    coloured = np.flatnonzero(np.abs(motion.velocity).max(axis=0) > least)
+    last = min(int(coloured[-1]) + 1, len(motion.place) - 1)
+    spacing = motion.place[last] - motion.place[last - 1]
+    return float(motion.place[last] + 0.5 * spacing) * _MILLI
+
+
+def _last_shown(motion: LineMotion) -> float:
+    """Return where the axis of times ends: some time after the wave has arrived everywhere, µs."""
+    end = float(motion.time[-1])
+    arrived = np.isfinite(motion.arrival)
+    if arrived.all():
+        end = min(end, _AFTER * float(motion.arrival.max()))
+    if np.count_nonzero(motion.time <= end) < _FEWEST_TIMES:
+        end = float(motion.time[-1])
+    return end * _MICRO
+
+
+def _columns_of_motion(motion: LineMotion) -> dict[str, NDArray]:
+    """Return the data of a line: a row for each grain at each instant, and for each grain."""
+    n_times = len(motion.time)
+    columns = {
+        f"{motion.name}_time_s": np.repeat(motion.time, len(motion.place)),
+        f"{motion.name}_id": np.tile(motion.ids, n_times),
+        f"{motion.name}_place_m": np.tile(motion.place, n_times),
+        f"{motion.name}_velocity_m_s": motion.velocity.ravel(),
+        f"{motion.name}_arrival_s": motion.arrival,
+    }
+    if motion.front is not None:
+        columns[f"{motion.name}_front_speed_m_s"] = np.array([motion.front.speed])
+    return columns
 
 
 def transmission(result: Result) -> Drawing | None:

@@ -15,12 +15,12 @@ from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import BinaryIO
 
-from granwave.analysis.figures import dissipation, histories, rows, sections
+from granwave.analysis.figures import contacts, dissipation, histories, rows, sections
 from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.run import Figures, figure_names
+from granwave.lammps_inputs.case.run import Figures, figure_names, usual_figure_names
 from granwave.lammps_inputs.extensions import added_by_name, load
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -121,6 +121,15 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Compare sensors that lie alike: ideally their curves are the same."),
     ("directions", dissipation.directions, "Energy and dissipation by direction from the impact point",
      "Peaks lie along rows of contacts; a level curve is a wave that goes everywhere alike."),
+    ("contact_network", contacts.contact_network,
+     "Contacts between grains, as lines as thick as their force",
+     "Thick lines in a row are a force chain; the title gives the force of the thickest line."),
+    ("force_distribution", contacts.force_distribution,
+     "Distribution of contact forces over their mean",
+     "A straight line is an exponential tail; the smaller its decay, the more uneven the forces."),
+    ("line_diagram", rows.line_diagram,
+     "Speed of a line of grains in place and time, with the front",
+     "The front is the lower edge of the colours; dots on the fitted line mean a steady speed."),
 )  # fmt: skip
 _PLANES = {
     "principal": "principal plane",
@@ -186,7 +195,8 @@ def draw_figures(
     progress
         Function called with the name of each figure before it is drawn.
     names
-        Names of the figures to draw; by default those of ``only`` of the options, or all.
+        Names of the figures to draw; by default those of ``only`` of the options, or all
+        that need not be asked for by name.
     helpers
         Processes that draw beside this one, started before; by default as many as there are cores,
         up to four.
@@ -213,7 +223,7 @@ def draw_figures(
     if options is None:
         with Result(directory) as result:
             options = result.figure_options
-    chosen = tuple(options.only or run_figures()) if names is None else names
+    chosen = tuple(options.only or usual_figure_names()) if names is None else names
     folder = FigureFolder(directory)
     if names is None:
         folder.remove(*(name for name in run_figures() if name not in chosen))

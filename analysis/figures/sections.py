@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import EllipseCollection, PolyCollection
+from matplotlib.collections import Collection, EllipseCollection, PolyCollection
 from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -43,6 +43,8 @@ _BROAD = 0.6  # ... and below which they are one below the other
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
 _AROUND_ARROW = 0.3  # distance of the load's arrow from the edge of a section, diameters
+_OUTLINE = "#9a9a9a"  # colour of the outlines of grains
+_OUTLINE_WIDTH = 0.35  # points
 _DISC = 0.96  # drawn / actual diameter
 _SEEN_ALONG = 0.1  # length of an axis in a section / radius below which a cylinder is seen end-on
 
@@ -209,7 +211,7 @@ def wave_front(result: Result) -> Drawing | None:
         panel_axes.set_title(f"{time * 1e6:.0f} µs", pad=2)
     for empty in axes.flat[len(chosen) :]:
         empty.set_visible(False)
-    figure.supxlabel(_across_title(cut.plane), fontsize=8)
+    figure.supxlabel(across_title(cut.plane), fontsize=8)
     figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     colour_bar(figure, list(axes.flat), colouring, np.concatenate(forces), location="top")
     repeat = len(chosen)
@@ -259,12 +261,12 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
             note = {"transform": axes.transAxes, "ha": "right", "va": "top", "fontsize": 6}
             axes.text(0.98, 0.985, f"black ring: overlap beyond {LAW_LIMIT:g} R*", **note)
         if cut.plane.through is None:
-            _draw_impact(axes, result, cut, window)
+            draw_impact(axes, result, cut, window)
     if len(panels) > 1:
         figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     else:
         panels[0].set_ylabel(f"{cut.plane.down_label} (mm)")
-    panels[-1].set_xlabel(_across_title(cut.plane))
+    panels[-1].set_xlabel(across_title(cut.plane))
     colour_bar(figure, list(panels), colourings[0], np.concatenate(values))
     columns = {"id": result["spheres/id"][cut.index], "across_m": cut.across, "down_m": cut.down}
     columns |= {
@@ -273,13 +275,13 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
 
 
-def _across_title(plane: Plane) -> str:
+def across_title(plane: Plane) -> str:
     """Return the title of the horizontal axis of a section, x for a layer in x and y."""
     quantity = "x" if plane.down_label == "y" else plane.across_label
     return f"{quantity} (mm)"
 
 
-def _draw_impact(
+def draw_impact(
     axes: Axes, result: Result, cut: SpheresOnPlane, window: tuple[float, float, float, float]
 ) -> None:
     """Draw the arrow of the load in a section, and widen its window to show the whole of it."""
@@ -380,23 +382,68 @@ def draw_discs(
     """Draw the discs, in mm: blank without a value, rings beyond the range of the law; cylinders as
     rectangles. Return the discs.
     """
-    size = _DISC * 2 * radius * _MILLI
     faces, edges = disc_colours(values, colouring)
     if ringed is not None:
         edges[ringed] = to_rgba("black")  # on the bright end of the scale, where such spheres are
-    widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(size), 0.2)
+    widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(radius), 0.2)
+    discs, *_ = _add_grains(axes, cut, radius, sticks, faces, edges, widths)
+    return discs
+
+
+def outline_grains(
+    axes: Axes,
+    cut: SpheresOnPlane,
+    radius: NDArray[np.float64],
+    sticks: NDArray[np.float64] | None = None,
+) -> list[Collection]:
+    """Draw the grains of a section as thin outlines, in mm: circles, and rectangles for cylinders.
+    Return the artists.
+    """
+    number = len(radius)
+    faces = np.tile(to_rgba("white"), (number, 1))
+    edges = np.tile(to_rgba(_OUTLINE), (number, 1))
+    return _add_grains(axes, cut, radius, sticks, faces, edges, np.full(number, _OUTLINE_WIDTH))
+
+
+def _add_grains(
+    axes: Axes,
+    cut: SpheresOnPlane,
+    radius: NDArray[np.float64],
+    sticks: NDArray[np.float64] | None,
+    faces: NDArray[np.float64],
+    edges: NDArray[np.float64],
+    widths: NDArray[np.float64],
+) -> list[Any]:
+    """Add the grains of a section to axes: discs, and rectangles for cylinders seen from the side.
+
+    Parameters
+    ----------
+    radius, widths
+        Radii, m, and widths of the edges, points: (n,).
+    sticks
+        As `sticks_of` returns them.
+    faces, edges
+        Colours: (n, 4).
+
+    Returns
+    -------
+    list
+        The collection of discs; that of rectangles, if there are any.
+    """
+    size = _DISC * 2 * radius * _MILLI
+    rectangles = []
     if sticks is not None and (long := sticks.any(axis=1)).any():
         corners = _corners(
             np.stack([cut.across, cut.down], axis=1)[long], sticks[long], size[long] / _MILLI / 2
         )
-        axes.add_collection(
-            PolyCollection(
-                list(corners * _MILLI),
-                facecolors=faces[long],
-                edgecolors=edges[long],
-                linewidths=widths[long],
-            )
+        collection = PolyCollection(
+            list(corners * _MILLI),
+            facecolors=faces[long],
+            edgecolors=edges[long],
+            linewidths=widths[long],
         )
+        axes.add_collection(collection)
+        rectangles.append(collection)
         size = np.where(long, 0.0, size)
     places = {
         "offsets": np.stack([cut.across, cut.down], axis=1) * _MILLI,
@@ -405,7 +452,7 @@ def draw_discs(
     look = {"facecolors": faces, "edgecolors": edges, "linewidths": widths}
     discs = EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look)
     axes.add_collection(discs)
-    return discs
+    return [discs, *rectangles]
 
 
 def disc_colours(

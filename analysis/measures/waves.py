@@ -234,18 +234,30 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
         m/s; None when fewer than four layers below the five uppermost were reached, or when
         contacts are loaded from the start, as under precompression.
     """
-    reached = np.isfinite(first) & (mean > -_STRUCK_LAYER * diameter)
-    z = mean[reached]
-    time = first[reached]
-    used = slice(max(_LEAD, len(z) // 2), None)
-    z = z[used]
-    time = time[used]
-    if len(z) < _FEWEST_LAYERS:
+    z, time = fitted_layers(mean, first, diameter)
+    if not len(z):
         return None
     late = time - time.mean()
     deep = z - z.mean()
     slope = float(late @ deep / (late @ late)) if late.any() else 0.0
     return slope if slope > 0 else None
+
+
+def fitted_layers(mean: Array, first: Array, diameter: float) -> tuple[Array, Array]:
+    """Return depth, m, and arrival, s, of the layers that `wave_speed` takes: the deeper half of
+    those reached, without the five uppermost; none where there are fewer than four.
+
+    Parameters
+    ----------
+    mean, first, diameter
+        As of `wave_speed`.
+    """
+    reached = np.isfinite(first) & (mean > -_STRUCK_LAYER * diameter)
+    z = mean[reached]
+    used = slice(max(_LEAD, len(z) // 2), None)
+    if len(z[used]) < _FEWEST_LAYERS:
+        used = slice(0, 0)
+    return z[used], first[reached][used]
 
 
 def wave_speed_of(result: Result) -> float | None:
@@ -266,9 +278,7 @@ def wave_speed_of(result: Result) -> float | None:
     """
     diameter = result.case.packing.diameter
     load = result.case.load
-    axes = [one.axis if one else None for one in result.assembly.shapes]
-    beside_each_other = result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
-    if beside_each_other or load.way[2] <= 0 or load.keeps_oscillating:
+    if has_parallel_cylinders(result) or load.way[2] <= 0 or load.keeps_oscillating:
         return None
     if result.case.precompression is None:
         return wave_speed(*front_arrivals(result), diameter)
@@ -286,6 +296,12 @@ def wave_speed_of(result: Result) -> float | None:
         *first_arrivals(result["chain/contact_position"] - result.origin[2], arrival, diameter),
         diameter,
     )
+
+
+def has_parallel_cylinders(result: Result) -> bool:
+    """Return True for a packing of parallel cylinders: its front spreads without a limit."""
+    axes = [shape.axis if shape else None for shape in result.assembly.shapes]
+    return result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
 
 
 def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array, Array]:
@@ -308,20 +324,36 @@ def front_arrivals(result: Result) -> tuple[Array, Array]:
     force of all: grains that touch overlap by the rounding of their coordinates.
     """
     mean, layer = _layers_of(result, result.case.packing.diameter)
-    largest = np.zeros(len(mean))
+    return mean, arrivals_of_groups(result, layer, len(mean))
+
+
+def arrivals_of_groups(result: Result, group: NDArray[np.integer], n_groups: int) -> Array:
+    """Return the arrival of the wave front at groups of spheres, as `front_arrivals` at layers:
+    (n_groups,), s; inf if it never arrived.
+
+    Parameters
+    ----------
+    result
+        ``run.result`` of a run as `granwave.load` gives it.
+    group
+        Group of each sphere, from 0; below 0: none. (n_spheres,).
+    """
+    largest = np.zeros(n_groups)
     for i, j, force in result.blocks("contacts/i", "contacts/j", "contacts/peak_force"):
         for ends in (i, j):
-            np.maximum.at(largest, layer[result.rows(ends)], force)
+            there = group[result.rows(ends)]
+            inside = there >= 0
+            np.maximum.at(largest, there[inside], force[inside])
     least = np.maximum(ARRIVED * largest, _REACHES * largest.max(initial=0.0))
     last = (1 - _SAME_TIME) * float(result["energy/time"][-1])
-    first = np.full(len(mean), np.inf)
+    first = np.full(n_groups, np.inf)
     names = ("i", "j", "peak_force", "time_first", "time_peak")
     for i, j, force, arrival, peak in result.blocks(*(f"contacts/{name}" for name in names)):
         for ends in (i, j):
-            there = layer[result.rows(ends)]
-            counts = (force > 0) & (force >= least[there]) & (peak < last)
+            there = group[result.rows(ends)]
+            counts = (there >= 0) & (force > 0) & (force >= least[there]) & (peak < last)
             np.fmin.at(first, there[counts], arrival[counts])
-    return mean, first
+    return first
 
 
 def passage(result: Result) -> float:

@@ -133,6 +133,8 @@ def continuum_of(assembly: Assembly) -> Counterpart:
     low, high = lattice.bounds()
     width = min(high[:2] - low[:2]) + diameter
     height = high[2] - low[2] + diameter
+    if not lattice.rule.is_lattice:
+        return Counterpart(reason="grains of a file make no block")
     if lattice.rule.dimension < 3 or width < _NARROWEST * diameter:
         return Counterpart(
             reason="the packing is no block: a chain or a single layer, or too narrow"

@@ -321,3 +321,10 @@ class Precompression:
     def takes_overlaps(self) -> bool:
         """True if overlaps of grains at the start are part of the load."""
         return bool(self.overlaps) or self.rule.from_overlaps
+
+    @property
+    def is_overlaps_alone(self) -> bool:
+        """True if overlaps of grains at the start are all of the load."""
+        if not self.takes_overlaps or not self.moves_walls:
+            return False
+        return not (self.moves or self.presses or self.force)

@@ -237,6 +237,8 @@ FIGURES_AFTER_ADDED = (
     "force_map", "force_histories", "along_chain", "bead_velocities", "transmission", "amplitude_sweep", "bars",
     "sensors", "line_speeds", "line_decay", "accelerations", "directions",
 )  # fmt: skip
+#: Names of further figures of the core, which are drawn only where they are asked for by name.
+FIGURES_ON_REQUEST = ("contact_network", "force_distribution", "line_diagram")
 FORMATS = ("pdf", "svg")  # of figures, besides PNG
 FILM_FORMATS = ("mp4", "gif", "webp")
 COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
@@ -287,10 +289,15 @@ _FORMATS_FORM = f"a list of some of {', '.join(FORMATS)}, or [] for PNG alone"
 @cache
 def figure_names() -> tuple[str, ...]:
     """Return the names of the figures of a run, in the order of reports."""
-    own = dict.fromkeys((*FIGURES_BEFORE_ADDED, *FIGURES_AFTER_ADDED))
+    own = dict.fromkeys((*FIGURES_BEFORE_ADDED, *FIGURES_AFTER_ADDED, *FIGURES_ON_REQUEST))
     added = joined("figure", own, {one.name: one.figures for one in extensions()})
     names_added = [name for name in added if name not in own]
-    return (*FIGURES_BEFORE_ADDED, *names_added, *FIGURES_AFTER_ADDED)
+    return (*FIGURES_BEFORE_ADDED, *names_added, *FIGURES_AFTER_ADDED, *FIGURES_ON_REQUEST)
+
+
+def usual_figure_names() -> tuple[str, ...]:
+    """Return the names of the figures that are drawn unless others are asked for."""
+    return tuple(name for name in figure_names() if name not in FIGURES_ON_REQUEST)
 
 
 def _figure_name(name: str) -> str:
@@ -342,7 +349,10 @@ class Figures:
     """``[figures]``: what is drawn of a run, and how; none of it changes a result."""
 
     only: tuple[str, ...] = schema.typed(
-        "names of the figures to draw; all that apply by default", _ONLY, default=()
+        "names of the figures to draw; by default all that apply, but contact_network, "
+        "force_distribution and line_diagram",
+        _ONLY,
+        default=(),
     )
     plane: CutPlane | None = schema.typed(
         "plane of a section of your own, besides the principal and the orthogonal one; its figures end in _section",

@@ -81,6 +81,20 @@ def check_restart(assembly: Assembly, errors: ErrorList) -> None:
         errors.add(key, fault)
 
 
+def _missing_period(grains: Grains) -> str:
+    """Return the fault of a missing period, with that of the box of the file."""
+    text = (
+        'missing; boundary.sides = "periodic" of grains of a file needs [along x, along y] in m, '
+        "or a file whose cell is a box, periodic along x and y"
+    )
+    reading = grains.reading
+    if reading is None or reading.bounds is None:
+        return text
+    widths = [f"{high - low:.6g}" for low, high in reading.bounds[:2]]
+    edges = f"the box of this file is {' x '.join(widths)} m"
+    return f"{text}; {edges}: packing.period = [{', '.join(widths)}] if it was periodic"
+
+
 def check_places(case: Case, errors: ErrorList) -> None:
     """Check the periods of grains of a file, and that no grains overlap at the start or touch at a
     cylinder's end.
@@ -100,8 +114,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
             (
                 packing.period is None,
                 "packing.period",
-                'missing; boundary.sides = "periodic" of grains of a file needs [along x, along y] in m, or a file whose '
-                "cell is a box, periodic along x and y",
+                _missing_period(grains),
             ),
             *(
                 (

@@ -7,12 +7,14 @@ import math
 from collections.abc import Iterator
 
 from granwave._contact_laws import FE_RANGE
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.law_parameters import OF_MATERIAL, RATE, is_set, laws_with
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import echoes
+from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import untouched
 
 _LOG = logging.getLogger("granwave")
@@ -37,6 +39,8 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
         *_of_echoes(assembly),
         *_of_initial_dents(assembly),
         *_of_times(assembly),
+        *_of_cut_contacts(assembly),
+        *_of_overlaps_that_push_apart(assembly),
     ]
     for text in warnings:
         _LOG.warning("%s: %s", assembly.case.name, text)
@@ -171,3 +175,50 @@ def _of_times(assembly: Assembly) -> Iterator[str]:
         yield f"{key}: the load lasts {case.load.lasts:.3g} s, the run {end:.3g} s: {question}"
     if case.run.end_time == "auto" and not case.contact.yields and not case.has_cohesion:
         yield 'a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us'
+
+
+def _of_cut_contacts(assembly: Assembly) -> Iterator[str]:
+    """Warn of grains of a file that touch across the sides of its periodic box, where the case
+    does not repeat.
+    """
+    case = assembly.case
+    grains = case.packing.grains
+    lattice = assembly.lattice
+    if grains is None or grains.period is None or case.boundary.periodic:
+        return
+    if not isinstance(lattice, Places):
+        return
+    n_cut = Places(grains, lattice.diameter, grains.period).n_contacts - lattice.n_contacts
+    if n_cut > 0:
+        yield (
+            f"packing.file: the box of the file is periodic along x and y, and {n_cut} contacts go "
+            f'across its sides; found boundary.sides = "{case.boundary.sides}", which leaves them '
+            'out; boundary.sides = "periodic" keeps them'
+        )
+
+
+def _of_overlaps_that_push_apart(assembly: Assembly) -> Iterator[str]:
+    """Warn of overlaps that press grains apart which nothing holds together."""
+    case = assembly.case
+    stage = case.precompression
+    way = case.packing.contact_way
+    lattice = assembly.lattice
+    if stage is None or way is None or not isinstance(lattice, Places):
+        return
+    if not way.balances or not stage.is_overlaps_alone or _holds_together(case):
+        return
+    overlaps = lattice.overlapping()[1]
+    if len(overlaps):
+        yield (
+            f"packing.contacts: {len(overlaps)} overlaps, up to {overlaps.max():.3g} m, press "
+            "grains that no load, wall or held grain keeps together: they come to balance where "
+            'they touch no longer; give a load, such as precompression.kind = "gravity"'
+        )
+
+
+def _holds_together(case: Case) -> bool:
+    """Return True if held grains, side walls, or the packing itself hold its grains together."""
+    boundary = case.boundary
+    has_sides = boundary.periodic or boundary.sides_tube is not None
+    has_walls = bool(case.wall) or any(map(boundary.has_planes, "xy"))
+    return bool(case.holds) or has_sides or has_walls

@@ -32,6 +32,10 @@ _INSIDE = 1 - 1e-6  # largest gap over the one beyond which LAMMPS forgets a con
 _SAME_OVERLAP = 1e-6  # relative difference of overlaps with the same wall
 _SAME_MASS = 1e-9  # relative difference of masses of the same spheres
 _DEEP = 1e-3  # diameters; deeper overlaps are contacts, except within rigid bodies
+_OTHER_STYLE = (
+    "settle the bed with this pair style; or take the places of its grains alone: lmp "
+    '-restart2data FILE FILE.data, and packing.kind = "file" with FILE.data'
+)
 _TITLE = (
     "# Contacts so far: spheres i and j, or the fix of a wall and a sphere; largest overlap, m;\n"
     "# force, N, and compliance, m/N, of the tangential spring on the first sphere; at walls the\n"
@@ -75,6 +79,8 @@ def bed_state(assembly: Assembly) -> BedState | None:
     except (OSError, ValueError) as error:
         raise InputError(f"{assembly.case.name}: {KEY}: {file}: {error}") from None
     matches, faults = _walls_of(assembly, spheres)
+    if spheres.contacts is None:
+        faults = []  # the walls of another style are not in the file
     return BedState(spheres, tuple(matches), (*_faults_of_file(assembly, spheres), *faults))
 
 
@@ -275,7 +281,7 @@ def _faults_of_file(assembly: Assembly, spheres: RestartSpheres) -> Iterator[tup
     case = assembly.case
     if spheres.contacts is None:
         found = "no contacts of pair_style gran/hysteretic"
-        yield KEY, Mismatch(found, remedy="settle the bed with this pair style")
+        yield KEY, Mismatch(found, remedy=_OTHER_STYLE)
     pair = _rigid_pair(assembly, spheres)
     if pair is not None:
         found = f"spheres {pair[0]} and {pair[1]}, which overlap without a contact, as in a clump"

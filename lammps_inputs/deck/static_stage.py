@@ -201,9 +201,7 @@ def may_lose_its_load(assembly: Assembly) -> bool:
     Forces are then compared with those at the start.
     """
     stage = assembly.case.precompression
-    if stage is None or not stage.takes_overlaps or not stage.moves_walls:
-        return False
-    return not (stage.moves or stage.presses or stage.force)
+    return stage is not None and stage.is_overlaps_alone
 
 
 def largest_move(assembly: Assembly) -> float:

@@ -95,30 +95,42 @@ class Tunnel:
         at_wall = gw.contact_force("hertz", self.wall, max(d2, 0.0))
         return 2 * math.sqrt(1 - cosine**2) * self.constants[1] * d1**1.5 - at_wall
 
+    def springs(self):
+        """Yield the springs of a gap: bodies (0: sphere, 1: cylinders), cells between these, and
+        stiffness in x and z: (2, 2), N/m.
+        """
+        d1, _, cosine = self.geometry(self.d0)
+        sine = math.sqrt(1 - cosine**2)
+        axial = self.constants[0] * self.d0**1.5
+        beside = self.cylinders * self.constants[1] * d1**1.5
+        reach = self.radius + self.small - d1
+        for first, second, cells, normal, length, force, overlap in (
+            (0, 0, 1, (0.0, 1.0), DIAMETER - self.d0, axial, self.d0),
+            (0, 1, 0, (sine, cosine), reach, beside, d1),
+            (1, 0, 1, (-sine, cosine), reach, beside, d1),
+        ):
+            along = np.outer(normal, normal)
+            spring = 1.5 * force / overlap * along - force / length * (np.eye(2) - along)
+            yield first, second, cells, spring
+
+    def wall_spring(self):
+        """Stiffness of the walls across the row for the cylinders of a gap, N/m."""
+        _, d2, _ = self.geometry(self.d0)
+        return self.cylinders * gw.contact_stiffness("hertz", self.wall, d2)
+
     def dynamical_matrix(self):
         """Matrix of the sphere along z and of the cylinders of a gap along x and z: (wave numbers,
         3, 3), s^-2.
         """
-        d1, d2, cosine = self.geometry(self.d0)
-        sine = math.sqrt(1 - cosine**2)
-        phase = np.exp(1j * self.k * DIAMETER)
-        forces = self.constants[0] * self.d0**1.5, self.cylinders * self.constants[1] * d1**1.5
         # body, x or z
-        reach = self.radius + self.small - d1
         matrix = np.zeros((POINTS, 2, 2, 2, 2), dtype=complex)
-        for first, second, shift, normal, length, force, overlap in (
-            (0, 0, phase, (0.0, 1.0), DIAMETER - self.d0, forces[0], self.d0),
-            (0, 1, 1.0, (sine, cosine), reach, forces[1], d1),
-            (1, 0, phase, (-sine, cosine), reach, forces[1], d1),
-        ):
-            along = np.outer(normal, normal)
-            spring = 1.5 * force / overlap * along - force / length * (np.eye(2) - along)
+        for first, second, cells, spring in self.springs():
+            shift = np.exp(1j * self.k * DIAMETER * cells)
             matrix[:, first, :, first] += spring
             matrix[:, second, :, second] += spring
             matrix[:, first, :, second] -= np.multiply.outer(shift, spring)
             matrix[:, second, :, first] -= np.multiply.outer(np.conj(shift), spring)
-        wall = gw.contact_stiffness("hertz", self.wall, d2)
-        matrix[:, 1, 0, 1, 0] += self.cylinders * wall
+        matrix[:, 1, 0, 1, 0] += self.wall_spring()
         moves = matrix.reshape(POINTS, 4, 4)[:, 1:, 1:]
         masses = np.sqrt([self.mass, self.side_mass, self.side_mass])
         return moves / np.outer(masses, masses)

@@ -24,8 +24,8 @@ ROLLED = 0.010
 SLOPE = math.radians(3)
 GRAVITY = 9.81
 OF_SPEED = (
-    "Nothing dissipates here. A striker of 0.41 m/s would give the measured V: 0.626 m/s is a free fall of 20 mm, not "
-    "the source's slope of 3 degrees. Its finite elements, 2 to 3 % slow, are up to 4.2 % above the measured.",
+    "Not explained. Nothing dissipates here; the source's finite elements, whose striker has the same 0.626 m/s, are at "
+    "most 4.2 % above the measured, and 2 to 3 % slow in a chain of steel.",
     "The yield strength is our choice: the source gives none.",
 )
 OF_CHANGE = (

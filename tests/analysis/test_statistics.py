@@ -37,6 +37,7 @@ from granwave.analysis.statistics import (
     half_width,
     seeds_needed,
 )
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case, run_case
 from tests.golden.outputs import FOLDER, SUMMARIES
 
@@ -159,6 +160,21 @@ COHESION = {"contact.law": "hertz", "contact.cohesion": {"kind": "jkr", "energy"
 NAMES = [entry.name for entry in ENTRIES]
 
 
+GRAINS = """x,y,z,diameter,clump,vx,vy,vz
+0,0,0,0.01,1,0,0,0
+0,0,0.009,0.01,1,0,0,0
+0,0,-0.01,0.01,0,0,0,1
+"""
+DIMER = {
+    "name": "dimer",
+    "material": "steel",
+    "packing": {"kind": "file", "grains": GRAINS},
+    "load": {"kind": "grains"},
+    "boundary": {"bottom": "free"},
+    "run": {"end_time": 1e-5, "frames": 2},
+}
+
+
 @pytest.fixture(scope="module")
 def summaries(tmp_path_factory):
     """Summaries of runs of spheres; most granular ones are golden, and held against runs there."""
@@ -173,6 +189,7 @@ def summaries(tmp_path_factory):
     )
     resisting = load_case("fcc-small", SHORT | RESISTANCE | COHESION | {"packing.size": [4, 4, 3]})
     found.append(run_case(resisting, place / "resisting", figures=False).summary)
+    found.append(run_case(case_from_dict(DIMER), place / "dimer", figures=False).summary)
     return found
 
 

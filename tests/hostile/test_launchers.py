@@ -43,7 +43,14 @@ def run(*words: str, timeout: float = 60, **how: Any) -> subprocess.CompletedPro
     )
 
 
-@pytest.mark.parametrize("bootstrap", [{}, {"HYDRA_LAUNCHER": "ssh"}, {"HYDRA_BOOTSTRAP": "slurm"}])
+@pytest.mark.parametrize(
+    "bootstrap",
+    [
+        pytest.param({}, marks=pytest.mark.validation),
+        pytest.param({"HYDRA_LAUNCHER": "ssh"}, marks=pytest.mark.validation),
+        {"HYDRA_BOOTSTRAP": "slurm"},
+    ],
+)
 def test_ranks_inside_a_job_without_srun(tmp_path: Path, bootstrap: dict[str, str]) -> None:
     environment = {**PLAIN, **JOB, **bootstrap, "PATH": f"{BIN}:/usr/bin:/bin"}
     done = run("run", *TINY, "--np", "2", "-o", str(tmp_path / "run"), env=environment)

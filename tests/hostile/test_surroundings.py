@@ -67,7 +67,7 @@ open("outcome.json", "w").write(json.dumps([run["n_spheres"], ranks["n_ranks"], 
 """
 
 
-@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("closed", [pytest.param(False, marks=pytest.mark.validation), True])
 def test_without_standard_streams(tmp_path: Path, closed: bool) -> None:
     script = f"exec {sys.executable} -c '{WITHOUT}'" + " <&- >&- 2>&-" * closed
     subprocess.run(["/bin/sh", "-c", script], cwd=tmp_path, env=PLAIN, timeout=120, check=False)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.house.figures import PACKAGES, counts_of_text, table
 
 TEXT = '''"""Title."""
@@ -29,6 +31,7 @@ def test_counts_of_a_module() -> None:
     assert counts.functions == 1
 
 
+@pytest.mark.validation
 def test_the_table_has_all_packages() -> None:
     names = [line.split(" | ")[0] for line in table([])]
     assert names[2:-1] == [f"| {name}" for name in PACKAGES]

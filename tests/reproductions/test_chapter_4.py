@@ -232,7 +232,7 @@ def test_packings_collapse(packings: list[gw.Run]) -> None:
         (source, pytest.approx(source, rel=2e-3)) for source in (37.9, 94.9, 379)
     ]
     assert row(study, "Largest difference in dissipated share at 1 equal").ours < 2e-3
-    assert 0 < row(study, "Largest difference in dissipated share for 1, 3 struck").ours < 0.1
+    assert 0.8 < row(study, "Dissipated share of 3 struck spheres over that of one").ours < 1
     assert row(study, "D2").ours == pytest.approx(0.5, abs=0.05)
 
 
@@ -241,11 +241,6 @@ def test_forces_and_energies_of_spheres(packings: list[gw.Run]) -> None:
     dissipation.
     """
     study = study_of("thesis/chapter_5/spheres.py", packings[:5])
-    energy = row(study, "Energy of a sphere at 16 m/s")
-    assert (
-        energy.ours == pytest.approx(math.pi / 6 * 1e-6 * 8500 * 16**2 / 2)
-        and energy.source == 0.576
-    )
     assert row(study, "Layers whose largest force").ours >= 3
     assert 0.1 < row(study, "Force straight below").ours < 0.4
     assert 10 < row(study, "Velocity of the largest force").ours < 40

@@ -135,6 +135,7 @@ def test_static_state(tmp_path: Path) -> None:
         assert one.ours == pytest.approx(one.theory, rel=2e-5), one.quantity
 
 
+@pytest.mark.validation
 def test_grains_in_holes(tmp_path: Path) -> None:
     """Steel in the holes: hardly another speed, a larger force at the bottom."""
     size = {

@@ -13,6 +13,7 @@ from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.touching import rounding_of
 
 _MOST_SHOWN = 6  # materials or types in a row
+_UNNAMED = "of the case"  # material without a name
 _SAME = 1e-9  # relative difference of equal sizes
 
 
@@ -28,7 +29,8 @@ def grain_file_values(assembly: Assembly) -> dict[str, Any] | None:
     reading = grains.reading
     overlaps = lattice.overlapping()[1]
     speed = np.linalg.norm(grains.velocity, axis=1)
-    names = [name or assembly.case.material.name for name in grains.material]
+    of_case = assembly.case.material.name or _UNNAMED
+    names = [name or of_case for name in grains.material]
     return {
         "file": grains.file,
         "format": reading.format,

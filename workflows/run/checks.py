@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+import logging
 import math
+from collections.abc import Mapping
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact_ways import KEEP, KEY, RELAX
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.contact.static_load import FORCE_TOLERANCE, force_of_contact
+from granwave.lammps_inputs.deck.deck import box_of
 from granwave.lammps_inputs.deck.static_stage import (
     LOST_LOAD,
     largest_move,
@@ -21,6 +27,10 @@ from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
 from granwave.workflows.run.lammps_engine import Engine
+
+_LOG = logging.getLogger("granwave")
+_CLEAR = 1e-2  # diameters between a striker and its sphere that delay the impact
+_DEEP = 1e-3  # diameters by which a striker may overlap its sphere before the impact
 
 
 @dataclasses.dataclass
@@ -231,3 +241,42 @@ def check_coordination(kind: str, expected: tuple[int, float] | None, engine: En
         raise RunError(
             f"{kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {pairs}"
         )
+
+
+def warn_of_strikers(assembly: Assembly, centres: Mapping[int, NDArray[np.float64]]) -> None:
+    """Log a warning of each striker that the static stage left clear of its sphere, or deep in it.
+
+    Parameters
+    ----------
+    centres
+        Centres of strikers and of the spheres that they touched, after the static stage, by id:
+        (3,), m.
+    """
+    diameter = assembly.case.packing.diameter
+    for touched, striker in assembly.striker_contacts:
+        step = _shortest(assembly, centres[striker] - centres[touched])
+        reach = (assembly.diameter_of(touched) + assembly.diameter_of(striker)) / 2
+        gap = float(np.linalg.norm(step)) - reach
+        if -_DEEP * diameter <= gap <= _CLEAR * diameter:
+            continue
+        where = f"{gap:.3g} m clear of" if gap > 0 else f"{-gap:.3g} m deep in"
+        _LOG.warning(
+            "%s: striker %d touched sphere %d, which the static stage moved; it begins %s it: "
+            "start from a packing in balance, whose grains keep their places (packing.relaxation = "
+            '"damped" keeps the friction)',
+            assembly.case.name,
+            striker - assembly.lattice.n_spheres,
+            touched,
+            where,
+        )
+
+
+def _shortest(assembly: Assembly, step: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the shortest of all steps between two points and their images: (3,), m."""
+    if not assembly.lattice.periodic:
+        return step
+    low, high = box_of(assembly)[:2].T
+    across = high - low
+    shortest = step.copy()
+    shortest[:2] -= across * np.round(step[:2] / across)
+    return shortest

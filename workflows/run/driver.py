@@ -12,8 +12,11 @@ import dataclasses
 import logging
 import threading
 import time
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.pipeline import analyse
@@ -405,11 +408,23 @@ class _Run:
                     self._log(
                         f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression"
                     )
+                self._look_at_strikers(engine)
             elif not saved:
                 expected = on_first(self.comm, lambda: checks.expected_neighbours(self.assembly))
                 checks.check_coordination(self.case.packing.kind, expected, engine)
             self._advance(engine, deck.schedule, stop)
             engine.commands(part(script, "end"))
+
+    def _look_at_strikers(self, engine: Engine) -> None:
+        """Warn of strikers that no longer touch their spheres after the static stage."""
+        chosen = set(chain.from_iterable(self.assembly.striker_contacts))
+        if not chosen:
+            return
+        centres = zip(engine.per_atom("id").tolist(), engine.per_atom("x").tolist(), strict=True)
+        gathered = self.comm.gather([row for row in centres if row[0] in chosen])
+        if gathered is not None:  # on the first rank
+            everywhere = {number: np.array(at) for number, at in chain.from_iterable(gathered)}
+            checks.warn_of_strikers(self.assembly, everywhere)
 
     def _set_up(self, engine: Engine, commands: str, stop: StopRequest, *, static: bool) -> None:
         """Execute the commands before the first step; a request to stop ends them, as a static

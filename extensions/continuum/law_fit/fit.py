@@ -31,7 +31,7 @@ from granwave._contact_laws import ContactLaw
 from granwave.analysis.contact_law.curves import Curve
 from granwave.analysis.errors import did_you_mean
 from granwave.extensions.continuum.law_fit.fit_search import Search, uncertainties
-from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw
+from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw, place_of_softer
 from granwave.extensions.continuum.law_fit.zero import (
     ZERO,
     estimated_zero,
@@ -244,6 +244,7 @@ def _fit(
         },
         at_bound=tuple(name for name, at in zip(names, at_bound, strict=True) if at),
         materials=tuple(with_yield(materials, law.yield_strength if fit_yield else None)),
+        softer=place_of_softer(materials),
         radii=tuple(radii),
         correlation=rho,
         misfit=_misfit(fitted, law).join(of_published.add_prefix("published_"), on="part"),

@@ -112,7 +112,7 @@ def fit_toml(fit: FittedLaw) -> str:
     """Return the text of a case of two such spheres, with the tables [contact] and [material] for
     other cases.
     """
-    softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
+    softer = fit.softer_material
     material = {
         key: value for key, value in dataclasses.asdict(softer).items() if value is not None
     }
@@ -155,7 +155,7 @@ def pair_toml(fit: FittedLaw, materials: Sequence[str]) -> str:
     materials
         Names of the two materials in the case.
     """
-    softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
+    softer = fit.softer_material
     lines = [
         f"# Elasto-plastic contact law fitted to {Path(fit.source).name}; for the end of a case.",
         f"# It goes with a yield strength of {softer.yield_strength:g} Pa of the softer of the "

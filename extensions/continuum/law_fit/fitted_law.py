@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+from collections.abc import Sequence
 
 from pandas import DataFrame
 
@@ -10,6 +12,14 @@ from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.material import Material
 
 YIELD = "yield_strength"
+
+
+def place_of_softer(materials: Sequence[Material]) -> int:
+    """Return the place of the material that yields first; a material without a yield strength
+    yields last, and the first of equal materials counts.
+    """
+    strengths = [material.yield_strength or math.inf for material in materials]
+    return strengths.index(min(strengths))
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
@@ -33,6 +43,8 @@ class FittedLaw:
         Names of the constants that ended at a bound of the search.
     materials, radii
         Materials of the two bodies, with the fitted yield strength, and radii, m.
+    softer
+        Place of the softer material in ``materials``: the lower yield strength before the fit.
     correlation
         Correlation of the residuals of neighbouring rows.
     misfit
@@ -52,6 +64,12 @@ class FittedLaw:
     radii: tuple[float, ...]
     correlation: float
     misfit: DataFrame
+    softer: int = 0
+
+    @property
+    def softer_material(self) -> Material:
+        """Softer of the materials, with the fitted yield strength."""
+        return self.materials[self.softer]
 
     def value(self, name: str) -> float:
         """Return the value of a constant, or of the yield strength, Pa."""

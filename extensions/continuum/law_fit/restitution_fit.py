@@ -30,7 +30,7 @@ from granwave.extensions.continuum.law_fit.fit import (
     neighbour_correlation,
     with_yield,
 )
-from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw
+from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw, place_of_softer
 from granwave.extensions.continuum.law_fit.rebounds import Rebounds
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material, sphere_mass
@@ -152,6 +152,7 @@ def fit_restitution(
         },
         at_bound=at_bound,
         materials=tuple(with_yield(materials, law.yield_strength)),
+        softer=place_of_softer(materials),
         radii=tuple(radii),
         correlation=rho,
         misfit=_misfit(rebounds, problem.mass, law, published),

@@ -26,6 +26,7 @@ CONSTANTS = (
     ("D2", 0.5, 5, "Fast impacts lose nearly all that they bring, so that it is the input, v0^2/2, of any "
                    "correct code."),
 )  # fmt: skip
+LAW_ENDS = 0.2  # overlap over the effective radius R*, a quarter of the diameter
 RANGES = ((4.0, 16.0), (10.0, 40.0))  # m/s, of further fits
 
 
@@ -72,8 +73,10 @@ def rows(runs):
         gaps = [abs(run["dissipated_fraction"] - twin["dissipated_fraction"]) for run in group for twin in reference
                 if abs(run["velocity_normalised"] / twin["velocity_normalised"] - 1) < SAME]  # fmt: skip
         what = f"Largest difference in dissipated share at {len(gaps)} equal normalised velocities: {name}"
+        overlap = max(run["peak_overlap_m"] / (run.case.packing.diameter / 4) for run in group)
         yield gw.Row(what, ours=max(gaps), theory=0.0, where="thesis Fig. 5.5", digits=2,
-                     remark="The source: one curve.")  # fmt: skip
+                     remark=f"The source: one curve. Overlaps reach {overlap:.2g} R*; "
+                     f"the contact law ends at {LAW_ENDS:g} R*.")  # fmt: skip
     for run in reference:
         equal = {one.case.load.spheres: one["dissipated_fraction"] for one in brass
                  if abs(one["energy_input_J"] / run["energy_input_J"] - 1) < SAME}  # fmt: skip

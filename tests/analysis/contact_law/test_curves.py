@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import logging
 import math
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from granwave.analysis import law_table, write_law
-from granwave.analysis.contact_law.curves import restitution, write_restitution
+from granwave.analysis.contact_law.curves import curve_of, restitution, write_restitution
 from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.load_case import load_case
@@ -215,3 +216,16 @@ def test_bodies_that_still_touch_at_the_end_have_none(tmp_path):
     ]
     assert found[0]["restitution"] is None
     assert found[1]["restitution"] == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("in_order", [True, False])
+def test_rows_out_of_the_order_of_measurement_are_named(caplog, in_order):
+    """Unloading from the peak, and from a half of it, after loading as a whole."""
+    rise = np.linspace(0.0, 1e-5, 101)
+    turn = rise[-1] if in_order else rise[50]
+    overlap = np.concatenate([rise, np.linspace(turn, 3e-6, 60)])
+    with caplog.at_level(logging.WARNING, "granwave"):
+        curve_of(overlap, overlap)
+    jumps = "the overlap jumps from 10 to 5 um at row 102" in caplog.text
+    assert jumps != in_order
+    assert bool(caplog.text) != in_order

@@ -14,7 +14,11 @@ from granwave.analysis.figures import histories, sections
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.measures.target import unprotected
 from granwave.lammps_inputs import struck_spheres
-from granwave.lammps_inputs.case.run import FIGURES_AFTER_ADDED, FIGURES_BEFORE_ADDED
+from granwave.lammps_inputs.case.run import (
+    FIGURES_AFTER_ADDED,
+    FIGURES_BEFORE_ADDED,
+    usual_figure_names,
+)
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import run_case
 from tests.helpers.made_up import synthetic
@@ -113,7 +117,7 @@ def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):
     parts: list[str] = []
     synthetic.write_run(tmp_path, synthetic.make_case("chain", 3))
     analyse(tmp_path, parts.append)
-    assert parts == ["result.h5", "summary.json", *run_figures()]
+    assert parts == ["result.h5", "summary.json", *usual_figure_names()]
     assert (tmp_path / "figures" / "bottom_force.png").exists()
     synthetic.write_run(tmp_path, synthetic.make_case("chain", 3, boundary={"bottom": "free"}))
     (tmp_path / "dumps" / "walls.txt").unlink(missing_ok=True)

@@ -321,7 +321,9 @@ def on_ranks(
     )
 
 
-@pytest.mark.parametrize("number", [2, 3, 10])
+@pytest.mark.parametrize(
+    "number", [2, *(pytest.param(number, marks=pytest.mark.validation) for number in (3, 10))]
+)
 def test_ranks_give_the_same_bits(run, number):
     """With ten ranks the first only takes what the others make."""
     before = values_in(run), (run / "summary.json").read_text()

@@ -92,6 +92,7 @@ def test_speed_of_a_chain_with_any_number_of_digits(tmp_path, speed, form):
     assert speed_of(case, tmp_path) == pytest.approx(speed, rel=2e-3)
 
 
+@pytest.mark.validation
 def test_speed_of_a_chain_of_twelve_thousand_beads(tmp_path, speed):
     """Beads at 100 m overlap by rounding: no wave has been there, as at the wall below them."""
     case = case_from_dict(CHAIN | {"packing": {"kind": "chain", "size": 12_000, "diameter": D}})

@@ -6,6 +6,7 @@ import csv
 import dataclasses
 import logging
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 
 from granwave.analysis.contact_law.curves import write_restitution
 from granwave.analysis.figures.style import write_csv
+from granwave.extensions.continuum.law_fit.fit_output import fit_toml
 from granwave.extensions.continuum.law_fit.fitted_law import YIELD
 from granwave.extensions.continuum.law_fit.rebounds import Rebounds, read_rebounds, rebounds_of
 from granwave.extensions.continuum.law_fit.restitution_fit import (
@@ -221,3 +223,14 @@ def test_a_rate_sensitive_material_is_refused():
     fast = dataclasses.replace(BRASS, rate_sensitivity=0.02)
     with pytest.raises(InputError, match=r"rate_sensitivity: found 0\.02"):
         fit_restitution(rebounds_of(VELOCITY, RESTITUTION), [fast], [R])
+
+
+@pytest.mark.parametrize("order", [("steel", "brass"), ("brass", "steel")])
+def test_case_of_a_fit_has_the_softer_material(tmp_path: Path, order: tuple[str, str]):
+    materials = [material(name) for name in order]
+    fitted = fit_restitution(rebounds_of(VELOCITY, RESTITUTION), materials, [R])
+    text = fit_toml(fitted)
+    written = tomllib.loads(text)["material"]
+    assert written["name"] == "brass"
+    assert written["youngs_modulus"] == BRASS.youngs_modulus
+    assert written["yield_strength"] == fitted.value(YIELD)

@@ -197,6 +197,7 @@ def test_what_differs_or_is_damaged_does_not_go_on(searched, folder):
     (directory / "study.json").write_text(kept)
 
 
+@pytest.mark.validation
 def test_runs_that_are_gone_are_made_again(searched, folder):
     directory, _ = searched
     copy = shutil.copytree(directory, folder / "gone")
@@ -310,6 +311,7 @@ def test_what_is_refused_alone_is_warned_of_once(folder, caplog):
     assert "did you mean aluminium" in caplog.text
 
 
+@pytest.mark.validation
 def test_uncertainty_is_averaged(folder):
     tables = {**problem_of(folder).tables, "uncertainty": {"velocity": [1.0, 3.0], "replicates": 2}}
     tables |= {

@@ -75,7 +75,7 @@ def test_a_run_reads_its_marker_at_most_twice(two_runs):
 @pytest.mark.parametrize("words", [("--resume",), ("--force",)])
 def test_so_does_one_where_results_are(two_runs, words):
     place, _ = two_runs
-    files = opened(place, "run", "fcc-small", *SMALL, "-o", "a", *words)
+    files = opened(place, "run", "fcc-small", *SMALL, "-o", "a", "--no-figures", *words)
     assert files[MARKER] <= _MOST_MARKERS
     assert files.total() <= _MOST_JSON
 

@@ -215,6 +215,38 @@ def test_walls_of_other_styles_are_named(tmp_path: Path) -> None:
         case_from_dict(tables, "one")
 
 
+def test_a_bed_of_another_pair_style_is_to_be_read_as_grains(tmp_path: Path) -> None:
+    """Its walls are not in the file either: there is one message, about the pair style."""
+    script = f"""
+    units si
+    atom_style sphere
+    newton off
+    comm_modify vel yes
+    boundary f f f
+    region box block -1 1 -1 1 -1 1 units box
+    create_box 1 box
+    create_atoms 1 single 0 0 -0.004999 units box
+    set group all diameter {D} density 8500
+    pair_style granular
+    pair_coeff * * hertz/material 1e9 0.5 0.3 tangential mindlin NULL 0.5 0.4
+    fix ground all wall/gran granular hertz/material 1e9 0.5 0.3 &
+        tangential mindlin NULL 0.5 0.4 zplane NULL 0.0
+    fix motion all nve/sphere
+    timestep 1e-7
+    run 1
+    write_restart {tmp_path}/granular.restart
+    """
+    with open_engine(None, "none", tmp_path) as engine:
+        engine.commands(script)
+    packing = {"kind": "restart", "file": str(tmp_path / "granular.restart")}
+    packing["enclosure"] = {"bottom": 0.1}
+    tables = {"material": SOFT | {"name": "soft"}, "packing": packing, "load": {"index": [1]}}
+    tables |= {"contact": {"law": "hertz"}, "precompression": {"kind": "gravity"}}
+    with pytest.raises(InputError, match="lmp -restart2data") as error:
+        case_from_dict(tables, "granular")
+    assert "which it does not touch in the file" not in str(error.value)
+
+
 def test_a_law_with_other_history_is_an_error(bed: WalledBed, tmp_path: Path) -> None:
     contact = CONTACT | {"rolling": {"coefficient": 0.01}}
     with pytest.raises(RunError, match="the contact has another law, friction, loss or resistance"):

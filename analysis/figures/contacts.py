@@ -1,0 +1,352 @@
+"""Figures of the forces of all contacts: as lines in a section, and their distribution."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from numpy.typing import ArrayLike, NDArray
+
+from granwave.analysis.figures.sections import (
+    across_title,
+    cut_of,
+    disc_radii,
+    draw_impact,
+    frame_axes,
+    outline_grains,
+    sticks_of,
+    window_around,
+)
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    WIDTH,
+    Drawing,
+    legend_above,
+    new_figure,
+)
+from granwave.analysis.measures.contact_forces import (
+    INSTANT,
+    PEAK,
+    STATIC,
+    ContactForces,
+    ExponentialTail,
+    contact_forces,
+    exponential_tail,
+)
+from granwave.analysis.measures.geometry import SpheresOnPlane, own_plane, section
+from granwave.analysis.result.reader import Result
+
+_MILLI = 1e3  # millimetres in a metre
+_POINTS = 72.0  # points in an inch
+_THICKEST = 0.4  # width of the thickest line, diameters
+_LEAST_THICKEST = 2.0  # points: its least width on paper ...
+_MOST_THICKEST = 9.0  # ... and its largest
+_TALL = 2.0  # height / width of a section above which it is drawn lying
+_LONGEST = 30.0  # diameters of a section that is drawn lying
+_SHOWN = 0.05  # of the largest force: the window holds the contacts that carry more
+_LINE = "black"
+_MOST_VECTORS = 20_000  # lines and discs beyond which the PDF holds them as a picture
+_TALLEST = 8.0  # inches
+_LOWEST = 0.4  # inches: height of a panel, at least
+_BESIDE = 0.5  # diameters from the plane of a packing without planes of its own
+_ROOM = 0.6  # inches beside the panels, for labels
+_ABOVE = 0.3  # inches above a panel, for its title
+_BELOW = 0.55  # inches below the panels
+
+Vectors = NDArray[np.float64]
+Window = tuple[float, float, float, float]  # left, right, top, bottom, mm
+
+
+def contact_network(result: Result) -> Drawing | None:
+    """Draw contacts as lines as thick as their force, with a panel for each state: at rest, at an
+    instant, and the largest force of each contact.
+
+    The plane is the one of the case, or the principal one, or y = 0 through the impact.
+    """
+    cut = _cut(result)
+    if not len(cut.index):
+        return None
+    kept = np.zeros(result.n_spheres, dtype=bool)
+    kept[cut.index] = True
+    states = contact_forces(result, kept)
+    if not states:
+        return None
+    diameter = result.case.packing.diameter
+    window = window_around(cut, _loaded(result, cut, states), diameter)
+    left, right, top, bottom = window
+    is_lying = bottom - top > _TALL * (right - left)
+    if is_lying:
+        cut = _lying(cut)
+        window = (top, min(bottom, top + _LONGEST * diameter * _MILLI), left, right)
+    height = _height(window)
+    figure = new_figure(min(len(states) * height + _BELOW, _TALLEST))
+    stack = figure.subplots(len(states), 1, sharex=True, squeeze=False)[:, 0]
+    columns: dict[str, ArrayLike] = {}
+    width = _width_in_points(window, diameter, len(states), height)
+    for axes, state in zip(stack, states, strict=True):
+        ends, rows = _lines(result, cut, state)
+        outlines = outline_grains(axes, cut, disc_radii(result, cut), sticks_of(result, cut))
+        lines = LineCollection(
+            list(ends * _MILLI),
+            linewidths=width * state.force[rows] / state.force.max(),
+            colors=_LINE,
+            capstyle="butt",
+        )
+        axes.add_collection(lines)
+        for artist in (lines, *outlines):
+            artist.set_rasterized(max(len(ends), len(cut.index)) > _MOST_VECTORS)
+        frame_axes(axes, window)
+        axes.set_title(f"{_capital(state.title)}: thickest line {_newton(state)}", pad=2)
+        if cut.plane.through is None:
+            draw_impact(axes, result, cut, window)
+        columns |= _columns_of_network(state, ends[: len(state.force)])
+    if is_lying:
+        for axes in stack:
+            axes.set_yticks([])  # there is little room for them
+    else:
+        figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
+    stack[-1].set_xlabel(across_title(cut.plane))
+    return Drawing(figure, columns)
+
+
+def _height(window: Window) -> float:
+    """Return the height of a panel that is as wide as the figure, with its title, inches."""
+    left, right, top, bottom = window
+    return max((WIDTH - _ROOM) * (bottom - top) / (right - left), _LOWEST) + _ABOVE
+
+
+def _lying(cut: SpheresOnPlane) -> SpheresOnPlane:
+    """Return a section with its depth from left to right, as of a chain."""
+    plane = replace(
+        cut.plane,
+        across=cut.plane.down,
+        down=cut.plane.across,
+        across_label=cut.plane.down_label,
+        down_label="Distance across",
+    )
+    return replace(cut, plane=plane, across=cut.down, down=cut.across)
+
+
+def _cut(result: Result) -> SpheresOnPlane:
+    """Return the spheres on the plane of the case, the principal plane, or y = 0 through the
+    impact.
+    """
+    for name in ("section", "principal"):
+        cut = cut_of(result, name)
+        if cut is not None:
+            return cut
+    diameter = result.case.packing.diameter
+    largest = float(result["spheres/radius"].max(initial=0.0))
+    plane = own_plane((0.0, 1.0, 0.0), None, max(largest / diameter, _BESIDE))
+    return section(plane, result["spheres/position"], result.origin, diameter)
+
+
+def _loaded(result: Result, cut: SpheresOnPlane, states: list[ContactForces]) -> NDArray[np.bool_]:
+    """Return True for the spheres of a section with a contact that is seen: (n,)."""
+    loaded = np.zeros(result.n_spheres, dtype=bool)
+    for state in states:
+        seen = state.force >= _SHOWN * state.force.max()
+        loaded[result.rows(state.i[seen])] = True
+        loaded[result.rows(state.j[seen])] = True
+    return loaded[cut.index]
+
+
+def _lines(
+    result: Result, cut: SpheresOnPlane, state: ContactForces
+) -> tuple[Vectors, NDArray[np.int64]]:
+    """Return the ends of the lines of contacts in a section, (n_lines, 2, 2), m, and the contact of
+    each, (n_lines,).
+
+    A line goes from the centre of one grain to that of the other. A contact across periodic sides
+    has two lines, one from each grain to the nearest image of the other; the second ones are last.
+    """
+    position = result["spheres/position"]
+    first = position[result.rows(state.i)]
+    second = position[result.rows(state.j)]
+    step = second - first
+    step[:, :2] = result.across(step[:, :2])
+    plane = np.stack([cut.plane.across, cut.plane.down], axis=1)
+    shift = (second - first - step) @ plane  # not zero across periodic sides
+    start = (first - result.origin) @ plane
+    ends = np.stack([start, start + step @ plane], axis=1)
+    is_across = np.abs(shift).max(axis=1, initial=0.0) > 0.5 * result.case.packing.diameter
+    images = ends[is_across] + shift[is_across][:, None]
+    rows = np.arange(len(ends))
+    return np.concatenate([ends, images]), np.concatenate([rows, rows[is_across]])
+
+
+def _width_in_points(window: Window, diameter: float, n_panels: int, height: float) -> float:
+    """Return the width of the thickest line, points."""
+    left, right, _, _ = window
+    across = WIDTH - _ROOM
+    across *= min(1.0, (_TALLEST - _BELOW) / (n_panels * height))
+    thickest = _THICKEST * diameter * _MILLI / (right - left) * across * _POINTS
+    return min(max(thickest, _LEAST_THICKEST), _MOST_THICKEST)
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _newton(state: ContactForces) -> str:
+    return f"{state.force.max():.3g} N"
+
+
+def _columns_of_network(state: ContactForces, ends: Vectors) -> dict[str, ArrayLike]:
+    """Return the data of a panel."""
+    return {
+        f"{state.name}_i": state.i,
+        f"{state.name}_j": state.j,
+        f"{state.name}_force_N": state.force,
+        f"{state.name}_across_i_m": ends[:, 0, 0],
+        f"{state.name}_down_i_m": ends[:, 0, 1],
+        f"{state.name}_across_j_m": ends[:, 1, 0],
+        f"{state.name}_down_j_m": ends[:, 1, 1],
+    }
+
+
+_STYLES = {STATIC: (GREEN, "s"), INSTANT: (ORANGE, "^"), PEAK: (BLUE, "o")}
+_FEWEST = 10  # contacts of a distribution
+_FEWEST_BINS = 5
+_MOST_BINS = 60
+_TAIL_FROM = 1.0  # of the mean force: where the fitted tail begins
+_WIDE = 20.0  # largest force / mean above which the axis of the forces is logarithmic
+_EQUAL = 1e-3  # of the mean, by which equal forces differ
+_CURVE = 200  # points of a fitted tail
+_BEYOND = 3.0  # ratio of the limits of the axis to the densities
+
+
+def force_distribution(result: Result) -> Drawing | None:
+    """Draw the distribution of the contact forces, relative to their mean, with exponential tails.
+
+    The forces are those at rest, at the instant of the largest elastic energy, and the largest of
+    each contact, as far as the run has them, from ten contacts on.
+    """
+    states = [state for state in contact_forces(result) if len(state.force) >= _FEWEST]
+    if not states:
+        return None
+    figure, axes = panels(2.7)
+    wide = any(state.force.max() > _WIDE * state.force.mean() for state in states)
+    columns: dict[str, ArrayLike] = {}
+    for state in states:
+        relative = state.force / state.force.mean()
+        if np.ptp(relative) < _EQUAL:
+            _draw_equal_forces(axes, state)
+            columns[f"{state.name}_mean_force_N"] = [state.force.mean()]
+        else:
+            columns |= _draw_distribution(axes, state, relative, wide)
+    label(
+        axes, r"Contact force / mean $F/\langle F\rangle$", r"$P(F/\langle F\rangle)$",
+        log="xy" if wide else "y",
+    )  # fmt: skip
+    if not wide:
+        axes.set_xlim(left=0)
+    legend_above(axes, 1, fontsize=7)
+    return Drawing(figure, columns)
+
+
+def _draw_equal_forces(axes: Axes, state: ContactForces) -> None:
+    """Draw the forces of contacts that all carry the same."""
+    colour, _ = _STYLES[state.name]
+    text = f"{state.title}: {len(state.force)} contacts, all with {_newton(state)}"
+    axes.axvline(1.0, color=colour, linestyle=":", linewidth=0.9, label=text)
+
+
+def _draw_distribution(
+    axes: Axes, state: ContactForces, relative: Vectors, wide: bool
+) -> dict[str, ArrayLike]:
+    """Draw the distribution of one state with its tail; return its data."""
+    colour, marker = _STYLES[state.name]
+    centre, density, count = _histogram(relative, wide)
+    filled = count > 0
+    text = f"{state.title}: {len(relative)} contacts"
+    tail = exponential_tail(relative, _TAIL_FROM)
+    if tail is not None:
+        text = f"{text}\n{tail.count} beyond the mean: decay {_decay(tail)}"
+        if not tail.is_exponential:
+            text = f"{text}\n(not exponential)"
+        _draw_tail(axes, tail, relative, colour)
+    axes.plot(
+        centre[filled], density[filled], marker, color=colour, markersize=3.5,
+        markerfacecolor="none", markeredgewidth=0.9, label=text,
+    )  # fmt: skip
+    _widen(axes, density[filled])
+    return _columns_of_distribution(state, (centre, density, count), tail)
+
+
+def _widen(axes: Axes, density: Vectors) -> None:
+    """Let the axis of the densities hold these too; fitted tails may leave it."""
+    low = float(density.min()) / _BEYOND
+    high = float(density.max()) * _BEYOND
+    if axes.get_autoscaley_on():
+        axes.set_ylim(low, high)
+        return
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(min(low, bottom), max(high, top))
+
+
+def _histogram(values: Vectors, wide: bool) -> tuple[Vectors, Vectors, NDArray[np.int64]]:
+    """Return the centres of bins, the probability density, and the number of values of each.
+
+    Bins are even from 0 to the largest value; where the axis is ``wide`` they are even on its
+    logarithmic scale, from the smallest value on.
+    """
+    number = round(2 * len(values) ** (1 / 3))
+    number = min(max(number, _FEWEST_BINS), _MOST_BINS)
+    largest = float(values.max())
+    if wide:
+        edges = np.geomspace(float(values.min()), largest, number + 1)
+        edges[[0, -1]] = values.min(), largest
+        centre = np.sqrt(edges[1:] * edges[:-1])
+    else:
+        edges = np.linspace(0.0, largest, number + 1)
+        centre = 0.5 * (edges[1:] + edges[:-1])
+    count = np.histogram(values, edges)[0]
+    return centre, count / (len(values) * np.diff(edges)), count
+
+
+def _decay(tail: ExponentialTail) -> str:
+    """Return the decay with its error, which has two digits."""
+    digits = max(0, 1 - math.floor(math.log10(tail.error)))
+    return f"{tail.decay:.{digits}f} ± {tail.error:.{digits}f}"
+
+
+def _draw_tail(axes: Axes, tail: ExponentialTail, relative: Vectors, colour: str) -> None:
+    """Draw the fitted exponential, with the share of the values beyond its start below it; dashed
+    where the values are not exponential.
+    """
+    x = np.geomspace(tail.start, float(relative.max()), _CURVE)
+    height = tail.count / len(relative) * tail.decay
+    density = height * np.exp(-tail.decay * (x - tail.start))
+    line = "-" if tail.is_exponential else "--"
+    axes.plot(x, density, line, color=colour, linewidth=0.9)
+
+
+def _columns_of_distribution(
+    state: ContactForces,
+    histogram: tuple[Vectors, Vectors, NDArray[np.int64]],
+    tail: ExponentialTail | None,
+) -> dict[str, ArrayLike]:
+    """Return the data of a distribution."""
+    centre, density, count = histogram
+    columns: dict[str, ArrayLike] = {
+        f"{state.name}_force_over_mean": centre,
+        f"{state.name}_density": density,
+        f"{state.name}_contacts": count,
+        f"{state.name}_mean_force_N": [state.force.mean()],
+    }
+    if tail is not None:
+        columns |= {
+            f"{state.name}_tail_from": [tail.start],
+            f"{state.name}_tail_decay": [tail.decay],
+            f"{state.name}_tail_decay_error": [tail.error],
+            f"{state.name}_tail_contacts": [tail.count],
+            f"{state.name}_tail_is_exponential": [int(tail.is_exponential)],
+        }
+    return columns

@@ -1,0 +1,213 @@
+"""Figures of contacts, and of a line in place and time: what they show, and of which runs."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection, QuadMesh
+
+from granwave.analysis import Result, write_result
+from granwave.analysis.figures import contacts
+from granwave.analysis.figures import run_figures as module
+from granwave.analysis.figures.run_figures import draw_figures, run_figures
+from granwave.analysis.figures.side_by_side import PROCESSES
+from granwave.analysis.measures.contact_forces import exponential_tail
+from granwave.lammps_inputs.case.run import FIGURES_ON_REQUEST, Figures, usual_figure_names
+from tests.helpers.made_up import synthetic
+
+DIAMETER = synthetic.DIAMETER
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """Directory of a made-up run of FCC, analysed."""
+    directory = tmp_path_factory.mktemp("run")
+    write_result(synthetic.write_run(directory, synthetic.make_case(size=(6, 6, 4))))
+    return directory
+
+
+def drawn(directory, name):
+    """The drawing of a figure of a run."""
+    with Result(directory) as result:
+        return run_figures()[name].draw(result)
+
+
+def lines_of(drawing):
+    """Lines of contacts in the first panel, their widths in points, and their ends in mm."""
+    (lines,) = [
+        artist
+        for artist in drawing.figure.axes[0].collections
+        if isinstance(artist, LineCollection)
+    ]
+    return np.array(lines.get_linewidths()), np.array(lines.get_segments())
+
+
+def test_they_are_drawn_by_name_only(tmp_path, monkeypatch):
+    """And go when all usual figures are drawn."""
+    monkeypatch.setenv(PROCESSES, "1")
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 2)))
+    folder = tmp_path / "figures"
+    png_only = Figures(formats=())
+    draw_figures(tmp_path, names=("line_diagram",), options=png_only)
+    assert {path.name for path in folder.iterdir()} == {"line_diagram.png", "line_diagram.csv"}
+    usual = usual_figure_names()
+    assert len(usual) == len(run_figures()) - len(FIGURES_ON_REQUEST)
+    assert not set(usual) & set(FIGURES_ON_REQUEST)
+    monkeypatch.setattr(module, "usual_figure_names", lambda: ("bottom_force",))  # one is enough
+    draw_figures(tmp_path, options=png_only)
+    assert {path.stem for path in folder.iterdir()} == {"bottom_force"}
+    draw_figures(tmp_path, options=replace(png_only, only=("contact_network",)))
+    assert {path.stem for path in folder.iterdir()} == {"contact_network"}
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        *(({"kind": kind, "size": (5, 5, 4)}, set(FIGURES_ON_REQUEST)) for kind in ("hcp", "bcc")),
+        ({"kind": "chain", "size": 2}, {"contact_network", "line_diagram"}),
+        ({"kind": "chain", "size": 12}, {"contact_network", "line_diagram"}),
+        ({"kind": "square", "size": (5, 5)}, {"contact_network", "force_distribution"}),
+        ({"size": (1, 1, 1)}, set()),
+    ],
+)
+def test_figures_that_apply(tmp_path, options, expected):
+    """A lone sphere has no contacts; less than ten loaded contacts have no distribution, and a
+    layer that is struck across has no line.
+    """
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case(**options)))
+    assert {name for name in FIGURES_ON_REQUEST if drawn(tmp_path, name) is not None} == expected
+
+
+def test_lines_are_as_thick_as_forces(run):
+    """And go from centre to centre."""
+    drawing = drawn(run, "contact_network")
+    widths, ends = lines_of(drawing)
+    force = drawing.columns["peak_force_N"]
+    assert widths / widths.max() == pytest.approx(force / force.max())
+    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) == pytest.approx(1e3 * DIAMETER)
+    with Result(run) as result:
+        pairs = zip(drawing.columns["peak_i"], drawing.columns["peak_j"], strict=True)
+        known = dict(
+            zip(
+                zip(result["contacts/i"], result["contacts/j"], strict=True),
+                result["contacts/peak_force"],
+                strict=True,
+            )
+        )
+    assert force.tolist() == [known[pair] for pair in pairs]
+    assert f"{force.max():.3g} N" in drawing.figure.axes[0].get_title()
+
+
+def test_a_contact_across_periodic_sides_is_two_lines(tmp_path):
+    """One from each grain, of one diameter; none goes through the packing."""
+    case = synthetic.make_case(size=(6, 6, 4), boundary={"sides": "periodic"})
+    write_result(synthetic.write_run(tmp_path, case))
+    drawing = drawn(tmp_path, "contact_network")
+    widths, ends = lines_of(drawing)
+    across = drawing.columns["peak_across_j_m"] - drawing.columns["peak_across_i_m"]
+    n_images = len(ends) - len(drawing.columns["peak_i"])
+    assert np.abs(across).max() < 1.01 * DIAMETER
+    assert n_images > 0
+    assert np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) == pytest.approx(1e3 * DIAMETER)
+    assert len(widths) == len(ends)
+
+
+def test_a_chain_lies(tmp_path):
+    """Its depth goes from left to right, 30 diameters at most."""
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 50)))
+    axes = drawn(tmp_path, "contact_network").figure.axes[0]
+    left, right = axes.get_xlim()
+    assert axes.get_xlabel() == "Depth (mm)"
+    assert left < 0 < right < 1e3 * 31 * DIAMETER
+
+
+def test_a_large_network_is_a_picture(run, monkeypatch):
+    """Beyond a number of lines a PDF would be slow to show."""
+    monkeypatch.setattr(contacts, "_MOST_VECTORS", 5)
+    artists = drawn(run, "contact_network").figure.axes[0].collections
+    assert all(artist.get_rasterized() for artist in artists)
+
+
+def test_distribution_of_exponential_forces(run, monkeypatch):
+    """Its densities are those of the exponential, its decay is that of the tail."""
+    force = np.random.default_rng(3).exponential(7.0, 5000)
+    state = contacts.ContactForces("peak", None, np.arange(5000), np.arange(5000), force)
+    monkeypatch.setattr(contacts, "contact_forces", lambda result: [state])
+    drawing = drawn(run, "force_distribution")
+    columns = drawing.columns
+    tail = exponential_tail(force / force.mean(), 1.0)
+    assert columns["peak_tail_decay"] == [tail.decay]
+    assert abs(tail.decay - 1) < 3 * tail.error
+    assert columns["peak_contacts"].sum() == 5000
+    many = columns["peak_contacts"] > 100
+    expected = np.exp(-columns["peak_force_over_mean"][many])
+    assert columns["peak_density"][many] == pytest.approx(expected, rel=0.2)
+    text = drawing.figure.axes[0].get_legend().get_texts()[0].get_text()
+    assert "5000 contacts" in text
+    assert f"{tail.decay:.3f} ± {tail.error:.3f}" in text
+    assert "not exponential" not in text
+
+
+def test_distribution_of_equal_forces(run, monkeypatch):
+    """It is a line at the mean, and has no tail."""
+    ids = np.arange(12)
+    state = contacts.ContactForces("static", 0.0, ids, ids, np.full(12, 20.0) * (1 + 1e-9 * ids))
+    monkeypatch.setattr(contacts, "contact_forces", lambda result: [state])
+    drawing = drawn(run, "force_distribution")
+    assert drawing.columns == {"static_mean_force_N": [pytest.approx(20.0)]}
+    texts = drawing.figure.axes[0].get_legend().get_texts()
+    assert [text.get_text() for text in texts] == ["static state: 12 contacts, all with 20 N"]
+
+
+def test_wide_forces_are_on_a_logarithmic_axis(run):
+    """Its bins hold all contacts."""
+    drawing = drawn(run, "force_distribution")
+    columns = drawing.columns
+    with Result(run) as result:
+        force = result["contacts/peak_force"]
+    carries = force >= 1e-4 * force.max()
+    assert columns["peak_contacts"].sum() == carries.sum()
+    wide = force.max() > 20 * force[carries].mean()
+    assert drawing.figure.axes[0].get_xscale() == ("log" if wide else "linear")
+
+
+def test_diagram_of_a_line(run):
+    """Colours are the speeds of the snapshots; the data have each grain at each instant."""
+    drawing = drawn(run, "line_diagram")
+    axes = drawing.figure.axes[0]
+    (mesh,) = [artist for artist in axes.collections if isinstance(artist, QuadMesh)]
+    columns = drawing.columns
+    shape = mesh.get_array().shape
+    velocity = columns["axis_velocity_m_s"].reshape(shape)
+    assert np.array_equal(mesh.get_array().filled(0.0), np.abs(velocity) * (velocity > 0))
+    dots = axes.lines[0].get_xydata()
+    arrival = columns["axis_arrival_s"]
+    place = columns["axis_place_m"].reshape(shape)[0]
+    reached = np.isfinite(arrival)
+    assert dots == pytest.approx(1e3 * np.stack([place, 1e3 * arrival], axis=1)[reached])
+
+
+def test_the_front_of_a_chain_lies_on_the_fitted_line(tmp_path):
+    """The first loads of contacts are at 1000 m/s in the made-up run."""
+    draw = synthetic.write_run(tmp_path, synthetic.make_case("chain", 20))
+    write_result(draw)
+    drawing = drawn(tmp_path, "line_diagram")
+    dots, line = (curve.get_xydata() for curve in drawing.figure.axes[0].lines)
+    assert drawing.columns["axis_front_speed_m_s"] == [pytest.approx(1000.0)]
+    expected = np.interp(dots[-3:, 0], *line.T)
+    assert dots[-3:, 1] == pytest.approx(expected, rel=1e-9)
+    texts = drawing.figure.axes[0].get_legend().get_texts()
+    assert [text.get_text() for text in texts] == ["front at a grain", "fitted: 1000 m/s"]
+
+
+def test_rows_of_the_csv_file(run):
+    draw_figures(run, names=("contact_network",))
+    with open(run / "figures" / "contact_network.csv") as file:
+        row = next(csv.DictReader(file))
+    assert list(row) == [
+        *("peak_i", "peak_j", "peak_force_N"),
+        *("peak_across_i_m", "peak_down_i_m", "peak_across_j_m", "peak_down_j_m"),
+    ]
