@@ -15,8 +15,8 @@ on a sphere is taken from it along each axis where the sphere moves with the for
 it moves against it. That damps a grain that rolls under its weight as fast, in its own periods, as
 one that swings on a stiff contact. A drag that ends the swings would hold the rolling grain, which
 then creeps on with a net force equal to its drag. Local damping switches with the direction of
-motion, which leaves a little noise of 1e-7 of the largest force. Settled grains need some thousand steps, and
-tens of thousands where some roll to other places.
+motion, which leaves a little noise of 1e-7 of the largest force. Settled grains need some thousand
+steps, and tens of thousands where some roll to other places.
 
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
 would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
