@@ -1,4 +1,4 @@
-"""What of the four sources is there: the page ``docs/explanation/coverage.md``, made of
+"""Coverage of the four sources: the page ``docs/explanation/coverage.md``, made of
 ``reproductions/coverage.csv`` and of the stored rows.
 
     python docs/_ext/results_coverage.py      # the page again; no runs

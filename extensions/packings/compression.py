@@ -68,7 +68,7 @@ _COLUMN_FORCE = 1
 
 @dataclasses.dataclass(frozen=True)
 class CompressionTarget:
-    """Where compression ends: at a solid fraction, or at a pressure (Pa)."""
+    """End of a compression: a solid fraction, or a pressure (Pa)."""
 
     solid_fraction: float | None = None
     pressure: float | None = None

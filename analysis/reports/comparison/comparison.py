@@ -79,7 +79,7 @@ class Comparison:
 
     @cached_property
     def case_rows(self) -> list[Difference]:
-        """What differs in the cases: keys, and grains."""
+        """Differences of the cases: keys, and grains."""
         return case_differences(self.runs)
 
     @property

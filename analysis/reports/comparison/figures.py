@@ -96,7 +96,7 @@ class ComparisonFigure:
 
 @dataclass(frozen=True, eq=False)
 class FigureData:
-    """What the runs give for a figure, and why others give nothing.
+    """Data of the runs for a figure, and the reasons for which others give none.
 
     Attributes
     ----------

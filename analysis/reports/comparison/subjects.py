@@ -82,7 +82,7 @@ class ComparedRun:
 
     @property
     def unfinished(self) -> str:
-        """Why its results end early; empty for a finished run."""
+        """Reason for which its results end early; empty for a finished run."""
         state = self.run.record.get("state")
         end = self.run.number("end_time_s")
         if state not in UNFINISHED or end is None:

@@ -60,7 +60,7 @@ def test_nine_values_have_no_tail():
 
 
 def test_largest_forces_of_contacts(tmp_path):
-    """Those of the table, of a part of the spheres where one is asked for."""
+    """Forces of the table, of a part of the spheres where one is asked for."""
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(size=(4, 4, 3))))
     with Result(tmp_path) as result:
         (peak,) = contact_forces(result)

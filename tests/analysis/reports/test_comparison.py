@@ -311,7 +311,7 @@ def test_ids_in_words(ids, words):
 
 
 def test_unlike_kinds_say_what_they_are(place):
-    """Of packing and block, only keys that both have are compared."""
+    """Keys that only one of packing and block has are not compared."""
     runs = list(read_inputs([place / "fcc", place / "hcp"], place).results())
     case = {"punch.mass": 1.0}
     other = dataclasses.replace(runs[1], label="block", kind=BlockKind(), case=case)

@@ -1,4 +1,4 @@
-"""What a first case with a packing of another program may have wrong, and the message about it."""
+"""Faults of a first case with a packing of another program, and the messages about them."""
 
 from __future__ import annotations
 

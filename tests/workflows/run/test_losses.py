@@ -95,7 +95,7 @@ def test_the_ledger_is_the_sum_of_contacts_and_walls(directory: Path) -> None:
 
 
 def test_damping_along_the_surface_is_in_every_account(tmp_path: Path) -> None:
-    """Of contacts, walls, spheres and snapshots; more is lost viscously than without."""
+    """Accounts of contacts, walls, spheres and snapshots; more is lost viscously than without."""
     small = {"packing.size": [4, 4, 2], "run.end_time": 3e-5, "contact.law": "hertz"}
     lost = []
     for name, ratio in (("plain", 0.0), ("damped", 1.0)):
