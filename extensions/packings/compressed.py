@@ -30,7 +30,6 @@ from granwave.extensions.packings.recipe import (
     BedMaker,
     Recipe,
     are_numbers,
-    material_values,
     table_of,
 )
 from granwave.extensions.packings.settling import SettlingLaw
@@ -68,16 +67,6 @@ class CompressedRecipe(Recipe):
     keys: CompressedSection
     periodic: bool
     endless: bool
-
-    def plain(self) -> dict[str, Any]:
-        """Return the recipe as plain values by name."""
-        return {
-            **dataclasses.asdict(self.keys),
-            "friction": self.friction,
-            "periodic": self.periodic,
-            "endless": self.endless,
-            **material_values(self.material),
-        }
 
     @property
     def words(self) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from granwave.extensions.packings.recipe import (
     BedMaker,
     Recipe,
     are_numbers,
-    material_values,
     table_of,
 )
 from granwave.extensions.packings.settling import SettlingLaw, fall_time, settle
@@ -76,16 +74,6 @@ class PouredRecipe(Recipe):
             self.keys.restitution,
             self.acceleration,
         )
-
-    def plain(self) -> dict[str, Any]:
-        """Return the recipe as plain values by name."""
-        return {
-            **dataclasses.asdict(self.keys),
-            "friction": self.friction,
-            "acceleration": self.acceleration,
-            "periodic": self.periodic,
-            **material_values(self.material),
-        }
 
     @property
     def words(self) -> str:

@@ -21,6 +21,7 @@ from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.extensions import extensions
 from granwave.workflows.run.progress import Progress
 
+_OWN_VALUES = ("keys", "material")  # fields of a recipe that are written value by value
 _PARTS = 1000  # of a progress bar
 SPEED = 4e6  # steps of grains in a second on one core, measured with some hundred grains
 
@@ -56,9 +57,17 @@ class Recipe(abc.ABC):
         sizes: SizeDistribution = self.keys.diameter
         return sizes
 
-    @abc.abstractmethod
     def plain(self) -> dict[str, Any]:
         """Return the recipe as plain values by name."""
+        others = [field.name for field in dataclasses.fields(self) if field.name not in _OWN_VALUES]
+        material = self.material
+        return {
+            **dataclasses.asdict(self.keys),
+            **{name: getattr(self, name) for name in others},
+            "youngs_modulus": material.youngs_modulus,
+            "poisson_ratio": material.poisson_ratio,
+            "density": material.density,
+        }
 
     @property
     @abc.abstractmethod
@@ -92,15 +101,6 @@ class BedMaker(PackingMaker):
         if recipe is None:
             return None
         return recipe.tables(given.tables, bed_of(recipe, given))
-
-
-def material_values(material: Material) -> dict[str, float]:
-    """Return the properties of a material that a bed depends on."""
-    return {
-        "youngs_modulus": material.youngs_modulus,
-        "poisson_ratio": material.poisson_ratio,
-        "density": material.density,
-    }
 
 
 def table_of(tables: Mapping[str, Any], name: str) -> Mapping[str, Any]:

@@ -186,7 +186,8 @@ def test_walls_that_the_case_lacks_are_named(bed: WalledBed) -> None:
         case_from_dict(bed.case(boundary=boundary), "walled")
 
 
-def test_walls_of_other_styles_are_named(tmp_path: Path) -> None:
+def one_sphere(folder: Path, contacts: str) -> dict[str, Any]:
+    """Tables of a case of one sphere of a restart file, which a script with these contacts wrote."""
     script = f"""
     units si
     atom_style sphere
@@ -198,50 +199,44 @@ def test_walls_of_other_styles_are_named(tmp_path: Path) -> None:
     create_box 1 box
     create_atoms 1 single 0 0 -0.004999 units box
     set group all diameter {D} density 8500
-    pair_style gran/hysteretic 1e-3
-    pair_coeff * * hertz 1e9 0.30
-    fix slope all wall/gran hertz/history 1e6 NULL 10 NULL 0.5 1 zplane NULL 0.0
+    {contacts}
     fix motion all nve/sphere
     timestep 1e-7
     run 1
-    write_restart {tmp_path}/one.restart
+    write_restart {folder}/one.restart
     """
-    with open_engine(None, "none", tmp_path) as engine:
+    with open_engine(None, "none", folder) as engine:
         engine.commands(script)
-    packing = {"kind": "restart", "file": str(tmp_path / "one.restart")}
-    tables = {"material": SOFT | {"name": "soft"}, "packing": packing, "load": {"index": [1]}}
-    tables |= {"contact": {"law": "hertz"}, "precompression": {"kind": "gravity"}}
+    return {
+        "material": SOFT | {"name": "soft"},
+        "packing": {"kind": "restart", "file": str(folder / "one.restart")},
+        "contact": {"law": "hertz"},
+        "precompression": {"kind": "gravity"},
+        "load": {"index": [1]},
+    }
+
+
+def test_walls_of_other_styles_are_named(tmp_path: Path) -> None:
+    contacts = """
+    pair_style gran/hysteretic 1e-3
+    pair_coeff * * hertz 1e9 0.30
+    fix slope all wall/gran hertz/history 1e6 NULL 10 NULL 0.5 1 zplane NULL 0.0
+    """
+    tables = one_sphere(tmp_path, contacts)
     with pytest.raises(InputError, match=r"found fix slope of style wall/gran, expected walls"):
         case_from_dict(tables, "one")
 
 
 def test_a_bed_of_another_pair_style_is_to_be_read_as_grains(tmp_path: Path) -> None:
     """Its walls are not in the file either: there is one message, about the pair style."""
-    script = f"""
-    units si
-    atom_style sphere
-    newton off
-    comm_modify vel yes
-    boundary f f f
-    region box block -1 1 -1 1 -1 1 units box
-    create_box 1 box
-    create_atoms 1 single 0 0 -0.004999 units box
-    set group all diameter {D} density 8500
+    contacts = """
     pair_style granular
     pair_coeff * * hertz/material 1e9 0.5 0.3 tangential mindlin NULL 0.5 0.4
     fix ground all wall/gran granular hertz/material 1e9 0.5 0.3 &
         tangential mindlin NULL 0.5 0.4 zplane NULL 0.0
-    fix motion all nve/sphere
-    timestep 1e-7
-    run 1
-    write_restart {tmp_path}/granular.restart
     """
-    with open_engine(None, "none", tmp_path) as engine:
-        engine.commands(script)
-    packing = {"kind": "restart", "file": str(tmp_path / "granular.restart")}
-    packing["enclosure"] = {"bottom": 0.1}
-    tables = {"material": SOFT | {"name": "soft"}, "packing": packing, "load": {"index": [1]}}
-    tables |= {"contact": {"law": "hertz"}, "precompression": {"kind": "gravity"}}
+    tables = one_sphere(tmp_path, contacts)
+    tables["packing"]["enclosure"] = {"bottom": 0.1}
     with pytest.raises(InputError, match="lmp -restart2data") as error:
         case_from_dict(tables, "granular")
     assert "which it does not touch in the file" not in str(error.value)
