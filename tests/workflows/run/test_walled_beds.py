@@ -187,7 +187,7 @@ def test_walls_that_the_case_lacks_are_named(bed: WalledBed) -> None:
 
 
 def one_sphere(folder: Path, contacts: str) -> dict[str, Any]:
-    """Tables of a case of one sphere of a restart file, which a script with these contacts wrote."""
+    """Tables of a case with the restart file of one sphere and these contacts."""
     script = f"""
     units si
     atom_style sphere
