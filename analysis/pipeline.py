@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError
-from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
+from granwave.analysis.figures.side_by_side import helpers, number_expected
 from granwave.analysis.lammps_output.dumps import read_data
 from granwave.analysis.lammps_output.time_series import check_complete, check_unchanged
 from granwave.analysis.products import Product
@@ -17,7 +17,7 @@ from granwave.analysis.result.not_a_run import why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
-from granwave.lammps_inputs.case.run import usual_figure_names
+from granwave.lammps_inputs.case.run import Figures, usual_figure_names
 from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import added_by_key, missing_package
@@ -65,7 +65,7 @@ def analyse(
         True for a bar on a terminal or in a notebook; or a function, called with the name of each
         part before it is made.
     figures
-        Draw them too, and make the files that the case asks for besides, such as a film. Of
+        Draw those that the case asks for, and make its other files, such as a film. Of
         packings with more spheres than `MOST_DRAWN` only figures of the run in time are drawn.
     at_once
         Largest number of spheres in memory; larger packings are analysed in parts. The values do
@@ -105,19 +105,22 @@ def analyse(
         return _analyse(results, report, figures, at_once, processes, assembly)
 
 
-def _drawn(directory: Path, n_spheres: int) -> tuple[str, ...] | None:
-    """Return the names of the figures to draw; None: all."""
+def _drawn(directory: Path, n_spheres: int, options: Figures) -> tuple[str, ...] | None:
+    """Return the names of the figures to draw; None: those that the options ask for."""
     if n_spheres <= MOST_DRAWN:
         return None
-    text = "%s: figures of the packing are left out, as each process that draws would hold %d spheres, more than %d; "
+    text = (
+        "%s: figures of the packing are omitted, since each drawing process would hold %d "
+        "spheres, more than %d; "
+    )
     logger.warning(
-        text + "granwave figures %s  draws them all the same",
+        text + "granwave figures %s  draws them nevertheless",
         directory,
         n_spheres,
         MOST_DRAWN,
         directory,
     )
-    return _IN_TIME
+    return tuple(name for name in options.chosen if name in _IN_TIME)
 
 
 def _analyse(
@@ -141,7 +144,7 @@ def _analyse(
         list(read_data(directory))  # damage of it has a message of its own, with the line
         raise
     check_unchanged(results, processes)
-    with helpers(USUAL_FIGURES if figures else 0) as others:
+    with helpers(number_expected(deck.case.figures) if figures else 0) as others:
         report("result.h5")
         write_result(results, at_once=at_once, assembly=assembly, processes=processes)
         report("summary.json")
@@ -151,8 +154,10 @@ def _analyse(
             # the drawing library takes longer to load than many a small run to compute
             from granwave.analysis.figures.run_figures import draw_figures
 
-            drawn = _drawn(directory, summary["n_spheres"])
-            draw_figures(results, report, drawn, helpers=others, assembly=assembly)
+            with Result(results, assembly=assembly) as result:
+                options = result.figure_options
+            drawn = _drawn(directory, summary["n_spheres"], options)
+            draw_figures(results, report, drawn, helpers=others, options=options, assembly=assembly)
     if figures:
         _make_products(results, report)
     return summary
@@ -169,7 +174,7 @@ def _make_products(results: ResultDirectory, report: Callable[[str], None]) -> N
     products: dict[str, Product] = added_by_key("products", "figures")
     for key, file in files.items():
         if key not in products:
-            logger.warning("%s: not made: no extension that makes it is installed", file)
+            logger.warning("%s: not made: the extension that makes it is not installed", file)
             continue
         report(file)
         try:

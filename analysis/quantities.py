@@ -85,20 +85,24 @@ def readable(name: str) -> str:
     return words[:1].upper() + words[1:]
 
 
-_OUTERMOST = "Of the outermost sphere (element) that yielded at all, however little it dissipated."
+_OUTERMOST = (
+    "Position of the outermost sphere (element) that yielded, however little energy it dissipated."
+)
 _HOLDS_90 = {
-    "depth": "Smallest depth below the struck sphere's centre (the block's face) that holds 90 % of the energy "
-    "dissipated by yielding, at the centres of spheres (elements), not interpolated: in a lattice it is the depth of a "
-    "layer. Strikers are left out. 50 and 99 % likewise.",
-    "radius": "The same of the distance from the impact axis, which goes along z through the centroid of the impacted "
-    "spheres.",
-    "volume": "Smallest volume that holds 90 % of it: of the spheres (elements) in the order of their energy per volume, "
-    "the highest first; without the voids between spheres, strikers left out.",
+    "depth": "Smallest depth below the centre of the impacted sphere (the face of the block) that "
+    "contains 90 % of the plastic dissipation, evaluated at the centres of spheres (elements) "
+    "without interpolation: in a lattice it is the depth of a layer. Strikers are excluded. "
+    "Likewise for 50 and 99 %.",
+    "radius": "As the depth, for the distance from the impact axis, which is parallel to z "
+    "through the centroid of the impacted spheres.",
+    "volume": "Smallest volume that contains 90 % of the plastic dissipation: spheres (elements) "
+    "are added in descending order of energy per volume. The voids between spheres and the "
+    "strikers are excluded.",
 }
 _INTERPOLATED_90 = {
-    "depth": "The depth that holds 90 % between layers: straight in the energy from layer to layer, so that it does not "
-    "jump by layers; at most the depth of the layer.",
-    "radius": "The same of the distance from the impact axis.",
+    "depth": "The 90 % depth, interpolated linearly in the energy between layers, so that it does "
+    "not jump from layer to layer; at most the depth of the layer.",
+    "radius": "As the depth, for the distance from the impact axis.",
 }
 
 
@@ -107,12 +111,12 @@ def _zone_sizes() -> tuple[Quantity, ...]:
     return tuple(
         Quantity(
             f"zone_{size}_{share}_{unit}",
-            f"Zone of {share} %, {size}",
+            f"Plastic zone, {share} % {size}",
             short=f"{share} % {size}",
             digits=".4g",
             meaning=_HOLDS_90[size] if share == 90 else "",
             note="" if share == 90 else f"As zone_{size}_90_{unit}.",
-            axis=f"{size.capitalize()} that holds {share} %",
+            axis=f"{share} % {size}",
             symbol=f"{symbol}_{{{share}}}",
         )
         for size, unit, symbol in (("depth", "m", "z"), ("radius", "m", "r"), ("volume", "m3", "V"))
@@ -120,12 +124,12 @@ def _zone_sizes() -> tuple[Quantity, ...]:
     ) + tuple(
         Quantity(
             f"zone_{size}_{share}_interpolated_m",
-            f"Zone of {share} %, {size}, interpolated",
+            f"Plastic zone, {share} % {size}, interpolated",
             short=f"{share} % {size}",
             digits=".4g",
             meaning=_INTERPOLATED_90[size] if share == 90 else "",
             note="" if share == 90 else f"As zone_{size}_90_interpolated_m.",
-            axis=f"{size.capitalize()} that holds {share} %, interpolated",
+            axis=f"{share} % {size}, interpolated",
             symbol=f"{symbol}_{{{share}}}",
         )
         for size, symbol in (("depth", "z"), ("radius", "r"))
@@ -136,225 +140,285 @@ def _zone_sizes() -> tuple[Quantity, ...]:
 ENTRIES = (
     # the run
     Quantity("name", note="Name of the case."),
-    Quantity("n_spheres", "Spheres", note="With strikers, and cylinders where there are any."),
-    Quantity("n_cylinders", "Cylinders among the grains", short="cylinders", note="Only of packings that hold any."),
+    Quantity("n_spheres", "Spheres", note="Includes strikers, and cylinders if there are any."),
+    Quantity("n_cylinders", "Cylinders among the grains", short="cylinders",
+             note="Only for packings with cylinders."),
     Quantity("n_clumps", "Clumps",
-             note="Groups of grains that move as one rigid body; only of packings with any."),
+             note="Groups of grains that move as one rigid body; only for packings with clumps."),
     Quantity("n_contacts", "Contacts at the start",
-             "Pairs of spheres that touch before the run; smaller spheres on the sites of a lattice leave gaps."),
-    Quantity("n_loaded_contacts", "Contacts that bore a force",
-             "Pairs of spheres that bore a force at any time of the run."),
-    Quantity("n_wall_contacts", "Wall contacts", note="Pairs of a sphere and a wall in result.h5."),
-    Quantity("end_time_s", short="simulated", digits=".6g", note="When the run ended."),
-    Quantity("end_reason", short="ended", note="Why the run ended, such as end_time or settled."),
-    Quantity("timestep_s", digits=".4g", meaning="Simulated time over steps: the mean of an automatic timestep."),
-    Quantity("timestep_smallest_s", "Smallest timestep", digits=".4g", note="Of the steps that were taken."),
-    Quantity("timestep_largest_s", "Largest timestep", digits=".4g", note="Of the steps that were taken."),
-    Quantity("n_steps", "Steps", note="Steps that were taken."),
-    Quantity("wall_time_s", digits=".1f", note="Of the time integration."),
+             "Pairs of spheres that touch before the run; smaller spheres at lattice sites leave "
+             "gaps."),
+    Quantity("n_loaded_contacts", "Loaded contacts",
+             "Pairs of spheres that carried a force at some time during the run."),
+    Quantity("n_wall_contacts", "Wall contacts", note="Number of sphere-wall pairs in result.h5."),
+    Quantity("end_time_s", short="simulated", digits=".6g", note="Time at the end of the run."),
+    Quantity("end_reason", short="ended",
+             note="Reason for the end of the run, such as end_time or settled."),
+    Quantity("timestep_s", digits=".4g",
+             meaning="Simulated time divided by the number of steps; the mean of an automatic "
+             "timestep."),
+    Quantity("timestep_smallest_s", "Smallest timestep", digits=".4g",
+             note="Over all steps of the run."),
+    Quantity("timestep_largest_s", "Largest timestep", digits=".4g",
+             note="Over all steps of the run."),
+    Quantity("n_steps", "Steps", note="Number of steps of the run."),
+    Quantity("wall_time_s", digits=".1f", note="For the time integration."),
     Quantity("sphere_steps_per_s", short="speed", digits=".3g", phrase="{} sphere-steps/s",
-             note="Spheres times steps over wall time."),
-    Quantity("n_ranks", "MPI ranks", note="That the run had."),
-    Quantity("versions", note="Of the programs that the result depends on."),
+             note="Spheres times steps, divided by wall time."),
+    Quantity("n_ranks", "MPI ranks", note="Number of MPI ranks of the run."),
+    Quantity("versions", note="Versions of the programs on which the result depends."),
     # energies
     Quantity("energy_input_J", "Energy input", short="energy in", digits=".6g",
-             note="Kinetic energy of what strikes, or work of a force or a moved end up to the end."),
-    Quantity("energy_input_normalised", "Energy input, normalised", short="normalised", digits=".4g",
-             phrase="{} sigma_y^2 D^3/E", axis="Input energy", symbol=r"e_\mathrm{in}/(F_\mathrm{y}\alpha_\mathrm{y})",
-             note="Of a packing: over F_y alpha_y of two of its spheres. In the continuum: over sigma_y^2 D^3/E with "
-             "the diameter of the punch. Not to be compared with each other."),
-    Quantity("velocity_normalised", "Velocity, normalised", axis="Normalised impact velocity", symbol=r"\bar{v}_0",
-             note="(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v: units in which materials fall on one "
-             "curve."),
-    Quantity("dissipated_fraction", short="dissipated", digits=".5f", phrase="{} of it", axis="Dissipated fraction",
-             symbol=r"e_\mathrm{dis}/e_\mathrm{in}", note="Dissipated energy over the input."),
-    Quantity("plastic_fraction", "Share dissipated by yielding",
-             "Energy dissipated by yielding of contacts in this run, over the input.", short="  by yielding",
-             digits=".5f", phrase="{} of it"),
-    Quantity("friction_fraction", "Share dissipated by friction",
-             "Energy dissipated by sliding between spheres and at walls, over the input.", short="  by friction",
-             digits=".5f", phrase="{} of it"),
-    Quantity("viscous_fraction", "Share dissipated by viscous losses",
-             "Energy that contacts lost by the rate of their overlap (contact.loss), walls included, over the input.",
-             short="  by viscous losses", digits=".5f", phrase="{} of it", axis="Viscous losses over the input"),
-    Quantity("rolling_fraction", "Share dissipated by resistance to rolling",
-             "Energy that contact.rolling took, walls included, over the input; only where contacts have it.",
-             short="  by rolling", digits=".5f", phrase="{} of it"),
-    Quantity("twisting_fraction", "Share dissipated by resistance to twisting",
-             "Energy that contact.twisting took, walls included, over the input; only where contacts have it.",
-             short="  by twisting", digits=".5f", phrase="{} of it"),
-    Quantity("adhesion_fraction", "Share dissipated by cohesion",
-             "Energy that cohesion took where surfaces met and parted (JKR), walls included, over the input; only "
-             "where contacts cohere.",
-             short="  by cohesion", digits=".5f", phrase="{} of it"),
-    Quantity("holder_fraction", "Share dissipated by friction of the holder",
-             "Energy dissipated by beads of a chain that slide in their holder, over the input.",
-             short="  in the holder", digits=".5f", phrase="{} of it"),
-    Quantity("absorbed_fraction", "Share taken by absorbing spheres",
-             "Energy that the spheres of [[absorb]] took, over the input.", short="  absorbed", digits=".5f",
-             phrase="{} of it"),
-    Quantity("transmission", "Transmission", "Velocity of the last bead before those that absorb over that of the "
-             "loaded one, amplitudes at the frequency of a harmonic load over the last whole periods; null if the "
-             "motion is not steady within 2 %.", digits=".4g", axis="Transmission"),
-    Quantity("driven_velocity_m_s", "Velocity of the loaded sphere", "Amplitude at the frequency of a harmonic load.",
-             digits=".4g"),
-    Quantity("load_power_W", "Power of the load", "Mean over the last half of a run under a harmonic load.",
-             digits=".4g"),
-    Quantity("absorbed_power_W", "Power absorbed", "Mean power that the spheres of [[absorb]] and the damper below "
-             "take in the last half of a run under a harmonic load; null where there is neither.", digits=".4g"),
-    Quantity("amplitude_hysteresis", "Hysteresis of amplitude", "Largest difference of the last bead's velocity "
-             "between rising and falling amplitude of a load, over its largest; 0 where the row has one state at every "
+             note="Kinetic energy of the impactor, or work of a force or a moved end up to the end "
+             "of the run."),
+    Quantity("energy_input_normalised", "Energy input, normalised", short="normalised",
+             digits=".4g", phrase="{} sigma_y^2 D^3/E", axis="Input energy",
+             symbol=r"e_\mathrm{in}/(F_\mathrm{y}\alpha_\mathrm{y})",
+             note="Packings: relative to F_y alpha_y of two spheres. Continuum: relative to "
+             "sigma_y^2 D^3/E with the diameter of the punch. The two cannot be compared."),
+    Quantity("velocity_normalised", "Velocity, normalised", axis="Normalised impact velocity",
+             symbol=r"\bar{v}_0",
+             note="(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v, for which different "
+             "materials fall on one curve."),
+    Quantity("dissipated_fraction", short="dissipated", digits=".5f", phrase="{} of the input",
+             axis="Dissipated fraction", symbol=r"e_\mathrm{dis}/e_\mathrm{in}",
+             note="Dissipated energy relative to the energy input."),
+    Quantity("plastic_fraction", "Fraction dissipated by yielding",
+             "Energy dissipated by yielding of contacts in this run, relative to the energy "
+             "input.", short="  by yielding", digits=".5f", phrase="{} of the input"),
+    Quantity("friction_fraction", "Fraction dissipated by friction",
+             "Energy dissipated by sliding between spheres and at walls, relative to the energy "
+             "input.", short="  by friction", digits=".5f", phrase="{} of the input"),
+    Quantity("viscous_fraction", "Fraction dissipated by viscous damping",
+             "Energy dissipated by viscous damping of contacts (contact.loss), including walls, "
+             "relative to the energy input.", short="  by viscous damping", digits=".5f",
+             phrase="{} of the input", axis="Viscous dissipation / input"),
+    Quantity("rolling_fraction", "Fraction dissipated by resistance to rolling",
+             "Energy dissipated by contact.rolling, including walls, relative to the energy input; "
+             "only if contacts have it.", short="  by rolling", digits=".5f",
+             phrase="{} of the input"),
+    Quantity("twisting_fraction", "Fraction dissipated by resistance to twisting",
+             "Energy dissipated by contact.twisting, including walls, relative to the energy "
+             "input; only if contacts have it.", short="  by twisting", digits=".5f",
+             phrase="{} of the input"),
+    Quantity("adhesion_fraction", "Fraction dissipated by cohesion",
+             "Energy dissipated when cohesive surfaces snap into contact and separate (JKR), "
+             "including walls, relative to the energy input; only with cohesion.",
+             short="  by cohesion", digits=".5f", phrase="{} of the input"),
+    Quantity("holder_fraction", "Fraction dissipated by friction in the guide",
+             "Energy dissipated by beads of a chain that slide in their guide, relative to the "
+             "energy input.", short="  in the guide", digits=".5f", phrase="{} of the input"),
+    Quantity("absorbed_fraction", "Fraction absorbed by the sponge layer",
+             "Energy absorbed by the spheres of [[absorb]], relative to the energy input.",
+             short="  absorbed", digits=".5f", phrase="{} of the input"),
+    Quantity("transmission", "Transmission",
+             "Velocity of the last bead before the absorbing beads, divided by the velocity of the "
+             "loaded bead: amplitudes at the frequency of a harmonic load, over the last whole "
+             "periods; null if the motion is not steady within 2 %.", digits=".4g",
+             axis="Transmission"),
+    Quantity("driven_velocity_m_s", "Velocity of the loaded sphere",
+             "Amplitude at the frequency of a harmonic load.", digits=".4g"),
+    Quantity("load_power_W", "Power of the load",
+             "Mean over the last half of a run under a harmonic load.", digits=".4g"),
+    Quantity("absorbed_power_W", "Power absorbed",
+             "Mean power absorbed by the spheres of [[absorb]] and the damper below, in the last "
+             "half of a run under a harmonic load; null without these.", digits=".4g"),
+    Quantity("amplitude_hysteresis", "Hysteresis of amplitude",
+             "Largest difference of the last bead's velocity between rising and falling amplitude "
+             "of a load, relative to its largest value; 0 if the chain has a single state at every "
              "amplitude.", digits=".2g"),
-    Quantity("unsteady_part", "Unsteady part", "Part of the motion of the loaded and of the last bead that is neither "
-             "of the load's frequency nor of twice or three times it; the larger of both.", digits=".2g"),
-    Quantity("deck_changed", "Files of the deck changed by hand",
-             "Values that are taken from case.toml may not be those of the run.", short="deck changed by hand"),
-    Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it",
-             note="Largest misfit of kinetic + elastic + dissipated - input at any time, over the largest input up to "
-             "the end; of a prescribed displacement without the kinetic energy of the moved grains."),
+    Quantity("unsteady_part", "Unsteady part",
+             "Part of the motion at frequencies other than the load frequency and its second and "
+             "third harmonics, of the loaded or the last bead, whichever is larger.", digits=".2g"),
+    Quantity("deck_changed", "Input files changed by hand",
+             "Values in case.toml may differ from the values of the run.",
+             short="deck changed by hand"),
+    Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of the input",
+             note="Largest value of |kinetic + elastic + dissipated - input| at any time, relative "
+             "to the largest input up to the end; with a prescribed displacement, without the "
+             "kinetic energy of the moved grains."),
     Quantity("energy_balance_accepted", "Accepted balance error",
-             note="Largest balance error with which this run is accepted; with a larger one it is refused."),
-    Quantity("energy_kinetic_J", "Kinetic energy", note="At the end, with rotation."),
+             note="Largest balance error with which this run is accepted; a run with a larger "
+             "error is rejected."),
+    Quantity("energy_kinetic_J", "Kinetic energy", note="At the end, including rotation."),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
-    Quantity("energy_elastic_J", "Elastic energy", note="At the end: what contacts, springs and bars would give back."),
+    Quantity("energy_elastic_J", "Elastic energy",
+             note="Recoverable energy of contacts, springs and bars at the end."),
     Quantity("energy_dissipated_J", "Dissipated energy",
-             note="Up to the end, by yielding, friction, viscous losses and dampers."),
-    Quantity("energy_dissipated_wall_J", "Dissipated at walls", note="Part of the dissipated energy."),
-    Quantity("energy_dissipated_plastic_J", "Dissipated by yielding", note="Part of the dissipated energy."),
-    Quantity("energy_dissipated_friction_J", "Dissipated by friction", note="Part of the dissipated energy."),
+             note="Up to the end, by yielding, friction, viscous damping and dampers."),
+    Quantity("energy_dissipated_wall_J", "Dissipated at walls",
+             note="Part of the dissipated energy."),
+    Quantity("energy_dissipated_plastic_J", "Dissipated by yielding",
+             note="Part of the dissipated energy."),
+    Quantity("energy_dissipated_friction_J", "Dissipated by friction",
+             note="Part of the dissipated energy."),
     Quantity("energy_dissipated_rolling_J", "Dissipated by resistance to rolling",
              note="Part of the dissipated energy."),
     Quantity("energy_dissipated_twisting_J", "Dissipated by resistance to twisting",
              note="Part of the dissipated energy."),
     Quantity("energy_dissipated_adhesion_J", "Dissipated by cohesion",
-             note="Part of the dissipated energy; where surfaces met and parted."),
-    Quantity("energy_dissipated_viscous_J", "Dissipated by viscous losses",
+             note="Part of the dissipated energy, when surfaces snap into contact and separate."),
+    Quantity("energy_dissipated_viscous_J", "Dissipated by viscous damping",
              note="Part of the dissipated energy; null without contact.loss."),
-    Quantity("energy_dissipated_holder_J", "Dissipated by friction of the holder",
+    Quantity("energy_dissipated_holder_J", "Dissipated by friction in the guide",
              note="Part of the dissipated energy."),
-    Quantity("energy_absorbed_J", "Taken by absorbing spheres", note="Part of the dissipated energy."),
+    Quantity("energy_absorbed_J", "Absorbed by absorbing spheres",
+             note="Part of the dissipated energy."),
     Quantity("energy_bar_J", "Energy of the bar", note="At the end, kinetic and elastic."),
-    Quantity("energy_incident_bar_J", "Energy of the incident bar", note="At the end, kinetic and elastic."),
+    Quantity("energy_incident_bar_J", "Energy of the incident bar",
+             note="At the end, kinetic and elastic."),
     # contacts
-    Quantity("peak_force_N", "Peak contact force, walls left out", "Of all contacts between two spheres at any time; "
-             "in the continuum that of the punch.", short="peak force, walls left out", digits=".6g", axis="Peak force between spheres",
-             symbol=r"F_\mathrm{max}"),
-    Quantity("peak_force_with_walls_N", "Peak contact force, walls included", "Of all contacts at any time, those of "
-             "spheres with walls, plates and bars included.", short="peak force, with walls", digits=".6g", axis="Peak force, walls included",
+    Quantity("peak_force_N", "Peak contact force, excluding walls",
+             "Over all contacts between two spheres at any time; in the continuum, the force on "
+             "the punch.", short="peak force, excluding walls", digits=".6g",
+             axis="Peak force between spheres", symbol=r"F_\mathrm{max}"),
+    Quantity("peak_force_with_walls_N", "Peak contact force, including walls",
+             "Over all contacts at any time, including contacts with walls, plates and bars.",
+             short="peak force, with walls", digits=".6g", axis="Peak force, including walls",
              symbol=r"F_\mathrm{max}"),
     Quantity("peak_force_error_N", "Error bar of the peak contact force", digits=".2g",
-             meaning="Largest deviation of the contact law from finite elements that law elastoplastic-fe states for the "
-             "contact with the peak force.",
-             note="Of the law at that overlap, not of the run; null for other laws, beyond the range of the fit, with "
-             "cohesion and with a yield strength that follows the rate."),
-    Quantity("peak_overlap_m", note="Of any contact at any time."),
+             meaning="Largest deviation of the contact law from finite elements, as given by law "
+             "elastoplastic-fe for the contact with the peak force.",
+             note="Error of the law at this overlap, not of the run; null for other laws, outside "
+             "the range of the fit, with cohesion and with a rate-dependent yield strength."),
+    Quantity("peak_overlap_m", note="Over all contacts at any time."),
     Quantity("contacts_beyond_law", "Contacts beyond the law", short="contacts beyond 0.2 R*",
-             note="Contacts that were pressed beyond 0.2 R*, where the fit of the law ends."),
-    Quantity("contacts_beyond_half_law", "Contacts beyond half the law",
-             note="Contacts that were pressed beyond 0.1 R*."),
+             note="Contacts whose overlap exceeded 0.2 R*, the limit of the fit of the law."),
+    Quantity("contacts_beyond_half_law", "Contacts beyond half the range of the law",
+             note="Contacts whose overlap exceeded 0.1 R*."),
     # plastic zone
     Quantity("n_plastic_contacts", "Yielded contacts",
-             "Contacts between two spheres whose overlap passed that of first yield in this run; a dent from before it "
-             "counts only if it grew. Just beyond first yield a contact keeps a dent and may dissipate nothing."),
+             "Contacts between two spheres whose overlap exceeded first yield in this run; an "
+             "earlier indentation counts only if it grew. Just beyond first yield a contact may "
+             "keep an indentation without dissipating energy."),
     Quantity("n_dissipating_contacts", "Yielded contacts that dissipated energy",
-             "Those of the yielded contacts that dissipated energy by yielding.", short="  that dissipated"),
-    Quantity("n_plastic_spheres", "Yielded spheres", axis="Yielded spheres",
-             symbol=r"N_\mathrm{p}", meaning="Spheres with a yielded contact; contacts with walls do not count."),
+             "Yielded contacts that dissipated energy by yielding.", short="  that dissipated"),
+    Quantity("n_plastic_spheres", "Yielded spheres", axis="Yielded spheres", symbol=r"N_\mathrm{p}",
+             meaning="Spheres with a yielded contact; contacts with walls are not counted."),
     Quantity("n_dissipating_spheres", "Spheres that dissipated energy",
-             "By any cause, at walls too: the number in the figures of dissipation. Spheres whose contacts yielded, but "
-             "dissipated nothing yet, are not among them.", short="dissipating spheres"),
-    Quantity("plastic_zone_volume_m3", "Plastic zone volume", "Of all spheres that yielded; in the continuum the "
-             "largest volume at yield at one instant. Not to be compared with each other.", short="plastic zone",
-             digits=".4g", phrase="{} m3 at one instant", axis="Plastic zone", symbol=r"V_\mathrm{p}"),
-    Quantity("plastic_zone_depth_m", "Outermost yield, depth", _OUTERMOST, digits=".4g",
-             axis="Depth of the outermost yield", symbol=r"z_\mathrm{p}"),
-    Quantity("plastic_zone_radius_m", "Outermost yield, radius", _OUTERMOST, digits=".4g"),
+             "By any mechanism, including contacts with walls; the number in the figures of "
+             "dissipation. Excludes spheres whose contacts yielded without dissipating energy.",
+             short="dissipating spheres"),
+    Quantity("plastic_zone_volume_m3", "Plastic zone volume",
+             "Volume of all spheres that yielded; in the continuum, the largest yielding volume at "
+             "one instant. The two cannot be compared.", short="plastic zone", digits=".4g",
+             phrase="{} m3 at one instant", axis="Plastic zone", symbol=r"V_\mathrm{p}"),
+    Quantity("plastic_zone_depth_m", "Plastic zone, depth", _OUTERMOST, digits=".4g",
+             axis="Depth of the plastic zone", symbol=r"z_\mathrm{p}"),
+    Quantity("plastic_zone_radius_m", "Plastic zone, radius", _OUTERMOST, digits=".4g"),
     *_zone_sizes(),
-    Quantity("zone_cut", "Bounds that the zone reaches",
-             "A sphere (element) that yielded touches them: the outermost yield is cut there.", short="zone reaches"),
-    Quantity("zone_growing", "Outermost yield that still moved out at the end",
-             "The outermost sphere in depth, or radius, yielded in the last tenth of the run."),
-    Quantity("wave_returned", "Bounds whose waves came back",
-             "A wave that they reflect can have come back, within the run, to what holds 99 %."),
-    Quantity("wave_return_s", "Earliest return of a wave",
-             "From the first peaks of force at the bound and at the zone; continuum: from the speed of compression."),
-    Quantity("wave_return_share", "Share dissipated after waves came back",
-             "Of the energy dissipated by yielding: at most so much is owed to waves that came back."),
+    Quantity("zone_cut", "Boundaries reached by the plastic zone",
+             "Boundaries that a yielded sphere (element) touches, which limit the zone.",
+             short="zone reaches"),
+    Quantity("zone_growing", "Plastic zone still growing at the end",
+             "The outermost sphere in depth or radius yielded in the last tenth of the run."),
+    Quantity("wave_returned", "Boundaries with returned reflections",
+             "Boundaries whose reflected wave can reach the 99 % zone before the end of the run."),
+    Quantity("wave_return_s", "Earliest return of a reflection",
+             "From the first force peaks at the boundary and at the zone; continuum: from the "
+             "speed of compression waves."),
+    Quantity("wave_return_share", "Fraction dissipated after reflections arrived",
+             "Upper limit of the fraction of plastic dissipation that is due to reflections."),
     # static stage
     Quantity("energy_stored_J", "Energy stored by precompression",
-             "Elastic energy in the contacts after the static stage, from which the run's energies count."),
+             "Elastic energy of the contacts after the static stage, the reference of the energies "
+             "of the run."),
     Quantity("precompression_residual", "Residual of the static stage",
-             "Largest net force on a sphere after the static stage, over the largest contact force."),
+             "Largest net force on a sphere after the static stage, relative to the largest "
+             "contact force."),
     # bottom and target
-    Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom", digits=".6g",
-             note="Largest force of the packing on the bottom."),
-    Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom", digits=".6g",
-             note="Of the force on the bottom up to the end."),
-    Quantity("wall_*_peak_force_N", "Peak force on a side wall", "Of each by its name: xlo, xhi, ylo, yhi or tube."),
+    Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom",
+             digits=".6g", note="Largest force of the packing on the bottom."),
+    Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom",
+             digits=".6g", note="Integral of the force on the bottom up to the end."),
+    Quantity("wall_*_peak_force_N", "Peak force on a side wall",
+             "For each wall by name: xlo, xhi, ylo, yhi or tube."),
     Quantity("wall_*_impulse_Ns", "Impulse on a side wall", "Integral of its force over the run."),
-    Quantity("plate_peak_force_N", "Peak force on the plate", "Of all grains on a rigid plate.", digits=".6g"),
-    Quantity("plate_impulse_Ns", "Impulse on the plate", "Integral of that force over the run.", digits=".6g"),
-    Quantity("plate_velocity_m_s", "Plate at the end", "Velocity into the packing; negative: it rebounds.",
-             digits=".5g", axis="Velocity of the plate at the end", symbol=r"v_\mathrm{p}"),
+    Quantity("plate_peak_force_N", "Peak force on the plate",
+             "Force of all grains on a rigid plate.", digits=".6g"),
+    Quantity("plate_impulse_Ns", "Impulse on the plate", "Integral of this force over the run.",
+             digits=".6g"),
+    Quantity("plate_velocity_m_s", "Plate velocity at the end",
+             "Velocity into the packing; negative: it rebounds.", digits=".5g",
+             axis="Velocity of the plate at the end", symbol=r"v_\mathrm{p}"),
     Quantity("energy_plate_J", "Kinetic energy of the plate", "Part of the kinetic energy."),
     Quantity("base_arrival_s", "Arrival at the bottom",
-             "When the force on the bottom has first risen by 1 % of its largest rise."),
-    Quantity("target_peak_force_N", "Peak force on the target", "That on the bottom, which the packing protects."),
+             "Time at which the force on the bottom first rises by 1 % of its largest rise."),
+    Quantity("target_peak_force_N", "Peak force on the target",
+             "Force on the bottom, which the packing protects."),
     Quantity("target_peak_displacement_m", "Largest displacement of the target",
-             note="Outward, from its place before the impact."),
+             note="Outward, from its position before the impact."),
     Quantity("energy_target_J", "Work on the target",
-             "Work that the packing did on the bottom up to the end; none on a bottom that does not move."),
+             "Work of the packing on the bottom up to the end; zero for a fixed bottom."),
     Quantity("support_energy_J", "Energy in the support",
-             "Kinetic and elastic energy of what the bottom rests on; part of the elastic energy."),
-    Quantity("support_lost_J", "Energy that the support's damper took",
-             "What its damper, or the end of a bar without an echo, took; part of the dissipated energy."),
+             "Kinetic and elastic energy of the support of the bottom; part of the elastic "
+             "energy."),
+    Quantity("support_lost_J", "Energy absorbed by the damper of the support",
+             "Energy absorbed by the damper, or by the non-reflecting end of a bar; part of the "
+             "dissipated energy."),
     Quantity("ground_peak_force_N", "Peak force on the ground",
-             "Out of the bottom's last spring or damper; the force on the bottom where that is at rest."),
+             "Force of the last spring or damper of the bottom; for a bottom at rest, the force on "
+             "the bottom."),
     Quantity("unprotected_peak_force_N", "Peak force without the packing",
              "The same impact directly on the bottom, without the packing."),
     Quantity("unprotected_ground_peak_force_N", "Peak force on the ground without the packing",
              note="The same impact directly on the bottom."),
-    Quantity("peak_reduction", "Peak reduction", "Peak force on the bottom without the packing, over that with it "
-             "(without a precompression's); null for loads that oscillate.", short="peak without packing", digits=".3g",
-             phrase="{} times as high", axis="Peak force without packing / with it"),
-    Quantity("ground_peak_reduction", "Peak reduction on the ground", "The same of the force on the ground."),
+    Quantity("peak_reduction", "Peak reduction",
+             "Peak force on the bottom without the packing, divided by the peak force with it "
+             "(excluding the static force of a precompression); null for oscillating loads.",
+             short="peak without packing", digits=".3g", phrase="{} times as high",
+             axis="Peak force without / with packing"),
+    Quantity("ground_peak_reduction", "Peak reduction on the ground",
+             "As the peak reduction, for the force on the ground."),
     Quantity("peak_reduction_per_kg", "Peak reduction per mass of packing",
-             note="Peak reduction over the mass of the packing."),
+             note="Peak reduction divided by the mass of the packing."),
     Quantity("peak_reduction_per_m", "Peak reduction per height of packing",
-             note="Peak reduction over the height of the packing."),
+             note="Peak reduction divided by the height of the packing."),
     Quantity("packing_mass_kg", "Mass of the packing"),
     Quantity("packing_height_m", "Height of the packing"),
     # motion
     Quantity("wave_speed_m_s", digits=".4g", axis="Wave speed", symbol="c",
-             note="Of the front of the wave, in the deeper half of the packing: a contact is reached when its force "
-             "first passes 10 % of its largest. Needs nine layers. Null of cylinders beside each other."),
-    Quantity("impactor_velocity_m_s", "Struck sphere at the end", digits=".5g",
-             note="Along the impact or load.direction; negative: it moves back."),
+             note="Speed of the wave front in the deeper half of the packing: the front reaches a "
+             "contact when its force first exceeds 10 % of its largest value. Requires at least "
+             "nine layers. Null for parallel cylinders."),
+    Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
+             note="Velocity along the impact or load.direction; negative: it rebounds."),
     Quantity("restitution", axis="Coefficient of restitution", symbol="e",
-             note="Of a single sphere on a rigid wall, or of two spheres of which one is struck."),
+             note="For a single sphere on a rigid wall, or for the impact of two spheres."),
     Quantity("restitution_error", "Error bar of the restitution", digits=".2g",
-             meaning="Largest deviation of the coefficient of restitution from finite elements that law "
-             "elastoplastic-fe states.",
-             note="Null where peak_force_error_N is, and with contact.loss."),
-    Quantity("sensor_*_peak_force_N", note="Of a chain: largest mean of the two contact forces of the bead."),
-    Quantity("sensor_*_peak_acceleration_m_s2", note="Of other packings."),
-    Quantity("sensor_*_peak_velocity_m_s", note="Of other packings."),
+             meaning="Largest deviation of the coefficient of restitution from finite elements, as "
+             "given by law elastoplastic-fe.",
+             note="Null if peak_force_error_N is null, and with contact.loss."),
+    Quantity("sensor_*_peak_force_N",
+             note="For chains: largest mean of the two contact forces of the bead."),
+    Quantity("sensor_*_peak_acceleration_m_s2", note="For other packings."),
+    Quantity("sensor_*_peak_velocity_m_s", note="For other packings."),
     # lines of grains
     Quantity("line_*_front_speed_m_s", "Front speed along a line",
-             "Slope of distance against arrival, when a grain first moves at 5 % of the speed of the load."),
+             "Slope of distance against arrival time, at which a grain first moves at 5 % of the "
+             "speed of the load."),
     Quantity("line_*_peak_first_m_s", "First peak along a line",
-             "Peak speed: the first maximum above 5 % of the speed of the load that a fall by 10 % follows."),
-    Quantity("line_*_peak_last_m_s", "Last peak along a line", "Of its last grain that has a first pulse."),
+             "Peak speed: the first maximum above 5 % of the speed of the load, followed by a "
+             "decrease of at least 10 %."),
+    Quantity("line_*_peak_last_m_s", "Last peak along a line",
+             "First peak of the last grain that has one."),
     Quantity("line_*_decay_first_per_m", "Decay along a line, first region",
-             "Of the peak speed, by a continuous broken line in its logarithm; grains that a floor holds left out."),
-    Quantity("line_*_decay_second_per_m", "Decay along a line, second region", "Beyond the border of the two."),
-    Quantity("line_*_decay_border_m", "Border of the regions, along the line", "Distance from its first grain."),
-    Quantity("line_*_decay_per_m", "Decay along a line, one region", "By one exponential through the same peaks."),
-    Quantity("line_*_largest_speed_mean_m_s", "Largest speeds of a line, mean", "Over its grains, of the whole run."),
-    Quantity("line_*_largest_speed_deviation_m_s", "Largest speeds of a line, standard deviation", "Over n - 1."),
-    Quantity("line_*_largest_speed_skewness", "Largest speeds of a line, skewness", "Corrected for their number."),
+             "Decay of the peak speed, from a continuous broken line fitted to its logarithm; "
+             "excludes grains near a fixed floor."),
+    Quantity("line_*_decay_second_per_m", "Decay along a line, second region",
+             "Beyond the border between the two regions."),
+    Quantity("line_*_decay_border_m", "Border of the regions, along the line",
+             "Distance from its first grain."),
+    Quantity("line_*_decay_per_m", "Decay along a line, one region",
+             "From a single exponential through the same peaks."),
+    Quantity("line_*_largest_speed_mean_m_s", "Largest speeds of a line, mean",
+             "Mean over its grains, for the whole run."),
+    Quantity("line_*_largest_speed_deviation_m_s", "Largest speeds of a line, standard deviation",
+             "With n - 1 in the denominator."),
+    Quantity("line_*_largest_speed_skewness", "Largest speeds of a line, skewness",
+             "Corrected for the sample size."),
     Quantity("line_*_largest_speed_normal_p", "Largest speeds of a line, p of normality",
-             "Of the test of Shapiro and Wilk: small where they are not normally distributed."),
+             "From the Shapiro-Wilk test: small values reject a normal distribution."),
 )  # fmt: skip
 
 _OF_THE_CORE = {entry.name: entry for entry in ENTRIES}
@@ -465,8 +529,10 @@ SCAN_FIGURES = {
     "peak_force": "peak_force_N", "wave_speed": "wave_speed_m_s",
 }  # fmt: skip
 
-#: What figures show of results of 1.0 and earlier, which lack a value of `SCAN_FIGURES`.
-_EARLIER = {
+#: Values that figures show in place of one of `SCAN_FIGURES` that a scan lacks: that of results of
+#: 1.0 and earlier, and the force at walls where points have no contact between spheres.
+_IN_PLACE = {
+    "peak_force_N": "peak_force_with_walls_N",
     "zone_depth_90_interpolated_m": "zone_depth_90_m",
     "zone_radius_90_interpolated_m": "zone_radius_90_m",
 }
@@ -485,6 +551,6 @@ def scan_figures(there: Container[str]) -> dict[str, str]:
     have the values ``there``.
     """
     return {
-        name: _EARLIER[key] if key in _EARLIER and key not in there else key
+        name: _IN_PLACE[key] if key not in there and _IN_PLACE.get(key) in there else key
         for name, key in all_scan_figures().items()
     }

@@ -84,7 +84,7 @@ def estimate(
     """
     found = np.asarray(values, dtype=np.float64)
     if not len(found):
-        raise ValueError("found no value, expected one at least")
+        raise ValueError("found no value, expected at least one")
     mean = float(np.mean(found))
     deviation = float(np.std(found, ddof=1)) if len(found) > 1 else math.nan
     if deviation < _ROUNDING * abs(mean):
@@ -112,7 +112,7 @@ def seeds_needed(deviation: float, wanted: float) -> int:
         raise ValueError(f"found a half-width of {wanted}, expected a positive one")
     if not half_width(deviation, _MOST_SEEDS) <= wanted:
         raise ValueError(
-            f"a half-width of {wanted} takes more than {_MOST_SEEDS} values, expected a wider one"
+            f"a half-width of {wanted} requires more than {_MOST_SEEDS} values; use a wider one"
         )
     wide = range(2, _MOST_SEEDS + 1)  # the half-width decreases with their number
     return wide[bisect.bisect_left(wide, True, key=lambda n: half_width(deviation, n) <= wanted)]

@@ -200,7 +200,7 @@ def _added_values(result: Result, own: Summary) -> Summary:
             values[extension] = found
         except Exception as error:  # of anyone's package; it costs no other value
             reason = f"{type(error).__name__}: {error}"
-            logger.warning("values of the extension %s are left out: %s", extension, reason)
+            logger.warning("values of the extension %s are omitted: %s", extension, reason)
     added = joined("value of summary.json", dict.fromkeys(own), values)
     return {name: added[name] for name in added if name not in own}
 

@@ -60,7 +60,7 @@ def summary_rows(
         value = None if entry.name in left_out else summary.get(entry.name)
         if value is not None:
             growing = _GROWING.get(entry.name) in (summary.get("zone_growing") or ())
-            text = entry.text(value) + (", still moving out at the end" if growing else "")
+            text = entry.text(value) + (", still growing at the end" if growing else "")
             if entry.name == "n_cylinders" and called != GRAINS:
                 continue  # all grains are
             label = entry.short if entry.name == "n_cylinders" else in_grains(entry.short, called)
@@ -90,7 +90,7 @@ def explanation(key: str) -> str:
 def _zone_rows(summary: Mapping[str, Any]) -> list[SummaryRow]:
     """Size of the plastic zone, as far as it applies, and the bounds that it reaches."""
     rows = []
-    label = f"{', '.join(map(str, SHARES))} % of yielding"
+    label = f"{', '.join(map(str, SHARES))} % of plastic dissipation"
     for what, unit in (("depth", "m"), ("radius", "m"), ("volume", "m3")):
         keys = tuple(f"zone_{what}_{percent}_{unit}" for percent in SHARES)
         found = [f"{summary[key]:.4g}" for key in keys if summary.get(key) is not None]
@@ -105,9 +105,7 @@ def _zone_rows(summary: Mapping[str, Any]) -> list[SummaryRow]:
             label = ""
     if summary.get("zone_cut") is not None:
         rows.append(
-            SummaryRow(
-                "bounds that it reaches", bounds_in_words(summary["zone_cut"]), ("zone_cut",)
-            )
+            SummaryRow("reaches boundaries", bounds_in_words(summary["zone_cut"]), ("zone_cut",))
         )
     return rows
 

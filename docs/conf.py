@@ -20,7 +20,9 @@ extensions = [
     "sphinx_copybutton",
     "code_tables",  # reference pages from the code's own tables, in _ext
     "studies",  # the gallery, in _ext
+    "mathml",  # equations without a script, in _ext
 ]
+html_math_renderer = "mathml"
 myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
 nb_execution_mode = "force"

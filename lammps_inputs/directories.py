@@ -22,12 +22,12 @@ def output_path(name: str | Path) -> Path:
     """
     if not str(name):
         raise InputError(
-            'found the empty name "", expected that of a file or directory (. is the present directory)'
+            'found the empty name "", expected a file or directory (. is the current directory)'
         )
     path = Path(name)
     if path.parts and path.parts[0].startswith("~"):
         raise InputError(
-            f"{path}: the shell did not replace {path.parts[0]}; write the whole path, or $HOME"
+            f"{path}: the shell did not expand {path.parts[0]}; use the full path, or $HOME"
         )
     return path
 
@@ -58,8 +58,8 @@ def results_directory(name: str | Path) -> Path:
         places[Path.home().resolve()] = "your home directory"
     if there in places:
         raise InputError(
-            f"{path}: is {places[there]}; "
-            "choose a directory for the results alone with directory=..."
+            f"{path}: is {places[there]}; choose a separate directory for the results with "
+            "directory=..."
         )
     return path.absolute()
 
@@ -84,8 +84,7 @@ def refuse_other_file(path: Path, own: bytes) -> None:
         )
     if os.path.lexists(path) and not re.search(own, head(path)):
         raise InputError(
-            f"{path}: is there, and granwave did not write it; "
-            "choose another name with directory=..."
+            f"{path}: exists, and granwave did not write it; choose another name with directory=..."
         )
 
 
@@ -128,4 +127,4 @@ def disk_space_message(what: str, needed: float, spare: float, free: float) -> s
     """Describe the disk space that is needed, must stay free and is free; all in bytes."""
     needed, spare, free = (size / 1e9 for size in (needed, spare, free))
     left = f" and {spare:.3g} GB must stay free" if spare else ""
-    return f"{what} need about {needed:.3g} GB{left}, {free:.3g} GB are free there"
+    return f"{what} require about {needed:.3g} GB{left}, but only {free:.3g} GB are free"

@@ -141,7 +141,7 @@ class InputError(GranwaveError, ValueError):
     def faults(self) -> list[str]:
         """Former name of ``errors``, deprecated since 0.3."""
         warnings.warn(
-            "InputError.faults is now called errors; refused from 1.1",
+            "InputError.faults is now called errors; removed in 1.1",
             DeprecationWarning,
             stacklevel=2,
         )

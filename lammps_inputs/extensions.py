@@ -88,6 +88,8 @@ class Extension:
         summary.json by name; their `Quantity` is among ``quantities``.
     figures
         Figures of a run: reference to a `granwave.analysis.figures.run_figures.RunFigure` by name.
+    figures_on_request
+        Names of those of ``figures`` that are drawn only where they, or all, are asked for.
     products
         Files that a run leaves besides figures, as ``[figures]`` of its case asks: reference to a
         sequence of `granwave.analysis.products.Product`.
@@ -130,6 +132,7 @@ class Extension:
     quantities: str = ""
     summary: str = ""
     figures: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    figures_on_request: tuple[str, ...] = ()
     products: str = ""
     exports: Mapping[str, str] = dataclasses.field(default_factory=dict)
     studies: Mapping[str, str] = dataclasses.field(default_factory=dict)
@@ -195,7 +198,7 @@ def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
 def of_left_out(extension: str) -> str:
     """Return that something belongs to an extension that is left out, and the remedy."""
     owner = f"it belongs to the extension {extension}"
-    return f"{owner}, which {WITHOUT} leaves out: remove it from there"
+    return f"{owner}, which {WITHOUT} hides: remove it from {WITHOUT}"
 
 
 def entries_left_out(field: str) -> list[tuple[str, Any]]:
@@ -242,7 +245,7 @@ def _load(point: EntryPoint) -> Extension | None:
             return extension
         reason = f"{point.value} is a {type(extension).__name__}, expected an Extension"
     _LOG.warning(
-        "extension %s is left out, it cannot be loaded: %s; %s=%s silences this",
+        "extension %s cannot be loaded and is ignored: %s; %s=%s suppresses this message",
         point.name,
         reason,
         WITHOUT,
@@ -297,8 +300,8 @@ def _loaded(extension: Extension, field: str, reference: str) -> Any:
     except Exception as error:  # of anyone's package
         reason = f"{type(error).__name__}: {error}"
     raise InputError(
-        f"extension {extension.name}: {field} {reference} cannot be loaded: {reason}; "
-        f"fix it, or leave the extension out: {WITHOUT}={extension.name}"
+        f"extension {extension.name}: {field} {reference} cannot be loaded: {reason}; fix it, or "
+        f"hide the extension with {WITHOUT}={extension.name}"
     )
 
 
@@ -392,8 +395,8 @@ def joined(
         for name, entry in entries.items():
             if name in table:
                 raise InputError(
-                    f"{noun} {name}: it is in {owners[name]} and in the extension {extension}; "
-                    f"rename one, or leave the extension out: {WITHOUT}={extension}"
+                    f"{noun} {name}: both {owners[name]} and the extension {extension} define it; "
+                    f"rename one, or hide the extension with {WITHOUT}={extension}"
                 )
             table[name] = entry
             owners[name] = f"the extension {extension}"
@@ -414,5 +417,8 @@ def missing_package(error: ModuleNotFoundError) -> str:
         if package in extension.packages:
             what = extension.packages[package]
             command = install_command(extension)
-            return f"{what} is not installed, which {extension.name} needs: {command}"
+            return (
+                f"{what} is not installed, but the extension {extension.name} requires it: "
+                f"{command}"
+            )
     return ""

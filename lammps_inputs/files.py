@@ -277,8 +277,8 @@ def refuse_too_large(what: str, memory: float, remedy: str, available: float | N
     available = available_memory() if available is None else available
     if memory > available:
         raise InputError(
-            f"{what} need about {memory / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB; "
-            f"{remedy} or change machine"
+            f"{what} require about {memory / 2**30:.1f} GiB of memory; available: "
+            f"{available / 2**30:.1f} GiB; {remedy} or another machine"
         )
 
 
@@ -345,7 +345,10 @@ def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
     )
 
 
-_KEYS = ("file", "restart", "initial_overlap")  # last parts of the keys whose strings are paths
+# last parts of the keys whose strings are paths
+_KEYS = ("file", "restart", "initial_overlap", "stl")
+_LAW = "law"  # last part of the key of a law, or of a file with one
+TOML_SUFFIX = ".toml"
 
 
 def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:
@@ -375,13 +378,13 @@ def _with_paths(value: Any, key: str, change: Callable[[str], str]) -> Any:
         return {name: _with_paths(item, name, change) for name, item in value.items()}
     if isinstance(value, list | tuple):
         return type(value)(_with_paths(item, key, change) for item in value)
-    is_path = (
-        isinstance(value, str)
-        and key.rpartition(".")[2] in _KEYS
-        and value.strip()
-        and "\0" not in value
-    )
-    return change(value) if is_path else value
+    is_path = isinstance(value, str) and value.strip() and "\0" not in value
+    return change(value) if is_path and _names_file(key.rpartition(".")[2], value) else value
+
+
+def _names_file(key: str, value: str) -> bool:
+    """Return True for a value, by the last part of its key, that is a path."""
+    return key in _KEYS or (key == _LAW and value.endswith(TOML_SUFFIX))
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:

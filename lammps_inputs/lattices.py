@@ -76,18 +76,21 @@ _ALONG_A_LINE = ZoneEstimate(PowerLaw(75.0, 0.0), PowerLaw(0.0, 0.0), spread=1.0
 KINDS: dict[str, PackingKind] = {
     "fcc": PackingKind(
         label="FCC",
-        layers="hexagonal, in the order ABC; impact along [111]",
+        layers="hexagonal layers in the order ABC; impact along [111]",
         axes="xyz",
         layer_period=3,
         row_period=2,
         pitch=_HEXAGONAL_PITCH,
         site=hexagonal_site(3),
-        planes=(SectionPlane(_X, _CLOSE_PACKED, down_label="Down the plane"), SectionPlane(_Y, _Z)),
+        planes=(
+            SectionPlane(_X, _CLOSE_PACKED, down_label="Depth along the plane"),
+            SectionPlane(_Y, _Z),
+        ),
         zone_growth=_OF_CLOSE_PACKED,
     ),
     "hcp": PackingKind(
         label="HCP",
-        layers="hexagonal, in the order AB",
+        layers="hexagonal layers in the order AB",
         axes="xyz",
         layer_period=2,
         row_period=2,
@@ -98,7 +101,7 @@ KINDS: dict[str, PackingKind] = {
     ),
     "bcc": PackingKind(
         label="BCC",
-        layers="square, odd ones shifted by half a side",
+        layers="square layers, odd ones shifted by half a side",
         axes="xyz",
         layer_period=2,
         pitch=_BODY_CENTRED_PITCH,
@@ -108,7 +111,7 @@ KINDS: dict[str, PackingKind] = {
     ),
     "sc": PackingKind(
         label="Simple cubic",
-        layers="square, on top of each other",
+        layers="square layers, directly above each other",
         axes="xyz",
         pitch=_SIMPLE_PITCH,
         site=simple_site,
@@ -125,8 +128,8 @@ KINDS: dict[str, PackingKind] = {
     ),
     "hexagonal": PackingKind(
         label="Hexagonal",
-        layers="rows of n and n - 1 in turn in the x-z plane, six neighbours; "
-        "`top_row` says which is struck",
+        layers="rows of n and n - 1 grains in turn in the x-z plane, six neighbours; `top_row` "
+        "selects the impacted row",
         axes="xz",
         layer_period=2,
         pitch=_SIMPLE_PITCH,
@@ -135,7 +138,7 @@ KINDS: dict[str, PackingKind] = {
     ),
     "centred-square": PackingKind(
         label="Centred square",
-        layers="the same, rows apart by a side of a square: four neighbours, at 45 degrees",
+        layers="as hexagonal, but with four neighbours at 45 degrees",
         axes="xz",
         layer_period=2,
         pitch=(math.sqrt(2), 1.0),
@@ -271,7 +274,8 @@ class Lattice:
         """Periods of a periodic packing along x and y, or else the width of a crystal in x-z and a
         diameter, m.
         """
-        (nx, ny, _), (x, y) = self.shape, self.rule.pitch
+        nx, ny, _ = self.shape
+        x, y = self.rule.pitch
         if not self.rule.is_plane_crystal:
             return nx * x * self.spacing, ny * y * self.spacing
         width, depth = (nx * x, _IMAGE) if self.periodic else ((nx - 1) * x + 1, 1.0)
@@ -314,12 +318,11 @@ class Lattice:
         _, ny, nz = self.shape
         rows = _ends(ny, self.rule.row_period)
         layers = _ends(nz, self.rule.layer_period)
-        corners = [
-            self._before(k) + self._row(k) * j + i
-            for k in layers
-            for j in rows
-            for i in (0, self._row(k) - 1)
-        ]
+        corners = []
+        for k in layers:
+            for j in rows:
+                for i in (0, self._row(k) - 1):
+                    corners.append(self._before(k) + self._row(k) * j + i)
         sites = self._centres(np.array(corners))
         return np.stack([sites.min(axis=0), sites.max(axis=0)])
 

@@ -21,6 +21,7 @@ from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.found_contacts import with_contacts
 from granwave.lammps_inputs.packing.places import centred
+from granwave.lammps_inputs.statics.stiffening import stiffened_bed
 
 
 def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
@@ -45,7 +46,7 @@ def load_assembly(path: str | Path, overrides: Iterable[str] | Mapping[str, Any]
     changes = parse_overrides(overrides)
     record = [key for key in changes if key.split(".")[0] == RECORD]
     if record:
-        sentence = f"[{RECORD}] is a record of a run, it cannot be set"
+        sentence = f"[{RECORD}] is a record of a run and cannot be set"
         raise InputError(fault_of(sentence, key=key, changed=True) for key in record)
     data = apply_overrides(read_toml(path), changes)
     return assembly_from_dict(data, path, overridden=changes)
@@ -82,11 +83,20 @@ def assembly_from_dict(
     check_together(PartialCase(parts), errors)
     errors.report(parts["name"])
     parts["striker"] = centred(parts["striker"], parts["packing"], parts["boundary"])
-    case = Case(**parts)
+    assembly = _checked(Case(**parts), errors)
+    stiffened = stiffened_bed(assembly)
+    if stiffened is not None:
+        errors.notes.append(stiffened.note)
+        assembly = _checked(stiffened.case_of(assembly.case), errors)
+    warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
+    return assembly
+
+
+def _checked(case: Case, errors: ErrorList) -> Assembly:
+    """Check a case, and return all its bodies."""
     assembly = check_case(case, errors)
     errors.report(case.name)
     assert assembly is not None  # it is None only with errors
-    warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
     return assembly
 
 

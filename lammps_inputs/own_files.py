@@ -177,8 +177,8 @@ class OwnFiles(os.PathLike[str]):
             if not self.marker.kind and os.path.lexists(self / run_directory.MARKER):
                 reason = f"{run_directory.MARKER}, the list of what granwave wrote, is damaged"
             raise InputError(
-                f"{self.path}: {_few(foreign)} would be overwritten, and {reason}; move {it} away, "
-                "or choose another directory with directory=..."
+                f"{self.path}: {_few(foreign)} would be overwritten, and {reason}; move {it} "
+                "elsewhere, or choose another directory with directory=..."
             )
 
     def foreign(self, names: Iterable[str]) -> list[str]:
@@ -272,7 +272,7 @@ class OwnFiles(os.PathLike[str]):
                 "choose another with directory=..."
             )
 
-    def refuse_results(self, resume: str = "resume=True goes on with them, ") -> None:
+    def refuse_results(self, resume: str = "resume=True continues with them, ") -> None:
         """Raise InputError if the directory holds results; ``resume`` says what --resume does with
         them.
         """
@@ -419,8 +419,8 @@ class OwnFiles(os.PathLike[str]):
             return
         if self.path.is_symlink():
             raise InputError(
-                f"{self.path}: is a link to {place}, and force=True moves nothing through a link; "
-                "give that directory with directory=..."
+                f"{self.path}: is a link to {place}, and force=True does not move results through "
+                "a link; give the target directory with directory=..."
             )
         old = self.free_old_path()
         fault = ""
@@ -430,8 +430,8 @@ class OwnFiles(os.PathLike[str]):
             fault = f"{place.parent} cannot be written to"
         if fault:
             raise InputError(
-                f"{self.path}: force=True cannot move the results there to {old}: {fault}; "
-                "move them away, or choose another directory with directory=..."
+                f"{self.path}: force=True cannot move the results to {old}: {fault}; move them "
+                "elsewhere, or choose another directory with directory=..."
             )
 
     def clear_scratch(self, names: Collection[str]) -> None:

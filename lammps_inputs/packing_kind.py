@@ -163,7 +163,7 @@ class PackingKind:
     @property
     def noun(self) -> str:
         """Name of a packing without faces in sentences: ``a chain``, ``a crystal in the plane``."""
-        return "a chain" if self.is_chain else "a crystal in the plane"
+        return "a chain" if self.is_chain else "a plane crystal"
 
     @property
     def is_close_packed(self) -> bool:

@@ -15,6 +15,7 @@ values, and what the contacts with the lower and the upper wall remember
 from __future__ import annotations
 
 import dataclasses
+import re
 import struct
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -25,6 +26,8 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.files import read_regular
 
 _MARK = b"LammpS RestartT\x00"
+_DATA_FILE = re.compile(rb"^[ \t]*[0-9]+[ \t]+atoms\b", re.MULTILINE)
+_HEAD_OF_DATA = 1000  # bytes in which a data file says how many atoms it has
 _WORD = 4  # bytes of an int
 _VALUE = 8  # bytes of a double
 _PLACE = slice(1, 4)
@@ -37,9 +40,8 @@ _SPIN = slice(13, 16)
 _SHORTEST = 16  # values of a sphere, the angular velocity last
 
 NO_CLUMPS = (
-    'give the grains with a column "clump" as packing.kind = "file" with packing.contacts = '
-    '"relax"; if they are no clumps, settle the bed without fix property/atom and neigh_modify '
-    "exclude"
+    "write the file with the number of the clump of each sphere, by fix property/atom mol; if they "
+    "are not clumps, settle the bed without neigh_modify exclude"
 )
 
 # fixes with states of atoms: they stand in a list at most so far before the history of contacts
@@ -195,8 +197,17 @@ def read_restart(path: Path) -> RestartSpheres:
         It cannot be read.
     """
     content = read_regular(path)
-    if not content.startswith(_MARK) or not content.endswith(_MARK):
-        raise ValueError("found no restart file of LAMMPS, expected one that write_restart wrote")
+    if _DATA_FILE.search(content[:_HEAD_OF_DATA]) is not None:
+        raise ValueError(
+            "found a LAMMPS data file, which has no plastic indentations and springs; expected a "
+            'restart file: add write_restart next to write_data, or use packing.kind = "file"'
+        )
+    if content.startswith(_MARK) and not content.endswith(_MARK):
+        raise ValueError(
+            "found a LAMMPS restart file without its end; it is truncated: copy it again"
+        )
+    if not content.startswith(_MARK):
+        raise ValueError("found no LAMMPS restart file, expected a file written by write_restart")
     records = _records(content)
     if not records:
         raise ValueError("found no spheres, expected a restart file of atom_style sphere")
@@ -213,7 +224,7 @@ def read_restart(path: Path) -> RestartSpheres:
     states = [list(_states(records[row], len(fixes))) for row in order.tolist()]
     lengths = [_SHORTEST + sum(map(len, of_sphere)) for of_sphere in states]
     if fixes and lengths != [len(records[row]) for row in order.tolist()]:
-        raise ValueError("found atoms with more than spheres have, expected atom_style sphere")
+        raise ValueError("found atoms with additional attributes, expected atom_style sphere")
     spheres = RestartSpheres(
         rows[:, _PLACE],
         rows[:, _VELOCITY],

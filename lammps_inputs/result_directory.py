@@ -35,10 +35,10 @@ from granwave.lammps_inputs.processes import ALONE, Processes
 
 logger = logging.getLogger(__name__)
 _TAKEN = (
-    "Times, energies, forces and snapshots are those that LAMMPS computed; {}material, law, load, "
-    "walls, timestep and lattice are those of case.toml, and with them which contacts count as "
-    "yielded, the size of the plastic zone, and normalised values: where the change alters one of "
-    "these, they are wrong"
+    "Times, energies, forces and snapshots are the output of LAMMPS; {}material, law, load, "
+    "walls, timestep and lattice are read from case.toml, and therefore also the contacts counted "
+    "as yielded, the size of the plastic zone, and normalised values; if the change affects one "
+    "of these, they are invalid"
 )
 _DIGEST_LENGTH = 16
 _SHOWN = 3  # keys in a message
@@ -84,8 +84,8 @@ class ResultDirectory(OwnFiles):
             self._lock = _locked(self.path / run_directory.LOCK_FILE)
         except BlockingIOError:
             raise InputError(
-                f"{self.path}: another run or scan is at work there; wait for it, "
-                "or choose another with directory=..."
+                f"{self.path}: in use by another run or scan; wait for it, or choose another with "
+                "directory=..."
             ) from None
         except OSError as error:
             raise InputError(f"{self.path}: cannot be written to: {error.strerror}{way}") from None
@@ -176,8 +176,8 @@ class ResultDirectory(OwnFiles):
         """
         if resume and force:
             raise InputError(
-                "resume=True and force=True exclude each other: one goes on with what is there, "
-                "the other begins anew"
+                "resume=True and force=True exclude each other: the first continues, the second "
+                "restarts from the beginning"
             )
         results_directory(self.path)
         if force and self.result_names():
@@ -193,7 +193,7 @@ class ResultDirectory(OwnFiles):
         replaced = {(self.path / result).resolve() for result in self.result_names()}
         if not replaced.isdisjoint([there, *there.parents]):
             raise InputError(
-                f"{name}: contact.initial_overlap: {source}: is among the results that would be "
+                f"{name}: contact.initial_overlap: {source}: is one of the results that would be "
                 "replaced; choose another directory with directory=..."
             )
 
@@ -211,7 +211,7 @@ class ResultDirectory(OwnFiles):
             return ""
         old = self.set_aside(names)
         if old:
-            logger.info("%s: the results that were there are now in %s", self.path, old)
+            logger.info("%s: the previous results are now in %s", self.path, old)
         return old
 
     # ------------------------------------------------------------------ the case that was run
@@ -241,9 +241,9 @@ class ResultDirectory(OwnFiles):
             return
         shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
         raise InputError(
-            f"{path}: was changed after the run: {shown}. The results are of the case that was "
-            "run: run the changed one into another directory, or delete it: "
-            f"granwave analyse {self.path}  puts back what was run"
+            f"{path}: was changed after the run: {shown}. The results belong to the case that was "
+            "run: run the changed case in another directory, or delete it and restore the "
+            f"original with  granwave analyse {self.path}"
         )
 
     def restore_case(self) -> bool:
@@ -303,14 +303,17 @@ class ResultDirectory(OwnFiles):
             path = self.path / name
             size = path.stat().st_size
             if size != noted[name]:
-                return f"{path}: is not what the run wrote: it has {size} bytes, had {noted[name]}"
+                return (
+                    f"{path}: differs from the file that the run wrote: it has {size} bytes, "
+                    f"had {noted[name]}"
+                )
         summed = [name for name in there if name in marker.sums]
         sums = processes.map(checksum, [self.path / name for name in summed])
         for name, found in zip(summed, sums, strict=True):
             if found != marker.sums[name]:
                 return (
-                    f"{self.path / name}: is not what the run wrote: its checksum differs; it was "
-                    "damaged, or is of another run"
+                    f"{self.path / name}: differs from the file that the run wrote: its checksum "
+                    "differs; it is damaged, or belongs to another run"
                 )
         return ""
 
@@ -380,12 +383,12 @@ class ResultDirectory(OwnFiles):
             elif name == run_directory.DATA_FILE:
                 raise InputError(
                     f"{self.path / name}: was changed after the run, and the positions of the "
-                    "spheres are read from it: put back what was run, or run the case again with "
-                    "force=True. A deck to be edited is made by granwave write"
+                    "spheres are read from it: restore the original, or run the case again with "
+                    "force=True. To edit an input script, use granwave write"
                 )
             else:
                 logger.warning(
-                    "%s: was changed after the run; the results are of what was run",
+                    "%s: was changed after the run; the results belong to the original file",
                     self.path / name,
                 )
 
@@ -394,12 +397,14 @@ class ResultDirectory(OwnFiles):
         path = self.path / name
         of_file = ""
         if name == run_directory.DATA_FILE:
-            of_file = "positions, diameters and densities are those of the file; "
+            of_file = "positions, diameters and densities are read from the file; "
         dumps = (self.path / run_directory.DUMPS).glob("*")
         times = [dump.stat().st_mtime for dump in dumps if dump.is_file()]
         late = ""
         if path.stat().st_mtime > max(times, default=math.inf):
-            late = "; it is newer than the output of LAMMPS, so the run may have been of another"
+            late = (
+                "; it is newer than the output of LAMMPS, so the run may have used another version"
+            )
         taken = _TAKEN.format(of_file)
         logger.warning("%s: was changed after granwave wrote it%s. %s", path, late, taken)
 

@@ -60,7 +60,7 @@ class ResultKind:
     files: tuple[str, ...] = ()
     is_in: Callable[[Path], bool] = _nowhere
     no_run: str = ""
-    remedy: str = "make it anew with  granwave analyse {}"
+    remedy: str = "recreate it with  granwave analyse {}"
     loader: str = ""
     rows: str = ""
     body: str = "packing"
@@ -115,7 +115,7 @@ def kind_named(name: str) -> ResultKind:
         if kind.name == name:
             return _of_left_out(extension, kind)
     content = f'results of the kind "{name}"'
-    reason = f"holds {content}, and the extension that reads them is not installed"
+    reason = f"contains {content}, but the extension that reads them is not installed"
     return ResultKind(name, content, no_run=reason, installed=False)
 
 
@@ -124,8 +124,8 @@ def _of_left_out(extension: str, kind: ResultKind) -> ResultKind:
     if not kind.content:
         return kind
     reason = (
-        f"holds {kind.content} of the extension {extension}, which {WITHOUT} leaves out: "
-        "remove it from there"
+        f"holds {kind.content} of the extension {extension}, which {WITHOUT} hides: remove it "
+        f"from {WITHOUT}"
     )
     return ResultKind(kind.name, kind.content, no_run=reason, installed=False)
 

@@ -76,5 +76,6 @@ def brentq(
         place += step if abs(step) > enough else math.copysign(enough, half)
         value = function(place)
     raise RuntimeError(
-        f"found no zero in {_MOST_STEPS} steps; the last place is {place:g}, the value there {value:g}"
+        f"found no zero in {_MOST_STEPS} steps; the last position is {place:g}, with the value "
+        f"{value:g}"
     )

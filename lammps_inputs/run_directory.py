@@ -25,6 +25,7 @@ DEAD_LOAD_FILE = "preload_{}.txt"  # dead loads along x, y or z
 # displacements along x, y or z by which grains start near their balance
 START_FILE = "start_{}.txt"
 BED_FILE = "bed.txt"  # contacts of a settled bed that a run goes on from
+MESH_FILE = "wall{}.stl"  # surface of triangles of an entry of [[wall]]
 LOG_FILE = "log.lammps"
 RECORD_FILE = "run.json"
 RESULT_FILE = "result.h5"
@@ -159,7 +160,8 @@ def files_of(directory: Path, name: str) -> list[str]:
     """
     if RANK not in name:
         return [name]
-    folder, (before, after) = (directory / name).parent, PurePosixPath(name).name.split(RANK)
+    folder = (directory / name).parent
+    before, after = PurePosixPath(name).name.split(RANK)
     found = {}
     for path in folder.glob(f"{glob.escape(before)}*{glob.escape(after)}"):
         number = path.name.removeprefix(before).removesuffix(after)

@@ -13,19 +13,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from granwave.workflows.cluster.profile import Profile, load_profile
     from granwave.workflows.library import load_case
     from granwave.workflows.run.driver import Outcome, run_case
     from granwave.workflows.scanning.driver import ScanOutcome, run_scan
     from granwave.workflows.scanning.scan_file import Scan, load_scan
-    from granwave.workflows.scanning.slurm import Profile, load_profile
 
 _HOME = {
     "Outcome": "run.driver",
-    "Profile": "scanning.slurm",
+    "Profile": "cluster.profile",
     "Scan": "scanning.scan_file",
     "ScanOutcome": "scanning.driver",
     "load_case": "library",
-    "load_profile": "scanning.slurm",
+    "load_profile": "cluster.profile",
     "load_scan": "scanning.scan_file",
     "run_case": "run.driver",
     "run_scan": "scanning.driver",

@@ -12,13 +12,14 @@ import shutil
 import statistics
 import subprocess
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import write_data
 from granwave.lammps_inputs.load_case import load_assembly
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -50,8 +51,11 @@ _MEMORY = re.compile(
     r"(?m)^Per MPI rank memory allocation[^=]*= [^|]*\| *(\S+)"
 )  # the mean of all ranks, MB
 
+Measure = Callable[[int], dict[str, Any]]
+
 OURS = "gran/hysteretic elastoplastic"
 BASELINE = "gran/hertz/history"
+ROUGH = f"{OURS}, friction 0.3"
 ROUGH_BASELINE = f"{BASELINE}, friction 0.3"
 _ELASTOPLASTIC = (
     "pair_style gran/hysteretic {gap}\npair_coeff * * elastoplastic {E} {nu} {yield_strength}"
@@ -59,34 +63,39 @@ _ELASTOPLASTIC = (
 _HERTZ_MATERIAL = "pair_style granular\npair_coeff * * hertz/material {E} 0.0 {nu} tangential linear_nohistory 0.0 0.0"
 #: Commands of each style, with names of constants in braces, its integrating fix, and the style that it stands beside.
 STYLES = {
-    OURS: (_ELASTOPLASTIC, "nve", BASELINE),
+    OURS: (_ELASTOPLASTIC, "gran/nve", BASELINE),
     "gran/hysteretic hertz": (
-        "pair_style gran/hysteretic {gap}\npair_coeff * * hertz {E} {nu}", "nve", BASELINE
+        "pair_style gran/hysteretic {gap}\npair_coeff * * hertz {E} {nu}", "gran/nve", BASELINE
     ),
     BASELINE: ("pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.0 0\npair_coeff * *", "nve", BASELINE),
     "granular hertz/material": (_HERTZ_MATERIAL, "nve", BASELINE),
-    f"{OURS}, friction 0.3": (f"{_ELASTOPLASTIC} friction 0.3", "nve/sphere", ROUGH_BASELINE),
+    ROUGH: (f"{_ELASTOPLASTIC} friction 0.3", "gran/nve/sphere", ROUGH_BASELINE),
     ROUGH_BASELINE: (
         "pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.3 0\npair_coeff * *", "nve/sphere", ROUGH_BASELINE
     ),
 }  # fmt: skip
 
 
-def bench(parts: Iterable[str], repeats: int = 5) -> dict[str, Any]:
+def bench(
+    parts: Iterable[str], repeats: int = 5, others: Mapping[str, Measure] | None = None
+) -> dict[str, Any]:
     """Make and print the measurements of these parts; return them as plain values, each with all
     its repeats.
 
     Parameters
     ----------
     parts
-        Some of styles, sizes, ranks and study.
+        Some of styles, sizes, ranks and study, and of the others.
     repeats
         Number of timings of each.
+    others
+        Functions that measure further parts, by name.
     """
     cores = len(os.sched_getaffinity(0))
     results: dict[str, Any] = {"cores": cores, "repeats": repeats, "load_before": os.getloadavg()}
     print(
-        f"load of the machine: {results['load_before'][0]:.2f}; on a busy one the ratios hold, the rates do not"
+        f"load of the machine: {results['load_before'][0]:.2f}; on a busy machine only the ratios "
+        "are meaningful"
     )
     ways = {
         "styles": lambda: compare_styles(repeats),
@@ -95,6 +104,8 @@ def bench(parts: Iterable[str], repeats: int = 5) -> dict[str, Any]:
         "study": lambda: time_study(repeats, min(2, cores)),
     }
     results |= {part: measure() for part, measure in ways.items() if part in parts}
+    further = others or {}
+    results |= {part: measure(repeats) for part, measure in further.items() if part in parts}
     results["triad_GB_per_s"] = triad()
     results["load_after"] = os.getloadavg()
     print(
@@ -150,13 +161,13 @@ def compare_styles(repeats: int) -> dict[str, Any]:
         write_data(assembly, data)
         for style, log in logs.items():
             engines[style] = opened.enter_context(open_engine(mpi.this_process(), log=str(log)))
-            engines[style].commands(_script(assembly, data, style))
+            engines[style].commands(script(assembly, data, *STYLES[style][:2]))
         ours = engines[OURS]
         print(f"{n} spheres, FCC, brass, {repeats} x {STEPS} steps of each style")
         ours.commands(f"run {round(IMPACT_TIME / auto_timestep(assembly))} post no")
         for name in ("struck", "rattling"):
             if name == "rattling":
-                _rattle(ours, seed=0)
+                rattle(ours, seed=0)
             order = np.argsort(ours.lammps.numpy.extract_atom("id"))
             state = [
                 ours.lammps.numpy.extract_atom(one)[: len(order)][order].copy() for one in _STATE
@@ -179,27 +190,31 @@ def compare_styles(repeats: int) -> dict[str, Any]:
                 ]
                 memory = float(_MEMORY.findall(logs[style].read_text())[-1]) * 2**20 / n
                 table[style] = {"rates": values, "ratios": ratios, "bytes_per_sphere": memory}
-                print(
-                    f"{style:44}{_spread(values, 1e6):>22} M/s{_spread(ratios):>30}{memory:>14.0f}"
-                )
+                print(f"{style:44}{spread(values, 1e6):>22} M/s{spread(ratios):>30}{memory:>14.0f}")
             results[name] = {"loaded_contacts_per_sphere": len(pairs) / n, "table": table}
             _restore(ours, state)
     return results
 
 
-def _script(assembly: Assembly, data: Path, style: str) -> str:
-    """Return the LAMMPS commands of a struck packing under a pair style."""
-    case = assembly.case
+def coefficients(case: Case, lines: str, gap: float, youngs_modulus: float) -> str:
+    """Return the commands of a pair style with the constants of a case and this modulus, Pa."""
     material = case.material
-    gap = 0.1 * case.packing.diameter
-    lines, motion, _ = STYLES[style]
-    coefficients = lines.format(
+    return lines.format(
         gap=gap,
-        E=material.youngs_modulus,
+        E=youngs_modulus,
         nu=material.poisson_ratio,
         yield_strength=material.yield_strength,
-        kn=2 / 3 * material.youngs_modulus / (1 - material.poisson_ratio**2),
+        kn=2 / 3 * youngs_modulus / (1 - material.poisson_ratio**2),
     )
+
+
+def script(assembly: Assembly, data: Path, lines: str, motion: str) -> str:
+    """Return the LAMMPS commands of a struck packing under a pair style, of which the commands and
+    the integrating fix are given.
+    """
+    case = assembly.case
+    gap = 0.1 * case.packing.diameter
+    pair = coefficients(case, lines, gap, case.material.youngs_modulus)
     totals = "compute contact all pair gran/hysteretic\nthermo_style custom step c_contact[2]"
     return f"""units si
 atom_style sphere
@@ -210,7 +225,7 @@ boundary m m m
 read_data {data}
 neighbor {gap} bin
 neigh_modify delay 0 every 10 check yes
-{coefficients}
+{pair}
 fix motion all {motion}
 timestep {auto_timestep(assembly)}
 group struck id {struck_spheres(assembly.lattice, 1)[0]}
@@ -220,7 +235,7 @@ thermo 1000000
 """
 
 
-def _rattle(engine: Engine, seed: int) -> None:
+def rattle(engine: Engine, seed: int) -> None:
     """Give all spheres of this rank random velocities, and run until contacts have formed."""
     speeds = engine.lammps.numpy.extract_atom("v")
     speeds[:] = np.random.default_rng(seed).uniform(-_RATTLE, _RATTLE, speeds.shape)
@@ -241,7 +256,7 @@ def _restore(engine: Engine, state: list[np.ndarray]) -> None:
         engine.lammps.numpy.extract_atom(name)[: len(ids)] = values[ids - 1]
 
 
-def _spread(values: list[float], unit: float = 1.0) -> str:
+def spread(values: list[float], unit: float = 1.0) -> str:
     """Return the median and the range as text."""
     low = min(values) / unit
     middle = statistics.median(values) / unit
@@ -270,8 +285,8 @@ def time_rattling(size: list[int], repeats: int) -> dict[str, Any]:
         data = Path(mpi.on_first(comm, lambda: scratch)) / "data.granwave"
         mpi.on_first(comm, lambda: write_data(assembly, data))
         with open_engine(comm, log="none") as engine:
-            engine.commands(_script(assembly, data, OURS))
-            _rattle(engine, seed=comm.rank)
+            engine.commands(script(assembly, data, *STYLES[OURS][:2]))
+            rattle(engine, seed=comm.rank)
             rates = [n * STEPS / _seconds(engine) for _ in range(repeats)]
             ghosts = max(comm.allgather(engine.lammps.extract_setting("nghost")))
     return {"n_spheres": n, "n_ranks": comm.size, "rates": rates, "ghosts": ghosts}
@@ -285,7 +300,7 @@ def compare_sizes(repeats: int) -> list[dict[str, Any]]:
         found.append(timing := time_rattling(size, repeats))
         cost = 1e9 / statistics.median(timing["rates"])
         print(
-            f"{timing['n_spheres']:>10} spheres{_spread(timing['rates'], 1e6):>22} M/s   {cost:6.1f} ns a sphere-step"
+            f"{timing['n_spheres']:>10} spheres{spread(timing['rates'], 1e6):>22} M/s   {cost:6.1f} ns a sphere-step"
         )
     return found
 
@@ -309,7 +324,7 @@ def compare_ranks(repeats: int) -> dict[str, list[dict[str, Any]]]:
             efficiency = statistics.median(rates) / statistics.median(one["rates"]) / n_ranks
             exchanged = _BYTES_OF_GHOST * timing["ghosts"]
             print(
-                f"{timing['n_spheres']:>10} spheres on {n_ranks} ranks  {_spread(rates, 1e6):>22} M/s"
+                f"{timing['n_spheres']:>10} spheres on {n_ranks} ranks  {spread(rates, 1e6):>22} M/s"
                 f"   efficiency {efficiency:.2f}   {exchanged / 1e3:.0f} kB a rank and step"
             )
     return found
@@ -376,7 +391,7 @@ def time_study(repeats: int, ranks: int) -> dict[str, Any]:
             shutil.rmtree(directory)
     for part, values in times.items():
         print(
-            f"{part:>10} {_spread(values):>28}" + (f"   {n_steps} steps" if part == "steps" else "")
+            f"{part:>10} {spread(values):>28}" + (f"   {n_steps} steps" if part == "steps" else "")
         )
     return {"ranks": ranks, "n_steps": n_steps, **times}
 

@@ -87,9 +87,9 @@ SUITE_FILE = FileKind(
 )
 PROFILE_FILE = FileKind(
     "profile",
-    "Profiles of a cluster (granwave scan --profile)",
+    "Profiles of a cluster (granwave run --submit)",
     "granwave.workflows.cli.key_sections:profile_sections",
-    may_be_missing=("slurm",),
+    may_be_missing=("cluster", "slurm"),
 )
 _CORE = (CASE_FILE, SCAN_FILE, SUITE_FILE, PROFILE_FILE)
 
@@ -111,5 +111,5 @@ def other_than_a_case(tables: Mapping[str, Any]) -> FileKind | None:
         if kind.is_of(tables):
             return kind
     if owner := owner_left_out("file_kinds", lambda kind: kind.is_of(tables)):
-        raise InputError(f"this kind of file is not known; {owner}")
+        raise InputError(f"unknown kind of file; {owner}")
     return None

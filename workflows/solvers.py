@@ -163,7 +163,7 @@ def solver_of(tables: Mapping[str, Any]) -> CaseKind:
     if GRANULAR.recognises(tables):
         return GRANULAR
     if owner := owner_left_out("case_kinds", lambda kind: kind.recognises(tables)):
-        raise InputError(f"this kind of case is not known; {owner}")
+        raise InputError(f"unknown kind of case; {owner}")
     return GRANULAR
 
 

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.contact_law.curve_table import read_curve_rows
-from granwave.analysis.figures.series import panels
+from granwave.analysis.figures.series import legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, save_as
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
@@ -36,6 +36,7 @@ _LOG = logging.getLogger("granwave")
 _TURNS = (0.25, 0.5, 0.75, 1.0)  # overlaps at which unloading starts over the largest one
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
 _POINTS = 400
+_COLUMNS_ABOVE = 2  # of the legend
 _JUMP = 0.2  # step of a measured overlap over its range beyond which rows may be out of order,
 _FAR = 20.0  # if it is so many times the median step, too
 _MAX_OVERLAP = 200.0
@@ -120,7 +121,7 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
     force = np.concatenate([branch[2] for branch in branches])
     if not np.all(np.isfinite(force)):
         raise InputError(
-            f"--max-overlap: found {max_overlap:g}, where forces are beyond all numbers; expected less"
+            f"--max-overlap: found {max_overlap:g}, for which forces overflow; use a smaller value"
         )
     return {
         "branch": np.concatenate([np.full(len(values), name) for name, values, _ in branches]),
@@ -202,9 +203,8 @@ def law_drawing(
     limit = 0.2 * law.effective_radius * _MICRO
     if law.entry.fitted and overlap.max() > limit:
         axes.axvline(limit, color=GREY, linestyle=":", label=r"0.2 $R^*$, end of the fit")
-    axes.legend(
-        loc="upper left", title=f"{title}, {law.name}" if title else law.name, alignment="left"
-    )
+    # the axes above leave no room for a legend in between
+    legend_outside(figure, _COLUMNS_ABOVE, title=f"{title}, {law.name}" if title else law.name)
     return Drawing(figure, table)
 
 
@@ -335,7 +335,7 @@ _COLUMNS = {  # names of columns of overlaps and of forces, with their units in 
     "force": {f"force_{unit}": size for unit, size in _FORCES.items()},
 }
 _EXPECTED = {
-    "overlap": "overlap_m, overlap_mm or overlap_um (or displacement_... for overlap_...)",
+    "overlap": "overlap_m, overlap_mm or overlap_um (or displacement_... instead of overlap_...)",
     "force": "force_N or force_kN",
 }
 BRANCH = "branch"
@@ -418,13 +418,13 @@ def read_curve(path: str | Path, *, any_zero: bool = False) -> Curve:
             )
         if found < 0 and not any_zero:
             errors.append(
-                f"{path}: line {n}: {names['overlap']}: found {found:g}, expected none below 0 "
-                "(compression > 0); a zero that is off can be fitted, too"
+                f"{path}: line {n}: {names['overlap']}: found {found:g}, expected no negative "
+                "value (compression is positive); an offset of the zero can also be fitted"
             )
     if errors:
         raise InputError(
             errors[:_FAULTS]
-            + [f"{path}: and {len(errors) - _FAULTS} more"] * (len(errors) > _FAULTS)
+            + [f"{path}: {len(errors) - _FAULTS} more errors"] * (len(errors) > _FAULTS)
         )
     overlap, force = (
         _COLUMNS[what][names[what]] * np.array(columns[names[what]])
@@ -465,8 +465,8 @@ def _warn_of_jumps(overlap: Array, source: str) -> None:
     is_far = steps[row] > _JUMP * float(np.ptp(overlap))
     if is_far and steps[row] > _FAR * float(np.median(steps)):
         _LOG.warning(
-            "%s: the overlap jumps from %.4g to %.4g um at row %d, and rows count in the order of "
-            "measurement; sort them so, or give a column branch (loading, unloading_1, ...)",
+            "%s: the overlap jumps from %.4g to %.4g um at row %d, but rows must be in the order "
+            "of measurement; sort them, or add a column branch (loading, unloading_1, ...)",
             source,
             overlap[row] * _MICRO,
             overlap[row + 1] * _MICRO,
@@ -525,7 +525,8 @@ def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
         if len(there) != 1:
             found = " and ".join(there) if there else ", ".join(columns) or "nothing"
             raise InputError(
-                f"{path}: found {found}, expected one column {_EXPECTED[what]}: the name of a column holds its unit"
+                f"{path}: found {found}, expected one column {_EXPECTED[what]}: the name of a "
+                "column must contain its unit"
             )
     return [(n, dict(zip(columns, cells, strict=False))) for n, cells in parsed[1:]], columns
 

@@ -127,6 +127,8 @@ class Figure:
         The numbers that it shows.
     inches
         Width that it was drawn for; 0 where that is not known.
+    csv
+        The same numbers as a table, to be kept in the page; empty where they are too many.
     """
 
     name: str
@@ -136,6 +138,7 @@ class Figure:
     size: tuple[int, int]
     data: Link | None = None
     inches: float = 0.0
+    csv: bytes = b""
 
     @property
     def wide(self) -> bool:
@@ -201,12 +204,22 @@ class DocumentSection:
 
 
 @dataclasses.dataclass(frozen=True)
+class Badge:
+    """A state in a few words, at the top of a report; ``section`` is where to read on."""
+
+    text: str
+    tone: Tone
+    section: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
 class Report:
     """A whole report."""
 
     title: str
     lead: str
     sections: tuple[DocumentSection, ...]
+    badges: tuple[Badge, ...] = ()
 
 
 def cleaned(part: Model) -> Model:

@@ -5,12 +5,15 @@ Files are written to a scratch directory, and moved into place when all are comp
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from granwave.analysis.errors import OutputFormatError, did_you_mean
 from granwave.analysis.exports.formats import ExportFormat, of_result, staged
 from granwave.analysis.exports.names import CSV, NETCDF, export_names
 from granwave.analysis.exports.to_tables import (
+    CSV_PARTS,
     OUTDATED_CSV,
     write_run_csv,
     write_run_netcdf,
@@ -25,11 +28,19 @@ from granwave.lammps_inputs.extensions import extensions, joined, load
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, is_scan
 
+
+def _write_some_csv(directory: Path, output: Path, parts: tuple[str, ...]) -> list[Path]:
+    """Write some tables of a run; those of earlier exports stay."""
+    return of_result(partial(write_run_csv, only=parts))(directory, output)
+
+
 _OWN = {
     CSV: ExportFormat(
         "tables with units in their headers (pandas, spreadsheets)",
         of_result(write_run_csv, OUTDATED_CSV),
         write_scan_csv,
+        CSV_PARTS,
+        _write_some_csv,
     ),
     NETCDF: ExportFormat("result.nc (xarray)", of_result(write_run_netcdf), write_scan_netcdf),
 }
@@ -48,7 +59,9 @@ def export_format(name: str) -> ExportFormat:
     return load(entry) if isinstance(entry, str) else entry
 
 
-def export(directory: str | Path, to: str, output: str | Path | None = None) -> list[Path]:
+def export(
+    directory: str | Path, to: str, output: str | Path | None = None, only: Sequence[str] = ()
+) -> list[Path]:
     """Export a run or a scan; files of an earlier export to the same format are replaced.
 
     Files are moved into place after all of them are complete.
@@ -61,6 +74,9 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
         One of `export_names`.
     output
         Directory to write to; by default ``directory/export``.
+    only
+        Names of the tables of a run to export, of csv; by default all. Tables of earlier exports
+        then stay.
 
     Returns
     -------
@@ -77,10 +93,11 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
     names = export_names()
     if to not in names:
         hint = did_you_mean(to.lower(), names, 0.4) or f"expected one of {', '.join(names)}"
-        raise InputError(f"--to {to}: no such form; {hint}")
+        raise InputError(f"--to {to}: unknown format; {hint}")
     if not directory.exists():
         raise InputError(
-            f"{directory}: no such directory{similar(directory)}; expected that of a run or a scan"
+            f"{directory}: no such directory{similar(directory)}; expected the directory of a run "
+            "or a scan"
         )
     if not directory.is_dir():
         raise InputError(
@@ -88,22 +105,52 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
         )
     if output is not None:
         results_directory(output)
-        return _export(directory, to, Path(output))
-    placed = _export(directory, to, directory / EXPORT_DIRECTORY)
+        return _export(directory, to, Path(output), tuple(only))
+    placed = _export(directory, to, directory / EXPORT_DIRECTORY, tuple(only))
     # so that --force moves it with the results
     ResultDirectory(directory).claim([f"{EXPORT_DIRECTORY}/"])
     return placed
 
 
-def _export(directory: Path, to: str, output: Path) -> list[Path]:
+def _some(chosen: ExportFormat, directory: Path, output: Path, only: tuple[str, ...]) -> list[Path]:
+    """Export parts of a run; raise InputError if it has none of them."""
+    assert chosen.some is not None  # a format with parts has it
+    placed = chosen.some(directory, output, only)
+    if not placed:
+        raise InputError(f"--only: {', '.join(only)}: this run contains no such data")
+    return placed
+
+
+def _refuse_wrong_parts(chosen: ExportFormat, to: str, only: Sequence[str]) -> None:
+    """Raise InputError unless a format can export these parts alone."""
+    if only and not chosen.parts:
+        able = " or ".join(name for name in export_names() if export_format(name).parts)
+        raise InputError(
+            f"--only: --to {to} exports a run as a whole; remove it, or use --to {able}"
+        )
+    unknown = [name for name in only if name not in chosen.parts]
+    if unknown:
+        expected = f"expected some of {', '.join(chosen.parts)}"
+        hint = did_you_mean(unknown[0], chosen.parts) or expected
+        raise InputError(f"--only: found {unknown[0]}; {hint}")
+
+
+def _export(directory: Path, to: str, output: Path, only: tuple[str, ...]) -> list[Path]:
     chosen = export_format(to)
+    _refuse_wrong_parts(chosen, to, only)
     if not is_scan(directory):
+        if only:
+            return _some(chosen, directory, output, only)
         return chosen.run(directory, output)
+    if only:
+        raise InputError(
+            f"{directory}: is a scan, which is exported as a single table; remove --only"
+        )
     if chosen.scan is None:
         able = " or ".join(name for name in export_names() if export_format(name).scan)
         raise InputError(
-            f"{directory}: is a scan, and --to {to} shows a single run; give the directory of a point, "
-            f"{directory / 'points'}/ID (scan.csv tells which), or use --to {able}"
+            f"{directory}: is a scan, but --to {to} exports a single run; use the directory of a "
+            f"point, {directory / 'points'}/ID (see scan.csv), or use --to {able}"
         )
     try:
         scan = read_scan(directory)

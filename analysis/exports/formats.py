@@ -41,11 +41,17 @@ class ExportFormat:
     scan
         Function of the table of a scan and of a function that returns the path for a file of a
         name; it writes the files. None: only runs are exported.
+    parts
+        Names of the parts of a run that can be exported without the others.
+    some
+        As ``run``, with the names of the parts to export as further argument.
     """
 
     files: str
     run: Callable[[Path, Path], list[Path]]
     scan: Callable[[ScanData, PathOf], None] | None = None
+    parts: tuple[str, ...] = ()
+    some: Callable[[Path, Path, tuple[str, ...]], list[Path]] | None = None
 
 
 def of_result(

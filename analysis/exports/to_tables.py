@@ -36,7 +36,7 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,16 +59,24 @@ OUTDATED_CSV = (
     r"|chain_\w+\.csv|bar_(bar|incident_bar)_\w+\.csv"
 )
 CSV_TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes", "prestage")
+# further parts of an export
+WALLS = "walls"
+CHAIN = "chain"
+SNAPSHOTS = "snapshots"
+CSV_PARTS = (*CSV_TABLES, WALLS, CHAIN, SNAPSHOTS)
 #: Columns in this order, followed by the others in the order of their names.
 _FIRST = ("id", "i", "j", "wall", "step", "time", "position", "radius", "mass")
 _STEP = "step"  # column of whole numbers, which result.h5 may hold as others
 _ROWS = 65_536  # formatted at once, as text takes many times the memory of numbers
 
 
-def write_run_csv(result: Result, path_of: Callable[[str], Path]) -> None:
-    """Write the tables of a run."""
-    tables = {name: name for name in CSV_TABLES if name in result}
-    tables |= {f"walls/{wall}": f"walls_{wall}" for wall in result.names("walls")}
+def write_run_csv(
+    result: Result, path_of: Callable[[str], Path], only: Container[str] = CSV_PARTS
+) -> None:
+    """Write the tables of a run; ``only``: names among `CSV_PARTS`."""
+    tables = {name: name for name in CSV_TABLES if name in result and name in only}
+    if WALLS in only:
+        tables |= {f"walls/{wall}": f"walls_{wall}" for wall in result.names("walls")}
     for group, name in tables.items():
         names = sorted(result.names(group), key=place_of_column)
         columns = {column: result.file[group][column] for column in names}
@@ -77,7 +85,14 @@ def write_run_csv(result: Result, path_of: Callable[[str], Path]) -> None:
             columns,
             {column: result.unit(f"{group}/{column}") for column in columns},
         )
-    _write_chain(result, path_of)
+    if CHAIN in only:
+        _write_chain(result, path_of)
+    if SNAPSHOTS in only:
+        _write_snapshots(result, path_of)
+
+
+def _write_snapshots(result: Result, path_of: Callable[[str], Path]) -> None:
+    """Write the spheres in each snapshot, and the times of the snapshots."""
     files = [f"snapshot_{number:04d}.csv" for number in range(result.n_frames)]
     units = {"id": "1"} | {name: result.unit(f"{GROUP}/{name}/value") for name in result.quantities}
     for number, name in enumerate(files):
@@ -222,7 +237,8 @@ def write_run_netcdf(result: Result, path_of: Callable[[str], Path]) -> None:
 def write_scan_netcdf(scan: ScanData, path_of: Callable[[str], Path]) -> None:
     """Write ``points.nc``: the columns of the scan's table, with the varied keys as coordinates."""
     with _create(path_of, "points.nc") as file:
-        file.attrs["title"], file.attrs["case"] = scan.name, scan.case_name
+        file.attrs["title"] = scan.name
+        file.attrs["case"] = scan.case_name
         file.attrs["varied"] = json.dumps(scan.varied)
         _add(
             file,
@@ -250,7 +266,8 @@ def _create(path_of: Callable[[str], Path], name: str) -> Iterator[h5netcdf.File
 
 
 def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
-    dimension, prefix, whose, coordinates = _TABLES[group]
+    """Add the columns of a table of the result, each with its dimension, unit and description."""
+    dimension, prefix, owner, coordinates = _TABLES[group]
     names = result.names(group)
     axes = (
         ("sphere", "id"),
@@ -262,7 +279,7 @@ def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
     for name in names:
         values = result[f"{group}/{name}"]
         dimensions = (dimension, "axis")[: values.ndim]
-        described = name if own[name] == dimension else f"{name.replace('_', ' ')} {whose}"
+        described = name if own[name] == dimension else f"{name.replace('_', ' ')} {owner}"
         extra = {"coordinates": others} if others and name not in coordinates else {}
         _add(
             file, own[name], dimensions, values, result.unit(f"{group}/{name}"), described, **extra

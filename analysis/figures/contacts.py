@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +19,7 @@ from granwave.analysis.figures.sections import (
     sticks_of,
     window_around,
 )
-from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.series import label, panels, with_error
 from granwave.analysis.figures.style import (
     BLUE,
     GREEN,
@@ -43,6 +42,8 @@ from granwave.analysis.measures.geometry import SpheresOnPlane, own_plane, secti
 from granwave.analysis.result.reader import Result
 
 _MILLI = 1e3  # millimetres in a metre
+_KILO = 1e-3  # kilonewtons in a newton
+_MANY_NEWTON = 1e3  # forces from which on they are in kN
 _POINTS = 72.0  # points in an inch
 _THICKEST = 0.4  # width of the thickest line, diameters
 _LEAST_THICKEST = 2.0  # points: its least width on paper ...
@@ -102,7 +103,9 @@ def contact_network(result: Result) -> Drawing | None:
         for artist in (lines, *outlines):
             artist.set_rasterized(max(len(ends), len(cut.index)) > _MOST_VECTORS)
         frame_axes(axes, window)
-        axes.set_title(f"{_capital(state.title)}: thickest line {_newton(state)}", pad=2)
+        axes.set_title(
+            f"{_capital(state.title)}: thickest line {_newton(state.force.max())}", pad=2
+        )
         if cut.plane.through is None:
             draw_impact(axes, result, cut, window)
         columns |= _columns_of_network(state, ends[: len(state.force)])
@@ -194,8 +197,11 @@ def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def _newton(state: ContactForces) -> str:
-    return f"{state.force.max():.3g} N"
+def _newton(force: float) -> str:
+    """Return a force with its unit, kN from 1000 N on."""
+    if force >= _MANY_NEWTON:
+        return f"{force * _KILO:.3g} kN"
+    return f"{force:.3g} N"
 
 
 def _columns_of_network(state: ContactForces, ends: Vectors) -> dict[str, ArrayLike]:
@@ -212,12 +218,14 @@ def _columns_of_network(state: ContactForces, ends: Vectors) -> dict[str, ArrayL
 
 
 _STYLES = {STATIC: (GREEN, "s"), INSTANT: (ORANGE, "^"), PEAK: (BLUE, "o")}
+_LINES = {STATIC: ":", INSTANT: "-.", PEAK: "--"}  # of the mean of forces that are alike
 _FEWEST = 10  # contacts of a distribution
 _FEWEST_BINS = 5
 _MOST_BINS = 60
 _TAIL_FROM = 1.0  # of the mean force: where the fitted tail begins
 _WIDE = 20.0  # largest force / mean above which the axis of the forces is logarithmic
-_EQUAL = 1e-3  # of the mean, by which equal forces differ
+_ALIKE = 0.06  # standard deviation / mean, up to which forces are alike, and have no distribution
+_NOT_SMALL = 0.5  # of the mean: smallest force from which on bins begin with it
 _CURVE = 200  # points of a fitted tail
 _BEYOND = 3.0  # ratio of the limits of the axis to the densities
 
@@ -226,36 +234,69 @@ def force_distribution(result: Result) -> Drawing | None:
     """Draw the distribution of the contact forces, relative to their mean, with exponential tails.
 
     The forces are those at rest, at the instant of the largest elastic energy, and the largest of
-    each contact, as far as the run has them, from ten contacts on.
+    each contact, as far as the run has them, from ten contacts on. Forces that are alike are a band
+    over their range.
     """
     states = [state for state in contact_forces(result) if len(state.force) >= _FEWEST]
     if not states:
         return None
     figure, axes = panels(2.7)
+    all_alike = all(_is_alike(state) for state in states)
     wide = any(state.force.max() > _WIDE * state.force.mean() for state in states)
     columns: dict[str, ArrayLike] = {}
     for state in states:
         relative = state.force / state.force.mean()
-        if np.ptp(relative) < _EQUAL:
-            _draw_equal_forces(axes, state)
-            columns[f"{state.name}_mean_force_N"] = [state.force.mean()]
+        if _is_alike(state):
+            columns |= _draw_alike_forces(axes, state)
         else:
             columns |= _draw_distribution(axes, state, relative, wide)
-    label(
-        axes, r"Contact force / mean $F/\langle F\rangle$", r"$P(F/\langle F\rangle)$",
-        log="xy" if wide else "y",
-    )  # fmt: skip
+    label(axes, r"Contact force / mean $F/\langle F\rangle$", log="x" if wide else "")
+    if all_alike:
+        _say_that_all_are_alike(axes)
+    else:
+        label(axes, y=r"$P(F/\langle F\rangle)$", log="y")
     if not wide:
         axes.set_xlim(left=0)
     legend_above(axes, 1, fontsize=7)
     return Drawing(figure, columns)
 
 
-def _draw_equal_forces(axes: Axes, state: ContactForces) -> None:
-    """Draw the forces of contacts that all carry the same."""
+def _is_alike(state: ContactForces) -> bool:
+    """Return True for forces that hardly differ, as those of an even chain."""
+    return float(state.force.std()) <= _ALIKE * float(state.force.mean())
+
+
+def _draw_alike_forces(axes: Axes, state: ContactForces) -> dict[str, ArrayLike]:
+    """Draw the range of the forces of contacts that carry nearly the same; return its data."""
     colour, _ = _STYLES[state.name]
-    text = f"{state.title}: {len(state.force)} contacts, all with {_newton(state)}"
-    axes.axvline(1.0, color=colour, linestyle=":", linewidth=0.9, label=text)
+    mean = float(state.force.mean())
+    low = float(state.force.min())
+    high = float(state.force.max())
+    forces = f"all with {_newton(mean)}"
+    if _newton(low) != _newton(high):
+        forces = f"{_newton(low)} to {_newton(high)}"
+    axes.axvspan(low / mean, high / mean, color=colour, alpha=0.25, linewidth=0)
+    text = f"{state.title}: {len(state.force)} contacts, {forces}"
+    axes.axvline(1.0, color=colour, linestyle=_LINES[state.name], linewidth=0.9, label=text)
+    return {
+        f"{state.name}_mean_force_N": [mean],
+        f"{state.name}_smallest_force_N": [low],
+        f"{state.name}_largest_force_N": [high],
+    }
+
+
+def _say_that_all_are_alike(axes: Axes) -> None:
+    """Say in axes without a distribution that there is none."""
+    axes.set(xlim=(0, 2), ylim=(0, 1), yticks=[])
+    axes.text(
+        0.5,
+        0.5,
+        "all contacts carry nearly the same force:\nno distribution",
+        transform=axes.transAxes,
+        ha="center",
+        va="center",
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8},
+    )
 
 
 def _draw_distribution(
@@ -268,7 +309,7 @@ def _draw_distribution(
     text = f"{state.title}: {len(relative)} contacts"
     tail = exponential_tail(relative, _TAIL_FROM)
     if tail is not None:
-        text = f"{text}\n{tail.count} beyond the mean: decay {_decay(tail)}"
+        text = f"{text}\n{tail.count} beyond the mean: decay {with_error(tail.decay, tail.error)}"
         if not tail.is_exponential:
             text = f"{text}\n(not exponential)"
         _draw_tail(axes, tail, relative, colour)
@@ -294,8 +335,8 @@ def _widen(axes: Axes, density: Vectors) -> None:
 def _histogram(values: Vectors, wide: bool) -> tuple[Vectors, Vectors, NDArray[np.int64]]:
     """Return the centres of bins, the probability density, and the number of values of each.
 
-    Bins are even from 0 to the largest value; where the axis is ``wide`` they are even on its
-    logarithmic scale, from the smallest value on.
+    Bins are even from 0 to the largest value, from the smallest one on where it is not small; where
+    the axis is ``wide`` they are even on its logarithmic scale, from the smallest value on.
     """
     number = round(2 * len(values) ** (1 / 3))
     number = min(max(number, _FEWEST_BINS), _MOST_BINS)
@@ -305,16 +346,11 @@ def _histogram(values: Vectors, wide: bool) -> tuple[Vectors, Vectors, NDArray[n
         edges[[0, -1]] = values.min(), largest
         centre = np.sqrt(edges[1:] * edges[:-1])
     else:
-        edges = np.linspace(0.0, largest, number + 1)
+        smallest = float(values.min())
+        edges = np.linspace(smallest if smallest > _NOT_SMALL else 0.0, largest, number + 1)
         centre = 0.5 * (edges[1:] + edges[:-1])
     count = np.histogram(values, edges)[0]
     return centre, count / (len(values) * np.diff(edges)), count
-
-
-def _decay(tail: ExponentialTail) -> str:
-    """Return the decay with its error, which has two digits."""
-    digits = max(0, 1 - math.floor(math.log10(tail.error)))
-    return f"{tail.decay:.{digits}f} ± {tail.error:.{digits}f}"
 
 
 def _draw_tail(axes: Axes, tail: ExponentialTail, relative: Vectors, colour: str) -> None:

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import Normalize
-from matplotlib.ticker import MaxNLocator
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.sections import force_scale, spheres_beyond_law
-from granwave.analysis.figures.series import label, panels, time_axis
+from granwave.analysis.figures.series import label, panels, time_axis, with_error
 from granwave.analysis.figures.style import (
     BLUE,
     DISSIPATION_MAP,
@@ -25,6 +25,7 @@ from granwave.analysis.figures.style import (
     legend_above,
 )
 from granwave.analysis.measures import waves
+from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, force_decay
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import (
     cumulated,
@@ -48,8 +49,8 @@ from granwave.lammps_inputs.packing.cylinders import CYLINDERS
 
 _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second
-_SHOWN_SHARE = 0.95  # share of the dissipation up to which the cumulated figure goes
 _RANGE = 1e-10  # smallest over largest dissipation in the ranked figure
+_POINTS_OF_FIT = 50
 _ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipation
 
 
@@ -93,7 +94,8 @@ def dissipation_ranked(result: Result) -> Drawing | None:
 
 
 def dissipation_cumulated(result: Result) -> Drawing | None:
-    """Draw the volume of the spheres that dissipate a given share of the input.
+    """Draw the share of the input that a given volume of spheres dissipates, those that dissipate
+    most first.
 
     With friction, also for dissipation by yielding only and by friction only.
     """
@@ -104,18 +106,17 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
         2 if in_plane else 3
     )
     fraction, volume = cumulated(result["spheres/dissipated_energy"], result.energy_input, volumes)
-    enough = int(np.searchsorted(fraction, _SHOWN_SHARE * fraction[-1])) + 1
     figure, axes = panels(2.4)
     parts = _parts(result)
     axes.plot(
-        fraction[:enough],
-        volume[:enough],
+        volume,
+        fraction,
         "-o",
         color=BLUE,
         markersize=2.5,
         label=_ALL.get(len(parts)),
     )
-    axes.axvline(
+    axes.axhline(
         fraction[-1],
         color="black",
         linestyle=":",
@@ -123,23 +124,19 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
         label=_number_dissipating(result, len(volume)),
     )
     columns = {"dissipated_over_input": fraction, "volume_over_sphere_volume": volume}
-    top = float(volume[min(enough, len(volume)) - 1])
     for part, (share, colour, line) in parts.items():
         own, spheres = cumulated(share, result.energy_input, volumes)
-        last = int(np.searchsorted(own, _SHOWN_SHARE * own[-1])) + 1 if len(own) else 0
-        axes.plot(own[:last], spheres[:last], line, color=colour, label=part)
-        top = max([top, *spheres[:last][-1:]])
+        axes.plot(spheres, own, line, color=colour, label=part)
         columns |= {f"{part}_over_input": own, f"{part}_volume_over_sphere_volume": spheres}
-    axes.legend(loc="upper left")
-    quantity = "Volume / that of a cylinder" if in_plane else r"Volume / ($\pi D^3/6$)"
-    label(axes, "Dissipation / energy input", quantity, xlim=(0, 1), ylim=(0, max(1.05 * top, 2)))
-    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    legend_above(axes, 2)
+    quantity = "Volume / cylinder volume" if in_plane else r"Volume / ($\pi D^3/6$)"
+    label(axes, quantity, "Dissipation / energy input", log="x", ylim=(0, 1))
     return Drawing(figure, columns)
 
 
 def _number_dissipating(result: Result, n_dissipating: int) -> str:
     """Return the number of spheres that dissipated energy, and of yielded spheres if it differs."""
-    text = f"all {n_dissipating} spheres\nthat dissipated energy"
+    text = f"all {n_dissipating}\ndissipating spheres"
     n_yielded = int(np.count_nonzero(result["spheres/contacts_yielded"]))
     return f"{text}\n({n_yielded} yielded)" if n_yielded not in (0, n_dissipating) else text
 
@@ -173,12 +170,12 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
     time = np.concatenate([[0.0], growth.time, [end]])
     figure, upper, lower = panels(3.2, rows=2, sharex=True)
     if cut := cut_of(packing_zone(result)):
-        upper.set_title(f"the zone reaches a bound: {bounds_in_words(cut)}", fontsize=7)
+        upper.set_title(f"the zone reaches a boundary: {bounds_in_words(cut)}", fontsize=7)
     for axes, quantity, curves in (
         (upper, "Number yielded", {"contacts": growth.contacts, "spheres": growth.spheres}),
         (
             lower,
-            "Outermost yield (mm)",
+            "Extent of plastic zone (mm)",
             {"depth": growth.depth * _MILLI, "radius": growth.radius * _MILLI},
         ),
     ):
@@ -199,7 +196,10 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
 
 
 def peak_force_depth(result: Result) -> Drawing | None:
-    """Draw the decay of the peak force: largest of each layer, and along the preferred directions."""
+    """Draw the decay of the peak force: largest of each layer with the law that is fitted to it, a
+    marker for each layer of contacts along the preferred directions, and bars over the range of
+    these directions.
+    """
     depth, force = peak_force_by_depth(result)
     if (
         len(depth) < 2 or not np.any(force > 0) or "chain" in result
@@ -212,17 +212,13 @@ def peak_force_depth(result: Result) -> Drawing | None:
     middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
     figure, axes = panels(2.4)
     if n_rays > 1 and n_contacts > 1:
-        colours = (ORANGE, GREEN, "black", ORANGE)
-        for n, (marker, colour, values) in enumerate(
-            zip("o^vs", colours, along.peak_force.T, strict=False)
-        ):
-            axes.plot(
-                middle * _MILLI, values / scale, marker, color=colour, markerfacecolor="none",
-                markersize=5 - 0.5 * n, markeredgewidth=0.8, label=f"preferred direction {n + 1}",
-            )  # fmt: skip
+        _mark_directions(axes, middle * _MILLI, along.peak_force / scale)
     axes.plot(
         depth * _MILLI, force / scale, "-", color=BLUE, label="largest of the layer", zorder=1
     )
+    decay = force_decay(result)
+    if decay is not None:
+        _draw_decay(axes, decay, scale)
     label(axes, "Depth (mm)", f"Peak force {unit}", log="y", xlim=(0, depth[-1] * _MILLI))
     axes.legend(fontsize=8)
     columns = {
@@ -230,10 +226,77 @@ def peak_force_depth(result: Result) -> Drawing | None:
         f"layer_peak_{name}": force / scale,
         "contact_depth_m": middle,
     }
+    if decay is not None:
+        columns |= _columns_of_decay(decay)
     columns |= {
         f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)
     }
     return Drawing(figure, columns)
+
+
+def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> None:
+    """Draw a fitted decay over the layers that it is fitted to.
+
+    Parameters
+    ----------
+    scale
+        Unit of the forces of the figure, N.
+    """
+    if isinstance(decay, ForceDecay):
+        first, last = decay.depth[[0, -1]]
+        law = rf"$\exp(-bz)$, $b$ = {with_error(decay.rate, decay.error)} per m"
+    else:
+        first = decay.first
+        last = decay.last
+        law = rf"$z^{{-n}}$, $n$ = {with_error(decay.exponent, decay.error)}"
+    depth = np.linspace(first, last, _POINTS_OF_FIT)
+    axes.plot(
+        depth * _MILLI,
+        decay(depth) / scale,
+        "--",
+        color="black",
+        linewidth=0.9,
+        label=f"fitted {law}",
+    )
+
+
+def _columns_of_decay(decay: ForceDecay | PowerDecay) -> dict[str, NDArray[np.float64]]:
+    """Return the constants of a fitted decay as columns."""
+    if isinstance(decay, ForceDecay):
+        values = {"decay_per_m": decay.rate, "decay_error_per_m": decay.error}
+    else:
+        values = {"decay_exponent": decay.exponent, "decay_exponent_error": decay.error}
+    values["decay_misfit"] = decay.misfit
+    return {name: np.array([value]) for name, value in values.items()}
+
+
+def _mark_directions(axes: Axes, depth: Array, force: Array) -> None:
+    """Mark the median force of contacts along the preferred directions, with bars over their range.
+
+    Parameters
+    ----------
+    depth
+        Depths of the contacts: (n_contacts,), mm.
+    force
+        Forces in the unit of the figure, 0 without contact: (n_contacts, n_directions).
+    """
+    loaded = np.flatnonzero(np.all(force > 0, axis=1))
+    middle = np.median(force[loaded], axis=1)
+    below = middle - force[loaded].min(axis=1)
+    above = force[loaded].max(axis=1) - middle
+    axes.errorbar(
+        depth[loaded],
+        middle,
+        yerr=np.stack([below, above]),
+        fmt="o",
+        color=ORANGE,
+        markerfacecolor="none",
+        markersize=4,
+        markeredgewidth=0.8,
+        elinewidth=0.8,
+        capsize=2,
+        label=f"along {force.shape[1]} preferred directions",
+    )
 
 
 _LEAST = 1e-5  # smallest share of the energy in the figure
@@ -318,7 +381,7 @@ def draw_zone_size(
                 color=colour,
                 linestyle=":",
                 linewidth=0.9,
-                label=f"cut: {bound}",
+                label=f"zone reaches the {bound}",
             )
         columns |= {f"{name}_m": place, f"share_beyond_{name}": outside}
         columns |= {
@@ -330,10 +393,10 @@ def draw_zone_size(
     words = {"depth": "depth", "radius": "distance from the impact axis"}
     title = ", or ".join(words[name] for name in distances)
     limits = {"xlim": (0, 1.05 * (reach or diameter) / diameter), "ylim": (_LEAST, 1)}
-    outside_of_all = "Energy of yielding farther out\n/ whole energy of yielding"
+    outside_of_all = "Plastic dissipation beyond\n/ total plastic dissipation"
     label(axes, f"{title[:1].upper()}{title[1:]} $/{unit}$", outside_of_all, log="y", **limits)
-    axes.plot([], [], "o", color=GREY, markersize=4, label="holds 50, 90, 99 %")
-    legend_above(axes, 3, fontsize=7)
+    axes.plot([], [], "o", color=GREY, markersize=4, label="contains 50, 90, 99 %")
+    legend_above(axes, 2, fontsize=7)  # three columns are wider than the figure
     return Drawing(figure, columns)
 
 
@@ -355,6 +418,7 @@ def _outside(distance: Array, energy: Array) -> tuple[Array, Array]:
 
 _LEAST_SPHERES = 8
 _TITLE_HEIGHT = 0.7  # inches
+_LEAST_OF_EVEN = 0.1  # share over that of an even spread at the dark end of the scale
 
 
 def directions(result: Result) -> Drawing | None:
@@ -390,7 +454,7 @@ def directions(result: Result) -> Drawing | None:
     for axes, (name, spread), colours in zip(
         row, shown.items(), ((BLUE, FORCE_MAP), (ORANGE, DISSIPATION_MAP)), strict=False
     ):
-        title = f"{name}\n{100 * spread.along:.0f} % along contacts\n(even spread: {100 * spread.even:.0f} %)"
+        title = f"{name}\n{100 * spread.along:.0f} % along contacts\n(isotropic: {100 * spread.even:.0f} %)"
         columns |= draw(result, axes, spread, *colours)
         axes.set_title(title)
         axes.set_xticks(np.deg2rad([0, 90, 180, 270]), ["x", "y", "", ""])
@@ -422,10 +486,11 @@ def _draw_half_sphere(
     )
     depth = 1 - np.arange(waves.RINGS + 1) / waves.RINGS  # cosine of the angle to the impact axis
     axis = preferred_directions(result.case.packing.kind)
-    norm = Normalize(0, float(spread.relative.max()))
+    norm = LogNorm(_LEAST_OF_EVEN, max(float(spread.relative.max()), 1 / _LEAST_OF_EVEN))
     colours = result.figure_options.colour_map or colours
     radius = 2 * np.tan(np.arccos(depth) / 2)
-    mesh = axes.pcolormesh(edges, radius, spread.relative, cmap=colours, norm=norm, rasterized=True)
+    shown = np.maximum(spread.relative, _LEAST_OF_EVEN)
+    mesh = axes.pcolormesh(edges, radius, shown, cmap=colours, norm=norm, rasterized=True)
     ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": "white", "markersize": 9}
     axes.plot(
         np.arctan2(axis[:, 1], axis[:, 0]), 2 * np.tan(np.arccos(axis[:, 2]) / 2), "o", **ring
@@ -434,7 +499,12 @@ def _draw_half_sphere(
     axes.set_rlabel_position(90)
     axes.grid(alpha=0.3)
     axes.figure.colorbar(
-        mesh, ax=axes, orientation="horizontal", label="Share over even spread", pad=0.12
+        mesh,
+        ax=axes,
+        orientation="horizontal",
+        label="Relative to isotropic",
+        pad=0.12,
+        extend="min",
     )
     return {
         "axis_angle_deg": np.repeat(

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import re
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.series import (
+    LINES,
     against_time,
     energy_unit,
     label,
+    legend_outside,
     panels,
     time_axis,
     velocity_unit,
@@ -56,6 +60,13 @@ _AREAS = {
     "support's damper": GREY, "absorbed": _PALE, "support": PURPLE,
     "elastic": GREEN, "rotation": SKY, "kinetic": BLUE, "plate": _NAVY,
 }  # fmt: skip
+#: Lines of energies that are not drawn as areas, for readers without colours.
+_LINES_OF_ENERGIES = {
+    "elastic": "--",
+    "dissipated": "-.",
+    "yielding": "-.",
+    "absorbed": (0, (8, 2)),
+}
 #: Energies that are dissipated, but not by yielding: label and column of the ledger.
 _LOST_OTHERWISE = {
     "friction": "friction", "rolling": "rolling", "twisting": "twisting", "adhesion": "adhesion",
@@ -66,9 +77,9 @@ _ROUNDING = 1e-9  # of the input: yielding of laws that cannot yield, left by su
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
 _IN_PANEL = 4  # sensors in a panel
 # figure of probes
-_LINES = ("-", "--", ":")  # each for as many curves as there are colours
-_IN_COLOUR = 6  # curves with the same line
 _MOST_IN_LEGEND = 10  # largest number of curves with a legend
+_COLUMNS = 2  # of a legend above all panels
+_ERRORS_SHOWN = 1e4  # largest over smallest error on the axis of the energies
 _LEAST = 1e-3  # of the tolerance: where the axis of the error begins
 
 
@@ -92,10 +103,8 @@ def energies(result: Result) -> Drawing | None:
         upper.stackplot(time * _MICRO, areas, labels=list(parts), colors=colours, linewidth=0)
     else:
         for part, values in parts.items():
-            line = (
-                {"linestyle": "--", "zorder": 3} if part == "elastic" else {}
-            )  # often as large as the kinetic energy
-            upper.plot(time * _MICRO, values * unit, color=_AREAS[part], label=part, **line)
+            line: Any = _LINES_OF_ENERGIES.get(part, "-")
+            upper.plot(time * _MICRO, values * unit, color=_AREAS[part], label=part, linestyle=line)
     upper.plot(
         time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input"
     )
@@ -105,7 +114,7 @@ def energies(result: Result) -> Drawing | None:
     lower.semilogy(
         time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8
     )
-    label(lower, y="|Residual|\n/ input")
+    label(lower, y="|Residual|\n/ input", **_limits_of_error(residual))
     time_axis(lower, time)
     named = {part.replace("'s ", "_").replace(" ", "_"): values for part, values in parts.items()}
     columns = {"time_s": time, **{f"{name}_J": values for name, values in named.items()}}
@@ -115,6 +124,15 @@ def energies(result: Result) -> Drawing | None:
     return Drawing(
         figure, columns | {"input_J": result["energy/input"], "residual_over_input": residual}
     )
+
+
+def _limits_of_error(residual: NDArray[np.float64]) -> dict[str, Any]:
+    """Return the limits of the axis of errors, which single small ones do not widen."""
+    largest = float(residual.max(initial=0.0))
+    if not 0 < largest < math.inf:  # no finite error that a logarithmic axis shows
+        return {}
+    shown = residual[residual > largest / _ERRORS_SHOWN]
+    return {"ylim": (float(shown.min()) / 2, 2 * largest)}
 
 
 def _energy_parts(result: Result) -> dict[str, NDArray]:
@@ -192,7 +210,7 @@ def impactor_velocity(result: Result) -> Drawing | None:
     against_time(axes, time, velocity * scale)
     label(
         axes,
-        y=f"Velocity of the\n{'loaded' if result.case.load.driven else 'struck'} sphere ({unit})",
+        y=f"Velocity of the\n{'loaded' if result.case.load.driven else 'impacted'} sphere ({unit})",
     )
     return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
 
@@ -218,17 +236,34 @@ def probes(result: Result) -> Drawing | None:
         curve = match["name"].replace("_", " ", 1).replace("_", "-") + axis
         shown.setdefault(key, {})[curve] = result[f"probes/{match[0]}"]
     figure, *stack = panels(0.5 + 1.5 * len(shown), rows=len(shown), sharex=True)
-    for axes, key in zip(stack, sorted(shown, key=list(_QUANTITIES).index), strict=True):
+    order = list(_QUANTITIES).index
+    for axes, key in zip(stack, sorted(shown, key=order), strict=True):
         quantity, scale = _QUANTITIES[key]
         for n, (curve, values) in enumerate(shown[key].items()):
-            line = _LINES[n // _IN_COLOUR % len(_LINES)]
+            line = LINES[(n + n // len(LINES)) % len(LINES)]
             against_time(axes, time, values * scale, line, label=curve)
         label(axes, y=quantity)
-        if len(shown[key]) <= _MOST_IN_LEGEND:
-            axes.legend(handlelength=1.2)
+    _name_curves(figure, stack, [list(shown[key]) for key in sorted(shown, key=order)])
     units = {name: result.unit(f"probes/{name}").replace(" s-1", "_s") for name in names}
     columns = {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names}
     return Drawing(figure, {"time_s": time} | columns)
+
+
+def _name_curves(figure: Any, stack: list[Axes], names: list[list[str]]) -> None:
+    """Draw legends of panels with few curves: a common one above panels that have the same curves.
+
+    Parameters
+    ----------
+    names
+        Names of the curves of each panel.
+    """
+    if max(map(len, names)) > _MOST_IN_LEGEND:
+        return
+    if len(names) > 1 and all(own == names[0] for own in names):
+        legend_outside(figure, min(len(names[0]), _COLUMNS), handlelength=2.2)
+        return
+    for axes in stack:
+        axes.legend(handlelength=2.2)
 
 
 def sensors(result: Result) -> Drawing | None:
@@ -266,6 +301,13 @@ def _common_zero(first: Axes, second: Axes) -> None:
     below = max(max(-low, 0.0) / max(high, 1e-300) for low, high in limits)
     for axes, (_, high) in zip((first, second), limits, strict=True):
         axes.set_ylim(-below * high, high)
+
+
+def target_moves(result: Result) -> bool:
+    """Return True for a target that moves, whose figure shows work and the force on the ground, and
+    for a bar as target; else the figure of the force on the bottom shows most of it.
+    """
+    return "walls/bottom" not in result or result.has("walls/bottom/displacement")
 
 
 def target(result: Result) -> Drawing | None:
@@ -338,12 +380,16 @@ def timestep(result: Result) -> Drawing | None:
     figure, upper, lower = panels(3.2, rows=2, sharex=True)
     upper.step(time * _MICRO, step * _NANO, where="pre")
     upper.set_yscale("log", base=2)
-    upper.yaxis.set_major_formatter("{x:.3g}")
+    upper.yaxis.set_major_formatter("{x:.4g}")
     label(upper, y="Timestep (ns)")
-    for values, colour, name in ((error, GREY, "measured"), (expected, ORANGE, "expected")):
+    for values, colour, line, name in (
+        (error, GREY, "-", "measured"),
+        (expected, ORANGE, "--", "expected"),
+    ):
         lower.semilogy(
             time * _MICRO,
             np.where(values > 0, values, np.nan),
+            line,
             color=colour,
             linewidth=0.8,
             label=name,

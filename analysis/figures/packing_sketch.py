@@ -5,19 +5,23 @@ cylinders are discs of their diameter.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.series import legend_outside
 from granwave.analysis.figures.style import (
     BLUE,
     GREEN,
-    GREY,
     ORANGE,
     PURPLE,
     WIDTH,
+    YELLOW,
     Drawing,
     new_figure,
     save_as,
@@ -26,10 +30,14 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 
 _MILLI = 1e3  # millimetres in a metre
-_COLOURS = (GREY, BLUE, ORANGE, GREEN, PURPLE)
+_PALE = "#d9d9d9"
+#: Colours of materials, from bright to dark and back, for readers without colours.
+_COLOURS = (_PALE, BLUE, YELLOW, GREEN, PURPLE, ORANGE)
 _SUFFIXES = (".png", ".pdf")
 _EDGE_WIDTH = 0.3  # points
 _MARGIN = 0.03  # of the larger width, around the grains
+_NARROW = 0.15  # width of a view / largest extent, below which it has two ticks at most
+_COLUMNS = 4  # of the legend
 _TALLEST = 2.0  # height over width of a view, beyond which the figure is no taller
 
 #: Horizontal and vertical axis of a view, the axis along which one looks, and its title.
@@ -71,17 +79,21 @@ def packing_drawing(assembly: Assembly) -> Drawing:
         axes.set_ylim(*(edges[::-1] if upward == 2 else edges))  # depth points down
         axes.set_aspect("equal")
         axes.set(xlabel=f"${'xyz'[across]}$ (mm)", ylabel=f"${'xyz'[upward]}$ (mm)", title=title)
-    _draw_legend(views[0], np.unique(names).tolist())
+        if high[across] - low[across] < _NARROW * (high - low).max():
+            axes.xaxis.set_major_locator(MaxNLocator(1))
+    _draw_legend(figure, views[0], np.unique(names).tolist())
     return Drawing(figure, _table(assembly))
 
 
-def _draw_legend(axes: Axes, names: list[str]) -> None:
-    """Draw the colours of materials, of several."""
+def _draw_legend(figure: Figure, axes: Axes, names: list[str]) -> None:
+    """Draw the colours of materials, of several, above the views."""
     if len(names) < 2:
         return
     for number, name in enumerate(names):
-        axes.plot([], [], "o", color=_COLOURS[number % len(_COLOURS)], label=name)
-    axes.legend(loc="best", fontsize="small")
+        colour = _COLOURS[number % len(_COLOURS)]
+        look: Any = {"markeredgecolor": "black", "markeredgewidth": _EDGE_WIDTH}
+        axes.plot([], [], "o", color=colour, label=name, **look)
+    legend_outside(figure, min(len(names), _COLUMNS), fontsize="small")
 
 
 def _draw_discs(

@@ -4,6 +4,7 @@ transmission.
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.impact_arrow import impact_arrow
 from granwave.analysis.figures.series import (
     COLOURS,
+    LINES,
     against_time,
     energy_unit,
     label,
@@ -104,7 +106,7 @@ def force_map(result: Result) -> Drawing | None:
         for n in range(0, len(place), every):
             columns[f"{slug}_at_{1e3 * place[n]:.4g}_mm_N"] = force[:, n]
     label(row[0], y="Time (µs)")
-    quantity = "Force beyond the static one (N)" if small else "Force (N)"
+    quantity = "Dynamic force (N)" if small else "Force (N)"
     figure.colorbar(image, ax=row[-1], label=quantity)
     return Drawing(figure, columns)
 
@@ -118,7 +120,7 @@ def space_time_map(
     map: str,
 ) -> Any:
     """Draw forces (n_instants, n_places) by colour; return the image, for a colour bar."""
-    axes.set_xlabel("Place (mm)")
+    axes.set_xlabel("Position (mm)")
     options: Any = {"norm": norm, "cmap": map, "rasterized": True, "shading": "nearest"}
     return axes.pcolormesh(place * _MILLI, time * _MICRO, force, **options)
 
@@ -137,8 +139,8 @@ def force_histories(result: Result) -> Drawing | None:
     )
     figure, axes = panels(2.9)
     scale, unit = _unit(force)
-    for n in chosen:
-        against_time(axes, time, force[:, n] * scale, label=_name(result, n), linewidth=0.9)
+    for n, line in zip(chosen, LINES, strict=False):
+        against_time(axes, time, force[:, n] * scale, line, label=_name(result, n), linewidth=0.9)
     label(axes, y=f"Contact force ({unit})")
     legend_above(axes, 3, title="Contact")
     return Drawing(
@@ -188,8 +190,9 @@ def bead_velocities(result: Result) -> Drawing | None:
     figure, axes = panels(2.6)
     bead = np.arange(1, velocity.shape[1] + 1)
     scale, unit = velocity_unit(float(np.abs(velocity[chosen]).max(initial=0.0)))
-    for n in chosen:
-        axes.plot(bead, velocity[n] * scale, linewidth=0.9, label=f"{time[n] * _MICRO:.4g} µs")
+    for n, line in zip(chosen, LINES, strict=False):
+        name = f"{time[n] * _MICRO:.4g} µs"
+        axes.plot(bead, velocity[n] * scale, linestyle=line, linewidth=0.9, label=name)
     axes.axhline(0, color="black", linewidth=0.5)
     label(axes, f"Bead, {_counted(result)}", f"Velocity ({unit})")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -206,12 +209,12 @@ def bars(result: Result) -> Drawing | None:
         return None
     figure, upper, lower = panels(3.4, rows=2, sharex=True)
     columns: dict[str, NDArray] = {"energy_time_s": result["energy/time"]}
-    for bar in bars_of_run:
+    for bar, line in zip(bars_of_run, cycle(LINES), strict=False):
         time = result[f"walls/{bar.name}/time"]
         force = result[f"walls/{bar.name}/force"]
         energy = result[f"energy/{bar.name}"]
-        against_time(upper, time, force * _KILO, linewidth=0.9)
-        against_time(lower, result["energy/time"], energy, label=bar.name.replace("_", " "))
+        against_time(upper, time, force * _KILO, line, linewidth=0.9)
+        against_time(lower, result["energy/time"], energy, line, label=bar.name.replace("_", " "))
         columns |= {
             f"{bar.name}_time_s": time,
             f"{bar.name}_contact_force_N": force,
@@ -231,8 +234,8 @@ def sensors(result: Result) -> Drawing | None:
     forces = sensor_forces(result)
     scale, unit = _unit(np.stack(list(forces.values())))
     figure, axes = panels(2.2)
-    for name, force in forces.items():
-        against_time(axes, time, force * scale, label=name, linewidth=0.9)
+    for (name, force), line in zip(forces.items(), cycle(LINES), strict=False):
+        against_time(axes, time, force * scale, line, label=name, linewidth=0.9)
     label(axes, y=f"Sensor force ({unit})")
     axes.legend()
     return Drawing(
@@ -259,7 +262,7 @@ def _name_of_body(result: Result, number: int) -> str:
 
 def _counted(result: Result) -> str:
     """Return the end from which contacts and beads are counted."""
-    return f"from the {'loaded' if result.case.load.driven else 'struck'} end"
+    return f"from the {'loaded' if result.case.load.driven else 'impacted'} end"
 
 
 def _unit(force: NDArray[np.float64]) -> tuple[float, str]:
@@ -282,9 +285,11 @@ def line_speeds(result: Result) -> Drawing | None:
         chosen = np.unique(np.linspace(0, n - 1, min(n, _MOST_OF_A_LINE)).round().astype(int))
         for column in chosen:
             colour = colormaps["viridis"](0.9 * column / max(n - 1, 1))
-            against_time(axes, time, speed[:, column], color=colour, linewidth=0.8)
+            name = {0: "first grain", n - 1: "last grain"}.get(int(column))
+            against_time(axes, time, speed[:, column], color=colour, linewidth=0.8, label=name)
             columns[f"{line.name}_{ids[column]}_m_s"] = speed[:, column]
         label(axes, y="Speed (m/s)", title=line.name if len(lines) > 1 else "", ylim=(0, None))
+        axes.legend()
     return Drawing(figure, columns)
 
 
@@ -460,7 +465,7 @@ def transmission(result: Result) -> Drawing | None:
     label(
         axes,
         "Frequency (kHz)",
-        f"Velocity of bead {response.last} over that of {response.first}",
+        f"Velocity ratio, bead {response.last} / bead {response.first}",
     )
     axes.axhline(1.0, color=GREY, linewidth=0.6)
     axes.set(**({"yscale": "log"} if ratio.min() < _WIDE * ratio.max() else {"ylim": (0, None)}))
@@ -491,7 +496,7 @@ def amplitude_sweep(result: Result) -> Drawing | None:
         columns[f"first_at_{MULTIPLES[number]:g}_f_m_s"] = sweep.first[number]
     label(
         axes,
-        f"Amplitude of the load ({unit}), dashed: falling",
+        f"Load amplitude ({unit}; dashed: falling)",
         "Velocity of the last bead (m/s)",
         log="y",
     )

@@ -15,12 +15,12 @@ from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import BinaryIO
 
-from granwave.analysis.figures import contacts, dissipation, histories, rows, sections
+from granwave.analysis.figures import contacts, dissipation, histories, regions, rows, sections
 from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.run import Figures, figure_names, usual_figure_names
+from granwave.lammps_inputs.case.run import Figures, figure_names
 from granwave.lammps_inputs.extensions import added_by_name, load
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -42,6 +42,9 @@ class RunFigure:
         Names of other figures that are drawn in the same process, since they share the work.
     takes_long
         True if it takes so long that it is drawn first.
+    adds
+        Function that returns False for a result of which it repeats other figures: it is then
+        drawn only where it is asked for.
     """
 
     caption: str
@@ -49,6 +52,11 @@ class RunFigure:
     look: str
     shares_work_with: tuple[str, ...] = ()
     takes_long: bool = False
+    adds: Callable[[Result], bool] | None = None
+
+    def answers(self, result: Result) -> bool:
+        """Return True unless it repeats other figures of this result."""
+        return self.adds is None or self.adds(result)
 
     def draw(self, result: Result) -> Drawing | None:
         """Draw it, with the grains called what they are: spheres, cylinders or grains; None if it
@@ -62,91 +70,109 @@ class RunFigure:
 
 #: Figures of the core: name, function, caption, what to look for; with * on each of the three planes.
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
-    ("peak_force_*", sections.peak_force_section, "Peak contact force, walls left out",
-     "Bright lines are rows of contacts that carry the wave."),
-    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth, walls left out",
-     "On a logarithmic axis a straight line is an exponential decay; marks are the preferred directions."),
+    ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
+     "Bright lines are chains of contacts that carry the wave."),
+    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth, excluding walls",
+     "A straight line is an exponential decay; the legend gives the fitted law; markers are the "
+     "preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
-     "How far from the impact spheres are coloured is the size of the plastic zone."),
-    ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, friction and viscous losses",
-     "The panels have one scale: compare where spheres yield with where they slide or are damped."),
-    ("dents_*", sections.dents_section, "Dents from before the run",
-     "A contact is elastic up to the force that dented it."),
+     "The coloured spheres show the extent of the plastic zone."),
+    ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
+        "friction and viscous losses",
+     "All panels have the same scale: compare the location of yielding, sliding and damping."),
+    ("dents_*", sections.dents_section, "Plastic indentations before the run",
+     "A contact is elastic up to the force that caused its indentation."),
     ("dissipation_ranked", dissipation.dissipation_ranked, "Dissipation of spheres in descending order",
-     "The steeper the fall, the fewer spheres take the energy. Spheres that yielded and dissipated nothing are left out."),
-    ("dissipation_cumulated", dissipation.dissipation_cumulated, "Cumulated dissipation against the volume involved",
-     "Where the curve is steep, little energy is spread over much volume."),
+     "The steeper the decrease, the fewer spheres dissipate most of the energy. Spheres that "
+     "yielded without dissipation are excluded."),
+    ("dissipation_cumulated", dissipation.dissipation_cumulated, "Cumulative dissipation against "
+        "volume",
+     "If a curve rises early, few spheres dissipate most of the energy."),
     ("plastic_zone_growth", dissipation.plastic_zone_growth, "Growth of the plastic zone",
-     "Yielded counts, dissipation or not. Level curves: the zone is fully grown; rising ones ask for a longer run."),
+     "All yielded spheres are counted. Once curves are level, the zone is complete; if they still "
+     "rise, use a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
-     "Size of the plastic zone: energy of yielding that lies farther out",
-     "Where a curve falls to 0.1 is the size that holds 90 %; a boundary cuts a curve that ends abruptly."),
+     "Size of the plastic zone: plastic dissipation beyond a distance",
+     "The curve reaches 0.1 at the 90 % depth or radius; a curve that ends abruptly is cut by a "
+     "boundary."),
     ("energies", histories.energies, "Energies and the error of their balance",
-     "Where the dissipated energy is level, the impact is over; the residual is the error of the balance."),
-    ("timestep", histories.timestep, "Timestep, and the error of the energy balance that it follows",
-     "Steps are short while contacts are stiff; the line is the tolerance that the steps aim at."),
+     "Once the dissipated energy is constant, the impact is over; the residual is the error of "
+     "the balance."),
+    ("timestep", histories.timestep, "Timestep, and the error of the energy balance that controls "
+        "it",
+     "Steps are short while contacts are stiff; the line is the tolerance for the error."),
     ("bottom_force", histories.bottom_force, "Force and impulse on the bottom",
-     "The first rise is the arrival of the wave; the impulse is the area below the force."),
-    ("target", histories.target, "What reaches the target, and the force there without the packing",
-     "Compare the two peaks of force: their ratio is the peak reduction."),
-    ("impactor_velocity", histories.impactor_velocity, "Velocity of the sphere that is struck or loaded",
-     "Below zero the sphere rebounds; where the curve is level, it touches nothing."),
+     "The first rise is the arrival of the wave; the impulse is the area under the force."),
+    ("target", histories.target, "Force and impulse on the target, with and without the packing",
+     "The ratio of the two force peaks is the peak reduction."),
+    ("impactor_velocity", histories.impactor_velocity, "Velocity of the impacted or loaded sphere",
+     "Negative values are a rebound; where the velocity is constant, the sphere moves freely."),
     ("probes", histories.probes, "Probes",
-     "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay."),
+     "The delay between curves gives the wave speed, and the height of the peaks the decay."),
     ("wave_front", sections.wave_front, "Wave front",
-     "The edge of the coloured region is the front: how far it is in each direction shows where the wave is fast."),
-    ("force_map", rows.force_map, "Contact force in place and time",
-     "A wave is a slanted line, the faster the flatter; it decays where its colour fades, and is reflected "
-     "where it turns back."),
-    ("force_histories", rows.force_histories, "Forces of single contacts",
-     "Equal pulses one after the other are a steady wave; pulses that become lower and longer lose energy."),
+     "The edge of the coloured region is the wave front; its distance in each direction shows how "
+     "the speed varies."),
+    ("force_map", rows.force_map, "Contact force in space and time",
+     "A wave is an inclined line; its slope gives the speed, fading colours show decay, and a "
+     "reversal is a reflection."),
+    ("force_histories", rows.force_histories, "Forces of individual contacts",
+     "Equal successive pulses are a steady wave; pulses that become lower and longer lose energy."),
     ("along_chain", rows.along_chain, "Peak force and dissipation along the chain",
-     "Level dots are a wave that keeps its force; falling ones are its decay."),
+     "Constant values show a wave without decay; decreasing values show its decay."),
     ("bead_velocities", rows.bead_velocities, "Velocities along the chain",
-     "Each curve is the whole row at one instant: the front goes to the right, and its height tells the decay."),
+     "Each curve is the whole chain at one instant: the front moves to the right, and its height "
+     "shows the decay."),
     ("transmission", rows.transmission,
-     "Amplitude along the row, or transmission against frequency, of a load that oscillates",
-     "Where the curve is near zero, nothing comes through."),
-    ("amplitude_sweep", rows.amplitude_sweep, "Answer of the row against the amplitude of its load",
-     "A jump, or two curves apart, means two states of the row at one amplitude."),
+     "Amplitude along the chain, or transmission against frequency, for an oscillating load",
+     "Where the curve is near zero, nothing is transmitted."),
+    ("amplitude_sweep", rows.amplitude_sweep, "Response of the chain against the load amplitude",
+     "A jump, or separate curves, shows two states of the chain at one amplitude."),
     ("bars", rows.bars, "Bars: contact force and energy",
-     "A second peak is a reflected pulse; the energies are those in each bar."),
+     "A second peak is a reflected pulse; the energies are given for each bar."),
     ("sensors", rows.sensors, "Sensors",
-     "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay."),
+     "The delay between curves gives the wave speed, and the height of the peaks the decay."),
     ("line_speeds", rows.line_speeds, "Speeds along lines of grains",
-     "The first peak of each grain is the wave; what follows is rattling and what walls send back."),
+     "The first peak of each grain is the wave; later peaks are rattling and reflections from "
+     "walls."),
     ("line_decay", rows.line_decay, "Peak speed along lines of grains, and its decay in two regions",
-     "A straight line is an exponential decay; where the two lines meet, it changes."),
+     "A straight line is an exponential decay; its rate changes where the two lines meet."),
     ("accelerations", histories.sensors, "Accelerations of the sensors",
-     "Compare sensors that lie alike: ideally their curves are the same."),
+     "Sensors at equivalent positions ideally have the same curve."),
     ("directions", dissipation.directions, "Energy and dissipation by direction from the impact point",
-     "Peaks lie along rows of contacts; a level curve is a wave that goes everywhere alike."),
+     "Peaks lie along chains of contacts; a constant curve is an isotropic wave."),
     ("contact_network", contacts.contact_network,
      "Contacts between grains, as lines as thick as their force",
-     "Thick lines in a row are a force chain; the title gives the force of the thickest line."),
+     "Consecutive thick lines are a force chain; the title gives the force of the thickest line."),
     ("force_distribution", contacts.force_distribution,
-     "Distribution of contact forces over their mean",
-     "A straight line is an exponential tail; the smaller its decay, the more uneven the forces."),
+     "Distribution of contact forces relative to their mean",
+     "A straight line is an exponential tail; the slower its decay, the less uniform the forces."),
     ("line_diagram", rows.line_diagram,
-     "Speed of a line of grains in place and time, with the front",
-     "The front is the lower edge of the colours; dots on the fitted line mean a steady speed."),
+     "Speed of a line of grains in space and time, with the front",
+     "The front is the lower edge of the colours; dots on the fitted line show a constant speed."),
+    ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
+     "The delay between the curves gives the speed of the wave, and their heights its decay."),
+    ("energy_by_region", regions.energy_by_region, "Energy in regions of the packing",
+     "A region takes energy where its area grows; all areas together are the energy input."),
 )  # fmt: skip
 _PLANES = {
     "principal": "principal plane",
-    "orthogonal": "plane orthogonal to it",
+    "orthogonal": "perpendicular plane",
     "section": "plane of the case",
 }
 
 
 #: Figures of the core that take long.
 _LONG = ("wave_front", "directions")
+#: Figures of the core that repeat others of some runs.
+_ADDS = {"target": histories.target_moves}
 
 
 def _figures() -> Iterator[tuple[str, RunFigure]]:
     """Yield the figures of the core by name."""
     for name, function, caption, look in _TABLE:
         if not name.endswith("*"):
-            yield name, RunFigure(caption, function, look, takes_long=name in _LONG)
+            adds = _ADDS.get(name)
+            yield name, RunFigure(caption, function, look, takes_long=name in _LONG, adds=adds)
             continue
         for plane, where in _PLANES.items():
             yield (
@@ -177,6 +203,15 @@ def _fail(error: Exception, result: Result) -> None:
     raise error
 
 
+def chosen_figures(result: Result, options: Figures) -> tuple[str, ...]:
+    """Return the names of the figures that options ask for; by default without those that repeat
+    others of this result.
+    """
+    if options.only or options.all:
+        return options.chosen
+    return tuple(name for name in options.chosen if run_figures()[name].answers(result))
+
+
 def draw_figures(
     directory: AnyPath,
     progress: Callable[[str], None] | None = None,
@@ -187,16 +222,15 @@ def draw_figures(
 ) -> list[Path]:
     """Draw the figures of a run from its ``result.h5``.
 
-    Earlier figures that no longer apply are removed, and those that the case leaves out if all are
-    drawn.
+    Earlier figures that no longer apply are removed.
 
     Parameters
     ----------
     progress
         Function called with the name of each figure before it is drawn.
     names
-        Names of the figures to draw; by default those of ``only`` of the options, or all
-        that need not be asked for by name.
+        Names of the figures to draw; by default those that the options ask for, and those that are
+        there already. Where the options name figures, others are removed.
     helpers
         Processes that draw beside this one, started before; by default as many as there are cores,
         up to four.
@@ -220,18 +254,21 @@ def draw_figures(
         The environment does not give a number of processes, or ``[figures]`` of the case.toml there
         is wrong.
     """
-    if options is None:
-        with Result(directory) as result:
-            options = result.figure_options
-    chosen = tuple(options.only or usual_figure_names()) if names is None else names
     folder = FigureFolder(directory)
-    if names is None:
-        folder.remove(*(name for name in run_figures() if name not in chosen))
-    started = nullcontext(helpers) if helpers else start_helpers(len(chosen))
+    with Result(directory, assembly=assembly) as result:
+        options = options or result.figure_options
+        if names is None:
+            names = chosen_figures(result, options)
+            if options.only:
+                folder.remove(*(name for name in run_figures() if name not in names))
+            else:
+                wanted = {*names, *folder.names()}
+                names = tuple(name for name in run_figures() if name in wanted)
+    started = nullcontext(helpers) if helpers else start_helpers(len(names))
     with painter(directory, options, assembly) as draw, started as others:
-        request = (Path(directory).absolute(), chosen, options)
-        outcomes = others.draw(chosen, draw, request, _shares(chosen))
-        for name in chosen:
+        request = (Path(directory).absolute(), names, options)
+        outcomes = others.draw(names, draw, request, _shares(names))
+        for name in names:
             if progress is not None:
                 progress(name)
             folder.place(next(outcomes), name)

@@ -45,6 +45,9 @@ _RING = 1.0  # width of the ring around a sphere beyond the range of the law, po
 _AROUND_ARROW = 0.3  # distance of the load's arrow from the edge of a section, diameters
 _OUTLINE = "#9a9a9a"  # colour of the outlines of grains
 _OUTLINE_WIDTH = 0.35  # points
+_BEHIND = 0.75  # largest distance of the plane behind a section, diameters
+_SAME_PLANE = 0.05  # distance of centres in one plane, diameters
+_PALE = 0.55  # strength of the colours of spheres behind a section
 _DISC = 0.96  # drawn / actual diameter
 _SEEN_ALONG = 0.1  # length of an axis in a section / radius below which a cylinder is seen end-on
 
@@ -129,7 +132,7 @@ def dissipation_colouring(result: Result, part: str = "") -> Colouring:
     options = result.figure_options
     low, high = options.dissipation_limits or DISSIPATION_LIMITS
     colours = options.colour_map or DISSIPATION_MAP
-    title = "Viscous losses" if part == "viscous" else part.capitalize()
+    title = "Viscous damping" if part == "viscous" else part.capitalize()
     return Colouring(values / result.energy_input, label, column, colours, low, high, title)
 
 
@@ -163,12 +166,12 @@ def dents_section(result: Result, name: str) -> Drawing | None:
     if not result.has("contacts/initial_overlap"):
         return None
     unit = 1e-6
-    label = "Dent before the run (µm)"
+    label = "Initial indentation (µm)"
     column = "initial_overlap_um"
     if result.has_yield_force:
         unit = result.law.yield_overlap
         column = "initial_over_alpha_y"
-        label = r"Dent before the run $\alpha/\alpha_\mathrm{y}$"
+        label = r"Initial indentation $\alpha/\alpha_\mathrm{y}$"
     values = np.zeros(result.n_spheres)
     np.maximum.at(values, result.ends, (result["contacts/initial_overlap"] / unit)[:, None])
     low, high = decades_up_to(float(values.max()), 1.0 if result.has_yield_force else None)
@@ -177,10 +180,10 @@ def dents_section(result: Result, name: str) -> Drawing | None:
 
 
 def wave_front(result: Result) -> Drawing | None:
-    """Draw the forces on the spheres of the vertical plane at four times while the wave travels
-    down.
+    """Draw the forces on the spheres of the principal plane, in which spheres touch, at four times
+    while the wave travels down.
     """
-    cut = cut_of(result, "orthogonal") or cut_of(result, "principal")
+    cut = cut_of(result, "principal") or cut_of(result, "orthogonal")
     chosen = _snapshots(result)
     if cut is None or not chosen:
         return None
@@ -251,7 +254,10 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
         min(max(len(colourings) * height + 1.05, 1.9), 6.0 if len(colourings) == 1 else 8.0)
     )
     panels = figure.subplots(len(colourings), 1, sharex=True, squeeze=False)[:, 0]
+    behind = _next_plane(result, cut)
     for axes, colouring, shown in zip(panels, colourings, values, strict=True):
+        if behind is not None:
+            _draw_behind(axes, result, behind, colouring)
         draw_discs(
             axes, cut, shown, colouring, disc_radii(result, cut), beyond, sticks_of(result, cut)
         )
@@ -273,6 +279,34 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
         colouring.column: shown for colouring, shown in zip(colourings, values, strict=True)
     }
     return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
+
+
+def _next_plane(result: Result, cut: SpheresOnPlane) -> SpheresOnPlane | None:
+    """Return the spheres of the lattice plane behind the orthogonal one, which fill the gaps
+    between its spheres; None for other planes, or without such a plane.
+    """
+    if cut.plane.name != "orthogonal" or not result.case.packing.rule.is_lattice:
+        return None
+    diameter = result.case.packing.diameter
+    deeper = replace(cut.plane, tolerance=_BEHIND)
+    slab = section(deeper, result["spheres/position"], result.origin, diameter)
+    outside = slab.height > (cut.plane.tolerance + _SAME_PLANE) * diameter
+    if not outside.any():
+        return None
+    first = float(slab.height[outside].min())
+    rows = np.flatnonzero(outside & (slab.height < first + _SAME_PLANE * diameter))
+    return SpheresOnPlane(
+        cut.plane, slab.index[rows], slab.across[rows], slab.down[rows], slab.height[rows]
+    )
+
+
+def _draw_behind(axes: Axes, result: Result, behind: SpheresOnPlane, colouring: Colouring) -> None:
+    """Draw the discs of spheres behind a section, paler than those on it."""
+    values = colouring.values[behind.index]
+    discs = draw_discs(axes, behind, values, colouring, result["spheres/radius"][behind.index])
+    faces = np.array(discs.get_facecolor(), dtype=np.float64)
+    faces[:, :3] = 1 - _PALE * (1 - faces[:, :3])
+    discs.set(facecolor=faces, edgecolor=_OUTLINE, zorder=0.9)
 
 
 def across_title(plane: Plane) -> str:
@@ -323,7 +357,7 @@ def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
     """
     if np.array_equal(result.impact_axis, result.origin[:2]):
         return plane
-    across_label = plane.across_label.replace("impact axis", "struck sphere")
+    across_label = plane.across_label.replace("impact axis", "impacted sphere")
     return replace(plane, across_label=across_label)
 
 

@@ -7,7 +7,9 @@ Figures are handed over to pyplot, to be changed and shown by the user.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Iterator
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import nullcontext
 from typing import Any
 
 import matplotlib as mpl
@@ -32,12 +34,15 @@ from granwave.analysis.figures.style import (
     new_figure,
     style,
 )
+from granwave.analysis.figures.user_axes import drawing_into, plots_of, user_figure
 
 _MICRO = 1e6  # in a second
 _MOST_POINTS = 20_000  # of a curve; the CSV file has all
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKS = "os^Dv"
+#: Lines in turn, which tell curves apart where colours cannot be seen.
+LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 _ENERGIES = ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ"))
 _VELOCITIES = ((1.0, "m/s"), (1e3, "mm/s"), (1e6, "µm/s"))
 _LEAST_VELOCITY = 0.01  # in m/s: tenths are usual there
@@ -60,7 +65,7 @@ def velocity_unit(largest: float) -> tuple[float, str]:
 
 
 def against_time(
-    axes: Axes, time: NDArray[np.float64], values: NDArray[np.float64], line: str = "-", **look: Any
+    axes: Axes, time: NDArray[np.float64], values: NDArray[np.float64], line: Any = "-", **look: Any
 ) -> None:
     """Draw a record against time, and label that axis.
 
@@ -77,13 +82,14 @@ def against_time(
         )
         time = time[rows]
         values = values[rows]
-    axes.plot(time * _MICRO, values, line, **look)
+    axes.plot(time * _MICRO, values, linestyle=line, **look)
     time_axis(axes, time)
 
 
 def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
     """Label the axis of times, s, of the lowest panel if several share it."""
-    if axes.get_subplotspec() is None or axes.get_subplotspec().is_last_row():  # type: ignore[union-attr]
+    place = axes.get_subplotspec()
+    if user_figure() is not None or place is None or place.is_last_row():
         axes.set_xlabel("Time (µs)")
     axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
 
@@ -142,6 +148,14 @@ def legend_outside(figure: Figure, ncols: int, **options: Any) -> None:
     )
 
 
+def with_error(value: float, error: float) -> str:
+    """Return a number with its error, which has two digits: ``70.4 ± 2.8``."""
+    digits = 0
+    if error > 0:
+        digits = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "\N{MINUS SIGN}")
+
+
 def column_name(words: str) -> str:
     """Convert text to the name of a column or a file: ``FCC, 314 µs`` becomes ``FCC_314_us``."""
     kept = "".join(
@@ -152,11 +166,12 @@ def column_name(words: str) -> str:
 
 
 _HEIGHT = 2.6  # height of a figure that pyplot makes, inches
-_COLORBAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
 def draw_axes(
-    draw: Callable[[], Drawing | NotDrawn | None], width: float | None = None
+    draw: Callable[[], Drawing | NotDrawn | None],
+    width: float | None = None,
+    into: Sequence[Axes] = (),
 ) -> Axes | list[Axes] | None:
     """Draw a figure and hand it to pyplot, without saving it.
 
@@ -164,6 +179,8 @@ def draw_axes(
     ----------
     width
         As in `granwave.analysis.figures.style.style`.
+    into
+        Axes of the user, one for each panel, which take the place of those of a new figure.
 
     Returns
     -------
@@ -172,7 +189,7 @@ def draw_axes(
     """
     from matplotlib import pyplot
 
-    with style(width):
+    with style(width), drawing_into(into) if into else nullcontext():
         drawing = draw()
         if drawing is None:
             return None
@@ -180,8 +197,9 @@ def draw_axes(
             raise MissingDataError(str(drawing))
         least_span(drawing.figure)
         drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
-    pyplot.figure(drawing.figure)
-    plots = [axes for axes in drawing.figure.axes if axes.get_label() != _COLORBAR]
+    if not into:
+        pyplot.figure(drawing.figure)
+    plots = plots_of(drawing.figure)
     return plots[0] if len(plots) == 1 else plots
 
 

@@ -21,12 +21,14 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from queue import SimpleQueue
 from typing import Any
 
+from granwave.lammps_inputs.case.run import Figures, figure_names
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import available_memory
 
 # environment variable: largest number of processes that draw
 PROCESSES = "GRANWAVE_FIGURE_PROCESSES"
-USUAL_FIGURES = 18  # of a packing; a chain has ten
+_USUAL_FIGURES = 6  # that are drawn by default
+_SHARE = 0.5  # of all figures that apply to a run
 _MOST_PROCESSES = 4  # with more, loading the drawing library costs more than they gain
 _LEAST_FIGURES = 4  # for each process
 _MEMORY = 0.5e9  # bytes for each helper: 0.4 with 155 520 spheres
@@ -34,6 +36,13 @@ _HELPER = "granwave.analysis.figures.run_figures"
 
 Contents = Mapping[str, bytes]  # of the files of a figure, by suffix
 Outcome = Contents | None  # None: the figure does not apply
+
+
+def number_expected(options: Figures, names: Sequence[str] | None = None) -> int:
+    """Return the number of figures to expect: of the names, or of those that are asked for."""
+    if names or options.only:
+        return len(names or options.only)
+    return int(_SHARE * len(figure_names())) if options.all else _USUAL_FIGURES
 
 
 @contextlib.contextmanager
@@ -118,7 +127,7 @@ class Helpers:
             taken. By default each figure alone, in their order.
         """
         if self._threads is not None:
-            raise ValueError("these helpers have drawn; start others")
+            raise ValueError("these processes have been used; start new ones")
         self._threads = ThreadPoolExecutor(len(self._processes) or 1)
         if not self._processes:
             yield from map(draw, names)

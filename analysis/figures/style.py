@@ -14,7 +14,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from itertools import chain, zip_longest
 from pathlib import Path, PurePosixPath
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike
 from granwave.analysis.figures.legends import uncover_curves
 from granwave.analysis.figures.scales import least_span, plain_powers
 from granwave.analysis.figures.titles import break_long_titles
+from granwave.analysis.figures.user_axes import user_figure
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import replace_bytes, replacing, write_csv_rows
@@ -185,7 +186,13 @@ def style(width: float | None = None) -> Iterator[None]:
 
 
 def new_figure(height: float, width: float = WIDTH) -> Figure:
-    """Make an empty figure with constrained layout; sizes in inches, for columns of `WIDTH`."""
+    """Make an empty figure with constrained layout; sizes in inches, for columns of `WIDTH`.
+
+    Within `drawing_into` it is the figure of the user instead.
+    """
+    own = user_figure()
+    if own is not None:
+        return cast(Figure, own)
     scale = _scale.get()
     figure = Figure(figsize=(scale * width, scale * height), layout="constrained")
     FigureCanvasAgg(figure)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from granwave.analysis.statistics import Estimate
 
@@ -10,6 +11,9 @@ from granwave.analysis.statistics import Estimate
 _FEW = -4
 _MANY = 6
 _MOST = 8  # largest number of digits of a mean
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_VOLUMES = ((1.0, "m³"), (1e-6, "cm³"), (1e-9, "mm³"))
+_ALMOST = 0.9995  # of a unit: rounded to four digits, the unit
 
 
 def number(value: float) -> str:
@@ -43,6 +47,46 @@ def interval(mean: float, half_width: float) -> str:
     unit = 10.0**power
     decimals = power - last
     return f"({mean / unit:.{decimals}f} ± {half_width / unit:.{decimals}f})e{power}"
+
+
+def quantity_in(value: float, unit: str) -> str:
+    """Format a value with four digits and a prefix of its unit: ``605 nm``, ``1.2 kN``."""
+    if not unit or not value:
+        return f"{plain(f'{value:.4g}')} {unit}".rstrip()
+    scale, prefix = _fitting(value, _PREFIXES)
+    return f"{plain(f'{value / scale:.4g}')} {prefix}{unit}"
+
+
+def range_in(values: Sequence[float], unit: str) -> str:
+    """Format the range of values, as `quantity_in` formats them."""
+    return " to ".join(
+        dict.fromkeys(quantity_in(value, unit) for value in (min(values), max(values)))
+    )
+
+
+def in_any_unit(value: float, unit: str) -> str:
+    """Format a value with four digits and its unit, which has a prefix where it can have one.
+
+    Parameters
+    ----------
+    unit
+        As of SI: ``N``, ``m^3``, ``1/m``; empty for a number.
+    """
+    unit = unit.replace("^3", "³").replace("^2", "²")
+    if unit == "m³" and value:
+        scale, volume = _fitting(value, _VOLUMES)
+        return f"{plain(f'{value / scale:.4g}')} {volume}"
+    if unit.isalpha() and unit != "kg":
+        return quantity_in(value, unit)
+    return f"{plain(f'{value:.4g}')} {unit}".rstrip()
+
+
+def _fitting(value: float, units: Sequence[tuple[float, str]]) -> tuple[float, str]:
+    """Return the largest unit of which a value has one or more, or the smallest: its size and its
+    name.
+    """
+    fitting = [unit for unit in units if abs(value) >= _ALMOST * unit[0]]
+    return fitting[0] if fitting else units[-1]
 
 
 def tick(value: float) -> str:

@@ -45,10 +45,8 @@ class _Bytes:
         """Read values of a header, as `struct` names them."""
         n = self.check_room(struct.calcsize(f"={form}"))
         if not 0 <= self.place - self._from <= len(self._ahead) - n:
-            self._ahead, self._from = (
-                np.fromfile(self.path, np.uint8, max(n, _AHEAD), offset=self.place),
-                self.place,
-            )
+            self._ahead = np.fromfile(self.path, np.uint8, max(n, _AHEAD), offset=self.place)
+            self._from = self.place
         values = struct.unpack_from(f"={form}", self._ahead.data, self.place - self._from)
         self.place += n
         return values
@@ -168,8 +166,9 @@ def _header(data: _Bytes) -> tuple[Frame, int, int]:
     endian, revision = data.take("ii")
     if (endian, revision) != (_ENDIAN, _REVISION):
         raise OutputFormatError(
-            f"{data.where()}: found byte order {endian} and revision {revision}, expected {_ENDIAN} and "
-            f"{_REVISION}: another machine or another LAMMPS wrote it; {AGAIN}"
+            f"{data.where()}: found byte order {endian} and revision {revision}, expected "
+            f"{_ENDIAN} and {_REVISION}: the file was written on another machine or by another "
+            f"LAMMPS; {AGAIN}"
         )
     step, n_rows, triclinic, *_ = data.take("qq7i")
     box = np.array(data.take("6d")).reshape(3, 2)

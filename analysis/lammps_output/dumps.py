@@ -179,8 +179,8 @@ class ContactDump:
         expected = self._noted()
         if n_rows != expected:
             raise OutputFormatError(
-                f"{self.path} (all ranks): found {n_rows} contacts, {self.count} says {expected}: a file was cut or "
-                f"belongs to another run; {AGAIN}"
+                f"{self.path} (all ranks): found {n_rows} contacts, {self.count} says {expected}: "
+                f"a file is truncated or belongs to another run; {AGAIN}"
             )
         yield frame.with_rows(frame.values[:0])
 
@@ -282,8 +282,8 @@ def refuse_ids(path: Path, strange: NDArray[np.float64]) -> None:
     """Raise OutputFormatError if a dump names particles that the data file does not hold."""
     if len(strange):
         raise OutputFormatError(
-            f"{path}: found a contact of particle {strange.min():.0f}, which data.granwave does not hold: the files "
-            f"belong to different runs, or one is damaged; {AGAIN}"
+            f"{path}: found a contact of particle {strange.min():.0f}, which data.granwave does "
+            f"not contain: the files belong to different runs, or one of them is damaged; {AGAIN}"
         )
 
 
@@ -355,11 +355,11 @@ def _data_header(lines: Lines) -> DataHeader:
                 names = tuple(line.partition(":")[2].split()) or DATA_COLUMNS
                 break
     if not n_spheres:
-        raise OutputFormatError(f"{path} does not say how many atoms it holds; {DAMAGED}")
+        raise OutputFormatError(f"{path} does not state the number of atoms; {DAMAGED}")
     missing = [name for name in DATA_COLUMNS if name not in names]
     if missing:
         raise OutputFormatError(
-            f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(names)}; {AGAIN}"
+            f"{path} has no columns {', '.join(missing)}; it has {' '.join(names)}; {AGAIN}"
         )
     lines.take(1)
     return DataHeader(path, n_spheres, names, box)
@@ -420,7 +420,7 @@ def _pieces(
         for frame in _of_all_ranks(paths, at_once):
             if missing := [name for name in required if name not in frame.columns]:
                 raise OutputFormatError(
-                    f"{path}: snapshot {number} lacks the columns {', '.join(missing)}; it has "
+                    f"{path}: snapshot {number} has no columns {', '.join(missing)}; it has "
                     f"{' '.join(frame.columns)}; {AGAIN}"
                 )
             yield frame
@@ -428,7 +428,7 @@ def _pieces(
     except CutShortError as error:
         if not partial:
             raise OutputFormatError(f"{error}; {CUT}") from None
-        log.warning("%s: snapshot %d is cut short and left out", path, number)
+        log.warning("%s: snapshot %d is truncated and ignored", path, number)
     if not number:
         raise OutputFormatError(f"{path} holds no complete snapshot; {AGAIN}")
 
@@ -487,8 +487,8 @@ def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
 
 def _missing_dump(directory: Path, path: Path) -> MissingOutputError:
     return MissingOutputError(
-        f"{path} is missing: the run did not get as far as writing it; finish the run "
-        f"(granwave run {directory / files.CASE_FILE} -o {directory} --resume)"
+        f"{path} is missing: the run stopped before writing it; finish the run (granwave run "
+        f"{directory / files.CASE_FILE} -o {directory} --resume)"
     )
 
 

@@ -23,7 +23,7 @@ from granwave.lammps_inputs.files import read_number, read_whole
 
 AGAIN = "run the case again with force=True"
 DAMAGED = f"the file is damaged, {AGAIN}"
-CUT = f"the file was cut, {AGAIN}"
+CUT = f"the file is truncated, {AGAIN}"
 WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
 _COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the header of a snapshot
 _BLOCK = 1 << 20  # bytes that are read at once where lines are counted
@@ -186,7 +186,7 @@ class CutShortError(Exception):
     """
 
     def __init__(self, place: str, number: int) -> None:
-        super().__init__(f"{place}: snapshot {number} is cut short")
+        super().__init__(f"{place}: snapshot {number} is truncated")
 
 
 class Lines:

@@ -65,7 +65,7 @@ def read_energy(directory: str | Path) -> Table:
     table = read_table(directory, files.ENERGY_FILE)
     if missing := [name for name in ENERGY_COLUMNS if name not in table]:
         raise OutputFormatError(
-            f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}"
+            f"{path} has no columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}"
         )
     zeros = np.zeros_like(table["time"])
     return table | {name: zeros for name in FRICTION_COLUMNS if name not in table}
@@ -102,7 +102,7 @@ def read_table(directory: str | Path, name: str) -> Table:
                 rows.append(line)
                 lines.append(number)
     if not rows or not names:
-        what = "no names of columns" if rows else "no row: the run ended before its first report"
+        what = "no names of columns" if rows else "no rows: the run ended before its first output"
         raise OutputFormatError(f"{path} holds {what}; {AGAIN}")
     values = read_rows(rows, names, lambda row: f"{path}: line {lines[row]}")
     instants = values[:, _INSTANT]
@@ -115,7 +115,7 @@ def read_table(directory: str | Path, name: str) -> Table:
         n = int(apart.argmax())
         first, second = instants[n : n + 2]
         raise OutputFormatError(
-            f"{path} lacks rows between the steps {first:.0f} and {second:.0f}; {AGAIN}"
+            f"{path} has no rows between the steps {first:.0f} and {second:.0f}; {AGAIN}"
         )
     return {name: np.ascontiguousarray(values[:, n]) for n, name in enumerate(names)}
 
@@ -180,7 +180,7 @@ def check_unchanged(results: ResultDirectory, processes: Processes = ALONE) -> N
     """Raise OutputFormatError if a file that LAMMPS wrote is not as it was at the end of the run."""
     if fault := results.changed_file(results.output_names(), processes):
         raise OutputFormatError(
-            f"{fault}: put back what the run wrote, or run the case again: "
+            f"{fault}: restore the file that the run wrote, or run the case again: "
             f"granwave run {results / files.CASE_FILE} -o {results} --resume"
         )
 
@@ -193,9 +193,9 @@ def _check_series(directory: Path, name: str, columns: list[str], last: int, eve
         raise MissingOutputError(f"{path} is missing; {AGAIN}")
     if missing := [name for name in columns if name not in table]:
         raise OutputFormatError(
-            f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}"
+            f"{path} has no columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}"
         )
     if abs(table["step"][-1] - last) > every:
         raise OutputFormatError(
-            f"{path} ends at step {table['step'][-1]:.0f}, the ledger at step {last}: {CUT}"
+            f"{path} ends at step {table['step'][-1]:.0f}, the energy balance at step {last}: {CUT}"
         )

@@ -28,7 +28,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.measures.signals import Array, arrival
 from granwave.analysis.result.reader import Result
@@ -344,7 +344,7 @@ def push_starts(table: Sequence[Sequence[float]] | None) -> list[float]:
     return [before[0] for before, after in pairwise(table or ()) if before[1] == 0 < after[1]]
 
 
-def largest_of_pulses(time: Array, force: Array, apart: float) -> tuple[float, float]:
+def largest_of_pulses(time: ArrayLike, force: ArrayLike, apart: float) -> tuple[float, float]:
     """Largest force of the first and of the second pulse at a contact, N.
 
     Parameters
@@ -354,5 +354,7 @@ def largest_of_pulses(time: Array, force: Array, apart: float) -> tuple[float, f
     apart
         Time between the pushes, s.
     """
+    time = np.asarray(time, dtype=np.float64)
+    force = np.asarray(force, dtype=np.float64)
     split = arrival(time, force, _ARRIVED * float(force.max())) + _SHARE * apart
     return float(force[time < split].max(initial=0.0)), float(force[time >= split].max(initial=0.0))

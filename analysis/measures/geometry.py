@@ -115,7 +115,7 @@ def own_plane(
     across = np.cross(down, unit)
     across *= 1.0 if across[np.argmax(np.abs(across))] > 0 else -1.0
     vertical = abs(unit[2]) < 1 - _LEVEL
-    down_label = "y" if level else "Depth" if vertical else "Down the plane"
+    down_label = "y" if level else "Depth" if vertical else "Depth along the plane"
     axis = (
         "x"
         if level or abs(across[0]) > _LEVEL

@@ -44,8 +44,11 @@ from scipy.special import jv, jvp
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.measures.signals import Array, width
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.material import material as preset
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
 
 Values = TypeVar("Values", float, Array)
@@ -91,7 +94,8 @@ class ChainScales:
         self._radius = law.effective_radius
         self.force = self._modulus * self._radius**2
         self.time = math.sqrt(math.pi * self._density * self._radius**2 / (4 * self._modulus))
-        self.velocity, self.impulse = self._radius / self.time, self.force * self.time
+        self.velocity = self._radius / self.time
+        self.impulse = self.force * self.time
 
     def overlap(self, force: Array) -> Array:
         """Hertz's, m, at forces in N."""
@@ -128,6 +132,86 @@ def discrete_width() -> float:
     """Full width at half maximum of the bead velocity in the travelling wave of the discrete chain:
     1.579 diameters.
     """
+    return width(*_bead_velocity())
+
+
+@dataclasses.dataclass(frozen=True)
+class SolitaryWave:
+    """Travelling wave of a loose chain of identical elastic spheres.
+
+    Attributes
+    ----------
+    force
+        Peak force of the contacts, N.
+    speed
+        Speed of the wave, m/s.
+    overlap
+        Largest overlap of the contacts, m.
+    velocity
+        Largest velocity of the beads, m/s.
+    width
+        Full width at half maximum of the bead velocity, m.
+    duration
+        Time in which this width passes a bead, s.
+    """
+
+    force: float
+    speed: float
+    overlap: float
+    velocity: float
+    width: float
+    duration: float
+
+
+def solitary_wave(
+    material: str | Material,
+    diameter: float,
+    *,
+    force: float | None = None,
+    speed: float | None = None,
+) -> SolitaryWave:
+    """Return the travelling wave of the discrete Hertz chain at a peak force, or at a speed.
+
+    Parameters
+    ----------
+    material
+        Material of the spheres, or the name of a preset, such as ``"steel"``.
+    diameter
+        Diameter of the spheres, m.
+    force
+        Peak force of the contacts, N.
+    speed
+        Speed of the wave, m/s.
+
+    Raises
+    ------
+    InputError
+        There is no such preset; a value is not above 0; or not one of force and speed is given.
+    """
+    if isinstance(material, str):
+        material = preset(material)
+    if (force is None) == (speed is None):
+        raise InputError("solitary_wave: expected one of force (N) or speed (m/s)")
+    for name, value in (("diameter", diameter), ("force", force), ("speed", speed)):
+        if value is not None and not 0 < value < math.inf:
+            raise InputError(f"{name}: found {value}, expected a finite number above 0")
+    plane_modulus = material.youngs_modulus / (1 - material.poisson_ratio**2)
+    of_one_newton = discrete_speed() * _NESTERENKO
+    of_one_newton *= (2 * plane_modulus / (diameter * material.density**1.5)) ** (1 / 3)
+    if force is None:
+        assert speed is not None  # it is what is given
+        force = (speed / of_one_newton) ** 6
+    speed = of_one_newton * force ** (1 / 6)
+    overlap = (3 * force / (plane_modulus * math.sqrt(diameter))) ** (2 / 3)
+    velocity = speed * overlap / diameter * float(_bead_velocity()[1].max())
+    extent = discrete_width() * diameter
+    return SolitaryWave(force, speed, overlap, velocity, extent, extent / speed)
+
+
+def _bead_velocity() -> tuple[Array, Array]:
+    """Places in diameters, and the velocity of a bead in the travelling wave, times the diameter
+    over speed and largest overlap.
+    """
     x, wave, _ = _discrete_wave()
     per_diameter = round(1 / (x[1] - x[0]))
     rate = np.gradient(wave, x)  # of the overlap ahead of a bead: the difference of two velocities
@@ -135,7 +219,7 @@ def discrete_width() -> float:
     for k in range(2 * _REACH):
         shift = k * per_diameter + per_diameter // 2
         velocity[: len(x) - shift] -= rate[shift:]
-    return width(x, velocity)
+    return x, velocity
 
 
 @cache

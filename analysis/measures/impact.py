@@ -217,6 +217,9 @@ def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[s
     return found
 
 
+_CONSTANTS = 3  # of the quadratic law
+
+
 @dataclass(frozen=True, eq=False)
 class QuadraticLaw:
     """Dissipation as ``D0 + D1 v + D2 v^2``.
@@ -224,7 +227,8 @@ class QuadraticLaw:
     Attributes
     ----------
     constants, deviations
-        D0, D1, D2 and their standard deviations: (3,).
+        D0, D1, D2 and their standard deviations: (3,); the deviations are NaN if three points were
+        fitted, which the law then meets exactly.
     misfit
         Largest |law / dissipation - 1| of what was fitted.
     lowest
@@ -243,13 +247,34 @@ class QuadraticLaw:
         )
 
 
-def quadratic_law(velocity: Array, dissipation: Array) -> QuadraticLaw:
-    """Fit the law, every point with the same relative weight; more than three points: (n,) each."""
+def quadratic_law(velocity: ArrayLike, dissipation: ArrayLike) -> QuadraticLaw:
+    """Fit the law, every point with the same relative weight.
+
+    Parameters
+    ----------
+    velocity, dissipation
+        At least three points: (n,) each.
+
+    Raises
+    ------
+    ValueError
+        There are fewer than three points.
+    """
+    velocity = np.asarray(velocity, dtype=np.float64)
+    dissipation = np.asarray(dissipation, dtype=np.float64)
+    n_points = len(velocity)
+    if n_points < _CONSTANTS:
+        raise ValueError(
+            f"the quadratic law has {_CONSTANTS} constants: found {n_points} points, expected at"
+            f" least {_CONSTANTS}"
+        )
     matrix = (
         np.stack([np.ones_like(velocity), velocity, velocity**2], axis=1) / dissipation[:, None]
     )
     constants = np.asarray(np.linalg.lstsq(matrix, np.ones_like(velocity))[0], dtype=np.float64)
     residual = matrix @ constants - 1
-    scatter = residual @ residual / (len(velocity) - len(constants))
-    deviations = np.sqrt(scatter * np.diag(np.linalg.inv(matrix.T @ matrix)))
+    deviations = np.full(_CONSTANTS, np.nan)
+    if n_points > _CONSTANTS:
+        scatter = residual @ residual / (n_points - _CONSTANTS)
+        deviations = np.sqrt(scatter * np.diag(np.linalg.inv(matrix.T @ matrix)))
     return QuadraticLaw(constants, deviations, float(np.abs(residual).max()), float(velocity.min()))

@@ -75,10 +75,11 @@ def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array
         )
     elif result.case.packing.rule.is_chain:
         raise MissingDataError(
-            f"{result.path}: has no history of a chain; run one with output.history"
+            f"{result.path}: has no history of a chain; set output.history and run the case again"
         )
     else:
-        time, (place, velocity) = result.frame_times, _means(result, axis)
+        time = result.frame_times
+        place, velocity = _means(result, axis)
     even = np.linspace(time[0], time[-1], len(time))
     return even, place, np.asarray(CubicSpline(time, velocity)(even))
 
@@ -89,7 +90,8 @@ def _means(result: Result, axis: int) -> tuple[Array, Array]:
 
     Strikers are left out.
     """
-    (nx, ny, _), ids = result.assembly.lattice.shape, result["spheres/id"]
+    nx, ny, _ = result.assembly.lattice.shape
+    ids = result["spheres/id"]
     own = ids <= result.assembly.lattice.n_spheres
     group = (ids[own] - 1) // (nx * ny) if axis == 2 else (ids[own] - 1) % nx
     frames = (result.frame(frame, "velocity")[own, axis] for frame in range(result.n_frames))
@@ -137,7 +139,7 @@ def line_velocity(result: Result, ids: ArrayLike) -> Array:
     )
 
 
-def peaks(time: Array, velocity: Array, diameter: float) -> Peaks:
+def peaks(time: ArrayLike, velocity: ArrayLike, diameter: float) -> Peaks:
     """Times at which the pulse passes each sphere of a chain.
 
     Parameters
@@ -147,6 +149,8 @@ def peaks(time: Array, velocity: Array, diameter: float) -> Peaks:
     velocity
         Along the chain: (n_times, n_spheres), m/s.
     """
+    time = np.asarray(time, dtype=np.float64)
+    velocity = np.asarray(velocity, dtype=np.float64)
     found = [first_peak(time, one, floor=0.5) for one in velocity.T]
     when, largest = (np.array([pair[k] for pair in found]) for k in (0, 1))
     largest[when >= time[-2]] = np.nan
@@ -157,12 +161,14 @@ def peaks(time: Array, velocity: Array, diameter: float) -> Peaks:
     return Peaks(largest, when, speed)
 
 
-def lengths(time: Array, velocity: Array, diameter: float) -> dict[str, Array]:
+def lengths(time: ArrayLike, velocity: ArrayLike, diameter: float) -> dict[str, Array]:
     """Length of the pulse at each sphere: its duration by each of `MEASURES` times the speed;
     (n_spheres,), diameters.
 
     See `peaks` for the parameters.
     """
+    time = np.asarray(time, dtype=np.float64)
+    velocity = np.asarray(velocity, dtype=np.float64)
     found = peaks(time, velocity, diameter)
     fine = np.linspace(time[0], time[-1], _FINE * (len(time) - 1) + 1)
     known = np.where(np.isfinite(found.speed), found.time, np.nan)
@@ -253,7 +259,7 @@ def solitary_lengths() -> dict[str, float]:
     )
 
 
-def reflection(time: Array, force: Array, place: int, beyond: int) -> float:
+def reflection(time: ArrayLike, force: ArrayLike, place: int, beyond: int) -> float:
     """Peak force of the wave reflected to a contact of a chain, divided by the peak force of the
     incident wave.
 
@@ -269,6 +275,8 @@ def reflection(time: Array, force: Array, place: int, beyond: int) -> float:
     beyond
         Contacts that there must be beyond it.
     """
+    time = np.asarray(time, dtype=np.float64)
+    force = np.asarray(force, dtype=np.float64)
     n = force.shape[1]
     if place < 2 or place + beyond > n:
         return np.nan
@@ -298,7 +306,9 @@ def speed_along_layers(result: Result, line: PrecompressedLine) -> float:
     line
         The line that the layers are.
     """
-    case, time, (_, mean) = result.case, result.frame_times, _means(result, 2)
+    case = result.case
+    time = result.frame_times
+    _, mean = _means(result, 2)
     nx, ny, nz = case.packing.size
     deepest = nz - _BEFORE_END
     if not case.boundary.periodic:
@@ -319,7 +329,7 @@ def _crests(time: Array, mean: Array) -> tuple[NDArray[np.int64], Array]:
     return numbers[good], times[good]
 
 
-def long_wave_speed(line: PrecompressedLine, numbers: NDArray[np.int64], times: Array) -> float:
+def long_wave_speed(line: PrecompressedLine, numbers: NDArray[np.int64], times: ArrayLike) -> float:
     """c0 by the times of the velocity crests in a linear line, struck at its first body, m/s.
 
     Parameters
@@ -329,6 +339,7 @@ def long_wave_speed(line: PrecompressedLine, numbers: NDArray[np.int64], times: 
     numbers, times
         Bodies, from 1, and the time of the first crest of each, s: (n_bodies,).
     """
+    times = np.asarray(times, dtype=np.float64)
     return line.spacing / (2 * float(np.polyfit(crest_times(numbers), times, 1)[0]))
 
 
@@ -370,11 +381,11 @@ class SpaceTime:
 
 
 def space_time_transform(
-    time: Array,
-    place: Array,
-    velocity: Array,
-    k: Array,
-    frequency: Array,
+    time: ArrayLike,
+    place: ArrayLike,
+    velocity: ArrayLike,
+    k: ArrayLike,
+    frequency: ArrayLike,
     *,
     taper_space: bool = True,
 ) -> SpaceTime:
@@ -400,12 +411,17 @@ def space_time_transform(
     ValueError
         Times or places are not even.
     """
+    time = np.asarray(time, dtype=np.float64)
+    place = np.asarray(place, dtype=np.float64)
+    velocity = np.asarray(velocity, dtype=np.float64)
+    k = np.asarray(k, dtype=np.float64)
+    frequency = np.asarray(frequency, dtype=np.float64)
     for name, values in (("times", time), ("places", place)):
         steps = np.diff(values)
         if not len(steps) or np.abs(steps - steps.mean()).max() > max(_EVEN_STEPS, 1e-3) * abs(
             steps.mean()
         ):
-            raise ValueError(f"found {name} with uneven steps, expected even ones")
+            raise ValueError(f"found {name} with non-uniform steps, expected uniform steps")
     step = float(np.diff(time).mean())
     spacing = float(np.diff(place).mean())
     window = np.hanning(len(time) + 2)[1:-1, None]

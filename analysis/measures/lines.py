@@ -21,6 +21,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
@@ -213,7 +214,7 @@ class TwoRegionDecay:
     points: int
 
 
-def fit_decay(distance: Array, peak: Array) -> TwoRegionDecay | None:
+def fit_decay(distance: ArrayLike, peak: ArrayLike) -> TwoRegionDecay | None:
     """Fit the broken line to peaks at distances (m); None for fewer than four.
 
     Parameters
@@ -221,6 +222,8 @@ def fit_decay(distance: Array, peak: Array) -> TwoRegionDecay | None:
     distance, peak
         (n,); points without a known positive peak do not count.
     """
+    distance = np.asarray(distance, dtype=np.float64)
+    peak = np.asarray(peak, dtype=np.float64)
     known = np.isfinite(peak) & (peak > 0)
     x = distance[known]
     y = np.log(peak[known])
@@ -254,7 +257,9 @@ def fit_decay(distance: Array, peak: Array) -> TwoRegionDecay | None:
     return TwoRegionDecay(-float(slope), -float(slope + bend), best, -single, len(x))
 
 
-def parted_at(distance: Array, peak: Array, wide: Array, share: float = PARTED) -> float | None:
+def parted_at(
+    distance: ArrayLike, peak: ArrayLike, wide: ArrayLike, share: float = PARTED
+) -> float | None:
     """Return the distance of the first grain with a peak that differs by a share from its peak in a
     wider crystal, m; None if there is no such grain.
 
@@ -264,6 +269,9 @@ def parted_at(distance: Array, peak: Array, wide: Array, share: float = PARTED) 
         Distances, m, and peaks of the same grains in either crystal, m/s: (n,); grains that lack a
         peak do not count.
     """
+    distance = np.asarray(distance, dtype=np.float64)
+    peak = np.asarray(peak, dtype=np.float64)
+    wide = np.asarray(wide, dtype=np.float64)
     known = np.isfinite(peak) & np.isfinite(wide) & (wide > 0)
     apart = np.flatnonzero(known & (np.abs(peak / np.where(known, wide, 1.0) - 1) > share))
     return float(distance[apart[0]]) if len(apart) else None

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 _FEWEST_FITTED = 4  # points of an exponential law
 
 
-def first_peak(time: Array, signal: Array, *, floor: float = 0.01) -> tuple[float, float]:
+def first_peak(time: ArrayLike, signal: ArrayLike, *, floor: float = 0.01) -> tuple[float, float]:
     """Time and height of the first maximum of a signal above ``floor`` of its largest, by a
     parabola through samples.
 
@@ -26,6 +26,8 @@ def first_peak(time: Array, signal: Array, *, floor: float = 0.01) -> tuple[floa
     tuple
         (NaN, NaN) of a signal that never rises.
     """
+    time = np.asarray(time, dtype=np.float64)
+    signal = np.asarray(signal, dtype=np.float64)
     largest = float(signal.max(initial=0.0))
     if not largest > 0:
         return np.nan, np.nan
@@ -36,23 +38,28 @@ def first_peak(time: Array, signal: Array, *, floor: float = 0.01) -> tuple[floa
     return _vertex(time[k - 1 : k + 2], signal[k - 1 : k + 2])
 
 
-def maxima(signal: Array, floor: float = 0.0) -> NDArray[np.intp]:
+def maxima(signal: ArrayLike, floor: float = 0.0) -> NDArray[np.intp]:
     """Places of the local maxima of a signal (n_times,) above a floor."""
+    signal = np.asarray(signal, dtype=np.float64)
     inner = (signal[1:-1] >= signal[:-2]) & (signal[1:-1] > signal[2:]) & (signal[1:-1] > floor)
     return np.flatnonzero(inner) + 1
 
 
-def at_time(time: float, times: Array, rows: Array) -> Array:
+def at_time(time: float, times: ArrayLike, rows: ArrayLike) -> Array:
     """A record (n_times, n) at one time, between its rows by straight lines: (n,)."""
+    times = np.asarray(times, dtype=np.float64)
+    rows = np.asarray(rows, dtype=np.float64)
     k = min(int(np.searchsorted(times, time)), len(times) - 1)
     part = (time - times[k - 1]) / (times[k] - times[k - 1])
     return np.asarray(rows[k - 1] + part * (rows[k] - rows[k - 1]))
 
 
-def arrival(time: Array, signal: Array, level: float) -> float:
+def arrival(time: ArrayLike, signal: ArrayLike, level: float) -> float:
     """Time at which a signal first passes a level, between samples by a straight line, s; NaN:
     never.
     """
+    time = np.asarray(time, dtype=np.float64)
+    signal = np.asarray(signal, dtype=np.float64)
     above = np.flatnonzero(signal >= level)
     if not len(above):
         return np.nan
@@ -63,10 +70,12 @@ def arrival(time: Array, signal: Array, level: float) -> float:
     return float(time[k - 1] + part * (time[k] - time[k - 1]))
 
 
-def width(x: Array, signal: Array, share: float = 0.5) -> float:
+def width(x: ArrayLike, signal: ArrayLike, share: float = 0.5) -> float:
     """Full width of the largest peak of a signal at a share of its height, in units of x; NaN if it
     is cut off.
     """
+    x = np.asarray(x, dtype=np.float64)
+    signal = np.asarray(signal, dtype=np.float64)
     k = int(signal.argmax())
     level = share * float(signal.max())
     left = np.flatnonzero(signal[:k] < level)
@@ -118,7 +127,7 @@ class Power:
         return f"95 % confidence interval: ± {self.margin:.1g}." if np.isfinite(self.margin) else ""
 
 
-def power(x: Array, y: Array) -> Power:
+def power(x: ArrayLike, y: ArrayLike) -> Power:
     """The power law through points (n_points,), positive ones alone.
 
     Raises
@@ -126,6 +135,8 @@ def power(x: Array, y: Array) -> Power:
     ValueError
         There are fewer than two.
     """
+    x = np.asarray(x, dtype=np.float64)
+    y = np.asarray(y, dtype=np.float64)
     chosen = (x > 0) & (y > 0) & np.isfinite(x) & np.isfinite(y)
     if np.count_nonzero(chosen) < 2:
         raise ValueError(
@@ -159,10 +170,12 @@ class ExponentialDecay:
         return _exponential(x, self.end, self.span, self.length)
 
 
-def decay(x: Array, y: Array) -> ExponentialDecay | None:
+def decay(x: ArrayLike, y: ArrayLike) -> ExponentialDecay | None:
     """The exponential law through points (n_points,); None where there are too few, or no such law
     is found.
     """
+    x = np.asarray(x, dtype=np.float64)
+    y = np.asarray(y, dtype=np.float64)
     if len(x) < _FEWEST_FITTED:
         return None
     from scipy.optimize import curve_fit  # takes longer to load than most commands need

@@ -190,7 +190,7 @@ def no_bare_target(assembly: Assembly) -> str:
         return load.no_bare_target
     target = target_of(assembly)
     if target is None:
-        return "there is nothing below the packing"
+        return "the packing has no bottom"
     if not load.driven and not impactors_of(assembly, target.material):
         return "nothing moves towards the target"
     if not load.driven and np.isin(struck_of(assembly), assembly.in_clumps).any():

@@ -12,7 +12,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
@@ -95,7 +95,7 @@ def directions(result: Result) -> Array:
     return offset / np.linalg.norm(offset, axis=1, keepdims=True)
 
 
-def spread(result: Result, values: Array) -> Spread | None:
+def spread(result: Result, values: ArrayLike) -> Spread | None:
     """Distribution of a quantity of spheres over the directions from the nearest struck sphere;
     strikers are left out.
 
@@ -112,6 +112,7 @@ def spread(result: Result, values: Array) -> Spread | None:
         Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, the share in
         an even distribution; ``cells`` by direction. None if struck spheres hold all.
     """
+    values = np.asarray(values, dtype=np.float64)
     vectors = directions(result)
     known = np.isfinite(vectors[:, 0])
     vectors = vectors[known]

@@ -250,9 +250,7 @@ def cut_of(zone: Zone) -> list[str]:
 
 
 def zone_summary(result: Result) -> dict[str, Any]:
-    """Return the part of the summary that is about the size of the plastic zone; null where nothing
-    can yield.
-    """
+    """Return the values of the summary on the size of the plastic zone; None without yielding."""
     if not result.yields:
         return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
     single = [packing_zone(result)] if result.n_spheres <= result.at_once else None
@@ -279,8 +277,10 @@ def zone_summary(result: Result) -> dict[str, Any]:
         lost = np.zeros_like(lost)
     growing = []
     when = active["yield_time"]
-    for name in [name for name in _WAYS.values() if name in active and np.isfinite(when).any()]:
-        outermost = active[name] >= (1 - _SAME) * active[name][np.isfinite(when)].max()
+    has_yielded = np.isfinite(when)
+    measured = [name for name in _WAYS.values() if name in active]
+    for name in measured if has_yielded.any() else []:
+        outermost = active[name] >= (1 - _SAME) * active[name][has_yielded].max()
         if np.nanmin(when[outermost]) > (1 - _LATE) * time[-1]:
             growing.append(name)
     return (
@@ -430,6 +430,8 @@ def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
     if isinstance(share, int | float) and share > NOTED_SHARE:
         bounds = " and the ".join(summary.get("wave_returned") or ())
         microseconds = 1e6 * summary["wave_return_s"]
-        came = f"a wave came back from the {bounds} ({microseconds:.3g} us)"
-        found.append(f"up to {100 * share:.3g} % was dissipated after {came}")
-    return f"{', '.join(found)}; a larger {body} does without" if found else ""
+        arrival = f"a reflection from the {bounds} arrived ({microseconds:.3g} us)"
+        found.append(
+            f"up to {100 * share:.3g} % of the plastic dissipation occurred after {arrival}"
+        )
+    return f"{'; '.join(found)}. Use a larger {body} to avoid this." if found else ""

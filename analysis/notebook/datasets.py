@@ -29,7 +29,8 @@ class _OnDemand(BackendArray):
         self.result = result
         self.name = name
         self.source: h5py.Dataset = result.file[name]
-        self.shape, self.dtype = self.source.shape, self.source.dtype
+        self.shape = self.source.shape
+        self.dtype = self.source.dtype
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.result, self.name)
@@ -93,7 +94,8 @@ def chain(result: Result) -> Dataset:
     """
     if "chain" not in result:
         raise MissingDataError(
-            f"{result.path}: has no history of a chain; run one with output.history, the number of its instants"
+            f"{result.path}: has no history of a chain; set output.history, the number of "
+            "instants, and run the case again"
         )
     found = {}
     for name in result.names("chain"):

@@ -68,13 +68,12 @@ class ScanRuns:
     def __init__(self, directory: str | Path) -> None:
         self.result = ScanResult(directory)
         self.directory = self.result.directory.absolute()
-        self.name, self.varied = self.result.name, self.result.varied
+        self.name = self.result.name
+        self.varied = self.result.varied
 
     @cached_property
     def points(self) -> tuple[PointResult, ...]:
-        """All points in order, with status, and the reason why one failed; the state when first
-        asked for.
-        """
+        """All points in order, with status and reason of a failure, as read at the first use."""
         return self.result.points
 
     @property
@@ -224,7 +223,7 @@ def load(directory: str | Path) -> Any:
     if (path / files.SUITE_INDEX).is_file():
         scans = ", ".join(str(place) for place in sorted(path.iterdir()) if files.is_scan(place))
         raise InputError(
-            f"{path}: is a suite of scans; load one of them: {scans or 'none is there yet'}"
+            f"{path}: is a suite of scans; load one of them: {scans or 'none exists yet'}"
         )
     kind = ResultDirectory(path).kind
     if not kind.installed:

@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,11 +22,14 @@ from granwave.analysis.errors import (
 )
 from granwave.analysis.exports.to_tables import CSV_TABLES, place_of_column
 from granwave.analysis.lammps_output.dumps import read_frame_forces
+from granwave.analysis.measures.contact_geometry import UNITS as PLACE_UNITS
+from granwave.analysis.measures.contact_geometry import contact_geometry
 from granwave.analysis.quantities import quantity
 from granwave.analysis.result.not_a_run import why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.summary_table import SummaryRow, explanation, lines, rows_of, summary_rows
+from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.result_kinds import ResultKind
@@ -140,7 +145,7 @@ class Run(Values):
                 raise MissingOutputError(why_no_run(path))
             if summary.exists():
                 raise OutputFormatError(
-                    f"{summary}: is damaged: make it anew with  granwave analyse {path}"
+                    f"{summary}: is damaged: recreate it with  granwave analyse {path}"
                 )
             raise MissingOutputError(f"{summary} is missing: make it with  granwave analyse {path}")
         self.directory = path.absolute()
@@ -266,9 +271,13 @@ class Run(Values):
     @cached_property
     def contacts(self) -> pandas.DataFrame:
         """Contacts between spheres ``i`` and ``j``: those that touch at the start, and those that
-        were loaded.
+        were loaded; with their places at the start, as `contact_geometry` returns them.
         """
-        return self.table("contacts")
+        table = self.table("contacts")
+        units = table.attrs[UNITS] | PLACE_UNITS
+        table = table.assign(**contact_geometry(self.result))
+        table.attrs[UNITS] = units
+        return table
 
     @cached_property
     def contact_forces(self) -> pandas.DataFrame:
@@ -384,8 +393,30 @@ class Run(Values):
                 or isinstance(attempt(f"figure {name}", partial(figure.draw, self.result)), Drawing)
             )
 
-    def figure(self, name: str) -> Axes | list[Axes]:
+    def figure(
+        self,
+        name: str,
+        ax: Axes | Sequence[Axes] | None = None,
+        plane: str | Sequence[float] | Mapping[str, Any] | None = None,
+        against: Run | None = None,
+        depths: Sequence[float] | None = None,
+    ) -> Axes | list[Axes]:
         """Draw a figure, to go on with; it is not saved.
+
+        Parameters
+        ----------
+        name
+            Name of the figure.
+        ax
+            Axes to draw into; of a figure of several panels a list of axes. By default a new
+            figure.
+        plane
+            Plane of figures that end in _section, and of the contact network: ``"x"``, a normal
+            (3,), or a mapping as ``figures.plane`` of a case.
+        against
+            Another run, whose curves are drawn over those of this run, dashed.
+        depths
+            Depths of the figure force_at_depths, m, as ``figures.depths`` of a case.
 
         Returns
         -------
@@ -396,19 +427,57 @@ class Run(Values):
         Raises
         ------
         MissingDataError
-            There is no figure of this name, or it does not apply to this run.
+            There is no figure of this name, or it does not apply to this run, or it has no curves
+            that those of the other run could be drawn over.
+        InputError
+            The axes do not suit the panels, or plane or depths are wrong.
         """
         from granwave.analysis.figures.run_figures import run_figures
         from granwave.analysis.figures.series import draw_axes, no_figure
+        from granwave.analysis.figures.user_axes import add_curves, plots_of
 
         if not self._kind.of_spheres:
             raise no_figure(self.name, name, ())
         if name not in run_figures():
             raise no_figure(self.name, name, run_figures())
         figure = run_figures()[name]
-        axes = draw_axes(lambda: figure.draw(self.result), self.result.figure_options.width)
+        into: list[Axes] = []
+        if ax is not None:
+            into = list(np.ravel(np.array(ax, dtype=object)))
+        with self._options(plane, depths) as options:
+            axes = draw_axes(lambda: figure.draw(self.result), options.width, into)
         if axes is None:
             raise MissingDataError(
                 f"{self.name}: figure {name} does not apply to this run ({figure.caption})"
             )
+        if against is not None:
+            with against._options(plane, depths):
+                drawing = figure.draw(against.result)
+            others = [] if drawing is None else plots_of(drawing.figure)
+            label = against.name if against.name != self.name else against.directory.name
+            if not add_curves(axes if isinstance(axes, list) else [axes], others, label):
+                raise MissingDataError(
+                    f"{self.name}: figure {name} has no curves that can be overlaid with "
+                    f"{against.name}; gw.compare shows maps of several runs"
+                )
         return axes
+
+    @contextmanager
+    def _options(self, plane: Any, depths: Any) -> Iterator[Figures]:
+        """Use another plane of sections and other depths in the ``with`` block, unless they are
+        None; give the options of figures.
+        """
+        options = self.result.figure_options
+        table: dict[str, Any] = {}
+        if plane is not None:
+            is_table = isinstance(plane, str | Mapping)
+            table["plane"] = plane if is_table else {"normal": [float(part) for part in plane]}
+        if depths is not None:
+            table["depths"] = [float(depth) for depth in np.atleast_1d(depths)]
+        own = read_figures(table, "run.figure")
+        changes = {name: getattr(own, name) for name in table}
+        self.result.figure_options = dataclasses.replace(options, **changes)
+        try:
+            yield self.result.figure_options
+        finally:
+            self.result.figure_options = options

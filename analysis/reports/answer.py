@@ -26,6 +26,7 @@ from granwave.analysis.document.model import (
     spread_cell,
     value_column,
 )
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import compare_runs
@@ -34,7 +35,7 @@ from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
-from granwave.analysis.reports.setting import is_chain, quantity_in, target_of
+from granwave.analysis.reports.setting import is_chain, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Means, VariedKey
 from granwave.lammps_inputs.errors import GranwaveError
@@ -51,29 +52,31 @@ _THIN = 40.0  # length over width of a row from which pictures of its grains are
 _REACHED = 1e-3  # of the largest peak force: contacts that the wave has reached
 #: On a run, in their order; those whose values are all there are shown.
 _SENTENCES = (
-    "The target bore {target_bore}.",
-    "The ground below it bore {ground_bore}.",
-    "The wave ran at {along_chain}.",
-    "Its peak force goes from {decay}.",
-    "{absorbed_fraction} of the {energy_input_J} put in was taken by absorbing spheres.",
-    "{lost} of the {energy_input_J} put in was dissipated.",
-    "{transmission} of the driven end's velocity, {driven_velocity_m_s}, came through.",
+    "The peak force on the target was {target_bore}.",
+    "The peak force on the ground below it was {ground_bore}.",
+    "The wave speed was {along_chain}.",
+    "Its peak force decreases from {decay}.",
+    "{absorbed_fraction} of the input energy of {energy_input_J} was absorbed by the absorbing "
+    "boundary.",
+    "{lost} of the input energy of {energy_input_J} was dissipated.",
+    "{transmission} of the velocity of the driven end, {driven_velocity_m_s}, was transmitted.",
     "The largest contact force was {peak_force_N}.",
     "The largest force between two spheres was {between_spheres}.",
-    "The largest force of all contacts, walls included, was {with_walls}.",
-    "90 % of the energy of yielding stays within {zone_depth_90_m} below the impact and {zone_radius_90_m} beside it.",
+    "The largest contact force, including walls, was {with_walls}.",
+    "90 % of the plastic dissipation is within {zone_depth_90_m} below the impact and {zone_radius_90_m} from its axis.",
     "The plate {plate}.",
-    "Nothing of the {kept} put in was dissipated.",
-    "{n_loaded_contacts} of {n_contacts} contacts bore a force.",
+    "None of the input energy of {kept} was dissipated.",
+    "{n_loaded_contacts} of {n_contacts} contacts carried a force.",
 )
 _ALONG_LINE = (  # with its name
-    "Along the line {0} the front runs at {{line_{0}_front_speed_m_s}}.",
+    "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}.",
     "Its peak speed decays by {{line_{0}_decay_per_m}}.",
 )
 _SENSORS = (  # with the names of those that saw most and least
-    "Sensors saw at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least {{sensor_{1}_peak_velocity_m_s}} ({1})."
+    "Sensors recorded at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least "
+    "{{sensor_{1}_peak_velocity_m_s}} ({1})."
 )
-_AT_BOTTOM = "The bottom bore {bottom_bore}."
+_AT_BOTTOM = "The peak force on the bottom was {bottom_bore}."
 
 
 def answer_blocks(
@@ -96,12 +99,12 @@ def answer_blocks(
         ]
     answers = [blocks for blocks in found if blocks]
     opened = answers if len(answers) <= _MOST_OPEN else answers[:1]
-    blocks: list[Block] = [block for answer in opened for block in answer]
+    blocks: list[Block] = []
+    for answer in opened:
+        blocks.extend(answer)
     if others := answers[len(opened) :]:
         parts = tuple(block for answer in others for block in answer)
-        blocks.append(
-            Group(f"The other {len(others)} scans, each by its main quantity", parts, folded=True)
-        )
+        blocks.append(Group(f"Main quantity of the other {len(others)} scans", parts, folded=True))
     if len(inputs.runs) == 1:
         return [*blocks, *_of_run(inputs.runs[0], inputs)]
     runs = [run for run in inputs.runs if run.has_balance]
@@ -289,7 +292,7 @@ def in_words(run: ReportRun) -> str:
         values["along_chain"] = values.get("wave_speed_m_s", "")
     if (plate := run.number("plate_velocity_m_s")) is not None:
         values["plate"] = (
-            f"{'rebounds' if plate < 0 else 'still goes in'} with {abs(plate):.4g} m/s"
+            f"{'rebounds' if plate < 0 else 'still moves in'} with {abs(plate):.4g} m/s"
         )
     values = {name: text for name, text in values.items() if text}
     lines = [

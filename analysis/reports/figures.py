@@ -41,6 +41,7 @@ WIDTH = 900
 POINT_WIDTH = 600
 WIDEST = 1200  # largest width of pictures that take a whole row, pixels
 POINTS_BUDGET = 8_000_000  # bytes of all pictures of points; further ones are only linked
+MOST_DATA = 60_000  # bytes of a table of a figure that is in the page; larger ones are linked
 _COLOURS = 256
 
 _OF_SCANS = {  # captions
@@ -53,15 +54,15 @@ _OF_SCANS = {  # captions
         "curve"
     ),
     "dissipated_fraction_map": (
-        "Dissipated fraction by both of what varies, a cell each. Colours that change along one side only tell that "
-        "the other key hardly matters"
+        "Dissipated fraction against both varied keys. If colours change only along one axis, the "
+        "other key has little effect"
     ),
 }
 _QUANTITIES = {  # captions of figures of scans that differ from their names
-    "plastic_zone_depth": "Depth of the outermost yield",
-    "zone_depth_90": "Depth that holds 90 % of the energy of yielding, interpolated between layers",
-    "zone_radius_90": "Radius that holds 90 % of the energy of yielding, interpolated between spheres",
-    "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
+    "plastic_zone_depth": "Depth of the plastic zone",
+    "zone_depth_90": "90 % depth of the plastic dissipation, interpolated between layers",
+    "zone_radius_90": "90 % radius of the plastic dissipation, interpolated between spheres",
+    "zone_volume_90": "90 % volume of the plastic dissipation",
 }
 _UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
 _AGAINST = "_vs_"  # between quantity and key in names of figures of scans
@@ -98,9 +99,16 @@ def figures_section(
             blocks += parts if n_items == 1 else [Group(title, parts, folded=folded)]
         if isinstance(item, ReportScan):
             blocks += _points(item, inputs, number)
-    return DocumentSection(
-        "Figures", SLUG, tuple(blocks) or (Note("There are no figures."),) * (not shown)
-    )
+    return DocumentSection("Figures", SLUG, tuple(blocks) or (Note("No figures."),) * (not shown))
+
+
+def views(inputs: ReportInputs) -> tuple[Note, ...]:
+    """Return a note with links to the 3-D views of the runs that have one."""
+    files = {run.label: run.directory / VIEW_FILE for run in inputs.runs}
+    links = [
+        inputs.link(path, f"3-D view of {label}") for label, path in files.items() if path.is_file()
+    ]
+    return (Note("Rotate and cut it in a browser:", links=tuple(links)),) if links else ()
 
 
 def picture_in(item: ReportRun | ReportScan, name: str, inputs: ReportInputs) -> Figure | None:
@@ -192,8 +200,7 @@ def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tupl
         shown = item.means.figures.get(what, "")
         values = item.means.values.get(shown, [])
         if in_words and len(values) > 1 and None not in values:
-            sentence = item.means.sentence(shown).partition(": ")[2]
-            said = f". {sentence[:1].upper()}{sentence[1:]}".removesuffix(".")
+            said = f": {item.means.range_in_words(shown)}"
     return (
         f"{_QUANTITIES.get(what, readable(what))} against {labels.get(key, readable(key).lower())}",
         said,
@@ -246,7 +253,7 @@ def _pictures(
     width: int,
     left_out: Collection[str] = (),
 ) -> tuple[Gallery | Note, ...]:
-    """Return pages, films and PNG figures of a run or scan, in the order of the figures of a run,
+    """Return films and PNG figures of a run or scan, in the order of the figures of a run,
     then by name.
     """
     order = list(_captions(item))
@@ -262,8 +269,7 @@ def _pictures(
         except _UNREADABLE as error:
             why = (str(error).splitlines() or [type(error).__name__])[0].split(": ")[0]
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {why}", "note"))
-    there = [(VIEW_FILE, "Turn and cut the packing in a browser:")]
-    there += [(FILM_FILE.format(form), "Film:") for form in FILM_FORMATS]
+    there = [(FILM_FILE.format(form), "Film:") for form in FILM_FORMATS]
     there = [
         one for one in there if isinstance(item, ReportRun) and (item.directory / one[0]).is_file()
     ]
@@ -307,4 +313,12 @@ def _picture(
     alt = f"{caption}: {what}"
     shown = (caption if alone else alt) + (f". {look}" if look else "") + said
     slug = re.sub(r"[^a-z0-9]+", "-", f"{name}-{path.stem}".lower()).strip("-")
-    return Figure(slug, shown, alt, png, size, link, inches)
+    return Figure(slug, shown, alt, png, size, link, inches, _data_of(data) if link else b"")
+
+
+def _data_of(path: Path) -> bytes:
+    """Return the table of a figure for the page; empty where it is large, or cannot be read."""
+    try:
+        return path.read_bytes() if path.stat().st_size <= MOST_DATA else b""
+    except OSError:
+        return b""

@@ -12,7 +12,12 @@ from urllib.parse import quote
 
 from granwave.analysis.document.model import Link
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.reports.kinds import ReportRun, no_numbers, report_kind_in
+from granwave.analysis.reports.kinds import (
+    ReportRun,
+    UnfinishedRunError,
+    no_numbers,
+    report_kind_in,
+)
 from granwave.analysis.result.not_a_run import around, similar
 from granwave.analysis.scans.keys import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
@@ -79,11 +84,14 @@ class ReportInputs:
         Directory of the report, to which paths in it are relative.
     suite
         Name of the suite if the items are its scans; else empty.
+    left_out
+        Messages about unfinished runs without a summary, which are not among the items.
     """
 
     items: tuple[ReportRun | ReportScan, ...]
     base: Path
     suite: str = ""
+    left_out: tuple[str, ...] = ()
 
     @property
     def runs(self) -> tuple[ReportRun, ...]:
@@ -134,6 +142,7 @@ def read_inputs(
     study_files: Collection[str] = (),
     *,
     repeated: bool = False,
+    skip_unfinished: bool = False,
 ) -> ReportInputs:
     """Read runs and scans.
 
@@ -149,6 +158,8 @@ def read_inputs(
         are code.
     repeated
         True to read a directory as often as it is given.
+    skip_unfinished
+        True to leave out unfinished runs that have no summary, if other runs remain.
 
     Raises
     ------
@@ -157,23 +168,31 @@ def read_inputs(
         faults.
     """
     errors: list[str | InputFault] = []
-    paths = [part for directory in directories for part in _parts(Path(directory))]
+    paths = []
+    for directory in directories:
+        paths.extend(_parts(Path(directory)))
     if not repeated:
         paths = _each_once(paths)
     if not paths:
         errors.append(
-            "no directory was given, expected those of runs or scans: granwave report DIR..."
+            "no directory was given, expected directories of runs or scans: granwave report DIR..."
         )
     items: list[ReportRun | ReportScan] = []
+    unfinished: list[str | InputFault] = []
     for path, label in zip(paths, _labels(paths, base), strict=True):
         try:
             items += _read(path, label, study_files)
+        except UnfinishedRunError as error:
+            unfinished += error.items
         except InputError as error:
             errors += error.items
+    if errors or not (skip_unfinished and items):
+        errors += unfinished
     if errors:
         raise InputError(errors)
     suite = read_json(Path(directories[0]) / SUITE_INDEX) if len(directories) == 1 else None
-    return ReportInputs(tuple(items), base, str((suite or {}).get("name", "")))
+    name = str((suite or {}).get("name", ""))
+    return ReportInputs(tuple(items), base, name, tuple(map(str, unfinished)))
 
 
 def _each_once(paths: Sequence[Path]) -> list[Path]:
@@ -235,7 +254,8 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> ReportSc
         raise InputError(str(error)) from None
     except (KeyError, TypeError, AttributeError) as error:
         raise InputError(
-            f"{path / SCAN_INDEX}: a point lacks what it needs ({error!r}); run the scan again with resume=True"
+            f"{path / SCAN_INDEX}: a point is incomplete; it needs ({error!r}); run the scan "
+            "again with resume=True"
         ) from None
     runs: dict[str, ReportRun] = {}
     points: list[ReportPoint] = []
@@ -263,13 +283,12 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> ReportSc
     named = dict.fromkeys(str(name) for name in [*source.studies, *of_suite])
     unknown = [name for name in named if not is_study_file(name) and name not in STUDIES]
     for name in unknown:
-        _LOG.warning(
-            "%s: its study %s is left out, for no extension that is installed makes it", path, name
-        )
+        _LOG.warning("%s: its study %s is omitted: no installed extension provides it", path, name)
     unasked = [name for name in named if is_study_file(name) and name not in study_files]
     for name in unasked:
         _LOG.warning(
-            "%s: its study %s is left out, for reports load no code unasked; add  --study %s",
+            "%s: its study %s is omitted, since reports load external code only on request; add  "
+            "--study %s",
             path,
             name,
             name,
@@ -288,8 +307,8 @@ def _undone(result: PointResult, scan: Path) -> ReportPoint:
     if (finished / SUMMARY_FILE).is_file():
         result = dataclasses.replace(result, status="missing", directory=finished)
         return ReportPoint(
-            result, f"its {SUMMARY_FILE} is damaged; make it anew with  granwave analyse", None
+            result, f"its {SUMMARY_FILE} is damaged; recreate it with  granwave analyse", None
         )
     if result.status == "failed":
         return ReportPoint(result, str(result.reason or "no reason was recorded"), None)
-    return ReportPoint(result, "begun, not finished" if result.directory else "not begun", None)
+    return ReportPoint(result, "started, not finished" if result.directory else "not started", None)

@@ -43,6 +43,10 @@ _REFUSED = (BALANCE_REFUSED, "refused")
 Symbol = tuple[str, Sequence[float], str, str]
 
 
+class UnfinishedRunError(InputError):
+    """Error of an unfinished run without a summary."""
+
+
 @dataclasses.dataclass(frozen=True)
 class ReportRun:
     """A run with a summary, given directly or as a point of a scan.
@@ -199,9 +203,9 @@ class ReportKind:
         if SUMMARY_FILE not in names:
             state = (read_json(path / RECORD_FILE) or {}).get("state")
             if state in UNFINISHED:
-                raise InputError(
+                raise UnfinishedRunError(
                     f"{path}: the run is not finished (state {state}), so there is no "
-                    f"{SUMMARY_FILE}; go on with  {resumed(path)}"
+                    f"{SUMMARY_FILE}; resume with  {resumed(path)}"
                 )
             raise InputError(
                 f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}"
@@ -280,10 +284,10 @@ class GranularKind(ReportKind):
     noun = "granular run"
     of_spheres = True
     limits = (
-        "Kinetic includes rotation; elastic what is stored tangentially and in the support; "
-        "dissipated friction, viscous losses, the support's damper and absorbing spheres. "
-        "A granular run above the accepted error is refused (the published variant of the law, "
-        "which cannot close, excepted)."
+        "Kinetic energy includes rotation; elastic energy includes tangential springs and the "
+        "support; dissipated energy includes friction, viscous damping, the damper of the support "
+        "and absorbing spheres. A granular run above the accepted error is rejected (except with "
+        "the published variant of the law, whose balance cannot close)."
     )
     main_figures = (
         "amplitude_sweep",
@@ -338,7 +342,7 @@ def report_kind_in(results: ResultDirectory) -> ReportKind:
         if one.result_kind == kind.name:
             return one
     if kind.why_no_run:
-        raise InputError(f"{results}: holds {kind.content}, which reports do not show")
+        raise InputError(f"{results}: contains {kind.content}, which reports do not support")
     return GRANULAR
 
 
@@ -366,7 +370,7 @@ def _summary(results: ResultDirectory) -> dict[str, Any]:
         wrong = f"cannot be read ({error})"
     if wrong:
         raise InputError(
-            f"{path / SUMMARY_FILE}: {wrong}; make it anew with  granwave analyse {path}"
+            f"{path / SUMMARY_FILE}: {wrong}; recreate it with  granwave analyse {path}"
         )
     return dict(summary)
 

@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 
 from granwave.analysis.document.model import (
+    Badge,
     Block,
     Cell,
     DocumentSection,
@@ -33,7 +34,7 @@ from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_wo
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
-from granwave.analysis.reports.figures import figures_section
+from granwave.analysis.reports.figures import figures_section, views
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun, report_kinds
 from granwave.analysis.reports.results import SLUG as RESULTS
@@ -54,25 +55,33 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 _IN_TITLE = 3  # names in the title
 #: Notes on runs, before their names.
-_REFUSED = "Refused, as the energy balance did not close"
-_POOR = "Poor energy balance, do not trust (off by up to {off} of the input, more than {most})"
-_IDLE = "No energy came in before the end"
+_REFUSED = "Rejected: energy balance error too large"
+_POOR = "Energy balance error too large, do not use (up to {off} of the input, more than {most})"
+_IDLE = "No energy input before the end"
 _UNKNOWN = "No energy balance is recorded"
-_BEYOND_FIT = "Contacts beyond the law, which was fitted up to an overlap of 0.2 R*"
-_BEYOND_SMALL = "Contacts beyond overlaps of 0.2 R*, which are no longer small against the grains, as the law takes them"
+_BEYOND_FIT = "Contacts beyond the range of the law, which was fitted up to an overlap of 0.2 R*"
+_BEYOND_SMALL = (
+    "Contacts beyond overlaps of 0.2 R*, which the law assumes to be small compared with the grains"
+)
 _CUT = (
-    "The plastic zone reaches a bound, which cuts its outermost depth or radius, and may change what holds 99 % of its "
-    "energy"
+    "The plastic zone reaches a boundary, which cuts its outermost depth or radius, and may "
+    "change what holds 99 % of its energy"
 )
 _WAVES = (
-    f"More than {100 * NOTED_SHARE:g} % of the energy of yielding was dissipated after a wave could be back from a "
-    "bound"
+    f"More than {100 * NOTED_SHARE:g} % of the plastic dissipation occurred after a reflection "
+    "from a boundary could return"
 )
-_NO_CASE = "No readable case.toml, so settings are not known"
-_DAMAGED = f"The {RESULT_FILE} of {{}} is damaged, so studies and comparisons leave it out: make it anew with"
-_GOOD = "Every run finished, its energy balance closed, and no contact left the range of its law."
+_NO_CASE = "No readable case.toml, so settings are unknown"
+_DAMAGED = (
+    f"The {RESULT_FILE} of {{}} is damaged, so studies and comparisons omit it: recreate it with"
+)
+_GOOD = (
+    "Every run finished with an acceptable energy balance, and no contact left the range of "
+    "its law."
+)
 _ERROR = (
-    "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
+    "Error: the largest |kinetic + elastic + dissipated - input| of the energy balance, relative "
+    "to the input."
 )
 _BALANCE = "balance"
 _MOST_OPEN = 12  # runs whose table is not folded
@@ -98,7 +107,7 @@ def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
     picture = main_picture(studies, inputs)
     heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
     what = text_table(
-        "What this report is about", heads, [_input_row(item, inputs) for item in inputs.items]
+        "Contents of this report", heads, [_input_row(item, inputs) for item in inputs.items]
     )
     sections = (
         _answer(inputs, failures.slug, studies, picture),
@@ -118,6 +127,7 @@ def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
             f"Report: {_names_in_title(labels)}",
             _lead(inputs),
             tuple(section for section in sections if section.blocks),
+            _badges(inputs) if any(inputs.results()) else (),
         )
     )
 
@@ -144,7 +154,7 @@ def build_comparison(inputs: ReportInputs, comparison: Comparison, data: Link) -
     )
     names = _names_in_title([run.name for run in comparison.runs])
     shown = tuple(section for section in sections if section.blocks)
-    return tidied(Report(f"Comparison: {names}", _lead(inputs), shown))
+    return tidied(Report(f"Comparison: {names}", _lead(inputs), shown, _badges(inputs)))
 
 
 def _names_in_title(labels: Sequence[str]) -> str:
@@ -161,11 +171,11 @@ def _lead(inputs: ReportInputs) -> str:
     if n_runs:
         parts.append(f"{n_runs} run{'s' * (n_runs > 1)}")
     if n_scans:
-        points = [point for scan in inputs.scans for point in scan.points]
-        done = sum(point.run is not None for point in points)
-        parts.append(
-            f"{n_scans} scan{'s' * (n_scans > 1)} with {done} of {len(points)} points done"
-        )
+        n_points = sum(len(scan.points) for scan in inputs.scans)
+        done = 0
+        for scan in inputs.scans:
+            done += sum(point.run is not None for point in scan.points)
+        parts.append(f"{n_scans} scan{'s' * (n_scans > 1)} with {done} of {n_points} points done")
     what = first_line(inputs)
     return " and ".join(parts) + (f": {what}." if what else ".")
 
@@ -180,8 +190,59 @@ def _answer(
     )
     answer = answer_blocks(inputs, picture, judged=any(study.verdict for study in studies))
     return DocumentSection(
-        "In short", "short", (*bad, *leads(studies), *answer, *symbols_note(inputs), *others)
+        "In short",
+        "short",
+        (*bad, *leads(studies), *answer, *views(inputs), *symbols_note(inputs), *others),
     )
+
+
+def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
+    """Return the states of the runs: finished, energy balance, plastic zone at a boundary, contacts
+    beyond the law.
+    """
+    runs = list(inputs.results())
+    undone = 0
+    for scan in inputs.scans:
+        undone += sum(point.run is None for point in scan.points)
+    unfinished = undone + sum(run.status != "done" for run in runs)
+    total = undone + len(runs)
+    badges = [_badge(unfinished, total, "finished", "not finished", "bad", "failures")]
+    balanced = [run for run in runs if run.has_balance]
+    if balanced:
+        tones = [verdict(run)[1] for run in balanced]
+        closed = "energy balance closed"
+        if "bad" in tones or "note" not in tones:
+            poor = tones.count("bad")
+            badges.append(
+                _badge(poor, len(balanced), closed, "energy balance open", "bad", _BALANCE)
+            )
+        else:
+            unknown = tones.count("note")
+            badges.append(
+                _badge(unknown, len(balanced), closed, "energy balance unknown", "note", _BALANCE)
+            )
+        beyond = sum(_beyond_law(run) for run in balanced)
+        inside = "contacts within the law"
+        badges.append(
+            _badge(beyond, len(balanced), inside, "contacts beyond the law", "note", _BALANCE)
+        )
+    yielding = [run for run in balanced if run.summary.get("zone_cut") is not None]
+    if yielding:
+        cut = sum(mark_of(run.summary) is not Mark.NONE for run in yielding)
+        clear = "plastic zone clear of the boundaries"
+        badges.append(
+            _badge(
+                cut, len(yielding), clear, "boundaries influence the plastic zone", "note", RESULTS
+            )
+        )
+    return tuple(badges)
+
+
+def _badge(count: int, total: int, good: str, bad: str, tone: Tone, section: str) -> Badge:
+    """Return the badge of a state that ``count`` of ``total`` runs lack."""
+    if not count:
+        return Badge(good, "good")
+    return Badge(f"{bad}: {count} of {total}" if total > 1 else bad, tone, section)
 
 
 def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
@@ -328,7 +389,7 @@ def verdict(run: ReportRun) -> tuple[str, Tone]:
         return "not known", "note"
     error = _error_of(run)
     if error > run.accepted_error:
-        return f"poor: above {_limit(run)}", "bad"
+        return f"too large: above {_limit(run)}", "bad"
     if run.kind.accepted_error is None and error > BALANCE_TOLERANCE:
         return f"accepted: at most {_limit(run)}, run.energy_tolerance", "good"
     return "good", "good"
@@ -382,7 +443,7 @@ def _table(runs: Sequence[ReportRun]) -> DocumentTable:
     columns = [
         (TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]),
         *((value_column(key), [value_cell(run.summary.get(key)) for run in runs]) for key in shown),
-        (TableColumn("Error over input", numeric=True), errors),
+        (TableColumn("Error / input", numeric=True), errors),
         (TableColumn("Accepted error", numeric=True), [value_cell(run.accepted_error) for run in runs]),
         (TableColumn("Balance"), [Cell(text, text, tone) for text, tone in verdicts]),
         (TableColumn("Timestep", "s", numeric=True), [value_cell(run.summary.get("timestep_s")) for run in runs]),

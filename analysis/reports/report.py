@@ -14,6 +14,7 @@ import io
 import os
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -23,6 +24,7 @@ import matplotlib as mpl
 from markupsafe import Markup, escape
 
 from granwave.analysis.document.model import DocumentTable, Figure, Report, cleaned
+from granwave.analysis.document.symbols import with_symbols
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import report_kinds
@@ -76,7 +78,14 @@ def html_page(report: Report, *, paper: bool = False) -> str:
     own = f"style-src '{_hash(css)}'; script-src '{_hash(script)}'"
     policy = f"default-src 'none'; img-src data:; {own}; base-uri 'none'; form-action 'none'"
     titles = {section.slug: section.title for section in report.sections}
-    filters: Filters = {"data_uri": data_uri, "breakable": breakable, "parts": parts}
+    filters: Filters = {
+        "data_uri": data_uri,
+        "csv_uri": csv_uri,
+        "breakable": breakable,
+        "parts": parts,
+        "symbols": partial(with_symbols, paper=paper),
+        "heading": partial(heading, paper=paper),
+    }
     values = {
         "titles": titles,
         "css": Markup(css),
@@ -90,6 +99,17 @@ def html_page(report: Report, *, paper: bool = False) -> str:
 def data_uri(png: bytes) -> str:
     """Return the data URI of a picture."""
     return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
+def csv_uri(text: bytes) -> str:
+    """Return the data URI of a table."""
+    return "data:text/csv;base64," + base64.b64encode(text).decode("ascii")
+
+
+def heading(name: str, *, paper: bool = False) -> Markup:
+    """Return the heading of a column: a key with line breaks, or words with their symbols."""
+    text = with_symbols(name, paper=paper)
+    return breakable(name) if text == escape(name) else text
 
 
 def breakable(name: str) -> Markup:
@@ -185,9 +205,8 @@ def pdf_file(report: Report) -> bytes:
         import plutoprint
     except ImportError as error:
         raise InputError(
-            f"PDF: needs PlutoPrint, which cannot be loaded ({error}); install it, "
-            'pip install "granwave[pdf]", or write '
-            ".html and print that from a browser"
+            f"PDF: requires PlutoPrint, which cannot be loaded ({error}); install it, pip install "
+            '"granwave[pdf]", or write .html and print it from a browser'
         ) from None
 
     class OwnFiles(plutoprint.ResourceFetcher):
@@ -325,14 +344,15 @@ def output_faults(output: Path) -> list[str | InputFault]:
     if output.is_dir():
         errors.append(f"{output}: is a directory, expected the name of a file")
     elif not parent.is_dir():
-        errors.append(f"{output}: there is no directory {parent}; make it first")
+        errors.append(f"{output}: the directory {parent} does not exist; create it first")
     elif not os.access(parent, os.W_OK | os.X_OK):
         errors.append(
             f"{output}: the directory {parent.resolve()} cannot be written to; choose another with directory=..."
         )
     elif suffix == ".md" and (folder := _folder(output)).exists() and not folder.is_dir():
         errors.append(
-            f"{folder}: is a file, but pictures of {output.name} go to a directory of that name; move it away"
+            f"{folder}: is a file, but the figures of {output.name} require a directory of this "
+            "name; move it elsewhere"
         )
     elif suffix in SUFFIXES:
         try:
@@ -362,7 +382,7 @@ def _write(report: Report, output: Path) -> None:
         name for name in pictures if name not in before and os.path.lexists(folder / name)
     ]:
         raise InputError(
-            f"{folder / others[0]}: would be overwritten, and is no picture of {output.name}; "
+            f"{folder / others[0]}: would be overwritten, but is not a figure of {output.name}; "
             "choose another name with directory=..."
         )
     if pictures:

@@ -162,7 +162,8 @@ def value_rows(run: ReportRun) -> DocumentTable:
     for key in [*first, *(key for key in _worth_showing([summary]) if key not in left_out)][
         :MOST_ROWS
     ]:
-        label, (unit, scale) = label_of(key, called), _readable(key)
+        label = label_of(key, called)
+        unit, scale = _readable(key)
         name = Cell(label, label, meaning=meaning_in(key, called))
         rows.append((name, _result_cell(key, summary, scale), Cell(unit)))
     columns = (
@@ -413,7 +414,7 @@ def failures_section(inputs: ReportInputs) -> DocumentSection:
             blocks.append(column_table(f"Scan {scan.label}: points that are not done", columns))
     for run in inputs.runs:
         if run.status != "done":
-            reason = run.record.get("reason") or "its energy balance did not close"
+            reason = run.record.get("reason") or "energy balance error too large"
             blocks.append(Note(f"Run {run.label} was {run.status}: {_short(str(reason))}", "bad"))
     return DocumentSection("Failed and missing", "failures", tuple(blocks))
 

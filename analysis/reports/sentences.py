@@ -14,10 +14,9 @@ from granwave.analysis.document.model import (
     is_number,
     value_cell,
 )
-from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.numbers import plain, range_in
 from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.kinds import ReportRun
-from granwave.analysis.reports.setting import range_in
 
 _SHOWN_IN = {"Hz": ("kHz", 1e-3), "Pa": ("GPa", 1e-9), "m": ("mm", 1e3)}
 # shares below are errors of rounding
@@ -44,7 +43,8 @@ def value_table(runs: Sequence[ReportRun], caption: str) -> DocumentTable:
         label = kind.label(runs[0], key)
         unit = quantity(key).unit
         if key in kind.in_per_cent:
-            unit, scale = "%", _PER_CENT
+            unit = "%"
+            scale = _PER_CENT
         else:
             unit, scale = _SHOWN_IN.get(unit, (unit, 1.0))
         cells = [_span_cell(run.summary.get(key), scale) for run in runs]

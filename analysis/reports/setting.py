@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.model import Block, Group, Note, show, text_table
-from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.numbers import quantity_in, range_in
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun, Symbol, report_kinds
@@ -29,17 +29,16 @@ from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _MOST_NAMED = 4  # inputs that the first line describes one by one
 _MOST_SYMBOLS = 12  # runs whose constants the symbols are taken from
-_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _LAWS = {"elastoplastic": "", "hertz": "elastic", "line": "elastic"}  # the usual one needs no word
 _NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal one: text and unit
     "contact.friction": ("friction {}", ""),
     "packing.diameter_scatter": ("diameters scattered by {}", "m"),
     "packing.vacancies": ("vacancies {}", ""),
-    "contact.loss": ("losses in contacts", ""),
+    "contact.loss": ("viscous damping of contacts", ""),
     "contact.rolling": ("resistance to rolling", ""),
     "contact.twisting": ("resistance to twisting", ""),
     "contact.cohesion": ("cohesion", ""),
-    "contact.initial_overlap": ("initial dents", ""),
+    "contact.initial_overlap": ("initial plastic indentations", ""),
     "replace": ("some spheres replaced", ""),
 }
 _NORMALISED = (
@@ -139,13 +138,13 @@ def symbols_note(inputs: ReportInputs) -> list[Note]:
         [run.number(key) or 0.0 for run in packings] for key in ("peak_force_N", "energy_input_J")
     )
     velocities = [run.number("velocity_normalised") for run in packings]
-    put_in = "the energy put in"
+    put_in = "the energy input"
     if any(run.number("dissipated_fraction") for run in packings):
-        put_in += ", and e_dis what is dissipated of it"
+        put_in += ", and e_dis the dissipated energy"
     called = grains_called_in([run.summary for run in packings])
     rows: list[Symbol] = [
         ("F_y", [law.yield_force for law in laws], "N", f"the force at which a contact of two {called} first yields"),
-        ("alpha_y", [law.yield_overlap for law in laws], "m", "the overlap at which it does"),
+        ("alpha_y", [law.yield_overlap for law in laws], "m", "the overlap at first yield"),
         ("F_y alpha_y", [law.yield_force * law.yield_overlap for law in laws], "J", "the unit of energies"),
         ("F_max", largest if not laws and any(largest) else (), "N", f"the largest force between two {called} in the run"),
         ("e_in", given if all(given) else (), "J", put_in),
@@ -159,21 +158,6 @@ def symbols_note(inputs: ReportInputs) -> list[Note]:
         if values
     ]
     return [Note(" ".join(said))] if said else []
-
-
-def quantity_in(value: float, unit: str) -> str:
-    """Write a value with four digits and a prefix of its unit: ``605 nm``, ``1.2 kN``."""
-    if not unit or not value:
-        return f"{plain(f'{value:.4g}')} {unit}".rstrip()
-    scale, prefix = next((one for one in _PREFIXES if abs(value) >= 0.9995 * one[0]), _PREFIXES[-1])
-    return f"{plain(f'{value / scale:.4g}')} {prefix}{unit}"
-
-
-def range_in(values: Sequence[float], unit: str) -> str:
-    """Write the range of values, as `quantity_in` writes them."""
-    return " to ".join(
-        dict.fromkeys(quantity_in(value, unit) for value in (min(values), max(values)))
-    )
 
 
 def _of_item(item: ReportRun | ReportScan) -> str:
@@ -306,7 +290,7 @@ def settings_blocks(inputs: ReportInputs) -> list[Block]:
         cases = [run.case for run in known]
         rows = [(key, show(one), unit_in_cases(key, cases)) for key, one in _spelt_out(shared)]
         who = f"all points of {title}" if varied else f"all {title}"
-        name = f"Settings that {who} share" if len(known) > 1 else f"Settings of {title}"
+        name = f"Settings shared by {who}" if len(known) > 1 else f"Settings of {title}"
         table = text_table(name, ("Key", "Value", "Unit"), rows, captioned=False)
         blocks.append(Group(name, (table,), folded=True))
     return blocks

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from operator import itemgetter
 from pathlib import Path
@@ -93,12 +93,11 @@ def leads(found: Sequence[Study]) -> tuple[Note, ...]:
     """Return what the studies come to, in sentences for the top of the report: agreement with
     sources, and verdicts.
     """
-    rows = [
-        row
-        for study in found
-        for row in study.rows
-        if row.kind == "source" and row.deviation is not None
-    ]
+    rows = []
+    for study in found:
+        for row in study.rows:
+            if row.kind == "source" and row.deviation is not None:
+                rows.append(row)
     texts = []
     if rows:
         off = [abs(row.deviation or 0.0) for row in rows]
@@ -146,15 +145,7 @@ def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:
     offered: dict[str, dict[Path, Any]] = {}
     undone: dict[str, list[Mapping[str, Any]]] = {}
     read: dict[Path, AnyRun[Any] | None] = {}
-    asked: list[tuple[ReportRun | None, Mapping[str, Any], Sequence[str]]] = [
-        (run, {}, named) for run in inputs.runs
-    ]
-    asked += [
-        (point.run, point.result.labels, (*scan.studies, *named))
-        for scan in inputs.scans
-        for point in scan.points
-    ]
-    for run, labels, names in asked:
+    for run, labels, names in _runs_of_studies(inputs, named):
         for name in names:
             if run is None:
                 undone.setdefault(name, []).append(labels)
@@ -174,6 +165,17 @@ def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:
                 elif run.kind.of_spheres:
                     offered.setdefault(name, {})
     return make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
+
+
+def _runs_of_studies(
+    inputs: ReportInputs, named: Sequence[str]
+) -> Iterator[tuple[ReportRun | None, Mapping[str, Any], Sequence[str]]]:
+    """Return each run of a report with its labels in a scan, and the names of its studies."""
+    for run in inputs.runs:
+        yield run, {}, named
+    for scan in inputs.scans:
+        for point in scan.points:
+            yield point.run, point.result.labels, (*scan.studies, *named)
 
 
 def _run_type(study: str) -> type[AnyRun[Any]]:

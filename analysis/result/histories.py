@@ -120,7 +120,8 @@ def _instants(
     for number, frame in enumerate(frames):
         if not np.array_equal(frame["id"], ids):
             raise OutputFormatError(
-                f"{path}: {strange(number, frame)}: the files belong to different runs, or one is damaged; {AGAIN}"
+                f"{path}: {strange(number, frame)}: the files belong to different runs, or one of "
+                f"them is damaged; {AGAIN}"
             )
     steps = np.array([frame.step for frame in frames])
     if steps[-1] < last:

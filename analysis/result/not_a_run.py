@@ -29,7 +29,7 @@ def why_no_run(path: Path) -> str:
     result.h5.
     """
     if not path.exists():
-        return f"{path}: no such directory{similar(path)}; expected that of a run"
+        return f"{path}: no such directory{similar(path)}; expected the directory of a run"
     if not path.is_dir():
         return f"{path}: is a file, expected the directory of a run{around(path)}"
     if (path / files.SCAN_INDEX).exists() or (path / files.SUITE_INDEX).exists():
@@ -38,12 +38,17 @@ def why_no_run(path: Path) -> str:
             if files.is_scan(path)
             else sorted(place for place in path.iterdir() if files.is_scan(place))
         )
-        points = [place for scan in scans for place in sorted((scan / files.POINTS).glob("*"))]
+        points = []
+        for scan in scans:
+            points.extend(sorted((scan / files.POINTS).glob("*")))
         done = next((place for place in points if (place / files.RESULT_FILE).is_file()), None)
         if done is None:
             return f"{path}: is a scan of which no point is done; run it first (granwave scan ... -o {path} --resume)"
-        which = f"{files.SCAN_TABLE} tells which is which"
-        return f"{path}: is a scan, expected a run; give the directory of a point, such as {done} ({which})"
+        which = f"{files.SCAN_TABLE} lists the points"
+        return (
+            f"{path}: is a scan, expected a run; use the directory of a point, such as {done} "
+            f"({which})"
+        )
     if reason := ResultDirectory(path).kind.why_no_run:
         return f"{path}: {reason}"
     found = sorted(entry.name for entry in path.iterdir())
@@ -54,7 +59,7 @@ def why_no_run(path: Path) -> str:
         return f"{path}: {files.CASE_FILE} is missing, so the run there cannot be read; run the case again with force=True"
     state = (read_json(path / files.RECORD_FILE) or {}).get("state")
     if state in UNFINISHED:
-        return f"{path}: the run is not finished (state {state}); go on with  {resumed(path)}"
+        return f"{path}: the run is not finished (state {state}); resume with  {resumed(path)}"
     return f"{path / files.RESULT_FILE} is missing: make it with  granwave analyse {path}"
 
 
@@ -81,7 +86,7 @@ def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> st
         if any((path / name / file).is_file() for file in (*OF_A_RUN, files.SCAN_INDEX))
     ]
     if inside:
-        return f"{path}: is {what}, but holds some ({few(inside)}); give those"
+        return f"{path}: is {what}, but contains some ({few(inside)}); use these directories"
     holds = f"it holds {few(found)}" if found else "it is empty"
     return f"{path}: is {what}: {holds}; {expected}{around(path)}"
 
@@ -151,7 +156,7 @@ def _check(file: h5py.File) -> None:
     tomllib.loads(file.attrs["case"])
     for name in ("run", "versions"):
         if not isinstance(json.loads(file.attrs[name]), dict):
-            raise ValueError(f"its {name} is no table")
+            raise ValueError(f"its {name} is not a table")
     tables = {name: file[name] for name in (*_COLUMNS, "wall_contacts", "probes") if name in file}
     tables |= {f"walls/{name}": table for name, table in file.get("walls", {}).items()}
     for name, required in _COLUMNS.items():

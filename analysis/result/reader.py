@@ -69,7 +69,7 @@ _ROUNDING = 1e-12  # of what a sphere dissipated, in which the sum of its kinds 
 _PARALLEL = 1e-9  # across each other, of the axes of two cylinders
 _REASONS = {
     "truncated file": "it was cut",
-    "signature not found": "it is no HDF5 file",
+    "signature not found": "it is not an HDF5 file",
 }  # by message of HDF5
 
 
@@ -140,7 +140,7 @@ class Result:
     def _not_opened(self, given: Path, error: OSError) -> str:
         """Describe why the file cannot be opened."""
         if not self.path.is_file():
-            return f"{self.path}: is no file, expected the result.h5 of a run"
+            return f"{self.path}: is not a file, expected the result.h5 of a run"
         if isinstance(error, PermissionError):
             return f"{self.path}: cannot be read: {error.strerror or error}"
         if given.is_file() and given.name != RESULT_FILE and not h5py.is_hdf5(given):
@@ -151,7 +151,9 @@ class Result:
 
     def damaged(self, why: object) -> str:
         """Return the message that the file is damaged."""
-        return f"{self.path} is damaged ({why}): make it anew with  granwave analyse {self.path.parent}"
+        return (
+            f"{self.path} is damaged ({why}): recreate it with  granwave analyse {self.path.parent}"
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (
@@ -202,7 +204,7 @@ class Result:
             found = self.file.get(name)
             if isinstance(found, h5py.Dataset):
                 return found.asstr()[rows] if h5py.check_string_dtype(found.dtype) else found[rows]
-        remedy = f"make it anew with  granwave analyse {self.path.parent}"
+        remedy = f"recreate it with  granwave analyse {self.path.parent}"
         raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
 
     def blocks(self, *names: str) -> Iterator[tuple[NDArray, ...]]:

@@ -85,8 +85,9 @@ def _force_on_wall(
     pressing = initial.planes[wall]["id"].astype(np.int64)
     if len(strange := np.setdiff1d(pressing, ids)):
         raise OutputFormatError(
-            f"{initial.folder / INITIAL_WALL_FORCES_FILE.format(wall)}: found sphere {strange[0]}, which never "
-            f"touched the wall {wall}: the files belong to different runs, or one is damaged; {AGAIN}"
+            f"{initial.folder / INITIAL_WALL_FORCES_FILE.format(wall)}: found sphere "
+            f"{strange[0]}, which never touched the wall {wall}: the files belong to different "
+            f"runs, or one of them is damaged; {AGAIN}"
         )
     forces = np.zeros(len(ids))
     forces[np.searchsorted(ids, pressing)] = initial.planes[wall]["force"]

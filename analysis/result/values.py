@@ -29,7 +29,10 @@ def wrong_value(file: h5py.File) -> str:
     """Describe the first value that no run leaves; empty if there is none."""
     tables = [name for name in _TABLES if name in file]
     tables += [f"{_OF_WALLS}/{name}" for name in file.get(_OF_WALLS, {})]
-    names = [f"{table}/{column}" for table in tables for column in file[table]]
+    names = []
+    for table in tables:
+        for column in file[table]:
+            names.append(f"{table}/{column}")
     names += [f"{GROUP}/{name}" for name in _OF_SPHERES if f"{GROUP}/{name}" in file]
     for name in names:
         if fault := _fault_of_column(file, name):

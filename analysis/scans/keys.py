@@ -10,17 +10,18 @@ import dataclasses
 import itertools
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.model import is_number, show
-from granwave.analysis.formatting.numbers import interval, tick
+from granwave.analysis.formatting.numbers import in_any_unit, interval, tick
 from granwave.analysis.formatting.values import (
     AMPLITUDE,
     NONE,
     Naming,
     grains_called_in,
     more_keys,
+    printed_unit,
     shown_unit,
     unique_labels,
     unit_of,
@@ -39,7 +40,7 @@ from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
 _NAMES: Mapping[str, Naming] = {
     "load.velocity": Naming("Impact velocity", r"$v_0$", "m/s"),
-    "load.spheres": Naming("Struck spheres", r"$n_\mathrm{s}$"),
+    "load.spheres": Naming("Impacted spheres", r"$n_\mathrm{s}$"),
     "load.angle": Naming("Angle of impact", r"$\theta$", "°"),
     "load.duration": Naming("Duration of the load", r"$\tau$", "µs", 1e-6),
     "load.frequency": Naming("Frequency of the load", r"$f$", "kHz", 1e3),
@@ -55,18 +56,18 @@ _NAMES: Mapping[str, Naming] = {
     "material.yield_strength": Naming("Yield strength", r"$\sigma_\mathrm{y}$", "MPa", 1e6),
     "contact.law": Naming("Contact law"),
     "contact.friction": Naming("Friction coefficient", r"$\mu$"),
-    "contact.tangential": Naming("Spring of friction"),
+    "contact.tangential": Naming("Tangential spring"),
     "contact.rolling": Naming("Coefficient of rolling friction", r"$\mu_r$"),
     "contact.cohesion.energy": Naming("Work of adhesion", "$w$", "J/m²"),
-    "contact.loss.time": Naming("Loss time", "$A$", "µs", 1e-6),
+    "contact.loss.time": Naming("Relaxation time", "$A$", "µs", 1e-6),
     "contact.loss.restitution": Naming("Restitution", "$e$"),
-    "contact.loss.dashpot": Naming("Factor of the dashpot", r"$\alpha$"),
-    "contact.loss.tangential": Naming("Ratio of damping along the surface", "$x$"),
+    "contact.loss.dashpot": Naming("Dashpot factor", r"$\alpha$"),
+    "contact.loss.tangential": Naming("Ratio of tangential damping", "$x$"),
     "contact.loss.dashpot.restitution": Naming("Restitution of the dashpot", "$e$"),
-    "contact.initial_overlap": Naming("Dent before the run", unit="µm", scale=1e-6),
+    "contact.initial_overlap": Naming("Initial plastic indentation", unit="µm", scale=1e-6),
     "contact.variant": Naming("Variant"),
     "contact.yield_factor": Naming("Yield factor", r"$C$"),
-    "contact.beta": Naming("Residual share", r"$\beta$"),
+    "contact.beta": Naming("Residual fraction", r"$\beta$"),
     "precompression.kind": Naming("Precompression"),
     "precompression.pressure": Naming("Static pressure", r"$p_0$", "kPa", 1e3),
     "precompression.force": Naming("Static force", r"$F_0$", "N"),
@@ -78,7 +79,7 @@ _NAMES: Mapping[str, Naming] = {
 }
 _ENTRIES: Mapping[tuple[str, str], Naming] = {  # keys of entries of lists
     ("striker", "velocity"): Naming("Velocity of the striker", r"$v_0$", "m/s"),
-    ("replace", "index"): Naming("Place of replaced spheres"),
+    ("replace", "index"): Naming("Position of replaced spheres"),
 }
 _AMPLITUDE = Naming("Amplitude of the load", r"$A$")
 _OF_MOTION = (("mm", 1e-3), ("µm", 1e-6), ("nm", 1e-9))  # units of amplitudes, from the largest on
@@ -263,7 +264,7 @@ def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:
             return Naming(names[n], symbols[n]), counts[n]
     if in_plane:  # rows of n and n - 1 in turn have fewer grains than the product
         return Naming(f"{names[0]} times rows", f"{symbols[0]} {symbols[1]}"), products
-    return Naming("Spheres in all", r"$N$"), products
+    return Naming("Number of spheres", r"$N$"), products
 
 
 def _sizes(labels: Sequence[Any]) -> list[tuple[int, ...]]:
@@ -287,10 +288,13 @@ _MAIN = (
     "transmission",
     "dissipated_fraction",
     "peak_force_N",
+    "peak_force_with_walls_N",
     "max_force_N",
     "n_plastic_spheres",
 )
 _TRENDS = ("rises", "falls")
+_BETWEEN = "peak_force_N"  # force of contacts between spheres
+_WITH_WALLS = "peak_force_with_walls_N"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -326,8 +330,7 @@ class Means:
     @property
     def figures(self) -> dict[str, str]:
         """Values that figures show, by the names of figures."""
-        with_value = {key for key, values in self.values.items() if set(values) - {None}}
-        return scan_figures(with_value)
+        return scan_figures(_present(self.values))
 
     def quantities(self) -> list[tuple[str, str]]:
         """Return the quantities that have figures, as names of figure and value, varying ones
@@ -352,21 +355,28 @@ class Means:
         """Return a sentence with the range of a quantity, the points at its ends, and the trends
         with each key.
         """
-        values = [value or 0.0 for value in self.values[main]]
-        low = values.index(min(values))
-        high = values.index(max(values))
+        low, high = self._ends(main)
         label = quantity(main).label
-        unit = quantity(main).unit.replace("^", "")
-        unit = f" {unit}" if unit else ""
-        least = self.text(main, low) + unit
-        most = self.text(main, high) + unit
+        most = self.in_words(main, high)
         text = f"{label}: {most} at all points."
         if self.varies(main):
+            least = self.in_words(main, low)
             text = f"{label}: from {least} ({self.setting(low)}) to {most} ({self.setting(high)})."
             trends = self._trends(main)
             if trends:
                 text += f" It {', '.join(trends)}."
         return in_grains(text, self.called)
+
+    def range_in_words(self, name: str) -> str:
+        """Return the range of a quantity and its trends, without the points at the ends."""
+        low, high = self._ends(name)
+        ends = f"{self.in_words(name, low)} to {self.in_words(name, high)}"
+        return in_grains("; ".join([ends, *self._trends(name)]), self.called)
+
+    def _ends(self, name: str) -> tuple[int, int]:
+        """Return the rows of the smallest and of the largest value."""
+        values = [value or 0.0 for value in self.values[name]]
+        return values.index(min(values)), values.index(max(values))
 
     def _trends(self, main: str) -> list[str]:
         """Return the trends of a quantity with the keys: ``rises with diameter and velocity``."""
@@ -400,6 +410,14 @@ class Means:
         mean = self.values[name][row]
         half = self.half_widths[name][row]
         return interval(mean, half) if mean is not None and half else show(mean)
+
+    def in_words(self, name: str, row: int) -> str:
+        """Return a mean with its unit, with its interval where it has one."""
+        mean = self.values[name][row]
+        unit = quantity(name).unit
+        if mean is None or self.half_widths[name][row]:
+            return f"{self.text(name, row)} {printed_unit(unit)}".rstrip()
+        return in_any_unit(mean, unit)
 
     def setting(self, row: int) -> str:
         """Return the values of the keys of a row in words."""
@@ -453,6 +471,23 @@ def means_of(scan: ScanResult) -> Means:
         protects(scan.varied, summaries),
         grains_called_in(summaries),
     )
+
+
+def with_values(summaries: Iterable[Mapping[str, Any]]) -> set[str]:
+    """Return the quantities that these summaries have, for `scan_figures`."""
+    return _present(_numbers(list(summaries)))
+
+
+def _present(columns: Mapping[str, Sequence[float | None]]) -> set[str]:
+    """Return the quantities with a value; not the force between spheres where a point has forces
+    at walls only.
+    """
+    present = {name for name, values in columns.items() if set(values) - {None}}
+    between = columns.get(_BETWEEN, ())
+    of_all = columns.get(_WITH_WALLS, ())
+    if any(force == 0 and every for force, every in zip(between, of_all, strict=False)):
+        present.discard(_BETWEEN)
+    return present
 
 
 def _numbers(summaries: Sequence[Mapping[str, Any]]) -> dict[str, list[float | None]]:

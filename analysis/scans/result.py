@@ -186,13 +186,16 @@ def other_point(directory: Path) -> str:
     run; empty if it holds neither.
     """
     record = read_point(directory)
-    remedy = "move it away: resume=True then runs the point again"
+    remedy = "move it elsewhere: resume=True then runs the point again"
     name = record.get("id", directory.name)
     if name != directory.name:
-        return f"{directory}: holds the point {name} of the scan; move it to its own place, or {remedy}"
+        return (
+            f"{directory}: holds the point {name} of the scan; move it to its own directory, "
+            f"or {remedy}"
+        )
     tables = ResultDirectory(directory).tables_as_run() if "case" in record else None
     if tables is not None and case_digest(tables) != record["case"]:
-        return f"{directory}: holds a run of another case than that of the point; {remedy}"
+        return f"{directory}: contains a run of another case; {remedy}"
     return ""
 
 

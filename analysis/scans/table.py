@@ -293,9 +293,9 @@ class ScanData(Mapping[str, NDArray]):
         if self.n_points != math.prod(shape) or len(np.unique(flat)) != self.n_points:
             size = " x ".join(map(str, shape)) or "1"
             raise ValueError(
-                f"scan {self.name}: found {self.n_points} points at {len(np.unique(flat))} places "
-                f"of a grid of {size} ({', '.join(axes)}), expected one at each; use to_pandas, or "
-                "take a part of the points"
+                f"scan {self.name}: found {self.n_points} points at {len(np.unique(flat))} "
+                f"positions of a grid of {size} ({', '.join(axes)}), expected one at each; use "
+                "to_pandas, or select some of the points"
             )
         order = np.argsort(flat)
         variables = {}

@@ -325,7 +325,10 @@ def write_rows(found: Sequence[Study], directory: AnyPath) -> Path | None:
         A file of this name exists, and granwave did not write it.
     """
     results = ResultDirectory.at(directory)
-    records = [{"study": study.name} | record_of(row) for study in found for row in study.rows]
+    records = []
+    for study in found:
+        for row in study.rows:
+            records.append({"study": study.name} | record_of(row))
     if not records:
         results.clear([STUDY_ROWS])
         return None

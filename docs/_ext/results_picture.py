@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import io
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ FAR = 0.3  # deviation from which on values are named below the picture
 _LEAST = 1e-7
 _MOST = 10.0
 _TICKS = {1e-7: "1e-5 %", 1e-5: "0.001 %", 1e-3: "0.1 %", 1e-2: "1 %", 1e-1: "10 %", 1.0: "100 %"}
+_LABEL = 38  # characters in a line of the label of a study
 _SPREAD = 0.62  # of a suite's band that its points take
 _DESCRIPTION = 0x010E  # ImageDescription of EXIF
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"
@@ -139,8 +141,28 @@ def digest_of(path: Path) -> str:
     return str(Image.open(path).getexif().get(_DESCRIPTION, ""))
 
 
-def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> None:
-    """Draw the picture, as WebP or as the end of its name says."""
+def by_study(suite: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the stored results of a suite, each study as a suite of its own, and their labels."""
+    stored = {}
+    labels = {}
+    for name, study in suite["studies"].items():
+        part = {"suites": {name: {"studies": {name: study}}}}
+        if points(part):
+            stored |= part["suites"]
+            labels[name] = textwrap.shorten(study["title"], 2 * _LABEL, placeholder=" ...")
+    return {"suites": stored}, {name: textwrap.fill(labels[name], _LABEL) for name in labels}
+
+
+def draw(
+    stored: Mapping[str, Any], labels: Mapping[str, str], path: Path, *, letters: bool = True
+) -> None:
+    """Draw the picture, as WebP or as the end of its name says.
+
+    Parameters
+    ----------
+    letters
+        Mark values that are far off by the letters of `far_off`.
+    """
     shown = points(stored)
     suites = list(dict.fromkeys(suite for suite, *_ in shown))
     with style():
@@ -169,8 +191,11 @@ def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> No
             axes.tick_params(axis="y", length=0)
             for place in range(1, len(suites)):
                 axes.axhline(place - 0.5, color=GREY, lw=0.3, alpha=0.5)
-        _letters(panels, suites, shown, far_off(stored))
-        panels[1].set_xlabel("difference |ours / other - 1| (full: ours is larger; open: smaller)")
+        if letters:
+            _letters(panels, suites, shown, far_off(stored))
+        panels[1].set_xlabel(
+            "relative difference from the reference (full: granwave is larger; open: smaller)"
+        )
         picture = io.BytesIO()
         figure.savefig(picture, format="png", dpi=200)
         plt.close(figure)

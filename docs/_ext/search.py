@@ -37,7 +37,10 @@ WORDS = {
     "howto/losses": ("damping", "coefficient of restitution", "restitution", "viscoelastic"),
     "howto/real-packings": ("friction", "gravity", "polydisperse", "vacancies", "preload"),
     "howto/own-places": ("random packing", "sand", "grains from a file"),
-    "howto/case-files": ("periodic", "boundary conditions", "initial velocity"),
+    "howto/case-files": ("initial velocity",),
+    "howto/check": ("memory", "run time", "disk space"),
+    "howto/boundaries": ("periodic", "boundary conditions", "free surface", "hopper"),
+    "howto/contact-laws": ("glass beads", "ceramic beads"),
     "howto/stop-and-resume": ("restart", "resume", "checkpoint"),
     "howto/other-programs": ("OVITO", "ParaView", "VTK", "dump", "MDAnalysis", "export"),
     "extensions/pictures/films": ("movie", "animation", "video", "colour map", "picture for a paper"),
@@ -51,7 +54,7 @@ WORDS = {
     "howto/own-lammps": ("MPI", "OpenMPI"),
     "extensions/continuum/fit-a-law": ("measured force", "force-displacement"),
     "howto/balance": ("energy conservation",),
-    "tutorials/cluster": ("cluster", "Slurm", "HPC"),
+    "tutorials/cluster": ("cluster", "Slurm", "HPC", "scheduler"),
     "tutorials/chain": ("solitary wave", "Hopkinson", "SHPB", "newton's cradle"),
     "tutorials/material-and-tolerances": ("poisson ratio", "young's modulus", "yield strength", "tolerance", "density"),
     "extensions/continuum/tutorial": ("finite elements", "FEM", "continuum"),
@@ -163,7 +166,8 @@ def _objects(index: Index, word: str, words: list[str]) -> Iterator[Result]:
             whole = f"{prefix}.{name}" if prefix else name
             lower = whole.lower()
             last = whole.lower().split(".")[-1]
-            (_, role, label), title = index["objnames"][str(kind)], index["titles"][file]
+            _, role, label = index["objnames"][str(kind)]
+            title = index["titles"][file]
             text = f"{prefix} {name} {label} {title}".lower()
             if word in lower and all(one in text for one in others):
                 score = _OBJECT if word in (lower, last) else _PART_OF_OBJECT if word in last else 0

@@ -1,8 +1,8 @@
-"""The best order of beads in a row
+"""The best order of beads in a chain
 
-Six beads of steel or PTFE in a row are hit at 2 m/s: which order hands on the smallest force to the
-wall? A search finds it among all 64 in 24 runs. Soft beads at both ends and hard ones between them:
-each interface throws part of the pulse back.
+Six beads of steel or PTFE in a chain are hit at 2 m/s. Which order transmits the smallest force to
+the wall? A search finds it among all 64 orders in 24 runs: soft beads at both ends and hard beads
+between them. Each interface reflects a part of the pulse.
 """
 
 import matplotlib.pyplot as plt

@@ -1,10 +1,10 @@
-"""The contact law: loading, unloading, and the dent that stays
+"""The contact law: loading, unloading and residual indentation
 
-Two brass spheres of 10 mm are pressed together to four overlaps and let go. Each branch of
-unloading ends at an overlap above zero: the dent. When the spheres meet again, they find it there,
-and come back up on the same branch.
+Two brass spheres of 10 mm are pressed together to four overlaps and released. Each unloading curve
+ends at an overlap above zero, the residual indentation. When the spheres meet again, the contact
+starts from this indentation and follows the same curve upwards.
 
-This needs no simulation: the law is the one that the LAMMPS style uses, called from Python.
+No simulation is needed: Python calls the same law as the LAMMPS style.
 """
 
 import matplotlib.pyplot as plt

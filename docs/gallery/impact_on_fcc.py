@@ -1,10 +1,10 @@
-"""Impact on an FCC packing: where the largest forces were
+"""Impact on an FCC packing: peak forces
 
-A sphere of the top layer hits 16 x 16 x 8 brass spheres of 10 mm at 5 m/s. The colour tells the
-largest contact force that each sphere ever felt. The force runs along the rows in which the spheres
-touch, the <110> directions of the lattice.
+A sphere of the top layer hits 16 x 16 x 8 brass spheres of 10 mm at 5 m/s. The colour shows the
+largest contact force of each sphere. The force propagates along the lines of touching spheres, the
+<110> directions of the lattice.
 
-The pictures are two of those that `granwave run` draws by itself.
+`granwave run` draws both pictures by default.
 """
 
 import granwave as gw

@@ -1,8 +1,8 @@
-"""A wave that loses energy in the contacts
+"""Waves in a chain with damping in the contacts
 
-A chain of 30 elastic steel spheres of 10 mm is struck at 1 m/s. With a loss time the largest force
-of a contact to the power -1/6 grows linearly along the chain; with Tsuji's dashpot the force falls
-exponentially.
+The first sphere of a chain of 30 elastic steel spheres (10 mm) starts at 1 m/s. With a relaxation
+time, the power -1/6 of the peak contact force increases linearly along the chain. With Tsuji's
+dashpot, the peak force decreases exponentially.
 """
 
 import matplotlib.pyplot as plt

@@ -1,8 +1,8 @@
-"""An odd bead in a chain: where should it be?
+"""The best position of a different bead in a chain
 
-Nineteen beads of brass and one of aluminium transmit a pulse of force to an elastic bar. How much
-energy arrives depends on the place of the odd bead: near the struck end it helps, near the bar it
-hinders.
+Nineteen beads of brass and one of aluminium transmit a pulse of force to an elastic bar. The
+transmitted energy depends on the position of the aluminium bead: it increases if the bead is near
+the loaded end, and decreases if the bead is near the bar.
 """
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,7 @@
-"""Sound in a precompressed chain
+"""Sound speed of a precompressed chain
 
-A chain under a static force carries small pulses as sound. Contacts are stiffer the harder they are
-pressed, so that the speed grows with the force: to the power 1/6 for Hertz's law.
+A chain under a static force carries small pulses as sound. The contact stiffness increases with the
+force, so that the sound speed increases too: with the power 1/6 of the force for Hertz's law.
 """
 
 import matplotlib.pyplot as plt

@@ -1,8 +1,8 @@
 """Height of a packing that protects a plate
 
-A steel plate on a spring lies below a packing that is hit at 5 m/s. The peak reduction tells how
-many times lower the largest force on the plate is than for the same impact directly on the plate.
-Friction helps, and so does height.
+A steel plate on a spring lies below a packing that is hit at 5 m/s. The peak reduction is the
+largest force on the plate for an impact directly on the plate, divided by the largest force with
+the packing. It increases with friction and with the height of the packing.
 """
 
 import matplotlib.pyplot as plt

@@ -1,8 +1,8 @@
-"""The same blow on a solid block
+"""The same impact on a solid block
 
-The continuum beside the packing: a rigid punch of 10 mm hits a solid block of brass at 10 m/s. The
-mesh is coarse here, so that it takes seconds. What yields most lies at the edge of the punch, and a
-bowl below it.
+A rigid punch of 10 mm hits a solid block of brass at 10 m/s, as the continuum reference of a
+packing. The mesh is coarse, so that the run takes seconds. Most plastic deformation is at the edge
+of the punch and in a bowl below it.
 """
 
 import shutil

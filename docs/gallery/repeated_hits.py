@@ -1,9 +1,11 @@
-"""A packing that is hit again and again
+"""Repeated impacts on a packing
 
-The dents of the first impact stay in the contacts, and with them the packing has hardened: the
-second impact loses less, and more force reaches the bottom. Each run takes its dents from the
-directory of the one before. Beside it is a packing that forgets dents during a hit, where the
-undeformed spheres part, and has all dents again before the next.
+The contacts keep the plastic indentations of the first impact, so that the packing has hardened:
+the second impact dissipates less energy, and a larger force reaches the bottom. Each run reads the
+indentations from the directory of the previous run.
+
+For comparison, another packing discards the indentations during an impact whenever the undeformed
+spheres separate, and has all indentations again at the start of the next impact.
 """
 
 import matplotlib.pyplot as plt

@@ -1,7 +1,7 @@
 """Restitution of a sphere on a wall, from runs and from the law
 
-A brass sphere of 10 mm hits a rigid wall. The line is the coefficient of restitution that follows
-from the contact law alone; the marks are runs.
+A brass sphere of 10 mm hits a rigid wall. The line is the coefficient of restitution calculated
+directly from the contact law; the symbols are runs.
 """
 
 import matplotlib.pyplot as plt

@@ -1,8 +1,8 @@
 """A solitary wave in a chain
 
-The first bead of an elastic chain of brass is given a velocity of 1 m/s. After a few beads the
-pulse keeps its shape: a solitary wave, some five beads long. Forces of single contacts and the map
-of all of them show it.
+The first bead of an elastic brass chain starts at 1 m/s. After a few beads the pulse keeps its
+shape: it is a solitary wave, some five beads long. The left panel shows forces of single contacts,
+the right panel all contacts.
 """
 
 import matplotlib.pyplot as plt

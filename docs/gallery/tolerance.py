@@ -1,7 +1,7 @@
-"""Force at the bottom under tolerances
+"""Force on the bottom and tolerance of the spheres
 
-Perfect spheres pass a sharp pulse on to the wall below. Spheres with a tolerance of 5 um leave
-gaps, and the pulse arrives late and low. Friction takes a part of it too.
+Perfect spheres transmit a short pulse to the wall below. Spheres with a tolerance of 5 um have gaps
+between them, so that the pulse arrives later and is smaller. Friction reduces it too.
 """
 
 import matplotlib.pyplot as plt

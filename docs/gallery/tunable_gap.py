@@ -1,8 +1,8 @@
-"""A gap in frequency that the load moves
+"""A band gap tuned by the static load
 
-Steel and aluminium beads in turn have two bands with a gap between them. A static force makes the
-contacts stiffer and moves both edges, by the power 1/6; inside the gap waves fall from cell to
-cell.
+Alternating steel and aluminium beads have two bands with a gap between them. A static force makes
+the contacts stiffer, and both edges move with the power 1/6 of the force. Waves with frequencies in
+the gap decay from cell to cell.
 """
 
 import matplotlib.pyplot as plt

@@ -1,8 +1,8 @@
-"""Dissipated share of an impact against its velocity
+"""Dissipated fraction of an impact against its velocity
 
-The same packing is hit at 0.1 to 20 m/s. The faster the impact, the larger the share of its energy
-that yielding contacts take. The abscissa is the velocity in units in which materials and diameters
-can be compared: `velocity_normalised` in `summary.json`.
+The same packing is hit at 0.1 to 20 m/s. The fraction of energy that yielding contacts dissipate
+increases with velocity. The abscissa is the normalised velocity, for which different materials and
+diameters can be compared: `velocity_normalised` in `summary.json`.
 """
 
 import matplotlib.pyplot as plt

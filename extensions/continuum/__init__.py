@@ -8,7 +8,7 @@ from granwave.lammps_inputs.extensions import Extension
 
 extension = Extension(
     name="continuum",
-    title="finite-element references, fits of the contact law, packing beside block",
+    title="finite-element references, fits of the contact law, comparison of packing and block",
     packages={"skfem": "scikit-fem", "numba": "numba"},
     extra="continuum",
     folder=Path(__file__).parent,

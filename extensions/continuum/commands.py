@@ -23,7 +23,7 @@ COMMANDS = (
     Command(
         "continuum",
         RUNNING,
-        "the continuum reference: a rigid punch on an elastic-plastic block",
+        "run the continuum reference: a rigid punch on an elastic-plastic block",
         "granwave.extensions.continuum.terminal:continuum",
         (CASE, SET, directory(), NO_FIGURES, as_json("the summary"), RESUME_OR_FORCE),
         after="scan",
@@ -31,23 +31,23 @@ COMMANDS = (
     Command(
         "fit",
         CONTACTS,
-        "fit the contact law to a curve of force against overlap, or to measured restitution",
+        "fit the contact law to a force-overlap curve, or to measured restitution",
         "granwave.extensions.continuum.terminal:fit",
         (
             option(
                 "curve",
                 type=read.input_name,
                 metavar="CURVE.csv",
-                help="columns overlap_m and force_N (or overlap_um, force_kN, ...), perhaps branch; "
-                "or velocity_m_s and restitution",
+                help="columns overlap_m and force_N (or overlap_um, force_kN, ...), and "
+                "optionally branch; or velocity_m_s and restitution",
             ),
-            materials("one or two: a name, or FILE.toml:NAME"),
-            radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
+            materials("one or two materials: a name, or FILE.toml:NAME"),
+            radii("one or two radii, m; the second may be inf, a plane (default: 0.005)"),
             option(
                 "--free",
                 nargs="+",
                 metavar="NAME",
-                help="constants to fit (default: all that the curve can tell)",
+                help="constants to fit (default: all constants that the curve determines)",
             ),
             option(
                 "--pair",
@@ -55,12 +55,10 @@ COMMANDS = (
                 metavar=("A", "B"),
                 help="also write pair.toml: the law of these two materials in a case",
             ),
-            flag("--fit-yield", "fit the yield strength too"),
-            flag(
-                "--fit-zero", "fit the zero of the overlap too: the reading at the first touch, m"
-            ),
-            directory("where everything goes (default: ./fit)"),
-            flag("--force", "move the fit that is there to DIR.old (DIR.old2, ...)"),
+            flag("--fit-yield", "also fit the yield strength"),
+            flag("--fit-zero", "also fit the zero of the overlap: the reading at first contact, m"),
+            directory("directory of the results (default: ./fit)"),
+            flag("--force", "move an existing fit to DIR.old (DIR.old2, ...)"),
         ),
         after="law",
     ),

@@ -129,15 +129,15 @@ def continuum_of(assembly: Assembly) -> Counterpart:
     if not case.contact.yields or case.material.yield_strength is None:
         return Counterpart(reason="the contacts do not yield")
     if not _strikes_along_z(assembly):
-        return Counterpart(reason="it is made for impacts and strikers along z alone")
+        return Counterpart(reason="it is available only for impacts and strikers along z")
     low, high = lattice.bounds()
     width = min(high[:2] - low[:2]) + diameter
     height = high[2] - low[2] + diameter
     if not lattice.rule.is_lattice:
-        return Counterpart(reason="grains of a file make no block")
+        return Counterpart(reason="grains of a file do not form a block")
     if lattice.rule.dimension < 3 or width < _NARROWEST * diameter:
         return Counterpart(
-            reason="the packing is no block: a chain or a single layer, or too narrow"
+            reason="the packing is not a block: a chain, a single layer, or too narrow"
         )
     mass = sum(map(assembly.mass_of, struck_of(assembly)))
     velocity = math.sqrt(2 * expected_energy(assembly) / mass)

@@ -57,7 +57,7 @@ class ElementCase(abc.ABC):
         data = with_absolute_paths(data, Path())
         own = [field.name for field in dataclasses.fields(cls)]
         for name in [name for name in data if name in KNOWN and name not in own]:
-            errors.add_unknown(name, "belongs to a granular case: granwave run runs it")
+            errors.add_unknown(name, "is a key of granular cases; use granwave run")
         refuse_unknown(
             {name: data[name] for name in data if name in own or name not in KNOWN}, own, "", errors
         )
@@ -137,4 +137,4 @@ def check_memory(case: ElementCase, available: float | None = None) -> None:
         The run needs more memory than available.
     """
     what = f"{case.name}: run.elements: {case.elements} elements"
-    refuse_too_large(what, case.memory, "take fewer elements", available)
+    refuse_too_large(what, case.memory, "use fewer elements", available)

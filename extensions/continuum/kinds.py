@@ -24,7 +24,7 @@ def _afford_mesh(case: Any, expected: Any, directory: Path | None) -> None:
 
     checks: list[Callable[[], None]] = [lambda: check_memory(case)]
     if directory is not None:
-        checks.append(lambda: check_disk(directory, expected.disk, remedy="take fewer elements"))
+        checks.append(lambda: check_disk(directory, expected.disk, remedy="use fewer elements"))
     raise_all(checks)
 
 

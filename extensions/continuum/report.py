@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.model import show
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.kinds import ReportKind, ReportRun, Symbol
-from granwave.analysis.reports.setting import quantity_in
 from granwave.extensions.continuum.files import CONTINUUM
 from granwave.extensions.continuum.runs import ContinuumRun, SphereContactRun, read_elements
 
 _OF_PUNCH = (
-    "the unit of energies of the punch, with its diameter D and the block's yield strength and "
-    "modulus"
+    "the unit of energies of the punch, with its diameter D and the yield strength and modulus of "
+    "the block"
 )
 _LEDGER = {
     "kinetic": ("kinetic", "punch"),
@@ -22,11 +22,11 @@ _LEDGER = {
 }
 _LOOKS = {
     "plastic_strain": "The coloured region is the plastic zone.",
-    "plastic_zone": "The outline is the zone at its largest; what lies outside of it stayed "
-    "elastic.",
-    "plastic_zone_volume": "Where the zone at one instant falls after a peak, the wave has passed.",
-    "punch": "Where the velocity is level, the punch has left the block.",
-    "von_mises": "Colours at the yield strength are the zone that yields at this instant.",
+    "plastic_zone": "The outline is the largest zone; the material outside it remained elastic.",
+    "plastic_zone_volume": "The wave has passed when the zone at one instant decreases after its "
+    "peak.",
+    "punch": "When the velocity is constant, the punch has left the block.",
+    "von_mises": "Colours at the yield strength show the zone that yields at this instant.",
 }
 
 

@@ -268,8 +268,8 @@ def run_elements(
     if run.end_reason == "refused":
         off, remedy = run.refusal()
         raise RunError(
-            f"{case.name}: the energy balance is off by {off} is accepted; what was computed is kept in {results}. "
-            f"{remedy}"
+            f"{case.name}: energy balance error too large: {off} is accepted; the results are "
+            f"kept in {results}. {remedy}"
         )
     return summary
 
@@ -327,7 +327,8 @@ def _begin(
 
     names = list(kind.RESULTS)
     if figures and os.path.lexists(results / FIGURES_DIRECTORY):
-        names += [file for name in kind.figures().FIGURES for file in figure_files(name)]
+        for name in kind.figures().FIGURES:
+            names.extend(figure_files(name))
     if results.decide(
         CONTINUUM, names, resume=resume, force=force, case=case.to_dict(), read=there
     ):

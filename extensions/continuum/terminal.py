@@ -59,7 +59,7 @@ def fit(options: argparse.Namespace) -> int:
     directory: Path = options.directory or Path("fit")
     results = ResultDirectory(results_directory(directory))
     if not results.path.parent.is_dir():
-        raise InputError(f"-o {directory}: there is no directory {directory.absolute().parent}")
+        raise InputError(f"-o {directory}: no such directory: {directory.absolute().parent}")
     if set(WRITTEN) & set(results.result_names()):
         if not options.force:
             raise InputError(f"{directory}: already holds a fit; {results.by_force}")
@@ -74,8 +74,8 @@ def fit(options: argparse.Namespace) -> int:
     if pair:
         print(f"\n{pair_toml(found, pair)}")
     print(
-        f"\n{written[0]} holds [contact] for a case file, and runs by itself: "
-        f"granwave run {written[0]}"
+        f"\n{written[0]} contains [contact] for a case file, and can be run: granwave run "
+        f"{written[0]}"
     )
     return 0
 
@@ -112,8 +112,8 @@ def _fitted_to_rebounds(
 
     if options.fit_zero:
         raise InputError(
-            f"--fit-zero: found with {options.curve}, a table of restitution, expected with a "
-            "curve of force against overlap; leave it out"
+            f"--fit-zero: found with {options.curve}, a table of restitution; remove the option, "
+            "or use a force-overlap curve"
         )
     found = fit_restitution(
         read_rebounds(options.curve), materials, options.radius, options.free or ()
@@ -136,14 +136,14 @@ def fit_summary(found: FittedLaw) -> str:
                 how,
             ]
         )
-    fits = [["off by, per cent", "rows", "rms", "largest", "published rms", "largest"]]
+    fits = [["error (%)", "rows", "rms", "largest", "published rms", "largest"]]
     for part, n_rows, *numbers in found.misfit.itertuples(index=False):
         fits.append([part, str(n_rows), *(f"{number:.3g}" for number in numbers)])
     text = f"{columns(rows, left=(0, 4))}\n\n{columns(fits, left=(0,))}\n"
     text += f"({found.scale})"
     if found.correlation:
         text += (
-            f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): "
-            "the uncertainties are widened for it"
+            f"\nerrors of neighbouring rows are correlated ( {found.correlation:.2f}): the "
+            "uncertainties account for this"
         )
     return text

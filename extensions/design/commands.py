@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from granwave.workflows.cli import arguments as read
 from granwave.workflows.cli.commands import (
+    CHAIN,
+    PRINT,
     RANKS,
     RESUME_OR_FORCE,
     RUNNING,
+    SUBMIT,
     Command,
     as_json,
     directory,
@@ -17,7 +20,7 @@ COMMANDS = (
     Command(
         "design",
         RUNNING,
-        "search for the best packing: variables, limits, an objective, checks of the best",
+        "optimise a packing: variables, limits, objective, checks of the best design",
         "granwave.extensions.design.terminal:design",
         (
             option(
@@ -32,14 +35,17 @@ COMMANDS = (
                 "--jobs",
                 type=read.positive,
                 metavar="N",
-                help="runs at once (default: the cores of this machine)",
+                help="number of simultaneous runs (default: the cores of this machine)",
             ),
             option(
                 "--budget",
                 type=read.positive,
                 metavar="N",
-                help="designs to run, in place of search.evaluations of the file",
+                help="number of designs to run; overrides search.evaluations of the file",
             ),
+            SUBMIT,
+            CHAIN,
+            PRINT,
             as_json("the best design and its checks"),
             RESUME_OR_FORCE,
         ),

@@ -61,7 +61,7 @@ def load_designs(directory: Path) -> Designs:
     """
     if not has_outcome(directory):
         raise MissingOutputError(
-            f"{directory / DESIGN_OUTCOME}: is missing, the search is not finished; go on with  "
-            f"granwave design FILE -o {directory} --resume"
+            f"{directory / DESIGN_OUTCOME}: is missing, since the search is not finished; resume "
+            f"with  granwave design FILE -o {directory} --resume"
         )
     return Designs(directory)

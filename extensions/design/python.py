@@ -76,5 +76,5 @@ def design(
             problem, place, jobs=jobs, ranks=ranks, force=force, resume=resume, progress=progress
         )
         if stopped:
-            raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
+            raise KeyboardInterrupt(f"{place}: interrupted; pass resume=True to continue")
     return Designs(place)

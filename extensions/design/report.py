@@ -25,6 +25,7 @@ from granwave.analysis.document.model import (
     TableColumn,
     case_column,
     label_of,
+    percent,
     show,
     text_table,
     unit_of_value,
@@ -44,10 +45,10 @@ from granwave.analysis.figures.style import (
     legend_above,
     style,
 )
-from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.formatting.numbers import duration, in_any_unit, quantity_in
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.kinds import ReportKind, ReportRun, by_key
-from granwave.analysis.reports.setting import quantity_in, setting_of
+from granwave.analysis.reports.setting import setting_of
 from granwave.analysis.result.reader import Result
 from granwave.extensions.design.files import DESIGN, DESIGN_OUTCOME, DESIGN_TABLE, has_outcome
 from granwave.lammps_inputs.errors import InputError
@@ -63,14 +64,20 @@ _TOLD = (
     "packing.diameter",
     "material",
 )  # keys that the setting of a case tells
+_OF_OTHER_DESIGNS = ("neighbour", "moved")  # checks that compare with another design
+_GRAMS = 1e3  # in a kilogram
 _CAPTIONS = {
-    "packing": "The best design: its packing, cut through the impact, with the largest force on each sphere",
-    "convergence": "Objective of each design in the order of the search, without those that were pruned or failed; the "
-    "best so far; and the best of as many designs at random, as the model of the search expects it",
-    "front": "All designs that were run: those of the front are better than every other in at least one objective",
-    "importance": "Share of the variance of the objective that each variable makes alone, by the model of the search",
-    "coordinates": "Values of all designs that were run, scaled to their ranges; the darker, the better, and the best "
-    "in orange",
+    "packing": "The best design: section of its packing through the impact, with the largest "
+    "force on each sphere",
+    "convergence": "Objective of each design in the order of the search (excluding pruned and "
+    "failed designs); best value so far; expected best value of random designs, from the "
+    "model of the search",
+    "front": "All designs of the search: each design of the front is better than every other "
+    "design in at least one objective",
+    "importance": "Fraction of the variance of the objective due to each variable, from the model "
+    "of the search",
+    "coordinates": "Values of all designs of the search, scaled to their ranges; darker is "
+    "better, the best is orange",
 }
 
 
@@ -121,7 +128,8 @@ def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figur
     if best is None:
         return [
             Note(
-                "No design that was run meets the limits; designs.csv tells how far each is from them.",
+                "No design of the search meets the limits; designs.csv lists the distance of each "
+                "design from the limits.",
                 "bad",
             )
         ]
@@ -155,9 +163,11 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     for name, value in best["objective"].items():
         ends = best.get("spread", {}).get(name)
         spread = f" ({show(ends[0])} to {show(ends[1])} in {best['runs']} runs)" if ends else ""
-        values.append(f"{_quantity_of(name, value)}{spread}")
+        checked = range_under_checks(best, name)
+        under = f" ({checked})" if checked else ""
+        values.append(f"{_quantity_of(name, value)}{spread}{under}")
     reduction = summary.get("peak_reduction")
-    less = f", {reduction:.3g} times less than without the packing" if reduction else ""
+    less = f", {reduction:.3g} times lower than without the packing" if reduction else ""
     more = ", ".join(
         f"{key} {show(value)}"
         for key, value in best["variables"].items()
@@ -166,6 +176,26 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     made = setting_of(case) + (f", with {more}" if more else "")
     where = f"{quantity_in(1000 * best['mass_kg'], 'g')}, {quantity_in(best['height_m'], 'm')} high"
     return f"{made}: {' and '.join(values)}{less}, {where}."
+
+
+def range_under_checks(best: Mapping[str, Any], name: str) -> str:
+    """Return the range of an objective in the further runs of the best design, in words.
+
+    Of several runs of the design, its checks are further runs of the first: the range is of the
+    relative change. Empty without further runs.
+    """
+    changes = [
+        check["changes"][name]
+        for check in best["guards"]
+        if name in check["changes"] and not check["name"].startswith(_OF_OTHER_DESIGNS)
+    ]
+    if not changes:
+        return ""
+    ends = (min(0.0, *changes), max(0.0, *changes))
+    if best.get("runs", 1) > 1:
+        return f"changed by {percent(100 * ends[0])} to {percent(100 * ends[1])} in its checks"
+    low, high = sorted(best["objective"][name] * (1 + change) for change in ends)
+    return f"{_value_of(name, low)} to {_value_of(name, high)} in its checks"
 
 
 def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
@@ -188,12 +218,11 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
         for name in dict.fromkeys(("mass_kg", "height_m", *limits))
         if name not in objectives and name in table
     ]
-    spread = [
-        f"{name}_{end}"
-        for name in objectives
-        for end in ("low", "high")
-        if f"{name}_{end}" in table
-    ]
+    spread = []
+    for name in objectives:
+        for end in ("low", "high"):
+            if f"{name}_{end}" in table:
+                spread.append(f"{name}_{end}")
     heads = [TableColumn("Design", key=True), *map(value_column, objectives)]
     heads += [
         TableColumn(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True)
@@ -215,9 +244,15 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
 
 def _quantity_of(name: str, value: float) -> str:
     """Return a value of a summary with its name and unit."""
+    return f"{label_of(name).lower()} {_value_of(name, value)}"
+
+
+def _value_of(name: str, value: float) -> str:
+    """Return a value of a summary with its unit."""
     unit = unit_of_value(name)
-    scale, unit = (1000, "g") if unit == "kg" else (1, unit)
-    return f"{label_of(name).lower()} {quantity_in(scale * value, unit) if unit else show(value)}"
+    if unit == "kg":
+        return quantity_in(_GRAMS * value, "g")
+    return in_any_unit(value, unit)
 
 
 def _bounds(limit: Mapping[str, float]) -> str:
@@ -238,9 +273,9 @@ def _checks(best: Mapping[str, Any]) -> DocumentTable:
         )
         for one in best["guards"]
     ]
-    first = ", beside the first of its runs" if best.get("runs", 1) > 1 else ""
+    first = ", compared with the first of its runs" if best.get("runs", 1) > 1 else ""
     return text_table(
-        f"What was changed or looked at, and what came of it{first}", ("Check", "Found"), rows
+        f"Checks of the best design and their results{first}", ("Check", "Found"), rows
     )
 
 
@@ -404,11 +439,11 @@ class DesignKind(ReportKind):
     def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
         """Refuse the directory: it has no run of its own."""
         if has_outcome(results.path):
-            reason = "is a search for a design, which has a report of its own; give it alone"
+            reason = "is a design search, which has a separate report; remove the other directories"
         else:
             reason = (
-                "is a search for a design that is not finished; go on with  "
-                f"granwave design FILE -o {results} --resume"
+                f"is an unfinished design search; resume with  granwave design FILE -o {results} "
+                "--resume"
             )
         raise InputError(f"{results}: {reason}")
 

@@ -11,6 +11,7 @@ from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.quantities import quantity
 from granwave.analysis.summary_table import lines
 from granwave.extensions.design.files import DESIGN_OUTCOME
+from granwave.extensions.design.report import range_under_checks
 from granwave.extensions.design.search.design_file import load_problem
 from granwave.extensions.design.search.driver import run_design
 from granwave.extensions.design.search.points import default_jobs
@@ -28,14 +29,27 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.planning.plan import plan
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
+from granwave.workflows.cli.submission import (
+    check_submission,
+    profile_of,
+    refuse_without_submit,
+    submit_or_print,
+)
 from granwave.workflows.cli.terminal import print_json
+from granwave.workflows.cluster.job import CommandJob
+from granwave.workflows.cluster.profile import SLURM
+from granwave.workflows.run.directory import held
 
 _DRAWN = 64  # designs that a plan is made of
 
 
 def design(options: argparse.Namespace) -> int:
     """Search for the best design; return the exit status."""
+    if options.submit is not None:
+        return submit_design(options)
+    refuse_without_submit(options)
     problem = load_problem(options.file, options.budget)
     directory = results_directory(options.directory or problem.name)
     jobs = options.jobs or default_jobs(options.ranks)
@@ -49,7 +63,7 @@ def design(options: argparse.Namespace) -> int:
     found = read_json(directory / DESIGN_OUTCOME)
     if stopped or found is None:
         print(
-            "granwave: stopped before its end; the same command with --resume goes on",
+            "granwave: interrupted; run the same command with --resume to continue",
             file=sys.stderr,
         )
         return 130
@@ -58,12 +72,58 @@ def design(options: argparse.Namespace) -> int:
     failed = sum(one.state == FAILED for one in study.designs)
     if none:
         print(
-            "granwave: no design that was run meets the limits; designs.csv tells why",
+            "granwave: no design of the search meets the limits; see designs.csv for the reasons",
             file=sys.stderr,
         )
     elif failed:
-        print(f"granwave: {failed} designs failed; designs.csv tells why", file=sys.stderr)
+        print(
+            f"granwave: {failed} designs failed; see designs.csv for the reasons", file=sys.stderr
+        )
     return int(none or bool(failed))
+
+
+def submit_design(options: argparse.Namespace) -> int:
+    """Submit a search as one job that runs designs side by side; return the exit status."""
+    profile = profile_of(options.submit)
+    if profile.nodes > 1 and profile.scheduler != SLURM:
+        raise InputError(
+            f"cluster.nodes: found {profile.nodes}, expected 1: granwave design uses several nodes "
+            "with Slurm alone; set nodes = 1"
+        )
+    problem = load_problem(options.file, options.budget)
+    ranks = options.ranks
+    jobs = options.jobs or max(1, profile.ranks // ranks)
+    directory = results_directory(options.directory or problem.name).absolute()
+    results = ResultDirectory(directory)
+    if not options.print:
+        check_submission(profile, directory)
+        results.check(resume=options.resume, force=options.force)
+        if not options.resume and not options.force:
+            results.refuse_results()
+    words = ["design", str(problem.path.absolute()), "-o", str(directory), "--resume"]
+    words += ["--jobs", str(jobs), "--np", str(ranks)]
+    if options.budget:
+        words += ["--budget", str(options.budget)]
+    values = plan_values(problem, jobs, ranks)
+    job = CommandJob(
+        name=problem.name,
+        directory=directory,
+        words=words,
+        ranks=1,
+        cores=jobs * ranks,
+        wall_time=values["wall_time_s"] or 0.0,
+        longest=0.0,
+        memory=values["memory_bytes"] / profile.nodes_of(jobs * ranks),
+        chain=options.chain or 1,
+    )
+
+    def make_room() -> None:
+        """Move earlier results away."""
+        if options.force:
+            with held(results):
+                results.make_room(force=True)
+
+    return submit_or_print(job, profile, options, make_room)
 
 
 def plan_of_design(path: Path, options: argparse.Namespace) -> int:
@@ -86,10 +146,10 @@ def plan_values(problem: DesignProblem, jobs: int, ranks: int) -> dict[str, Any]
         )
     ]
     fit = [one for one in designs if one.state != REFUSED]
-    times = [
-        plan(problem.assembly(problem.tables_of(one.values)), n_ranks=ranks).wall_time
-        for one in fit[:8]
+    plans = [
+        plan(problem.assembly(problem.tables_of(one.values)), n_ranks=ranks) for one in fit[:8]
     ]
+    times = [expected.wall_time for expected in plans]
     size = problem.space.size
     n = min(problem.search.evaluations, size)
     return {
@@ -101,6 +161,7 @@ def plan_values(problem: DesignProblem, jobs: int, ranks: int) -> dict[str, Any]
         "runs_each": len(problem.samples),
         "jobs": jobs,
         "wall_time_s": n * len(problem.samples) * sum(times) / len(times) / jobs if times else None,
+        "memory_bytes": jobs * max((expected.memory for expected in plans), default=0.0),
     }
 
 
@@ -116,8 +177,8 @@ def plan_text(problem: DesignProblem, values: dict[str, Any]) -> str:
             ("design", problem.name),
             ("wanted", " and ".join(goals)),
             ("variables", ", ".join(values["variables"])),
-            ("designs", f"{n}" if n is not None else "without number: ranges are continuous"),
-            ("within limits", f"{100 * values['share_within_limits']:.0f} % of designs at random"),
+            ("designs", f"{n}" if n is not None else "infinite: ranges are continuous"),
+            ("within limits", f"{100 * values['share_within_limits']:.0f} % of random designs"),
             ("evaluations", f"{values['evaluations']}, of {values['runs_each']} runs each"),
             *(
                 [
@@ -149,6 +210,8 @@ def outcome_text(found: dict[str, Any], report: str) -> str:
         ends = best.get("spread", {}).get(name)
         spread = f" ({ends[0]:.4g} to {ends[1]:.4g})" if ends else ""
         rows.append((quantity(name).label or name, f"{value:.5g}{spread}"))
+        if checked := range_under_checks(best, name):
+            rows.append(("", checked))
     rows += [("mass", f"{best['mass_kg']:.4g} kg"), ("height", f"{best['height_m']:.4g} m")]
     text = lines(rows)
     for one in best["guards"]:

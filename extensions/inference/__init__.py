@@ -17,5 +17,6 @@ extension = Extension(
     python={
         "InferredForces": "granwave.extensions.inference.python:InferredForces",
         "infer": "granwave.extensions.inference.python:infer",
+        "stress_history": "granwave.extensions.inference.relaxation:stress_history",
     },
 )

@@ -33,7 +33,7 @@ COMMANDS = (
     Command(
         "infer",
         CONTACTS,
-        "contact forces from measured grains, or from measurements made of a run",
+        "infer contact forces from measured grains, or from synthetic measurements of a run",
         "granwave.extensions.inference.terminal:infer",
         (
             option(
@@ -47,26 +47,27 @@ COMMANDS = (
                 "--case",
                 type=read.input_name,
                 metavar="FILE",
-                help="file with [material] and [infer]; a run can do without",
+                help="file with [material] and [infer]; optional for a run",
             ),
             option(
                 "--noise",
                 type=shares,
                 metavar="SHARE,...",
-                help="errors of strains and accelerations of a run, "
-                "over their root mean squares; several for a curve",
+                help="errors of strains and accelerations of a run, relative to their root mean "
+                "squares; several values for a curve",
             ),
             option(
                 "--frame-rate",
                 type=hertz,
                 metavar="HZ",
-                help="accelerations of a run from the places in three frames of such a camera",
+                help="derive the accelerations of a run from positions in three frames of a "
+                "camera with this rate",
             ),
             option(
                 "--position-noise",
                 type=read.radius,
                 metavar="M",
-                help="errors of the places in these frames (default: none)",
+                help="errors of the positions in these frames (default: none)",
             ),
             option(
                 "--time",
@@ -78,7 +79,7 @@ COMMANDS = (
                 "--repeat",
                 type=read.count,
                 metavar="N",
-                help="repetitions with noise (default: infer.repetitions; of a run 10)",
+                help="repetitions with noise (default: infer.repetitions; for a run 10)",
             ),
             directory(),
             NO_FIGURES,

@@ -35,26 +35,26 @@ _IN_PER_CENT = (
     "residual_fraction",
 )
 _SENTENCES = (  # those whose values are all there are shown
-    "{n_loaded_contacts} of {n_contacts} contacts bear a force, at most {largest_force_N}.",
-    "{n_significant_contacts} of them bear a force above two standard errors.",
-    "These forces are off by {true_force_error} of the true ones, for noise of {noise}.",
+    "{n_loaded_contacts} of {n_contacts} contacts carry a force, at most {largest_force_N}.",
+    "{n_significant_contacts} of them carry a force above two standard errors.",
+    "The error is {true_force_error} of the true forces, for noise of {noise}.",
     "Their standard error is {standard_error_fraction} of the forces.",
-    "What these forces leave unexplained is {residual_fraction} of the data.",
+    "The unexplained fraction of the data is {residual_fraction}.",
 )
 _CAPTIONS = {
     "force_network": "Inferred contact forces",
-    "residuals": "What the forces of each grain leave unexplained",
+    "residuals": "Residual of the forces on each grain",
     "force_errors": "Standard errors of the forces against the forces",
     "modulus": "Misfit against Young's modulus",
     "noise": "Error of the forces against the noise of the measurement",
 }
 _LOOKS = {
-    "force_network": "Lines are as wide as the force is large.",
-    "residuals": "A grain far above the others was measured badly, or misses a contact.",
-    "force_errors": "Forces below twice their error may be none.",
+    "force_network": "The width of a line is proportional to the force.",
+    "residuals": "An outlier is a grain with a measurement error or a missing contact.",
+    "force_errors": "Forces below twice their error may be zero.",
     "modulus": "The narrower the minimum, the better strains and accelerations determine the "
     "modulus.",
-    "noise": "The larger the slope, the more exactly strains and accelerations must be measured.",
+    "noise": "A larger slope requires more accurate strains and accelerations.",
 }
 _TABLES = {INFERENCE: ENTRIES}
 

@@ -44,7 +44,7 @@ def results_place(wanted: str | Path, *, force: bool) -> ResultDirectory:
 
     results = ResultDirectory(results_directory(wanted))
     if not results.path.parent.is_dir():
-        raise InputError(f"{results}: there is no directory {results.path.parent}")
+        raise InputError(f"{results}: no such directory: {results.path.parent}")
     results.refuse_other_kind(INFERENCE)
     if set(WRITTEN) & set(results.result_names()):
         if not force:
@@ -102,8 +102,8 @@ def infer(
     if not (source.is_dir() or source.name == RESULT_FILE):
         if given := [name for name, value in of_runs.items() if value is not None]:
             raise InputError(
-                f"--{given[0]}: found it with a table, expected it with the directory of a run; what "
-                "holds for a table stands in [infer] of --case"
+                f"--{given[0]}: this option requires the directory of a run; for a table use "
+                "[infer] of --case"
             )
         if case_file is None:
             raise InputError(

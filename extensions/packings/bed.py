@@ -31,7 +31,7 @@ from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 
-_FORMAT = 2  # of the files, and of the way that beds are made; another one makes another digest
+_FORMAT = 4  # of the files, and of the way that beds are made; another one makes another digest
 _DIGITS = 12  # of the digest in names
 _MARK = "# bed: "
 _CONTACT_COLUMNS = ("i", "j", "normal_force", "tangential_force")
@@ -158,7 +158,7 @@ class BedFile:
             return self._read()
         except (OSError, ValueError, KeyError, IndexError) as error:
             raise InputError(
-                f"{self.path}: found no bed ({error}); remove the file, and it is made again"
+                f"{self.path}: found no bed ({error}); remove the file to generate it again"
             ) from None
 
     def _read(self) -> Bed:

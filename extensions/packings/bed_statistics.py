@@ -35,6 +35,10 @@ Floats = NDArray[np.float64]
 
 _MARGIN = 1.0  # mean diameters from walls and surface to the inner part
 _LEAST_INNER = 1.0  # mean diameters; a smaller inner part says nothing
+_SMALL_INSIDE = (
+    "the part one diameter away from walls and surface is less than one diameter deep or wide"
+)
+_NOBODY_INSIDE = "no grain is one diameter away from walls and surface"
 _CARRIES = 1e-3  # force of a contact over the mean from which on it carries load
 
 
@@ -75,7 +79,7 @@ def statistics_of(recipe: Recipe, bed: Bed) -> PackingStatistics:
         No grains touch each other.
     """
     if not len(bed.contacts):
-        raise InputError("the grains of the bed do not touch each other; give it more grains")
+        raise InputError("the grains of the bed do not touch each other; use more grains")
     position = bed.grains.position
     low, high = inner_part(recipe, bed)
     n = len(bed.grains)
@@ -120,35 +124,60 @@ def _mean(values: NDArray[Any]) -> float:
 def statistics_rows(found: PackingStatistics, *, friction: bool) -> list[tuple[str, str]]:
     """Return the statistics and the published values as names and values in words."""
     pressure = (
-        [] if math.isnan(found.pressure) else [("pressure when made", f"{found.pressure:.4g} Pa")]
+        []
+        if math.isnan(found.pressure)
+        else [("pressure of preparation", f"{found.pressure:.4g} Pa")]
     )
-    low, high = RANDOM_LOOSE_PACKING
-    limit = COORDINATION_WITH_FRICTION if friction else COORDINATION_WITHOUT_FRICTION
-    stable = f"{limit:g} to {COORDINATION_WITHOUT_FRICTION:g}" if friction else f"{limit:g}"
     return [
-        ("grains", f"{found.n_grains}, {100 * found.rattlers:.1f} % inside carry no load"),
+        ("grains", _words_of_grains(found)),
         ("contacts", f"{found.n_contacts} between grains"),
-        (
-            "solid fraction",
-            f"{found.solid_fraction:.3f} inside; random close packing "
-            f"{RANDOM_CLOSE_PACKING:g}, loose {low:g} to {high:g}",
-        ),
-        (
-            "coordination",
-            f"{found.coordination_without_rattlers:.2f} without rattlers, "
-            f"{found.coordination:.2f} with; at zero pressure {stable}",
-        ),
+        ("solid fraction", _words_of_solid_fraction(found)),
+        ("coordination", _words_of_coordination(found, friction=friction)),
         ("anisotropy of fabric", f"{found.anisotropy:.3f}; isotropic 0"),
         (
             "contact force",
             f"{found.mean_force:.3g} N on average, at most {found.largest_force:.3g} N",
         ),
-        (
-            "tail of the forces",
-            f"exp(-{found.force_tail:.2f} F/<F>), <F> at the same depth; published {FORCE_TAIL:g}",
-        ),
+        ("tail of the forces", _words_of_tail(found)),
         *pressure,
     ]
+
+
+def _words_of_grains(found: PackingStatistics) -> str:
+    """Return the number of grains, and the part of them that carries no load."""
+    if math.isnan(found.rattlers):
+        return str(found.n_grains)
+    return f"{found.n_grains}, {100 * found.rattlers:.1f} % inside carry no load"
+
+
+def _words_of_solid_fraction(found: PackingStatistics) -> str:
+    """Return the solid fraction and the published ones, or why there is none."""
+    if math.isnan(found.solid_fraction):
+        return f"none: {_SMALL_INSIDE}; add grains, or take a deeper or wider container"
+    low, high = RANDOM_LOOSE_PACKING
+    return (
+        f"{found.solid_fraction:.3f} inside; random close packing {RANDOM_CLOSE_PACKING:g}, "
+        f"loose {low:g} to {high:g}"
+    )
+
+
+def _words_of_coordination(found: PackingStatistics, *, friction: bool) -> str:
+    """Return the coordination and the published one, or why there is none."""
+    if math.isnan(found.coordination):
+        return f"none: {_NOBODY_INSIDE}"
+    limit = COORDINATION_WITH_FRICTION if friction else COORDINATION_WITHOUT_FRICTION
+    stable = f"{limit:g} to {COORDINATION_WITHOUT_FRICTION:g}" if friction else f"{limit:g}"
+    skeleton = "none"
+    if not math.isnan(found.coordination_without_rattlers):
+        skeleton = f"{found.coordination_without_rattlers:.2f}"
+    return f"{skeleton} without rattlers, {found.coordination:.2f} with; at zero pressure {stable}"
+
+
+def _words_of_tail(found: PackingStatistics) -> str:
+    """Return the exponent of the tail of the forces and the published one, or why there is none."""
+    if not math.isfinite(found.force_tail):
+        return "none: too few contacts above the mean force"
+    return f"exp(-{found.force_tail:.2f} F/<F>), <F> at the same depth; published {FORCE_TAIL:g}"
 
 
 def statistics_values(found: PackingStatistics) -> Mapping[str, Any]:
@@ -156,14 +185,19 @@ def statistics_values(found: PackingStatistics) -> Mapping[str, Any]:
     return {
         "n_grains": found.n_grains,
         "n_contacts": found.n_contacts,
-        "solid_fraction": found.solid_fraction,
-        "coordination": found.coordination,
-        "coordination_without_rattlers": found.coordination_without_rattlers,
-        "rattler_fraction": found.rattlers,
+        "solid_fraction": _finite(found.solid_fraction),
+        "coordination": _finite(found.coordination),
+        "coordination_without_rattlers": _finite(found.coordination_without_rattlers),
+        "rattler_fraction": _finite(found.rattlers),
         "fabric_anisotropy": found.anisotropy,
         "fabric": found.fabric.tolist(),
-        "force_tail": found.force_tail,
+        "force_tail": _finite(found.force_tail),
         "mean_force_N": found.mean_force,
         "largest_force_N": found.largest_force,
-        "pressure_Pa": None if math.isnan(found.pressure) else found.pressure,
+        "pressure_Pa": _finite(found.pressure),
     }
+
+
+def _finite(value: float) -> float | None:
+    """Return a value, None where it is no finite number."""
+    return value if math.isfinite(value) else None

@@ -6,7 +6,7 @@ COMMANDS = (
     Command(
         "bed",
         FIND,
-        "make the bed of a case whose grains are poured or compressed, and its statistics",
+        "generate the bed of a case with poured or compressed grains, and print its statistics",
         "granwave.extensions.packings.terminal:bed",
         (
             CASE,

@@ -130,7 +130,7 @@ class CompressedRecipe(Recipe):
             z - top,
             container,
             record,
-            springs="",
+            springs=made.springs,
         )
 
     def tables(self, tables: Mapping[str, Any], bed: Bed) -> dict[str, Any]:
@@ -193,7 +193,7 @@ def _check(
         (
             keys.solid_fraction is None and keys.pressure is None,
             "packing.solid_fraction",
-            "missing; grains are compressed to a solid_fraction or to a pressure, in Pa",
+            "missing; set a solid_fraction or a pressure (Pa) to which the grains are compressed",
         ),
         (
             keys.solid_fraction is not None and keys.pressure is not None,
@@ -216,10 +216,10 @@ def _check(
             width < least,
             "packing.grains",
             Mismatch(
-                f"{keys.grains} grains, which leave a box of {width:.3g} m for grains of "
+                f"{keys.grains} grains, which gives a box of {width:.3g} m for grains of "
                 f"{largest:g} m",
                 f"at least {least:.3g} m",
-                "add grains, or make packing.proportions more even",
+                "add grains, or use more equal packing.proportions",
             ),
         ),
     )

@@ -36,7 +36,9 @@ from granwave.extensions.packings.lammps_grains import (
 )
 from granwave.extensions.packings.settling import SettlingLaw
 from granwave.extensions.packings.sizes import volume
+from granwave.lammps_inputs.case.springs import springs_table
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.restart_file import read_restart
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
 
@@ -44,11 +46,21 @@ Floats = NDArray[np.float64]
 
 PRESSURE_TOLERANCE = 0.01  # of the pressure that is asked for
 _DATA = "grains.data"
+_STATE = "grains.restart"
+# walls of a case by fix and side; the upper plane is taken away
+_WALLS = {
+    ("x", 0): "xlo",
+    ("x", 1): "xhi",
+    ("y", 0): "ylo",
+    ("y", 1): "yhi",
+    ("z", 1): "bottom",
+}
 _LOOSE = 0.55  # solid fraction up to which steps are long
 _LONG_STEP = 0.03  # of the solid fraction, relative
 _SHORT_STEP = 0.004
 _SHRINK = 0.7  # of the longest step, where the last one went too far
 _MOST_STEPS = 400
+_MOST_ROUNDS = 20  # of compression to a pressure and coming to rest
 _COORDINATION = 6.0  # for a first estimate of the stiffness of the packing
 _SLOPE_FACTOR = 4.0  # bounds of the measured slope of pressure over that of the estimate
 _OVERLAP = 1e-3  # diameters; the stiffness of contacts at it gives the timestep
@@ -94,6 +106,8 @@ class CompressedGrains:
         Largest net force on a grain over the largest contact force; 0 without contacts.
     steps
         Number of steps of the compression.
+    springs
+        Tangential springs of the contacts, as `packing.springs` has them; empty without friction.
     """
 
     position: Floats
@@ -104,6 +118,7 @@ class CompressedGrains:
     pressure: float
     residual: float
     steps: int
+    springs: str
 
 
 def start_lengths(diameter: Floats, proportions: Floats) -> Floats:
@@ -156,7 +171,7 @@ def compress(
             sides = ["p" if repeats else "f" for repeats in periodic]
             engine.commands(grain_script(data, diameter, sides, law.words))
             grains = _Compression(engine, diameter, proportions, periodic, law, target, report)
-            return grains.run()
+            return grains.run(Path(folder) / _STATE)
 
 
 class _Compression:
@@ -181,6 +196,7 @@ class _Compression:
         self._report = report
         self._fraction = SOLID_FRACTION
         self._steps = 0
+        self._needs_balance = False  # after each step
         material = law.material
         self._modulus = material.youngs_modulus / (2 * (1 - material.poisson_ratio**2))
         mean = float(diameter.mean())
@@ -198,7 +214,7 @@ class _Compression:
             drag = _DRAG * math.sqrt(mass * stiffness)
             step = self._law.timestep(float(self._diameter.min()))
             lines = [
-                "fix motion all nve/sphere",
+                "fix motion all gran/nve/sphere",
                 f"fix drag all viscous {drag!r}",
                 f"timestep {step!r}",
             ]
@@ -216,21 +232,43 @@ class _Compression:
         """Lengths of the box: (3,), m."""
         return self._proportions * _scale(self._diameter, self._proportions, self._fraction)
 
-    def run(self) -> CompressedGrains:
-        """Compress until the target is met."""
+    def run(self, state: Path) -> CompressedGrains:
+        """Compress until the target is met; the state of LAMMPS goes to a file."""
         self._rest()
         if self._target.pressure is not None:
-            self._to_pressure(self._target.pressure)
+            self._to_pressure_at_rest(self._target.pressure)
         else:
             assert self._target.solid_fraction is not None
             self._to_fraction(self._target.solid_fraction)
-        self._rest(final=True)
-        return self._at_end()
+            self._rest(final=True)
+        return self._at_end(state)
 
     def _to_fraction(self, fraction: float) -> None:
         while self._fraction < fraction:
             self._compress(min(fraction, self._fraction * (1 + self._longest_step)))
             self._report(self._fraction / fraction, f"solid fraction {self._fraction:.3f}")
+
+    def _to_pressure_at_rest(self, pressure: float) -> None:
+        """Compress to a pressure that is left when the grains are at rest: grains that still move
+        carry a part of it.
+        """
+        for _ in range(_MOST_ROUNDS):
+            self._to_pressure(pressure)
+            self._rest(final=True)
+            if self._meets(pressure):
+                return
+            self._needs_balance = True
+        raise self._missed(pressure)
+
+    def _meets(self, pressure: float) -> bool:
+        return abs(self._pressure() / pressure - 1) <= PRESSURE_TOLERANCE
+
+    def _missed(self, pressure: float) -> RunError:
+        """Return the error of a pressure that is not met."""
+        return RunError(
+            f"the packing has {self._pressure():.3g} Pa instead of {pressure:g} Pa after "
+            f"{self._steps} steps; use another packing.seed or a higher packing.pressure"
+        )
 
     def _to_pressure(self, pressure: float) -> None:
         slope = self._slope
@@ -253,10 +291,7 @@ class _Compression:
             self._compress(self._fraction + change)
             note = f"solid fraction {self._fraction:.4f}, {now:.3g} Pa"
             self._report(min(now / pressure, 1.0), note)
-        raise RunError(
-            f"the packing has {self._pressure():.3g} Pa in place of {pressure:g} Pa after "
-            f"{_MOST_STEPS} steps; take another packing.seed or a higher packing.pressure"
-        )
+        raise self._missed(pressure)
 
     @property
     def _longest_step(self) -> float:
@@ -313,7 +348,7 @@ class _Compression:
             limit = _MOST_ITERATIONS
             self._engine.commands(f"minimize 0.0 {self._at_rest!r} {limit} {limit}")
             return
-        least = _BALANCED if final else _AT_REST
+        least = _BALANCED if final or self._needs_balance else _AT_REST
         self._engine.commands("velocity all set 0.0 0.0 0.0 units box")
         for _ in range(_MOST_LOOKS):
             self._engine.commands(f"run {_LOOK} post no")
@@ -323,7 +358,7 @@ class _Compression:
                 return
         if final:
             raise RunError(
-                "the compressed grains do not come to rest; take another packing.seed or a higher "
+                "the compressed grains do not come to rest; use another packing.seed or a higher "
                 "packing.pressure"
             )
 
@@ -353,7 +388,7 @@ class _Compression:
         distance = self._diameter[order] / 2 - values[:n, _COLUMN_OVERLAP]
         return float((values[:n, _COLUMN_FORCE] * distance).sum())
 
-    def _at_end(self) -> CompressedGrains:
+    def _at_end(self, state: Path) -> CompressedGrains:
         """Return what LAMMPS holds."""
         table = contact_table(self._engine)
         largest = _largest(table)
@@ -366,7 +401,13 @@ class _Compression:
             self._pressure(),
             self._net_force() / largest if largest else 0.0,
             self._steps,
+            self._springs(state) if self._law.friction else "",
         )
+
+    def _springs(self, state: Path) -> str:
+        """Return the tangential springs of all contacts but those with the upper plane."""
+        self._engine.commands(f'write_restart "{state}"')
+        return springs_table(read_restart(state), _WALLS)
 
 
 def _largest(table: Floats) -> float:

@@ -32,7 +32,7 @@ def bed_figure(recipe: Recipe, bed: Bed) -> Drawing:
     level = density[filled][middle[filled] >= TAIL_FROM][0]
     published = level * np.exp(-FORCE_TAIL * (tail - tail[0]))
     left.semilogy(tail, published, color=ORANGE, label=f"exp(-{FORCE_TAIL:g} F/<F>), published")
-    left.set(xlabel="Force over mean at depth", ylabel="Probability density")
+    left.set(xlabel="Force / mean at this depth", ylabel="Probability density")
     left.legend()
     step = recipe.diameter.mean / _SLICES_A_DIAMETER
     edges = np.arange(0.0, bed.bottom + step, step)

@@ -102,7 +102,7 @@ def _apart(
                 places[n] = place
                 break
         else:
-            raise InputError(f"packing.grains: found no room for grain {n + 1}; take a wider box")
+            raise InputError(f"packing.grains: found no space for grain {n + 1}; use a wider box")
     return places
 
 

@@ -29,17 +29,17 @@ class PouredSection:
         default=None,
     )
     tube: float | None = schema.number(
-        "radius of the tube about x = y = 0, in place of a box", hints.LENGTH, above=0, default=None
+        "radius of a tube around x = y = 0, instead of a box", hints.LENGTH, above=0, default=None
     )
     friction: float | None = schema.number(
-        "coefficient of friction of grains and walls while they settle; by default that of "
+        "coefficient of friction of grains and walls while they settle; default: the value of "
         "[contact]",
         at_least=0,
         at_most=10,
         default=None,
     )
     rolling: float = schema.number(
-        "coefficient of rolling resistance while they settle; it ends slow rolling",
+        "coefficient of rolling resistance while they settle, which stops slow rolling",
         at_least=0,
         at_most=1,
         default=0.01,
@@ -47,7 +47,7 @@ class PouredSection:
     restitution: float = schema.number(
         "coefficient of restitution while they settle", above=0, at_most=1, default=0.5
     )
-    seed: int = schema.count("seed of diameters and places", at_least=0, default=0)
+    seed: int = schema.count("seed of diameters and positions", at_least=0, default=0)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -62,22 +62,25 @@ class CompressedSection:
         "diameter of all grains, or its distribution", DIAMETERS, unit=hints.DIAMETER
     )
     solid_fraction: float | None = schema.number(
-        "volume of the grains over that of the box", at_least=0.25, at_most=0.8, default=None
+        "volume of the grains divided by the volume of the box",
+        at_least=0.25,
+        at_most=0.8,
+        default=None,
     )
     pressure: float | None = schema.number(
-        "pressure at the end, in place of a solid fraction", hints.PRESSURE, above=0, default=None
+        "final pressure, instead of a solid fraction", hints.PRESSURE, above=0, default=None
     )
     proportions: tuple[float, float, float] = schema.typed(
-        "proportions of the box along x, y and z; it is periodic where [boundary] says so, with "
-        "planes elsewhere",
+        "proportions of the box along x, y and z; sides are periodic or planes, as set in "
+        "[boundary]",
         schema.vector_type(3, _PROPORTIONS_FORM, lambda x, y, z: min(x, y, z) > 0),
         default=(1.0, 1.0, 1.0),
     )
     friction: float | None = schema.number(
-        "coefficient of friction of grains and walls while they are compressed; by default that of "
-        "[contact]",
+        "coefficient of friction of grains and walls while they are compressed; default: the "
+        "value of [contact]",
         at_least=0,
         at_most=10,
         default=None,
     )
-    seed: int = schema.count("seed of diameters and places", at_least=0, default=0)
+    seed: int = schema.count("seed of diameters and positions", at_least=0, default=0)

@@ -79,7 +79,6 @@ def grain_script(data: Path, diameter: Floats, boundary: Sequence[str], words: s
             "newton off",
             f"boundary {' '.join(boundary)}",
             f'read_data "{data}"',
-            "comm_modify vel yes",
             f"neighbor {_SKIN * mean!r} bin",
             "neigh_modify delay 0 every 5 check yes",
             f"pair_style gran/hysteretic {_GAP * mean!r}",

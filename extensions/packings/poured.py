@@ -33,7 +33,7 @@ from granwave.lammps_inputs.errors import Mismatch
 # times of the fall until grains are at rest, measured with 100 and 400 grains and a restitution of
 # 0.5; steps with friction take longer, which is included
 _FALLS = 5.5
-_FALLS_WITHOUT_FRICTION = 10.0
+_FALLS_WITHOUT_FRICTION = 15.0
 _LEAST_WIDTH = 2.0  # of a container, in largest diameters
 
 
@@ -173,7 +173,9 @@ def _check(keys: PouredSection, errors: ErrorList, *, periodic: bool) -> None:
         (
             keys.tube is not None and periodic,
             "boundary.sides",
-            Mismatch('"periodic" with packing.tube', remedy="leave it out: the tube is the side"),
+            Mismatch(
+                '"periodic" with packing.tube', remedy="remove it, since the tube is the side wall"
+            ),
         ),
         (
             width < least,

@@ -14,7 +14,13 @@ from typing import Any, ClassVar
 from granwave.extensions.packings.bed import FOLDER, Bed, BedFile, digest_of
 from granwave.extensions.packings.lammps_grains import Report
 from granwave.extensions.packings.sizes import SizeDistribution
-from granwave.lammps_inputs.case.made_packing import MakerInput, PackingMaker, PackingNotMadeError
+from granwave.lammps_inputs.case.made_packing import (
+    MakerInput,
+    PackingMaker,
+    PackingNotMadeError,
+    PackingToMake,
+    Row,
+)
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.precompression import Gravity
 from granwave.lammps_inputs.case.schema import ErrorList
@@ -23,6 +29,10 @@ from granwave.workflows.run.progress import Progress
 
 _OWN_VALUES = ("keys", "material")  # fields of a recipe that are written value by value
 _PARTS = 1000  # of a progress bar
+_GIB = 2**30
+# bytes, of Python with LAMMPS and of a grain while a bed is made, measured with 100 and 1000 grains
+_MEMORY = 1.6e8
+_MEMORY_OF_GRAIN = 4e4
 SPEED = 4e6  # steps of grains in a second on one core, measured with some hundred grains
 
 
@@ -128,22 +138,31 @@ def bed_of(recipe: Recipe, given: MakerInput) -> Bed:
     file = bed_file(recipe, given.source)
     if not file.exists and not given.make:
         raise PackingNotMadeError(
-            f"{given.source}: packing: its bed is not made yet: {file.path}", plan_of(recipe, file)
+            f"{given.source}: packing: its bed is not generated yet: {file.path}",
+            [_to_make(recipe, file)],
         )
     if not file.exists:
         _make(recipe, file)
     return file.read()
 
 
-def plan_of(recipe: Recipe, file: BedFile) -> list[tuple[str, str]]:
-    """Return what a bed would be and cost, as names and values in words."""
+def _to_make(recipe: Recipe, file: BedFile) -> PackingToMake:
+    """Return what a bed would be and cost."""
+    memory = _MEMORY + _MEMORY_OF_GRAIN * recipe.keys.grains
+    rows = tuple(_rows_of(recipe, file, memory))
+    return PackingToMake(file.path, recipe.expected_time, memory, rows)
+
+
+def _rows_of(recipe: Recipe, file: BedFile, memory: float) -> list[Row]:
+    """Return what a bed would be and cost, as names and values in words; memory in bytes."""
     from granwave.analysis.formatting.numbers import duration
 
     low, high = recipe.diameter.bounds
     sizes = f"{low:g} m" if low == high else f"{low:g} to {high:g} m"
     return [
-        ("bed", f"{recipe.keys.grains} grains of {sizes} in {recipe.words}, not made yet"),
-        ("making it", f"about {duration(recipe.expected_time)} on one core"),
+        ("bed", f"{recipe.keys.grains} grains of {sizes} in {recipe.words}, not generated yet"),
+        ("time to generate it", f"about {duration(recipe.expected_time)} on one core"),
+        ("memory", f"about {memory / _GIB:.2f} GiB while it is generated"),
         ("made by", "granwave bed CASE, or by granwave run before the run"),
         ("kept in", str(file.path)),
     ]

@@ -3,7 +3,8 @@
 Grains fall under gravity with Hertz's law, friction and a loss; when their motion is small, drag
 ends it. A small resistance to rolling and twisting stops grains that would spin or roll for ever.
 The bed is at rest where the net force on each grain is a small fraction of the largest force, and
-its motion carries a negligible energy.
+its motion carries a negligible energy. Without friction a bed has hardly more contacts than it
+needs: it creeps far under small forces, and is at rest at a minimum of its energy.
 """
 
 from __future__ import annotations
@@ -57,6 +58,14 @@ _MOST_TIMES = 40  # longest time of falling, and of drag, in times of the fall
 _SLOW = 1e-3
 _AT_REST = 1e-9
 _BALANCED = 3e-4  # net force on a grain over the largest force, at the end
+# without friction: kinetic energy at which the search for a minimum begins, and the net force there
+_CREEPING = 1e-6
+_AT_MINIMUM = 1e-8
+_MINIMISER_STEPS = 5000  # between reports
+_MOST_MINIMISATIONS = 100
+_LEFT = 0.85  # of the search, after each report: its length cannot be foreseen
+_MINIMISER_TIMESTEP = 0.1  # over the timestep of the fall
+_LARGEST_MOVE = 0.015  # of a grain in a step of the minimiser, mean diameters
 
 
 @dataclasses.dataclass(frozen=True)
@@ -212,12 +221,14 @@ def _script(data: Path, diameter: Floats, container: Container, law: SettlingLaw
             grain_script(data, diameter, sides, law.words),
             *walls,
             f"fix weight all gravity {law.acceleration!r} vector 0 0 1",
-            "fix motion all nve/sphere",
+            "fix motion all gran/nve/sphere",
             f"timestep {law.timestep(float(diameter.min()))!r}",
             "compute moving all ke",
             "compute grain all gran/hysteretic/atom",
             "compute largest all reduce max c_grain[1]",
-            "variable net atom sqrt(fx^2+fy^2+fz^2)",
+            # the drag is no force of the bed: it holds up a grain that creeps
+            "variable drag equal 0.0",
+            "variable net atom sqrt((fx+v_drag*vx)^2+(fy+v_drag*vy)^2+(fz+v_drag*vz)^2)",
             "compute net all reduce max v_net",
             "variable motion equal c_moving",
             "variable largest equal c_largest",
@@ -241,6 +252,8 @@ class _Settling:
         state: Path,
     ) -> None:
         self._engine = engine
+        self._law = law
+        self._diameter = diameter
         self._report = report
         self._state = state
         self._n = len(diameter)
@@ -256,9 +269,40 @@ class _Settling:
             self._go_on()
         self._until(lambda: self._motion < _SLOW, "falling")
         drag = self._mass / (_DRAG_TIME * self._fall)
-        self._engine.commands(f"fix drag all viscous {drag!r}")
-        self._until(lambda: self._motion < _AT_REST and self._residual < _BALANCED, "settling")
+        self._engine.commands(f"fix drag all viscous {drag!r}\nvariable drag equal {drag!r}")
+        if self._law.friction:
+            self._until(lambda: self._motion < _AT_REST and self._residual < _BALANCED, "settling")
+        else:
+            self._until(lambda: self._motion < _CREEPING, "settling")
+            self._minimise()
         return self._settled()
+
+    def _minimise(self) -> None:
+        """Move the grains to a minimum of their energy."""
+        timestep = _MINIMISER_TIMESTEP * self._law.timestep(float(self._diameter.min()))
+        move = _LARGEST_MOVE * float(self._diameter.mean())
+        self._engine.commands(
+            f"""
+            unfix drag
+            unfix weight                  # fix gravity does not act on a minimisation
+            variable weight atom mass*{self._law.acceleration!r}
+            variable height atom -v_weight*z
+            fix weight all addforce 0.0 0.0 v_weight energy v_height
+            velocity all set 0.0 0.0 0.0 units box
+            timestep {timestep!r}
+            min_style fire
+            min_modify norm inf dmax {move!r}
+            """
+        )
+        for number in range(1, _MOST_MINIMISATIONS + 1):
+            force = _AT_MINIMUM * float(self._engine.lammps.extract_variable("largest"))
+            self._engine.commands(
+                f"minimize 0.0 {force!r} {_MINIMISER_STEPS} {2 * _MINIMISER_STEPS}"
+            )
+            if self._residual < 2 * _AT_MINIMUM:  # norm of a force; its components are smaller
+                return
+            self._report(1 - _LEFT**number, "to equilibrium")
+        raise self._restless()
 
     @property
     def _motion(self) -> float:
@@ -280,9 +324,12 @@ class _Settling:
             self._go_on()
             level = math.log(max(self._motion, _AT_REST)) / math.log(_AT_REST)
             self._report(min(max(level, 0.0), 1.0), note)
-        raise RunError(
+        raise self._restless()
+
+    def _restless(self) -> RunError:
+        return RunError(
             f"the bed does not come to rest: a grain has {self._motion:.1e} of m g D, and a net "
-            f"force of {self._residual:.1e} of the largest force; take a smaller "
+            f"force of {self._residual:.1e} of the largest force; use a smaller "
             "packing.restitution, or another seed"
         )
 

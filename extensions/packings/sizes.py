@@ -59,8 +59,7 @@ class SizeDistribution:
         schema.refuse_if(both, f"{SIZES_FORM}: one of normal and uniform")
         low, high = self.bounds
         wide = low <= 0 or high > _LARGEST_RATIO * low
-        schema.refuse_if(wide, f"diameters above 0, the largest at most {_LARGEST_RATIO:g} times "
-                         "the smallest; take a smaller standard deviation, or cut")  # fmt: skip
+        schema.refuse_if(wide, f"diameters above 0, the largest at most {_LARGEST_RATIO:g} times the smallest; use a smaller standard deviation, or a smaller cut")  # fmt: skip
         return self
 
     def draw(self, n: int, random: np.random.Generator) -> NDArray[np.float64]:

@@ -37,7 +37,7 @@ def bed(options: argparse.Namespace) -> int:
         kinds = " or ".join(show(maker.kind) for maker in MAKERS)
         raise InputError(
             f"{path}: packing.kind: found {show(kind or '')}, expected {kinds}: other packings "
-            "have no bed to make"
+            "have no bed"
         )
     recipe = maker.read(given, errors) if given is not None and maker is not None else None
     errors.report(path.stem)

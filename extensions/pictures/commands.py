@@ -35,7 +35,7 @@ COMMANDS = (
     Command(
         "view",
         LOOK,
-        "a page to turn and cut the packing of a run in a browser",
+        "make a page to rotate and cut the packing of a run in a browser",
         "granwave.extensions.pictures.terminal:view",
         (
             RUN,
@@ -45,19 +45,19 @@ COMMANDS = (
                     "--spheres",
                     type=read.positive,
                     metavar="N",
-                    help="at most so many spheres, those nearest to the struck one "
-                    "(default: 250000)",
+                    help="largest number of spheres, nearest to the impacted sphere (default: "
+                    "250000)",
                 ),
-                flag("--all", "all spheres and snapshots, however many"),
+                flag("--all", "all spheres and snapshots, without limits"),
             ],
-            option("--frames", type=read.positive, metavar="N", help="at most so many snapshots"),
+            option("--frames", type=read.positive, metavar="N", help="largest number of snapshots"),
         ),
         after="figures",
     ),
     Command(
         "film",
         LOOK,
-        "a film of a run: planes, the cut packing, or a chain in space-time",
+        "make an animation of a run: planes, the cut packing, or a chain in space-time",
         "granwave.extensions.pictures.terminal:film",
         (
             RUN,
@@ -67,14 +67,14 @@ COMMANDS = (
                 default="force",
                 metavar="NAME",
                 words=_quantities,
-                help="what is shown: force, velocity or dissipation (default: force)",
+                help="quantity: force, velocity or dissipation (default: force)",
             ),
             option(
                 "--view",
                 metavar="NAME",
                 words=_views,
-                help="what is seen: orthogonal, principal, section, 3d or chain "
-                "(default: what there is)",
+                help="view: orthogonal, principal, section, 3d or chain (default: all available "
+                "views)",
             ),
             [
                 option(
@@ -82,7 +82,7 @@ COMMANDS = (
                     type=read.positive,
                     default=1200,
                     metavar="PIXELS",
-                    help="width of the pictures (default: 1200)",
+                    help="width of the frames in pixels (default: 1200)",
                 ),
                 option(
                     "--size",
@@ -95,7 +95,7 @@ COMMANDS = (
                 "--rate",
                 type=read.number,
                 metavar="N",
-                help="pictures per second (default: 3 to 25)",
+                help="frames per second (default: 3 to 25)",
             ),
         ),
         after="view",

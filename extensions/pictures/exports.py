@@ -30,12 +30,13 @@ def export_scene(directory: Path, output: Path) -> list[Path]:
     """
     if ovito_scene.in_parts(directory):
         raise InputError(
-            f"{directory}: each rank wrote its own dumps (output.parts), which OVITO does not join; use --to vtp"
+            f"{directory}: each rank wrote its own dumps (output.parts), which OVITO cannot "
+            "combine; use --to vtp"
         )
     if missing := ovito_scene.missing_files(directory):
         raise InputError(
-            f"{directory}: {', '.join(missing)} missing; OVITO reads what LAMMPS wrote: expected the directory of a "
-            "finished run"
+            f"{directory}: {', '.join(missing)} missing; OVITO reads the dumps of LAMMPS: "
+            "expected the directory of a finished run"
         )
     source = Path(ovito_scene.__file__).read_text(encoding="utf-8")
     run = os.path.relpath(directory.resolve(), output.resolve())

@@ -127,11 +127,12 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
             return _of_section(result, quantity, found, size)
     if view == "section" and result.figure_options.plane is None:
         raise InputError(
-            "--view section: it is the plane of --plane, or of figures.plane in the case; give one"
+            "--view section: requires a plane; set --plane, or figures.plane in the case"
         )
     kinds = "no plane of spheres" if view is None else f"no {view} plane"
     raise InputError(
-        f"{result.case.name}: a {result.case.packing.kind} packing has {kinds}; take --view 3d or chain"
+        f"{result.case.name}: a {result.case.packing.kind} packing has {kinds}; use --view 3d or "
+        "chain"
     )
 
 
@@ -144,7 +145,7 @@ def _colourings(
     largest = max(float(np.max(one[rows], initial=0.0)) for one in values)
     if not largest > 0:
         raise InputError(
-            f"{result.case.name}: there is no {quantity} in any snapshot; take another --quantity"
+            f"{result.case.name}: no snapshot contains {quantity}; use another --quantity"
         )
     options = result.figure_options
     low, high = sections.decades_up_to(largest, None)
@@ -210,7 +211,9 @@ def _of_packing(result: Result, quantity: str, size: Size) -> Scene:
     colourings = _colourings(result, quantity, slice(None))
     drawing = draw_packing(result, colourings[0], size)
     if drawing is None:
-        raise InputError(f"{result.case.name}: nothing to cut open; take --view chain, or a plane")
+        raise InputError(
+            f"{result.case.name}: the packing cannot be cut open; use --view chain, or a plane"
+        )
     figure = drawing.figure
     (image,) = figure.axes[0].images
     clock = _clock(figure)
@@ -236,7 +239,9 @@ def _of_chain(result: Result, size: Size) -> Scene:
     place = result["chain/contact_position"] * _MILLI
     largest = float(np.max(force, initial=0.0))
     if not largest > 0:
-        raise InputError(f"{result.case.name}: no contact bore a force; there is nothing to film")
+        raise InputError(
+            f"{result.case.name}: no contact carried a force, so there is nothing to show"
+        )
     rows = np.unique(
         np.linspace(0, len(times) - 1, min(_MOST_INSTANTS, len(times))).round().astype(int)
     )
@@ -329,7 +334,7 @@ def write_film(
     path = Path(path)
     _check(path, quantity, view, width, size, rate)
     if not path.absolute().parent.is_dir():
-        raise InputError(f"{path}: there is no directory {path.absolute().parent}")
+        raise InputError(f"{path}: no such directory: {path.absolute().parent}")
     refuse_other_file(path, _OWN)
     with Result(directory) as result, style():
         if options is not None:
@@ -391,7 +396,7 @@ def _check(
     if size is None and not LEAST_WIDTH <= width <= MOST_WIDTH:
         raise InputError(f"--width: found {width}, expected {LEAST_WIDTH} to {MOST_WIDTH} pixels")
     if rate is not None and not 0.1 <= rate <= 100:
-        raise InputError(f"--rate: found {rate:g}, expected 0.1 to 100 pictures per second")
+        raise InputError(f"--rate: found {rate:g}, expected 0.1 to 100 frames per second")
 
 
 def film_pictures(

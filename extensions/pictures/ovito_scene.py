@@ -165,18 +165,22 @@ def main() -> None:
         "run", nargs="?", type=Path, default=here / RUN, help="the directory of the run"
     )
     parser.add_argument(
-        "--scene", type=Path, default=here / "scene.ovito", help="what OVITO opens (default: here)"
+        "--scene",
+        type=Path,
+        default=here / "scene.ovito",
+        help="OVITO session file (default: in the current directory)",
     )
-    parser.add_argument("--picture", type=Path, help="render the last snapshot too (.png)")
+    parser.add_argument("--picture", type=Path, help="also render the last snapshot (.png)")
     options = parser.parse_args()
     run = options.run.resolve()
     if in_parts(run):
         raise SystemExit(
-            f"{run}: each rank wrote its own dumps, which OVITO does not join; granwave export --to vtp"
+            f"{run}: each rank wrote its own dumps, which OVITO cannot combine; use granwave "
+            "export --to vtp"
         )
     if missing := missing_files(run):
         raise SystemExit(
-            f"{run}: {', '.join(missing)} missing; give the directory of a finished run"
+            f"{run}: {', '.join(missing)} missing; use the directory of a finished run"
         )
 
     import ovito

@@ -246,7 +246,7 @@ def plane_lines(
 
 #: Figures of a run; the two share the work of finding which spheres are seen.
 PEAK_FORCE = RunFigure(
-    "Packing cut open, peak contact force, walls left out",
+    "Packing cut open, peak contact force, excluding walls",
     packing_3d,
     "A quarter is cut away at the impact; bright spheres carried the largest forces.",
     shares_work_with=("packing_3d_dissipation",),

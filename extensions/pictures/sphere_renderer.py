@@ -229,7 +229,8 @@ class _Grains:
             ]
             found = self._of_cylinder(int(grain), rows, columns, pitch)[0]
             nearer = found > depth[box]
-            front[box][nearer], depth[box][nearer] = grain, found[nearer]
+            front[box][nearer] = grain
+            depth[box][nearer] = found[nearer]
         return front
 
     def surface(
@@ -317,7 +318,8 @@ def _light(
         mean = map_coordinates(around, [row / step, column / step], order=1, mode="nearest")
         bright *= 1 - _OCCLUSION * np.clip((mean - depth[row, column]) / (2 * usual), 0.0, 1.0)
         shine = np.clip(one @ half, 0.0, None) ** _SHARPNESS
-        brightness[row, column], gloss[row, column] = bright, shine * _GLOSS
+        brightness[row, column] = bright
+        gloss[row, column] = shine * _GLOSS
     return brightness, gloss
 
 
@@ -375,5 +377,6 @@ def surface_of_cylinder(
         d = (length - along) / axis[2]
         beside = across**2 + up**2 + d**2 - length**2
         end = (beside <= radius**2) & (d > depth)
-        depth[end], normal[end] = d[end], axis
+        depth[end] = d[end]
+        normal[end] = axis
     return depth + centre[2], normal

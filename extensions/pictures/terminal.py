@@ -34,7 +34,7 @@ def film(options: argparse.Namespace) -> int:
             elif done == _MEASURED:
                 rest = (of - done) * (time.monotonic() - started[0]) / (done - 1)
                 if rest > _WORTH_SAYING:
-                    bar.write(f"film: {of} pictures, about {duration(rest)} to go", sys.stderr)
+                    bar.write(f"animation: {of} frames, about {duration(rest)} left", sys.stderr)
 
         chosen = {name: getattr(options, name) for name in ("quantity", "view", "width", "rate")}
         size = None if options.size is None else size_of(options.size)

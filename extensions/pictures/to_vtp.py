@@ -46,7 +46,7 @@ def export_run(result: Result, path_of: Callable[[str], Path]) -> None:
         import vtkmodules.vtkIOXML  # noqa: F401
     except ImportError as error:
         raise InputError(
-            f'--to vtp needs VTK ({error}): pip install "granwave[pictures]"'
+            f'--to vtp requires VTK ({error}): pip install "granwave[pictures]"'
         ) from None
 
     radius = result[f"{GROUP}/radius"]
@@ -153,7 +153,7 @@ def _write(
     writer.SetFileName(str(path))
     writer.SetInputData(data)
     if not writer.Write() or writer.GetErrorCode():
-        raise OSError(errno.EIO, "VTK could not write it; is the disk full?")
+        raise OSError(errno.EIO, "VTK could not write it; check the disk space")
 
 
 def _write_collection(path: Path, files: Mapping[float, str]) -> None:

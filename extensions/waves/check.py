@@ -67,12 +67,12 @@ def wave_rows(waves: Mapping[str, Any] | None) -> Rows:
     if waves is None:
         return
     bounds = ", ".join(f"{_KILO * low:.4g} to {_KILO * high:.4g}" for low, high in waves["gaps_Hz"])
-    but = f", but for gaps: {bounds} kHz" if bounds else ""
+    but = f", except for gaps: {bounds} kHz" if bounds else ""
     yield "small waves", f"up to {_KILO * waves['highest_Hz']:.4g} kHz{but}"
     if waves["speed_m_s"] is not None:
-        long = f"long ones {waves['speed_m_s']:.4g} m/s"
+        long = f"long waves {waves['speed_m_s']:.4g} m/s"
         way = f"from end to end ({waves['length_m']:.3g} m)"
         yield "", f"{long}: {way} in {waves['travel_time_s']:.3g} s"
     for load in waves["load"]:
         fate = "passes" if load["passes"] else "is stopped"
-        yield "load's frequency", f"{_KILO * load['frequency_Hz']:.4g} kHz {fate}"
+        yield "load frequency", f"{_KILO * load['frequency_Hz']:.4g} kHz {fate}"

@@ -6,7 +6,13 @@ import argparse
 import re
 from typing import TYPE_CHECKING
 
-from granwave.extensions.waves.spectra.defaults import MOST_BANDS, MOST_MODES, POINTS
+from granwave.extensions.waves.spectra.defaults import (
+    LARGE,
+    MOST_BANDS,
+    MOST_MODES,
+    POINTS,
+    POINTS_OF_LARGE,
+)
 from granwave.lammps_inputs.files import read_number, read_whole
 from granwave.workflows.cli import arguments as read
 from granwave.workflows.cli.commands import (
@@ -63,15 +69,15 @@ def frequencies(text: str) -> NDArray[numpy.float64]:
 
 
 _GROUP = "small waves"
-_ALLOW_FLOPPY = flag("--allow-floppy", "go on where grains can move without resistance")
+_ALLOW_FLOPPY = flag("--allow-floppy", "continue even if grains can move without resistance")
 _OF_ALL = (
     option(
         "--directions",
         default="",
         metavar="XYZ",
-        help="directions in which grains move (default: those of the packing, z for a chain)",
+        help="directions in which grains move (default: the directions of the packing, z for a chain)",
     ),
-    directory("where everything goes (default: ./NAME-...)"),
+    directory("directory of the results (default: ./NAME-...)"),
     NO_FIGURES,
     as_json("the summary"),
     FORCE,
@@ -80,7 +86,8 @@ COMMANDS = (
     Command(
         "bands",
         _GROUP,
-        "bands of an endless packing under a static load: gaps, speeds, modes",
+        "compute the bands of an infinite periodic packing under a static load: gaps, speeds, "
+        "modes",
         "granwave.extensions.waves.terminal:bands",
         (
             SOURCE,
@@ -95,16 +102,17 @@ COMMANDS = (
             option(
                 "--points",
                 type=read.positive,
-                default=POINTS,
                 metavar="N",
-                help=f"wave vectors a stretch (default: {POINTS})",
+                help=f"wave vectors per stretch (default: {POINTS}; {POINTS_OF_LARGE} for a cell with "
+                f"more than {LARGE} degrees of freedom)",
             ),
             option(
                 "--bands",
                 dest="n_bands",
                 type=read.positive,
                 metavar="N",
-                help=f"how many bands (default: all of a small cell, {MOST_BANDS} of a large one)",
+                help=f"number of bands (default: all for a small cell, {MOST_BANDS} for a large "
+                "cell)",
             ),
             option(
                 "--plane",
@@ -114,8 +122,8 @@ COMMANDS = (
             ),
             flag(
                 "--slab",
-                "the packing as it ends above and below, with its wall or held layer; sides "
-                "periodic: surface waves",
+                "surface waves: keep the ends of the packing above and below, with its wall or "
+                "fixed layer, and periodic sides",
             ),
             _ALLOW_FLOPPY,
             *_OF_ALL,
@@ -125,7 +133,7 @@ COMMANDS = (
     Command(
         "modes",
         _GROUP,
-        "modes of a finite packing under a static load, density of states",
+        "compute the modes of a finite packing under a static load, and the density of states",
         "granwave.extensions.waves.terminal:modes",
         (
             SOURCE,
@@ -135,8 +143,8 @@ COMMANDS = (
                 dest="n_modes",
                 type=read.positive,
                 metavar="N",
-                help=f"how many modes (default: all of a small packing, {MOST_MODES} of a "
-                "large one)",
+                help=f"number of modes (default: all for a small packing, {MOST_MODES} for a "
+                "large packing)",
             ),
             _ALLOW_FLOPPY,
             *_OF_ALL,
@@ -145,7 +153,7 @@ COMMANDS = (
     Command(
         "transmission",
         _GROUP,
-        "steady response of a finite packing to a grain that is shaken",
+        "compute the steady response of a finite packing to a driven grain",
         "granwave.extensions.waves.terminal:transmission",
         (
             SOURCE,
@@ -155,8 +163,8 @@ COMMANDS = (
                 type=ids,
                 required=True,
                 metavar="ID",
-                help="grain that is shaken, or several, with commas, that are shaken alike; "
-                "required",
+                help="id of the driven grain, or several ids separated by commas for grains "
+                "driven in phase; required",
             ),
             option(
                 "--sensor",
@@ -164,7 +172,7 @@ COMMANDS = (
                 type=ids,
                 required=True,
                 metavar="ID,...",
-                help="grains that are watched",
+                help="ids of the sensor grains",
             ),
             option(
                 "--frequencies",
@@ -183,8 +191,8 @@ COMMANDS = (
                 "--end",
                 default="",
                 metavar="END",
-                help="far end: reflecting, matched (as if it went on) or layer:N, "
-                "N grains damped (default: reflecting)",
+                help="far end: reflecting, matched (non-reflecting) or layer:N, with N damped "
+                "grains (default: reflecting)",
             ),
             *_OF_ALL,
         ),

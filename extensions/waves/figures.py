@@ -195,7 +195,13 @@ def mode_shapes(found: BandStructure) -> Drawing | None:
     place = np.arange(len(names))
     for number, axes in enumerate(stack):
         axes.bar(place - 0.2, shape[:, number].real, 0.4, color=BLUE, label="in phase")
-        axes.bar(place + 0.2, shape[:, number].imag, 0.4, color=GREY, label="quarter period off")
+        axes.bar(
+            place + 0.2,
+            shape[:, number].imag,
+            0.4,
+            color=GREY,
+            label="a quarter period out of phase",
+        )
         frequency = bands.frequency[row, number]
         axes.set(ylim=(-1.15, 1.15), yticks=(-1, 0, 1), title=f"{_KILO * frequency:.4g} kHz")
         axes.axhline(0, color="black", lw=0.4)
@@ -243,9 +249,7 @@ def transmission_curve(found: Transmission, gaps: tuple[Gap, ...] = ()) -> Drawi
     """Draw the ratios of amplitudes against frequency, with gaps of the bands shaded where they are
     known.
     """
-    figure, axes = one_panel(
-        2.4, "Frequency (kHz)", "Amplitude over that of the drive", yscale="log"
-    )
+    figure, axes = one_panel(2.4, "Frequency (kHz)", "Amplitude / drive amplitude", yscale="log")
     for gap in gaps:
         high = min(gap.high, float(found.frequency[-1]))
         if high > gap.low:

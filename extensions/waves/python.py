@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis.notebook.run import Run
-from granwave.extensions.waves.spectra.defaults import POINTS
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.python.inputs import CaseLike, home, read_case, words_of_python
 from granwave.workflows.solvers import GRANULAR
@@ -25,7 +24,7 @@ def bands(
     /,
     *,
     path: str | ArrayLike = "",
-    points: int = POINTS,
+    points: int | None = None,
     n_bands: int | None = None,
     directions: str = "",
     plane: str = "",
@@ -45,7 +44,8 @@ def bands(
         Names of points, ``"G-X-M-G"``, or wave vectors, (n, 3), rad/m; by default the standard path
         of the cell.
     points
-        Wave vectors of each stretch.
+        Wave vectors of each stretch; by default 61, or 16 of a cell with more than 150 degrees of
+        freedom.
     n_bands
         How many bands; by default all of a small cell, 30 of a large one.
     directions

@@ -51,15 +51,15 @@ _TITLES = {BANDS: "Bands", MODES: "Modes", TRANSMISSION: "Transmission"}
 _OF_A_LOAD = ("load.", "striker")  # keys of the case that play no part
 _SENTENCES = {  # those whose values are all there are shown
     BANDS: (
-        "No wave passes at {widest_gap_Hz}, the widest gap ({widest_gap_relative} of its middle).",
-        "Nothing passes below {lowest_edge_Hz}.",
-        "Nothing passes above {highest_edge_Hz}.",
-        "Long waves run at {speeds_m_s}.",
+        "No wave passes at {widest_gap_Hz}, the widest gap ({widest_gap_relative} of its centre).",
+        "No wave passes below {lowest_edge_Hz}.",
+        "No wave passes above {highest_edge_Hz}.",
+        "The speed of long waves is {speeds_m_s}.",
     ),
     MODES: (
         "{n_modes} modes from {lowest_frequency_Hz} on.",
         "The highest frequency is {highest_frequency_Hz}.",
-        "The least participation ratio is {least_participation_ratio}.",
+        "The smallest participation ratio is {least_participation_ratio}.",
     ),
 }
 _NO_GAP = "There is no gap between the bands."
@@ -72,24 +72,24 @@ _FIGURES = {
 _CAPTIONS = {
     "bands": "Band diagram: frequency against wave vector",
     "group_velocity": "Group velocity against frequency",
-    "slowness": "Slowness of long waves over the directions of a plane",
-    "equal_frequency": "Lines of equal frequency over a plane of wave vectors",
+    "slowness": "Slowness of long waves against direction in a plane",
+    "equal_frequency": "Lines of equal frequency in a plane of wave vectors",
     "mode_shapes": "Displacements of the modes at the last corner of the first stretch",
     "density_of_states": "Density of states",
     "participation": "Participation ratio against frequency",
 }
 _LOOKS = {
-    "bands": "No wave passes in a grey stretch, a gap; the slope at the origin is the speed of "
-    "long waves. On the right, where it is known, the attenuation from plane to plane.",
-    "group_velocity": "So fast energy travels at each frequency; near zero, at the edges of bands, "
-    "it stays.",
-    "slowness": "The farther out, the slower the wave in that direction; a circle is one speed in "
-    "all directions.",
-    "equal_frequency": "Energy goes across the lines: where they are straight, a wave does not "
-    "spread.",
-    "mode_shapes": "Bars are the grains of one cell: those without a bar stand still.",
-    "density_of_states": "Empty stretches are gaps.",
-    "participation": "Near 1 all grains move alike; low values are modes of few grains.",
+    "bands": "Grey stretches are gaps, in which no wave passes; the slope at the origin is the "
+    "speed of long waves. Right: attenuation from plane to plane, where it is known.",
+    "group_velocity": "Speed of energy transport at each frequency; it vanishes at band edges.",
+    "slowness": "A larger radius means a slower wave in this direction; a circle is an isotropic "
+    "speed.",
+    "equal_frequency": "Energy travels perpendicular to the lines: where they are straight, a "
+    "wave does not spread.",
+    "mode_shapes": "Bars are the grains of one cell; grains without a bar are at rest.",
+    "density_of_states": "Empty intervals are gaps.",
+    "participation": "Near 1 all grains have similar amplitudes; low values are modes of few "
+    "grains.",
 }
 _TABLES = {BANDS: OF_BANDS, MODES: OF_MODES, TRANSMISSION: OF_TRANSMISSION}
 
@@ -128,7 +128,7 @@ class SpectraKind(ReportKind):
         values = read_json(path / f"{name}.json")
         if values is None:
             raise InputError(
-                f"{path / f'{name}.json'}: cannot be read; make it anew with  "
+                f"{path / f'{name}.json'}: cannot be read; recreate it with  "
                 f"granwave {name} CASE -o {path} --force"
             )
         summary = {**values, "kind": name, "versions": versions}

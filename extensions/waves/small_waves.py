@@ -20,7 +20,6 @@ from granwave.extensions.waves.files import SPECTRA, SPECTRA_FILE
 from granwave.extensions.waves.spectra import files
 from granwave.extensions.waves.spectra.band_structure import band_structure
 from granwave.extensions.waves.spectra.bands import ALL_UP_TO, growing, solve_modes
-from granwave.extensions.waves.spectra.defaults import POINTS
 from granwave.extensions.waves.spectra.files import Table, case_in, write_spectra
 from granwave.extensions.waves.spectra.states import State, packing_state
 from granwave.extensions.waves.spectra.stiffness import stiffness_of
@@ -156,7 +155,7 @@ def bands(
     directory: Path | None,
     path: str = "",
     *,
-    points: int = POINTS,
+    points: int | None = None,
     n_bands: int | None = None,
     directions: str = "",
     plane: str = "",
@@ -226,8 +225,9 @@ def modes(
     found = solve_modes(stiffness_of(state.network), n_modes)
     if found.n_floppy and not allow_floppy:
         raise InputError(
-            f"{state.name}: the static state is not rigid: {found.describe_floppy()}; friction, a load from all "
-            "sides, --directions or [[hold]] makes it so, and --allow-floppy goes on"
+            f"{state.name}: the static state is not rigid: {found.describe_floppy()}; add "
+            "friction, a load from all sides, --directions or [[hold]], or continue with "
+            "--allow-floppy"
         )
     frequency = found.frequency
     above = found.frequency[found.frequency > 0]
@@ -305,8 +305,8 @@ def steady(
         modes.square, modes.largest
     ):  # a steady motion about such a state does not last
         _LOG.warning(
-            "%s: the static state is not rigid%s; the steady motion is that of a state which does not last; "
-            "granwave modes names them",
+            "%s: the static state is not rigid%s; this static state and the steady motion are "
+            "unstable; granwave modes lists these modes",
             state.name,
             words.replace(", and ", ": ", 1).replace(
                 " of them", " modes" if small else " modes or more"

@@ -21,24 +21,20 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.figures.series import panels
-from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.hertz_lattices import line_of
-from granwave.analysis.measures.line_waves import (
-    SpaceTime,
-    space_time_transform,
-    speed_along_layers,
-    velocities_along,
-)
+from granwave.analysis.measures.line_waves import SpaceTime, speed_along_layers
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import Picture, Row
-from granwave.extensions.waves.spectra.band_structure import (
-    BandStructure,
-    band_structure,
-    long_wave_speeds,
+from granwave.extensions.waves.dispersion import (
+    STRONGEST,
+    has_bands,
+    structure_along,
+    transform_along,
+    transform_drawing,
 )
+from granwave.extensions.waves.spectra.band_structure import BandStructure, long_wave_speeds
 from granwave.extensions.waves.spectra.states import cell_state
 from granwave.extensions.waves.spectra.stiffness import Stiffness, stiffness_of
 from granwave.lammps_inputs.case.case import Case
@@ -54,11 +50,8 @@ TEXT = (
     "Bands from the springs of the static state (dynamical matrix), beside closed forms; and the places of the ridges "
     "of the space-time transform of the velocities of each run. Wave numbers and speeds over places before the load."
 )
-_POINTS = 101
-_FREQUENCIES = 601
 _SHARES = (0.3, 0.5, 0.7)  # of the zone, where ridges are read
 _SMALL = 0.1  # of omega alpha0: hits up to which contacts stay linear
-_STRONGEST = 0.05  # of the largest amplitude, for a ridge
 _LAYERS = 12  # of a repeated piece: a multiple of 2 and of 3
 _WIDTH = 0.05  # of the frequency: modes around the largest share
 _SCATTER = 1e-6  # m
@@ -71,21 +64,13 @@ class Wave(FinishedRun):
     @cached_property
     def structure(self) -> BandStructure:
         """Bands along the line; with scattered diameters those of like spheres."""
-        spacing = 1.0 if self.along_x else self.rule.layer_spacing
-        edge = math.pi / (spacing * self.case.packing.diameter)
-        path = f"0,0,0; {edge!r},0,0" if self.along_x else f"0,0,0; 0,0,{edge!r}"
         packing = without_scatter(self.case) if self.scattered else self.assembly
-        return band_structure(packing, path, points=_POINTS, allow_floppy=True)
+        return structure_along(self.case, packing)
 
     @property
     def rule(self) -> PackingKind:
         """Properties of the kind of packing."""
         return self.case.packing.rule
-
-    @property
-    def along_x(self) -> bool:
-        """True if the line is along x, in a packing of one layer."""
-        return "z" not in self.rule.axes
 
     @property
     def scattered(self) -> bool:
@@ -96,10 +81,7 @@ class Wave(FinishedRun):
     def transform(self) -> SpaceTime:
         """Transform of its velocities, over the zone of its line."""
         with Result(self.directory) as result:
-            time, place, velocity = velocities_along(result, 0 if self.along_x else 2)
-        top = 1.2 * float(np.nanmax(self.structure.bands.frequency))
-        k = np.linspace(0.02, 1, 99) * math.pi / float(np.diff(place).mean())
-        return space_time_transform(time, place, velocity, k, np.linspace(0, top, _FREQUENCIES))
+            return transform_along(result, self.structure)
 
     @property
     def label_of_kind(self) -> str:
@@ -142,23 +124,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
 
 
 def _fits(run: FinishedRun) -> bool:
-    case = run.case
-    if (
-        case.precompression is None
-        or not case.load.gives_velocity
-        or case.packing.grains is not None
-    ):
-        return False
-    flat = case.packing.rule.is_layer
-    layered = not flat and not case.packing.rule.is_chain
-    rule = case.precompression.rule
-    fits = rule.on_top
-    if flat:
-        fits = rule.on_all_faces and run.assembly.plain
-    if not fits:
-        return False
-    unlike = case.packing.vacancies or case.replace or case.striker
-    if layered and (not case.boundary.periodic or unlike):
+    if not run.case.load.gives_velocity or not has_bands(run.case, run.assembly):
         return False
     try:
         return run.seen_as(Wave).structure is not None
@@ -182,7 +148,7 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
                 "",
                 float(structure.speeds[-1]),
             )
-        ridge = run.transform.ridge(_STRONGEST)
+        ridge = run.transform.ridge(STRONGEST)
         for share in _SHARES:
             at = int(np.argmin(np.abs(run.transform.k - share * run.transform.k[-1])))
             if np.isfinite(ridge[at]):
@@ -245,37 +211,13 @@ def _speed(run: Wave) -> float:
 def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
     """Transforms with the bands over them, a panel for each run."""
     for number, run in enumerate(runs, start=1):
-        figure, axes = panels(2.6)
-        found = run.transform
-        bands = run.structure.bands
-        scale = found.k[-1] / np.pi
-        level = np.maximum(20 * np.log10(np.maximum(found.amplitude, 1e-6)), -60)
-        image = axes.pcolormesh(
-            found.k / scale / np.pi,
-            1e-3 * found.frequency,
-            level,
-            cmap="Greys",
-            rasterized=True,
-            shading="nearest",
-        )
-        figure.colorbar(image, ax=axes, label="Amplitude (dB)")
-        columns: dict[str, Array] = {"k_rad_per_m": found.k, "ridge_Hz": found.ridge(_STRONGEST)}
-        columns["band_k_rad_per_m"] = bands.path.distance
-        for n, one in enumerate(bands.frequency.T, start=1):
-            axes.plot(
-                bands.path.distance / scale / np.pi, 1e-3 * one, color="#D55E00", lw=0.8, ls="--"
-            )
-            columns[f"band{n}_Hz"] = one
-        axes.set(
-            xlabel="Wave number (π/spacing)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None)
-        )
-        axes.set_title(run.label_of_kind)
+        drawing = transform_drawing(run.transform, run.structure, run.label_of_kind)
         name = f"_transform_{number}"
         caption = (
             "Space-time transform of the layers' motion, dark where a wave has that frequency and wave number, and "
             f"computed bands (dashed), {run.label_of_kind}. Dark ridges on dashed lines confirm the bands"
         )
-        yield Picture(name, caption, Drawing(figure, columns))
+        yield Picture(name, caption, drawing)
 
 
 def without_scatter(case: Case) -> Assembly:

@@ -39,8 +39,8 @@ def bands(options: argparse.Namespace) -> int:
     for gap in found.gaps:
         if gap.below and np.isfinite(gap.high):
             lines.append(
-                f"gap above band {gap.below:<8} {_KILO * gap.low:.5g} to {_KILO * gap.high:.5g} kHz "
-                f"({100 * gap.relative_width:.3g} % of its middle)"
+                f"gap above band {gap.below:<8} {_KILO * gap.low:.5g} to {_KILO * gap.high:.5g} "
+                f"kHz ({100 * gap.relative_width:.3g} % of its centre)"
             )
     return _print(options, waves, written, lines)
 
@@ -83,7 +83,7 @@ def _print(
     if len(ids := waves.state.network.left_out):
         some = ", ".join(map(str, ids[:5])) + (", ..." if len(ids) > 5 else "")
         warn(
-            f"{waves.state.name}: {len(ids)} grains bear no static load ({some}); they are left out"
+            f"{waves.state.name}: {len(ids)} grains carry no static load ({some}) and are excluded"
         )
     if options.json:
         print_json(waves.summary)
@@ -107,7 +107,8 @@ def _source(options: argparse.Namespace, name: str) -> Assembly | Path:
         source = library.load_assembly(options.case, options.overrides)
     elif options.overrides:
         raise InputError(
-            f"--set: found {options.overrides[0]} for the run {path}, which is done; give a case to change keys"
+            f"--set: found {options.overrides[0]} for the run {path}, which is finished; use a "
+            "case to change keys"
         )
     own = path.resolve().name if source is None else source.case.name
     options.directory = options.directory or Path(f"{own}-{name}")

@@ -4,7 +4,7 @@ file.
     at = [[0, 0, 0.01], ...]                     places, m
     at = "octahedral"                            all holes of an fcc or hcp packing between six spheres, or between
                                                  four ("tetrahedral")
-    ring = {n = 6, radius = 0.01, z = 0.005}     n places around the axis x = y = 0; angle: of the first
+    ring = {n = 6, radius = 0.01, z = 0.005}     n positions around the axis x = y = 0; angle: of the first
     ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a chain: 3 and 4
     repeat = {times = 10, step = [0, 0, 0.015]}  these places again and again, each time moved on by a step
 
@@ -45,7 +45,10 @@ from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, Lattice, lattice_kinds
 
 _POINT = "[x, y, z] in m"
-_PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the holes of fcc and hcp'
+_PLACES = (
+    f'positions, {_POINT} each, or "octahedral" or "tetrahedral" for the interstitial sites of '
+    "fcc and hcp"
+)
 _HOLES = {
     "octahedral": (1 / math.sqrt(2), 6),
     "tetrahedral": (math.sqrt(3 / 8), 4),
@@ -54,8 +57,10 @@ _HOLES_OF_SPHERE = 2  # tetrahedral ones; octahedral: 1
 _NEAR = 1e-6  # diameters
 _UP = np.array([0.0, 0.0, 1.0])
 _RING = (
-    "{n = 6, radius = 0.01, z = 0.005}, and perhaps angle = 30 (degrees from x); in place of z there may be gap = 3, "
-    '[3, 5] or "all" (after which spheres of a chain), and then the radius may be "touching"'
+    "{n = 6, radius = 0.01, z = 0.005}, with angle = 30 (degrees from x) if needed; z may be "
+    "replaced by gap = 3, "
+    '[3, 5] or "all" (the spheres of a chain before each gap), in which case the radius may '
+    'be "touching"'
 )
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
 # bytes a grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
@@ -72,21 +77,21 @@ _RADIUS = schema.or_word(_TOUCHING, schema.NumberType(above=0, unit="m"), finish
 class Ring:
     """Places around the axis x = y = 0."""
 
-    n: int = schema.count("number of places")
+    n: int = schema.count("number of positions")
     radius: float | None = schema.typed(
-        'radius of the ring; "touching": where grains touch both spheres of a gap of a chain',
+        'radius of the ring; "touching": the grains touch both spheres next to a gap of a chain',
         _RADIUS,
         unit="m",
     )
     z: float | None = schema.number("height of the ring", "m", default=None)
     gap: tuple[int, ...] | None = schema.typed(
-        'gaps of a chain, by the spheres before them; "all": every gap',
+        'gaps of a chain, numbered by the sphere before each gap; "all": every gap',
         schema.or_word(
             _ALL_GAPS, INDEX, form=f'{INDEX_FORM}; or "{_ALL_GAPS}"', finish=lambda _: ()
         ),
         default=None,
     )
-    angle: float = schema.number("angle of the first place from x", "degrees", default=0.0)
+    angle: float = schema.number("angle of the first position from x", "degrees", default=0.0)
 
     def checked(self) -> Ring:
         """Return the ring; raise `ValidationError` unless it has a height or gaps."""
@@ -102,9 +107,9 @@ class Ring:
 class Repeat:
     """Copies of places, each a step on."""
 
-    times: int = schema.count("number of copies, the first places among them")
+    times: int = schema.count("number of copies, including the first positions")
     step: tuple[float, float, float] = schema.typed(
-        "step from one copy to the next", schema.vector_type(3, _POINT), unit="m"
+        "displacement from one copy to the next", schema.vector_type(3, _POINT), unit="m"
     )
 
 
@@ -122,15 +127,15 @@ class AddedGrains:
     """``[[grains]]``: grains of one size and material at places given by a formula."""
 
     at: str | tuple[tuple[float, float, float], ...] | None = schema.typed(
-        "places, or the holes of an fcc or hcp packing", _AT, unit="m", default=None
+        "positions, or the interstitial sites of an fcc or hcp packing", _AT, unit="m", default=None
     )
     ring: Ring | None = schema.typed(
-        "places around the axis x = y = 0",
+        "positions around the axis x = y = 0",
         schema.TableType(section=Ring, expected=_RING, finish=Ring.checked),
         default=None,
     )
     repeat: Repeat | None = schema.typed(
-        "copies of these places, each a step on",
+        "copies of these positions, each displaced by one more step",
         schema.TableType(section=Repeat, expected=_REPEAT),
         default=None,
     )
@@ -143,8 +148,8 @@ class AddedGrains:
         "name of their group, for [[hold]]", schema.LABEL, default=None
     )
     clump: int | None = schema.typed(
-        "number of the clump of these grains: all grains of one number move as one rigid body; "
-        "with repeat that of the first places, and each copy has the next number",
+        "number of the clump of these grains: all grains with the same number move as one rigid "
+        "body; with repeat, the number of the first positions, increased by one for each copy",
         schema.CountType(form="a whole number from 1 up"),
         default=None,
     )
@@ -157,7 +162,7 @@ class AddedGrains:
         return self.clump + np.repeat(np.arange(times, dtype=np.int64), n // times)
 
     def most_places(self, n_own: int) -> int:
-        """Return an upper bound on the number of places, next to so many grains."""
+        """Return an upper bound on the number of positions, next to so many grains."""
         if isinstance(self.at, str):
             found = _HOLES_OF_SPHERE * n_own
         elif self.ring is not None:
@@ -217,7 +222,7 @@ class AddedGrains:
             slack = _NEAR * self.diameter
             if max(abs(x1), abs(y1), abs(x2), abs(y2)) > slack or z2 <= z1:
                 raise ValueError(
-                    f"found gap {first} between spheres that do not follow each other along x = y = 0"
+                    f"found gap {first} between spheres that are not consecutive along x = y = 0"
                 )
             if self.ring.radius is not None:
                 found.append((self.ring.radius, (z1 + z2) / 2))
@@ -356,13 +361,13 @@ def _check_added(packing: PackingSection, added: Sequence[AddedGrains], errors: 
                 holes_of and not packing.rule.is_close_packed,
                 f"{key}.at",
                 Mismatch(
-                    f"{holes_of} with packing.kind = {show(packing.kind)}", f"{holed}, or places"
+                    f"{holes_of} with packing.kind = {show(packing.kind)}", f"{holed}, or positions"
                 ),
             ),
             (
                 holes_of and entry.repeat,
                 f"{key}.repeat",
-                Mismatch(f"beside at = {holes_of}, which are all such holes"),
+                Mismatch(f"together with at = {holes_of}, which already selects all such sites"),
             ),
         )
         check_shape(entry, key, errors)
@@ -380,8 +385,8 @@ def _check_added(packing: PackingSection, added: Sequence[AddedGrains], errors: 
             Mismatch(f"a gap after sphere {max(beyond, default=0)}", f"after one from 1 to {last}"),
         ),
     )
-    no_lattice = "beside [[grains]], whose packing is no lattice"
-    beside = Mismatch(no_lattice, remedy="take one of them out")
+    no_lattice = "together with [[grains]], whose packing is not a lattice"
+    beside = Mismatch(no_lattice, remedy="remove one of them")
     errors.check(*((getattr(packing, name), f"packing.{name}", beside) for name in _OF_SITES))
 
 
@@ -390,10 +395,10 @@ def _check_memory(entry: AddedGrains, n_own: int, key: str, errors: ErrorList) -
     n = entry.most_places(n_own)
     needed = n * _MEMORY_OF_GRAIN
     available = available_memory()
-    found = f"up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
-    room = f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB"
+    found = f"up to {n} positions{'' if entry.repeat is None else ' with grains.repeat'}"
+    room = f"{needed / 2**30:.1f} GiB of memory; available: {available / 2**30:.1f} GiB"
     what = "at" if entry.ring is None else "ring"
-    fault = Mismatch(f"{found}, which need more than {room}", "fewer")
+    fault = Mismatch(f"{found}, which require more than {room}", "fewer")
     return errors.check_first((needed > available, f"{key}.{what}", fault))
 
 
@@ -412,7 +417,7 @@ def _places_of(
         errors.add(f"{key}.ring", str(error))
         return None
     if not len(places):
-        hole = f"no {entry.at} hole in a packing of {show(packing.size)} spheres"
+        hole = f"no {entry.at} site in a packing of {show(packing.size)} spheres"
         errors.add(f"{key}.at", Mismatch(hole))
     return places
 
@@ -434,6 +439,7 @@ def _joined(parts: Sequence[Grains]) -> Grains:
         lines=own.lines,
         added_from=np.cumsum([1, *map(len, parts)]).tolist()[1:-1],
         clump=np.concatenate([part.clump for part in parts]),
+        spin=np.concatenate([part.spin for part in parts]),
     )
 
 

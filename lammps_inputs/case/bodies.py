@@ -40,9 +40,7 @@ _ALONG_Y = (0.0, 1.0, 0.0)
 ALL_GRAINS = "all"  # of a line
 
 
-_DIRECTIONS_FORM = (
-    'some of the letters x, y and z, such as "xy"; or "none" to block rotations alone'
-)
+_DIRECTIONS_FORM = 'some of the letters x, y and z, such as "xy"; or "none" to block only rotations'
 _FREE_FORM = 'one or two of the letters x, y and z, such as "z"'
 
 
@@ -85,7 +83,7 @@ class Replace:
         "opposite corner", schema.vector_type(3, _POINT_FORM), unit="m", default=None
     )
     share: float | None = schema.number(
-        "share of the spheres, chosen at random", above=0, at_most=1, default=None
+        "fraction of the spheres, chosen at random", above=0, at_most=1, default=None
     )
     diameter: float | None = schema.number(
         "diameter of these spheres", DIAMETER, above=0, default=None
@@ -100,20 +98,27 @@ class Striker:
     """
 
     touches: tuple[int, ...] = schema.typed(
-        'ids of the spheres that it touches; "centre": the one at the centre of the top, as an impact takes',
+        'ids of the spheres that it touches; "centre": the sphere at the centre of the top, as for an '
+        "impact; in a disordered packing, the most central grain on which the striker can rest "
+        "without touching another grain",
         _TOUCHED,
     )
     velocity: tuple[float, float, float] = schema.vector("velocity of the striker", VELOCITY)
     spin: tuple[float, float, float] = schema.vector("angular velocity of the striker", SPIN)
     diameter: float | None = schema.number(
-        "diameter of the striker; that of the packing by default", DIAMETER, above=0, default=None
+        "diameter of the striker; default: the diameter of the packing",
+        DIAMETER,
+        above=0,
+        default=None,
     )
     offset: tuple[float, float, float] = schema.vector(
-        "shift of the striker across its way; it is then brought up along its way until it touches the first sphere",
+        "offset of the striker perpendicular to its direction of motion; the striker is then "
+        "moved along its direction until it touches the first sphere",
         _OFFSET,
     )
     misalignment: tuple[float, float, float] = schema.typed(
-        "largest random shift along x, y, z on top of the offset, evenly spread to both sides; drawn by packing.seed",
+        "largest random displacement along x, y, z in addition to the offset, uniformly "
+        "distributed in both directions; drawn with packing.seed",
         schema.vector_type(
             3,
             _POINT_FORM,
@@ -124,7 +129,8 @@ class Striker:
         default=(0.0, 0.0, 0.0),
     )
     walls: bool | None = schema.choice(
-        "true: the planes at the bottom and the sides hold the striker too; it passes them by default",
+        "true: the planes at the bottom and the sides also act on the striker; by default it "
+        "passes through them",
         (True, False),
         default=None,
     )
@@ -133,7 +139,8 @@ class Striker:
     )
     length: float | None = length_field()
     axis: Vector | None = schema.typed(
-        "direction of the axis of a cylinder; by default that of cylinders of the packing, or y",
+        "direction of the axis of a cylinder; default: the axis of the cylinders of the "
+        "packing, or y",
         AXIS,
         default=None,
     )
@@ -173,9 +180,11 @@ class Hold:
         "the grains of this group of packing.file", schema.LABEL, default=None
     )
     directions: str = schema.typed(
-        "directions in which they do not move, of x, y and z", _DIRECTIONS, default="xyz"
+        "directions in which the grains do not move, from x, y and z", _DIRECTIONS, default="xyz"
     )
-    rotation: bool = schema.choice("true: they do not turn either", (True, False), default=True)
+    rotation: bool = schema.choice(
+        "true: the grains do not rotate either", (True, False), default=True
+    )
 
     @property
     def axes(self) -> str:
@@ -186,7 +195,7 @@ class Hold:
 def _line_name(value: str) -> str:
     name = schema.plain_name(value)
     plain = all(one.isascii() and (one.isalnum() or one in "_-") for one in name)
-    schema.refuse_if(not plain, "a name of letters, digits, _ and -")
+    schema.refuse_if(not plain, "a name that contains only letters, digits, _ and -")
     return name
 
 
@@ -201,27 +210,28 @@ class Line:
 
     name: str = schema.typed("name of the line", _LINE_NAME)
     start: int | None = schema.typed(
-        "id of the grain that it starts from; the struck one by default",
+        "id of the first grain; default: the impacted sphere",
         schema.CountType(form="an id from 1 up"),
         default=None,
     )
     direction: tuple[float, float, float] = schema.typed(
-        "direction in which it goes; grains up to a quarter of a diameter beside it belong to it",
+        "direction of the line; it includes grains up to a quarter of a diameter from it",
         schema.vector_type(
             3,
-            "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down",
+            "[x, y, z], a vector of any nonzero length, such as [0, 0, 1] for straight down",
             lambda *way: any(way),
         ),
         default=(0.0, 0.0, 1.0),
     )
     index: tuple[int, ...] | str | None = schema.typed(
-        'ids of its grains in their order, in place of start and direction; "all": every grain of the packing',
+        'ids of its grains in order, instead of start and direction; "all": every grain of '
+        "the packing",
         schema.or_word(ALL_GRAINS, INDEX, form=f'{INDEX_FORM}; or "{ALL_GRAINS}"'),
         default=None,
     )
     leave_out: int | str = schema.typed(
-        "grains at its end that the fit of the decay leaves out; auto: those within three diameters of a floor that "
-        "does not move",
+        "grains at its end that are excluded from the fit of the decay; auto: grains within three "
+        "diameters of a floor that does not move",
         schema.or_word(
             "auto", schema.CountType(at_least=0), form='a whole number from 0 up, or "auto"'
         ),
@@ -241,8 +251,8 @@ class Guide:
     group: str | None = schema.typed(
         "the grains of this group of packing.file or [[grains]]", schema.LABEL, default=None
     )
-    free: str = schema.typed("directions in which they may move, of x, y and z", _FREE)
-    rotation: bool = schema.choice("false: they do not turn", (False, True), default=True)
+    free: str = schema.typed("directions in which the grains may move, from x, y and z", _FREE)
+    rotation: bool = schema.choice("false: the grains do not rotate", (False, True), default=True)
 
     def hold(self, n_grains: int) -> Hold:
         """Return what it holds, among so many grains."""
@@ -285,18 +295,20 @@ class Absorb:
 
     index: tuple[int, ...] | None = schema.typed("which spheres", INDEX, default=None)
     layers: int | None = schema.count(
-        "the last layers of the packing; of a chain its last spheres", default=None
+        "number of last layers of the packing; for a chain, number of last spheres", default=None
     )
     rate: float | None = schema.number(
         "largest damping rate: the force is mass x rate x velocity", _RATE, above=0, default=None
     )
     towards: str = schema.choice(
-        'direction in which the rate rises, as the square of the depth, from zero; "none": the same everywhere',
+        'direction in which the rate rises from zero, as the square of the depth; "none": a '
+        "uniform rate",
         _TOWARDS,
         default="+z",
     )
     impedance: float | str | None = schema.typed(
-        "force along z over the velocity of each sphere; matched: that of long waves under the precompression",
+        "force along z divided by velocity, for each sphere; matched: the impedance for long "
+        "waves under the precompression",
         schema.or_word(
             MATCHED, schema.NumberType(above=0), form=f'a number above 0, or "{MATCHED}"'
         ),

@@ -167,7 +167,7 @@ class Plate(Support):
         "stiffness of the spring between plate and ground", "N/m", above=0
     )
     damping: float = schema.number(
-        "constant of the damper beside the spring", "N s/m", at_least=0, default=0.0
+        "constant of the damper parallel to the spring", "N s/m", at_least=0, default=0.0
     )
 
     def backing(self, material: Material | None, footprint: float) -> Backing:
@@ -190,7 +190,7 @@ class Damper(Support):
     kind = "damper"
     absorbs = True
     damping: float = schema.number(
-        "force on the ground, beyond the static one, over the velocity of the plate",
+        "dynamic force on the ground divided by the velocity of the plate",
         "N s/m",
         above=0,
     )
@@ -209,7 +209,7 @@ class HalfSpace(Support):
     kind = "half_space"
     needs_material = True
     radius: float | None = schema.number(
-        "radius of the disc that moves; that of the packing's footprint by default",
+        "radius of the disc that moves; default: the radius of the packing's footprint",
         hints.LENGTH,
         above=0,
         default=None,
@@ -248,7 +248,7 @@ class SupportBar(Support):
         "number of elements of equal length", at_most=10_000_000, default=200
     )
     end: str = schema.choice(
-        "far end: free, fixed, or going on without an echo",
+        "far end: free, fixed, or non-reflecting",
         ("free", "fixed", "infinite"),
         default="infinite",
     )
@@ -291,7 +291,7 @@ class Tube:
     """``[boundary.sides.tube]``: a tube around the axis x = y = 0 of the packing."""
 
     radius: float = schema.number(
-        "inner radius of the tube, before it shrinks", hints.DIAMETER, above=0
+        "inner radius of the tube before precompression", hints.DIAMETER, above=0
     )
 
 
@@ -326,20 +326,21 @@ class Boundary:
     """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
 
     bottom: str = schema.choice(
-        "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
+        "boundary below the last layer: a plane, the layer itself held in place, none, or "
+        "(for bands) periodic",
         tuple(BOTTOMS),
         default="wall",
         otherwise=schema.TablesType(
             expected="{material = ...} for a wall of a material; or {plate = ...}, {damper = ...}, "
-            "{half_space = ...} or {bar = ...} for one that moves: tables [boundary.bottom.plate] "
-            "and so on",
+            "{half_space = ...} or {bar = ...} for a support that moves: tables "
+            "[boundary.bottom.plate] etc.",
             inner={"material": MATERIAL} | _tables_of(SUPPORTS),
         ),
     )
     # of the bottom plane: bottom = {material = ...}; None: rigid
     bottom_material: Material | None = None
     sides: str = schema.choice(
-        "what is at the sides: nothing, planes, or the packing again",
+        "boundaries at the sides: none, planes, or periodic",
         tuple(SIDES),
         default="free",
         otherwise=schema.TablesType(
@@ -355,14 +356,15 @@ class Boundary:
         "the two planes across y, where they differ from sides", ("free", "wall"), default=None
     )
     side_gap: float | None = schema.number(
-        "gap between the side walls and the outermost spheres, none by default; negative: the walls press by as much "
-        "before the run, as [precompression] of walls does",
+        "gap between the side walls and the outermost spheres, 0 by default; negative: the walls "
+        "press the packing by this distance before the run, as with [precompression] of "
+        "kind walls",
         hints.DISPLACEMENT,
         default=None,
     )
     sides_touch: Touched | None = schema.typed(
-        "materials or groups of the grains that the side walls act on, and whose outermost ones the planes touch; left "
-        "out: all",
+        "materials or groups of the grains on which the side walls act; the planes touch the "
+        "outermost of these grains; default: all grains",
         schema.TableType(section=Touched, expected=_TOUCHED_FORM),
         default=None,
     )
@@ -373,14 +375,14 @@ class Boundary:
     # of all side planes: sides = {material = ...}; None: rigid
     sides_material: Material | None = None
     friction: float | None = schema.number(
-        "coefficient of Coulomb friction of the walls; that of the contacts by default", **_FRICTION
+        "coefficient of Coulomb friction of the walls; default: the contact friction", **_FRICTION
     )
     holder_friction: float | None = schema.number(
-        "coefficient of Coulomb friction between a level chain and its holder, which bears the weight of the beads",
+        "coefficient of Coulomb friction between a level chain and its guide, which supports the beads",
         **_FRICTION,
     )
     forget_gap: float = schema.number(
-        "gap beyond which a dent is forgotten, never sooner",
+        "gap beyond which the plastic indentation of a contact is forgotten",
         "diameters",
         above=0,
         at_most=2,
@@ -470,5 +472,5 @@ def _read_wall(
         elif isinstance(section, Support):
             found[f"{name}_support"] = section
         if "material" not in table and getattr(sections[one], "needs_material", False):
-            errors.add(f"{key}.material", f"missing; a {one} needs it")
+            errors.add(f"{key}.material", f"missing; a {one} requires it")
     return found

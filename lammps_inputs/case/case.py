@@ -43,6 +43,7 @@ from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Precompre
 from granwave.lammps_inputs.case.region_walls import RegionWall
 from granwave.lammps_inputs.case.run import (
     AUTO_FRAMES,
+    DIVISION_KEYS,
     FRAMES_OF_A_FILM,
     Figures,
     Output,
@@ -67,13 +68,11 @@ class CaseHead:
         schema.KeyInfo(
             description="name of the case, and of the directory of its results",
             type=schema.PLAIN_NAME,
-            default_form="that of the file",
+            default_form="the name of the file",
         ),
         default="",
     )
-    material: Material = schema.typed(
-        "material of all bodies that have none of their own", MATERIAL
-    )
+    material: Material = schema.typed("material of all bodies without their own material", MATERIAL)
 
 
 #: Sections of tables by heading, in the order of a case file; that of ``[load]`` is made when it
@@ -353,14 +352,17 @@ class Case:
         return AUTO_FRAMES if self.figures.film == "none" else FRAMES_OF_A_FILM
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the case as nested tables of TOML values, all defaults filled in; [figures] only
-        if it is given.
+        """Return the case as nested tables of TOML values, all defaults filled in; [figures] and
+        `DIVISION_KEYS` only if they are given.
         """
         tables = _plain(self)
         if self.figures == Figures():
             del tables[FIGURES_TABLE]
         if self.contact.line == Contact.line:
             del tables["contact"]["line"]
+        for key in DIVISION_KEYS:
+            if getattr(self.run, key) == getattr(RunSettings, key):
+                del tables["run"][key]
         tables |= {
             name: _plain(getattr(self, name).keys()) for name in ("packing", "load", "boundary")
         }

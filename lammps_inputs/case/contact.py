@@ -85,6 +85,8 @@ ALL_LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
 LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # those of two materials
 NO_FORCE = "none"  # law of materials whose grains do not touch each other
 LINES = ("half-space", "plane-strain")
+INITIAL = "initial"  # directions of contact forces
+NORMALS = ("current", INITIAL)
 LINE = "line"  # law of crystals of cylinders alone: Hertz's, with lines in plane strain
 #: Published values of the constants of the elasto-plastic law, by name.
 LAW_CONSTANTS: dict[str, float] = {
@@ -104,13 +106,14 @@ class Contact:
     """
 
     law: str = schema.choice(
-        'contact law; "line" is "hertz" with line = "plane-strain", for cylinders alone',
+        'contact law; "line" is "hertz" with line = "plane-strain", only for cylinders; a TOML '
+        "file with a table [contact], such as fit.toml, gives the law and its constants",
         (*ALL_LAWS, LINE),
         default="elastoplastic",
     )
     line: str = schema.choice(
-        "contact along a line, of a cylinder on a plane or beside another: with bodies that give way over its length "
-        "(half-space), or in plane strain",
+        "law of a line contact between a cylinder and a plane or a parallel cylinder: elastic "
+        "half-spaces loaded over the length of the cylinder, or plane strain",
         LINES,
         default="half-space",
     )
@@ -122,37 +125,47 @@ class Contact:
         default=0.0,
     )
     tangential: str = schema.choice(
-        "friction below Coulomb's limit: one spring, its force scaled down as the contact circle shrinks, or kept, "
-        "which can create energy; or a row of them that slip from its edge inwards (Mindlin, Deresiewicz)",
+        "tangential force below Coulomb's limit: one spring whose force is reduced as the contact "
+        "circle shrinks, or kept, which can create energy; or several springs that slip from the "
+        "edge inwards (Mindlin and Deresiewicz)",
         ("mindlin_rescale", "mindlin", "partial_slip"),
         default="mindlin_rescale",
     )
     rolling: Resistance | None = schema.typed(
-        "resistance to rolling: largest torque over effective radius and normal force, or a table of coefficient, "
-        "stiffness (N/m; that of the spring of friction if left out) and damping (N s/m)",
+        "resistance to rolling: largest torque divided by effective radius and normal force, or a "
+        "table of coefficient, stiffness (N/m; default: the stiffness of the tangential spring) "
+        "and damping (N s/m)",
         ROLLING,
         default=None,
     )
     twisting: Resistance | str | None = schema.typed(
-        "resistance to twisting: largest torque over normal force (m), a table of coefficient, stiffness (N m) and "
-        'damping (N m s), or "marshall", by the friction of the contact circle',
+        "resistance to twisting: largest torque divided by normal force (m), a table of "
+        "coefficient, stiffness (N m) and "
+        'damping (N m s), or "marshall", which follows from friction on the contact circle',
         TWISTING,
         default=None,
     )
     loss: Loss | None = schema.typed(
-        "loss by the rate of the overlap: by a time, by the restitution at a velocity, or by a dashpot (Tsuji)",
+        "viscous damping of contacts, by a relaxation time, by the restitution at a "
+        "velocity, or by a dashpot (Tsuji)",
         LOSS,
         default=None,
     )
     cohesion: Cohesion | None = schema.typed(
-        'cohesion: kind "jkr" (elastic spheres held by a neck, law hertz) or "dmt" (a pull while surfaces touch, any '
-        "law of two materials), and the work of adhesion in J/m^2",
+        'cohesion: kind "jkr" (elastic spheres joined by a neck, law hertz) or "dmt" (attraction '
+        "while surfaces touch, any law of two materials), and the work of adhesion in J/m^2",
         COHESION,
         default=None,
     )
+    normals: str = schema.choice(
+        "direction of the forces: along the current line of centers, or along the line at the start, as programs for "
+        "small displacements have it",
+        NORMALS,
+        default="current",
+    )
     initial_overlap: float | str | tuple[Dents, ...] = schema.typed(
-        "largest overlap that the contacts had before the run, their dents: a value, values by region, or an earlier "
-        "run's result.h5",
+        "largest overlap of the contacts before the run, which left plastic indentations: a "
+        "value, values by region, or the result.h5 of an earlier run",
         DENTS,
         unit="m",
         default=0.0,
@@ -252,7 +265,7 @@ class Contact:
 
 
 RIGID = "rigid"  # name of a rigid wall in `Pair.materials`
-_NOT_BY_PAIR = ("initial_overlap", "line")
+_NOT_BY_PAIR = ("initial_overlap", "line", "normals")
 _OF_ANY_LAW = ("friction", "tangential", "rolling", "twisting", "loss", "cohesion")
 _KEYS = tuple(field.name for field in dataclasses.fields(Contact) if field.name not in _NOT_BY_PAIR)
 _NAMES_FORM = 'two names of materials; "rigid" for a rigid wall'
@@ -324,9 +337,9 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
                 not two,
                 f"{key}.materials",
                 (f"found {show(names)}, " if "materials" in table else "missing; ")
-                + 'expected the names of two, such as ["steel", "brass"]',
+                + 'expected the names of two materials, such as ["steel", "brass"]',
             ),
-            (not own, key, "changes nothing; give keys of [contact], such as friction"),
+            (not own, key, "has no effect; add keys of [contact], such as friction"),
             (
                 two and any(other.fits(*names) for other in found),
                 f"{key}.materials",

@@ -38,7 +38,7 @@ LOSS_FORM = (
     "{dashpot = ...} or {dashpot = {restitution = ...}}"
 )
 _LONGEST_TIME = 1.0  # s
-_TIME_FORM = f"a loss time from 0 to {_LONGEST_TIME:g} s"
+_TIME_FORM = f"a relaxation time from 0 to {_LONGEST_TIME:g} s"
 
 
 def _loss_time(time: float) -> float:
@@ -73,20 +73,21 @@ class Loss:
     """
 
     time: float | None = schema.typed(
-        "loss time: the stress is that of the strain plus this time its rate",
+        "relaxation time: the elastic stress is evaluated at the strain plus this time multiplied "
+        "by the strain rate",
         NumberType(form=_TIME_FORM, finish=_loss_time),
         unit="s",
         default=None,
     )
     restitution: float | None = _restitution_field(
-        "restitution of a head-on collision, from which the loss time follows", None
+        "restitution of a head-on collision, from which the relaxation time follows", None
     )
     velocity: float | None = schema.number(
-        "speed of approach at which the restitution holds",
+        "approach velocity at which the restitution applies",
         "m/s",
         at_least=POSSIBLE["m/s"][0],
         at_most=VELOCITY.high * 1e3,
-        form="a velocity above 0 (m/s), at which the restitution holds",
+        form="a velocity above 0 (m/s), at which the restitution applies",
         default=None,
     )
     dashpot: float | DashpotRestitution | None = schema.typed(
@@ -109,15 +110,20 @@ class Loss:
         """Return the loss; raise `ValidationError` for anything but one of the three kinds."""
         kinds = [name for name in _LOSS_KINDS if getattr(self, name) is not None]
         alone = self.damps_surface and not kinds
-        refuse_if(alone, f"{LOSS_FORM}; tangential is a ratio to the damping that one of these has")
+        refuse_if(
+            alone,
+            f"{LOSS_FORM}; tangential is a factor of the normal damping that one of these sets",
+        )
         both = " and ".join(kinds[:2])
         refuse_if(len(kinds) > 1, f"one of {LOSS_FORM}; {both} exclude each other")
         if kinds != ["restitution"]:
             is_alone = self.velocity is not None
-            refuse_if(is_alone, f"{LOSS_FORM}; a velocity belongs to a restitution")
+            refuse_if(is_alone, f"{LOSS_FORM}; velocity is only used with a restitution")
         elif self.velocity is None:
-            at_any = f"{{dashpot = {{restitution = {show(self.restitution)}}}}} holds at any"
-            missing = "the velocity at which the restitution holds is missing"
+            at_any = (
+                f"{{dashpot = {{restitution = {show(self.restitution)}}}}} applies at any velocity"
+            )
+            missing = "the velocity at which the restitution applies is missing"
             raise ValidationError(f"{LOSS_FORM}; {missing}, and {at_any}")
         return self
 
@@ -143,17 +149,17 @@ class Resistance:
     """
 
     coefficient: float = schema.number(
-        "largest torque over effective radius and normal force for rolling, over normal force (m) "
-        "for twisting",
+        "largest torque divided by effective radius and normal force for rolling, by normal force "
+        "(m) for twisting",
         at_least=0,
         at_most=_MOST_COEFFICIENT,
         form=_COEFFICIENT_FORM,
     )
     stiffness: float | None = schema.number(
-        "stiffness, N/m for rolling, N m for twisting; left out: it follows the contact circle",
+        "stiffness, N/m for rolling, N m for twisting; default: it follows the contact circle",
         above=0,
         at_most=_MOST_STIFFNESS,
-        form=f"a stiffness above 0, to {_MOST_STIFFNESS:g}, or none, to follow the contact circle",
+        form=f"a stiffness above 0, to {_MOST_STIFFNESS:g}; omit it to follow the contact circle",
         default=None,
     )
     damping: float = schema.number(
@@ -195,7 +201,7 @@ class Cohesion:
         ("jkr", "dmt"),
     )
     energy: float = schema.number(
-        "work of adhesion of both surfaces together",
+        "work of adhesion of the two surfaces",
         "J/m^2",
         at_least=0,
         at_most=_MOST_ADHESION,
@@ -228,7 +234,7 @@ class Dents:
 
     overlap: float | None = _size_field("largest earlier overlap", "m")
     force: float | None = _size_field("largest earlier force", "N")
-    low: tuple[float, float, float] | None = _corner_field("corner of the box; all without it")
+    low: tuple[float, float, float] | None = _corner_field("corner of the box; default: no limit")
     high: tuple[float, float, float] | None = _corner_field("opposite corner of the box")
 
     def checked(self) -> Dents:
@@ -236,7 +242,7 @@ class Dents:
         refuse_if((self.overlap is None) == (self.force is None), DENT_FORM)
         if self.low is not None and self.high is not None:
             is_empty = any(a > b for a, b in zip(self.low, self.high, strict=True))
-            refuse_if(is_empty, "low of a box of dents below its high, along each axis")
+            refuse_if(is_empty, "low below high along each axis of the box")
         return self
 
 

@@ -45,26 +45,26 @@ class ContactWay:
 
 TOUCH = ContactWay(
     "touch",
-    "grains move by least squares until the pairs within the tolerance just touch, as those of a "
-    "crystal whose file is rounded",
+    "grains move by least squares until the pairs within the tolerance just touch, for crystals "
+    "whose file is rounded",
     moves_grains=True,
 )
 OVERLAPS = ContactWay(
     "overlaps",
-    "overlaps press as they are, and the grains come to balance near their places",
+    "overlaps exert force as they are, and the grains reach equilibrium near their positions",
     presses=True,
     balances=True,
 )
 RELAX = ContactWay(
     "relax",
-    "the same, however far the grains move",
+    "as above, but grains may move any distance",
     presses=True,
     balances=True,
     rearranges=True,
 )
 KEEP = ContactWay(
     "keep",
-    "the run starts with grains, overlaps and forces as they are",
+    "the run starts with the grains, overlaps and forces of the file",
     presses=True,
 )
 CONTACT_WAYS = {way.name: way for way in (TOUCH, OVERLAPS, RELAX, KEEP)}

@@ -10,11 +10,12 @@ from typing import Any
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.grains import GrainChoices, Grains, read_grains
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
+from granwave.lammps_inputs.message_words import show
 from granwave.lammps_inputs.readers.columns import QUANTITIES
 from granwave.lammps_inputs.readers.grain_table import TURNS
 from granwave.lammps_inputs.readers.registry import READERS
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
-from granwave.lammps_inputs.tables.units import LENGTH_UNITS
+from granwave.lammps_inputs.tables.units import LENGTH_UNITS, length_power
 
 FORM_OF_FILE = (
     "the path of a table of grains (x, y, z, diameter in m), or of a dump or another packing"
@@ -26,6 +27,9 @@ _VELOCITIES = ("keep", "drop")
 _COLUMNS_FORM = (
     'names of all columns in their order, such as ["x", "y", "z", "radius"], or the column of each '
     'quantity, such as {x = "pos_x", radius = 4}'
+)
+_UNITS_FORM = (
+    f'one of {", ".join(map(show, LENGTH_UNITS))}, or the size of a voxel, such as "0.012 mm"'
 )
 _TYPES_FORM = 'a material for each type of the file, such as {1 = "steel", 2 = "ptfe"}'
 
@@ -41,7 +45,7 @@ class ColumnsType(schema.ValueType):
         if isinstance(value, Mapping):
             for quantity, name in value.items():
                 near = schema.did_you_mean(quantity, QUANTITIES)
-                unknown = f"{self.expected}; {quantity} is no quantity{near}"
+                unknown = f"{self.expected}; {quantity} is not a quantity{near}"
                 schema.refuse_if(quantity not in QUANTITIES, unknown)
                 is_name = isinstance(name, str | int) and not isinstance(name, bool)
                 schema.refuse_if(not is_name, self.expected)
@@ -56,6 +60,28 @@ class ColumnsType(schema.ValueType):
         name = {"type": ["string", "integer"]}
         names = {"type": "array", "items": {"type": "string"}, "minItems": 1}
         return {"anyOf": [names, {"type": "object", "additionalProperties": name}]}
+
+
+@dataclasses.dataclass(frozen=True)
+class LengthUnitType(schema.ValueType):
+    """Type of a unit of lengths, or of the size of a voxel."""
+
+    expected: str = _UNITS_FORM
+
+    def read(self, value: Any) -> str:
+        """Return the unit."""
+        schema.refuse_if(not isinstance(value, str), self.expected)
+        try:
+            length_power(value)
+        except ValueError:
+            near = schema.did_you_mean(value, LENGTH_UNITS)
+            raise schema.ValidationError(self.expected + near) from None
+        return str(value)
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A word."""
+        return {"type": "string"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -81,28 +107,28 @@ class GrainFileSection:
     """Keys of ``[packing]`` that say how ``packing.file`` is read."""
 
     file: str | None = schema.path(
-        "grains of a packing of kind file: a table (x, y, z, diameter ...), a dump or data file of "
-        "LAMMPS, or one of another program",
+        "grains of a packing of kind file: a table (x, y, z, diameter ...), a LAMMPS dump or data "
+        "file, or a file of another program",
         default=None,
     )
     format: str = schema.choice(
-        "format of the file; auto: found by its content",
+        "format of the file; auto: detected from its content",
         (_BY_CONTENT, *READERS),
         default=_BY_CONTENT,
     )
     columns: Any = schema.typed(
-        "names of the columns of the file, where it has none or others than the usual ones",
+        "names of the columns of the file, if it has none or unusual ones",
         ColumnsType(),
         default=(),
     )
     units: str | None = schema.typed(
-        "unit of the lengths of the file (and of its velocities, each second), if that is not in "
-        "the names of its columns; metres by default",
-        schema.ChoiceType(tuple(LENGTH_UNITS)),
+        "unit of the lengths of the file (and of its velocities, per second), if the names of its "
+        "columns do not state it, or the size of a voxel of an image; metres by default",
+        LengthUnitType(),
         default=None,
     )
     step: int | None = schema.typed(
-        "timestep that is read of a file of several; by default the last",
+        "timestep to read from a file of several; default: the last",
         schema.CountType(at_least=0, at_most=_LARGEST_STEP, form="a whole number from 0 up"),
         default=None,
     )
@@ -110,11 +136,11 @@ class GrainFileSection:
         "material of each type of grains of the file", MaterialOfTypesType(), default=None
     )
     velocities: str = schema.choice(
-        "initial velocities of the file: keep or drop", _VELOCITIES, default=_VELOCITIES[0]
+        "initial velocities of the file: keep or discard", _VELOCITIES, default=_VELOCITIES[0]
     )
 
     up: str = schema.choice(
-        "direction of the file that points up; granwave has the top at the lowest z",
+        "direction of the file that points up; in granwave the top is at the lowest z",
         tuple(TURNS),
         default="-z",
     )

@@ -9,6 +9,7 @@
     group                                a word, for [[hold]]
     clump                                a number; grains of one number move as one rigid body
     vx, vy, vz                           initial velocity, m/s
+    omegax, omegay, omegaz               initial angular velocity, rad/s
 
 Columns stand in any order under a line of their names. Tables of other programs, and other
 formats, are read by `granwave.lammps_inputs.readers`.
@@ -17,6 +18,7 @@ formats, are read by `granwave.lammps_inputs.readers`.
 from __future__ import annotations
 
 import dataclasses
+import math
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -38,9 +40,11 @@ from granwave.lammps_inputs.readers.table import read_table_text
 
 _PLACE = ("x", "y", "z")
 _VELOCITY = ("vx", "vy", "vz")
+_SPIN = ("omegax", "omegay", "omegaz")
 _WORDS = ("material", "group")
 _SHAPE_COLUMNS = ("shape", "axis")
-_LARGEST_RATIO = 1000.0  # of the largest grain to the median, beyond which units may be mixed
+_LARGEST_RATIO = 300.0  # of a grain to the median, beyond which units may be mixed
+_TYPES_IN_EXAMPLE = 2
 
 
 @dataclasses.dataclass(frozen=True)
@@ -91,6 +95,8 @@ class Grains:
         Shapes: (n,); by default all are spheres.
     clump
         Numbers of clumps, 0 for grains in none: (n,); by default none is in one.
+    spin
+        Initial angular velocities: (n, 3), rad/s; by default none.
     period
         Periods along x and y of the file that they come from, m; None if it has none. Not part of
         the table, as those below.
@@ -125,13 +131,16 @@ class Grains:
     added_from: Sequence[int] = ()
     found: Grains | None = None
     clump: NDArray[np.int64] = dataclasses.field(default_factory=lambda: np.zeros(0, np.int64))
+    spin: NDArray[np.float64] = dataclasses.field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
-        """Make the columns of words tuples, and give every grain a shape and a clump."""
+        """Make the columns of words tuples, and give every grain a shape, a clump and a spin."""
         self.material, self.group = tuple(self.material), tuple(self.group)
         self.shape = tuple(self.shape) or (None,) * len(self)
         if not len(self.clump):
             self.clump = np.zeros(len(self), dtype=np.int64)
+        if not len(self.spin):
+            self.spin = np.zeros((len(self), 3))
 
     def __len__(self) -> int:
         return len(self.diameter)
@@ -159,11 +168,10 @@ class Grains:
         columns |= {name: map(csv_cell, words) for name, words in named if any(words)}
         if self.clump.any():
             columns[CLUMP] = map(str, self.clump.tolist())
-        if self.velocity.any():
-            columns |= {
-                name: map(repr, v)
-                for name, v in zip(_VELOCITY, self.velocity.T.tolist(), strict=True)
-            }
+        for names, vectors in ((_VELOCITY, self.velocity), (_SPIN, self.spin)):
+            if vectors.any():
+                parts = zip(names, vectors.T.tolist(), strict=True)
+                columns |= {name: map(repr, part) for name, part in parts}
         lines = [",".join(columns), *(",".join(row) for row in zip(*columns.values(), strict=True))]
         return "\n".join(lines) + "\n"
 
@@ -277,8 +285,8 @@ def _turn(table: GrainTable, up: str) -> None:
     """Turn the grains of a file until a direction of it is up."""
     if "axis" in table.words or "length" in table.numbers:
         raise ValueError(
-            f'found packing.up = "{up}" with cylinders, whose axes are not turned; give their '
-            "places with the top at the lowest z"
+            f'found packing.up = "{up}" with cylinders, whose axes are not rotated; write their '
+            "positions with the top at the lowest z"
         )
     table.turn(up)
 
@@ -304,21 +312,21 @@ def _reading(table: GrainTable, grains: Grains, materials: Mapping[str, str]) ->
     notes = list(table.notes)
     has_materials = bool(materials) or "material" in table.words
     if len(types) > 1 and not has_materials:
-        example = ", ".join(f'{show(name)} = "steel"' for name in list(types)[:2])
+        shown = _in_natural_order(types)[:_TYPES_IN_EXAMPLE]
+        example = ", ".join(f'{show(name)} = "steel"' for name in shown)
+        more = ", ..." if len(types) > len(shown) else ""
         notes.append(
-            f"{len(types)} types of grains become one material; packing.types = {{{example}, ...}} "
-            "names that of each"
+            f"{len(types)} types of grains become one material; packing.types = "
+            f"{{{example}{more}}} assigns one to each"
         )
-    if table.spin is not None and table.spin.any():
-        notes.append("angular velocities are left out; grains begin without spin")
-    ratio = float(grains.diameter.max() / np.median(grains.diameter))
-    if ratio >= _LARGEST_RATIO:
-        largest = int(np.argmax(grains.diameter))
-        notes.append(
-            f"{table.place(largest)}: a diameter of {grains.diameter[largest]:g} m is {ratio:.3g} "
-            "times the median; are there two units in the file?"
-        )
-    density = table.density
+    ratios = grains.diameter / np.median(grains.diameter)
+    for row in (int(np.argmax(ratios)), int(np.argmin(ratios))):
+        if not 1 / _LARGEST_RATIO < ratios[row] < _LARGEST_RATIO:
+            notes.append(
+                f"{table.place(row)}: a diameter of {grains.diameter[row]:g} m is "
+                f"{ratios[row]:.3g} times the median; are there two units in the file?"
+            )
+    density = _densities(table, grains)
     bounds = None if density is None else (float(density.min()), float(density.max()))
     return FileReading(
         format=table.format,
@@ -328,6 +336,20 @@ def _reading(table: GrainTable, grains: Grains, materials: Mapping[str, str]) ->
         density=bounds,
         notes=notes,
     )
+
+
+def _densities(table: GrainTable, grains: Grains) -> NDArray[np.float64] | None:
+    """Return the densities of a file, of spheres also from their masses: (n,), kg/m^3; None without
+    any.
+    """
+    if table.density is not None or table.mass is None or any(grains.shape):
+        return table.density
+    return np.asarray(table.mass / (math.pi / 6 * grains.diameter**3))
+
+
+def _in_natural_order(names: Iterable[str]) -> list[str]:
+    """Return names of types, numbers by their values and before words."""
+    return sorted(names, key=lambda name: (not name.isdigit(), len(name) * name.isdigit(), name))
 
 
 def _words_of(table: GrainTable, name: str) -> list[str]:
@@ -367,7 +389,9 @@ def _diameters(table: GrainTable, diameter: float | None) -> NDArray[np.float64]
     if table.radius is not None:
         return 2 * table.radius
     if diameter is None:
-        raise ValueError("found no diameters, expected these, or packing.diameter for all grains")
+        raise ValueError(
+            "found no diameters; add a column of diameters, or set packing.diameter for all grains"
+        )
     return np.full(len(table), diameter)
 
 
@@ -392,6 +416,9 @@ def _grains(table: GrainTable, diameter: float | None) -> Grains:
     velocity = np.zeros((n, 3)) if table.velocity is None else table.velocity
     for name, values in zip(_VELOCITY, velocity.T, strict=True):
         _check_magnitudes(table, name, values, "m/s", is_size=False)
+    spin = np.zeros((n, 3)) if table.spin is None else table.spin
+    for name, values in zip(_SPIN, spin.T, strict=True):
+        _check_magnitudes(table, name, values, "rad/s", is_size=False)
     return Grains(
         position=table.position.copy(),
         diameter=sizes,
@@ -402,6 +429,7 @@ def _grains(table: GrainTable, diameter: float | None) -> Grains:
         lines=() if table.lines is None else table.lines,
         half_unit=table.half_unit,
         clump=np.zeros(n, dtype=np.int64) if table.clump is None else table.clump.copy(),
+        spin=spin.copy(),
     )
 
 

@@ -173,10 +173,11 @@ _WITHIN = {
     "load.period": "frequency",
 }
 _NOTES = {
-    "restitution": "take contact.loss = {restitution = 0.9, velocity = 1.0}; without it the contact law decides",
-    "gravity": 'take [precompression] with kind = "gravity" and, perhaps, acceleration',
-    "damping": "contacts dissipate by yielding (contact.law), contact.friction and contact.loss = {dashpot = 0.1}",
-    "gamma_t": "take contact.loss = {dashpot = 0.1, tangential = 1.0}, with contact.friction",
+    "restitution": "use contact.loss = {restitution = 0.9, velocity = 1.0}; otherwise restitution "
+    "follows from the contact law",
+    "gravity": 'use [precompression] with kind = "gravity" and, if needed, acceleration',
+    "damping": "contacts dissipate energy by yielding (contact.law), contact.friction and contact.loss = {dashpot = 0.1}",
+    "gamma_t": "use contact.loss = {dashpot = 0.1, tangential = 1.0}, with contact.friction",
     "ranks": "the number of MPI ranks is given on the command line: --np",
 }
 _OTHER_WORDS = {
@@ -211,6 +212,8 @@ def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequenc
         return f"did you mean {f'{prefix}.{meant}' if prefix else meant}?"
     if word in _NOTES:
         return _NOTES[word]
+    if f"{table}.{word}" in vocabulary:  # a table with keys by its kind
+        return f"[{table}] has it only with another kind; known here: {', '.join(known)}"
     elsewhere = _elsewhere([word], vocabulary) or (_elsewhere([meant], vocabulary) if meant else [])
     if not elsewhere:
         last_parts = list(dict.fromkeys(key.rpartition(".")[2] for key in vocabulary))
@@ -230,5 +233,9 @@ def _elsewhere(words: Iterable[str], vocabulary: Sequence[str]) -> list[str]:
     """Return the dotted keys that end in one of the words; numbered tables only if no other table
     has them.
     """
-    found = [key for word in words for key in vocabulary if key.rpartition(".")[2] == word]
+    found = []
+    for word in words:
+        for key in vocabulary:
+            if key.rpartition(".")[2] == word:
+                found.append(key)
     return [key for key in found if not any(part.isdigit() for part in key.split("."))] or found

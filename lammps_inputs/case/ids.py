@@ -18,7 +18,7 @@ class IdRange:
     """Ids from one to another, in steps."""
 
     first: int = schema.typed("first id", _ID)
-    last: int = schema.typed("last id, if the steps meet it", _ID)
+    last: int = schema.typed("last id, if a step reaches it", _ID)
     step: int = schema.typed("step to the next id", _ID, default=1)
 
     def ids(self) -> tuple[int, ...]:
@@ -26,7 +26,7 @@ class IdRange:
         is_empty = self.last < self.first
         schema.refuse_if(is_empty, f"{INDEX_FORM}, the last not before the first")
         is_long = (self.last - self.first) // self.step >= _MOST_IDS
-        schema.refuse_if(is_long, f"at most {_MOST_IDS} ids; take a box from low to high for more")
+        schema.refuse_if(is_long, f"at most {_MOST_IDS} ids; use a box from low to high for more")
         return tuple(range(self.first, self.last + 1, self.step))
 
 

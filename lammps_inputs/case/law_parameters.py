@@ -64,7 +64,7 @@ def _field(parameter: _contact_laws.LawParameter) -> Any:
     """Return the field of a key."""
     description = parameter.description
     if parameter.optional and not parameter.of_material:
-        description += f"; {parameter.default:g} if left out"
+        description += f"; {parameter.default:g} by default"
     if parameter.words:
         made = schema.choice(description, parameter.words)
     else:

@@ -32,20 +32,42 @@ _PACKING = "packing"
 _MAKES: ContextVar[bool] = ContextVar("makes packings", default=True)
 
 
+@dataclasses.dataclass(frozen=True)
+class PackingToMake:
+    """A packing that is not made yet.
+
+    Attributes
+    ----------
+    file
+        File in which it is to be kept.
+    time
+        Expected time of making it, on one core, s.
+    memory
+        Expected memory of making it, bytes.
+    rows
+        What it is and costs, as names and values in words.
+    """
+
+    file: Path
+    time: float
+    memory: float
+    rows: tuple[Row, ...]
+
+
 class PackingNotMadeError(InputError):
-    """The grains of a packing are not made yet, and are not to be made now.
+    """Grains of packings are not made yet, and are not to be made now.
 
     Parameters
     ----------
     message
         What is missing, and which command makes it.
-    rows
-        What it would be and would cost, as names and values in words.
+    packings
+        Packings that are missing, each of them once.
     """
 
-    def __init__(self, message: str, rows: Sequence[Row]) -> None:
+    def __init__(self, message: str, packings: Sequence[PackingToMake]) -> None:
         super().__init__(message)
-        self.rows = tuple(rows)
+        self.packings = tuple(packings)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -113,6 +135,13 @@ def packing_makers() -> dict[str, PackingMaker]:
     return {maker.kind: maker for maker in itertools.chain.from_iterable(added("packings"))}
 
 
+def is_made(tables: Mapping[str, Any]) -> bool:
+    """Return True if the tables of a case name a packing that is made before."""
+    packing = tables.get(_PACKING)
+    kind = packing.get("kind") if isinstance(packing, Mapping) else None
+    return isinstance(kind, str) and kind in packing_makers()
+
+
 def with_made_grains(
     tables: Mapping[str, Any], source: str | Path, errors: ErrorList
 ) -> Mapping[str, Any]:
@@ -125,11 +154,9 @@ def with_made_grains(
     PackingNotMadeError
         The grains are not there, and this is within `nothing_made`.
     """
-    packing = tables.get(_PACKING)
-    kind = packing.get("kind") if isinstance(packing, Mapping) else None
-    maker = packing_makers().get(kind) if isinstance(kind, str) else None
-    if maker is None:
+    if not is_made(tables):
         return tables
+    maker = packing_makers()[tables[_PACKING]["kind"]]
     # faults of the material are shown by its own reader
     given = maker_input(tables, source, ErrorList(errors.source))
     made = maker.tables(given, errors) if given is not None else None

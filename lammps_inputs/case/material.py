@@ -48,7 +48,7 @@ class Material:
     """
 
     name: str | None = schema.typed(
-        "what the material is called in figures and tables", schema.LABEL, default=None
+        "name of the material in figures and tables", schema.LABEL, default=None
     )
     youngs_modulus: float = schema.number("Young's modulus", YOUNGS_MODULUS, above=0)
     poisson_ratio: float = schema.number("Poisson's ratio", above=-1, below=0.5)
@@ -60,12 +60,12 @@ class Material:
 
     FURTHER_KEYS: ClassVar[dict[str, Any]] = {
         "preset": schema.typed(
-            "material whose values hold where the table gives none",
+            "material that provides the values missing from the table",
             schema.TextType(expected="the name of a material"),
             default=None,
         ),
         "file": schema.path(
-            "TOML file that the preset is taken from; without it, those of the package",
+            "TOML file that defines the preset; default: the materials of the package",
             default=None,
         ),
     }
@@ -128,7 +128,7 @@ def load_materials(path: str | Path) -> dict[str, Material]:
         named = {"name": name, **table} if isinstance(table, Mapping) else table
         read[name] = read_table(Material, named, name, errors)
     if not read:
-        tables_of_materials = "tables such as [my-steel] with youngs_modulus and so on"
+        tables_of_materials = "tables such as [my-steel] with youngs_modulus etc."
         errors.add("", Mismatch("no material", tables_of_materials))
     if errors.items:
         raise InputError(errors.items)
@@ -152,7 +152,7 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
     own = {name: value for name, value in table.items() if name not in SELECTORS}
     if "preset" not in table:
         if "file" in table:
-            errors.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
+            errors.add(f"{key}.preset", f"missing; name a material from {key}.file")
             return None
         return read_table(Material, own, key, errors)
     base = None
@@ -211,7 +211,9 @@ class MaterialType(schema.ValueType):
 MATERIAL = MaterialType()
 
 
-def material_field(description: str = "material of this body; that of the case by default") -> Any:
+def material_field(
+    description: str = "material of this body; default: the material of the case",
+) -> Any:
     """Field of the key ``material`` of a body."""
     return schema.nested(description, MATERIAL, read_material)
 
@@ -293,7 +295,7 @@ def direction(values: Sequence[float]) -> Vector:
     """Return a unit vector; raise ValueError if there is no direction."""
     length = math.hypot(*values)
     if not (0 < length < math.inf):
-        raise ValueError(f"found the axis {list(values)}, which is no direction")
+        raise ValueError(f"found the axis {list(values)}, which has no direction")
     x, y, z = (one if abs(length - 1) <= _UNIT else one / length for one in values)
     return x, y, z
 
@@ -363,13 +365,13 @@ def check_shape(table: Any, key: str, errors: ErrorList) -> None:
         (
             cylinder and table.length is None,
             f"{key}.length",
-            'missing; a cylinder (shape = "cylinder") has a length, m',
+            'missing; a cylinder (shape = "cylinder") requires a length (m)',
         ),
         *(
             (
                 not cylinder and getattr(table, name) is not None,
                 f"{key}.{name}",
-                Mismatch('without shape = "cylinder"', remedy="give that, or take it out"),
+                Mismatch('without shape = "cylinder"', remedy="add it, or remove this key"),
             )
             for name in ("length", "axis")
         ),
@@ -441,11 +443,12 @@ def _axes_of(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> NDAr
             dtype=np.float64,
         ).T
     if both := [name for name in AXIS_COLUMNS if name in values]:
-        raise ValueError(f"found the columns axis and {both[0]}, expected one way to give axes")
+        raise ValueError(f"found the columns axis and {both[0]}, expected only one of them")
     for place, letter in zip(places, letters, strict=True):
         if letter not in ("", *AXES):
             raise ValueError(
-                f"{place}: found the axis {letter!r}, expected x, y or z; axis_x, axis_y, axis_z take others"
+                f"{place}: found the axis {letter!r}, expected x, y or z; use axis_x, axis_y and "
+                "axis_z for other directions"
             )
     return np.array([AXES[letter or "y"] for letter in letters], dtype=np.float64).reshape(-1, 3)
 

@@ -28,6 +28,7 @@ from granwave.lammps_inputs.case.case import (
 )
 from granwave.lammps_inputs.case.contact import read_pairs
 from granwave.lammps_inputs.case.contact_ways import CONTACTS, RELAXATION, SPRINGS, TOLERANCE
+from granwave.lammps_inputs.case.law_file import with_law_of_file
 from granwave.lammps_inputs.case.loads.grains import GrainsLoad
 from granwave.lammps_inputs.case.loads.registry import read_load
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
@@ -39,16 +40,19 @@ from granwave.lammps_inputs.case.material import (
     read_materials,
     with_named_materials,
 )
-from granwave.lammps_inputs.case.packing import PackingSection, read_packing
+from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing_reading import read_packing
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, MovedWalls, Precompression
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
+    numbered,
     read_list,
     read_name,
     read_table,
     refuse_unknown,
     show,
 )
+from granwave.lammps_inputs.case.stl_walls import check_triangles, with_triangles
 from granwave.lammps_inputs.errors import InputError, InputFault, Mismatch, fault_of
 from granwave.lammps_inputs.files import with_absolute_paths
 from granwave.lammps_inputs.lattices import RESTART, lattice_kinds
@@ -132,7 +136,9 @@ def _set(table: Any, path: list[str], value: Any) -> Mismatch | None:
     """
     for name, following in pairwise(path):
         if following.isdigit() and isinstance(table, dict) and name not in table:
-            return Mismatch(f"no [[{name}]] tables", f"{following} or more", "give them whole")
+            return Mismatch(
+                f"no [[{name}]] tables", f"{following} or more", "specify the complete tables"
+            )
         inner = _inner(table, name)
         if isinstance(inner, list) and following.isdigit():
             if not 1 <= int(following) <= len(inner):
@@ -165,11 +171,11 @@ _READERS: dict[str, Callable[[Any, ErrorList], Any]] = {
 _OF_OTHERS = {  # tables of other files
     **dict.fromkeys(
         ("block", "punch", "sphere", "partner"),
-        "belongs to a continuum case: granwave continuum runs it",
+        "is a key of continuum cases; use granwave continuum",
     ),
     **dict.fromkeys(
         ("replicates", "ranks", "case", "set", "grid", "zip", "points"),
-        "belongs in a scan file: granwave scan runs it",
+        "is a key of scan files; use granwave scan",
     ),
 }
 
@@ -193,6 +199,8 @@ def parse_case(
     """
     _refuse_other_tables(data, errors)
     data = _with_implied(with_absolute_paths(data, Path()))
+    data = with_triangles(data, errors)
+    data = with_law_of_file(data, errors)
     materials = read_materials(data.get(MATERIALS, {}), errors)
     data = with_named_materials(data, materials)
     data = with_made_grains(data, source, errors)
@@ -209,6 +217,8 @@ def parse_case(
     parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
     for name, section in LISTS.items():
         parts[name] = read_list(section, data.get(name, ()), name, errors)
+    for key, wall in numbered("wall", parts["wall"]).items():
+        check_triangles(wall, key, errors)
     _add_grains(parts, materials, errors, stored=stored)
     parts[MATERIALS] = tuple(materials.values())
     packing: PackingSection | None = parts.get("packing")
@@ -251,7 +261,7 @@ def _check_of_grains(packing: PackingSection, errors: ErrorList) -> None:
         return
     for name in ("cell", CONTACTS, TOLERANCE, SPRINGS, RELAXATION, RESTART):
         if getattr(packing, name) is not None:
-            found = f"found {show(packing.kind)} alone"
+            found = f"found only {show(packing.kind)}"
             text = f'belongs to packing.kind = "file", or to [[grains]]; {found}'
             errors.add(f"packing.{name}", text)
 
@@ -271,8 +281,8 @@ def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | No
     flat = packing is not None and packing.rule.is_plane_crystal and boundary.y is None
     moves = {axis: -boundary.gap for axis in ("x" if flat else "xy") if boundary.has_planes(axis)}
     implied = Precompression(kind=MovedWalls.name, **moves)
-    both = f"{boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]"
-    found = Mismatch(both, remedy="take one of them out")
+    both = f"{boundary.gap:g} m, which presses the packing, together with [{PRECOMPRESSION}]"
+    found = Mismatch(both, remedy="remove one of them")
     errors.check((given is not None and given != implied, "boundary.side_gap", found))
     return implied if moves else given
 
@@ -312,7 +322,7 @@ def read_parts(
     for name in required:
         if name not in data:
             or_name = ', or material = "steel"' if name == "material" else ""
-            errors.add(name, f"missing; a case needs [{name}]{or_name}")
+            errors.add(name, f"missing; a case requires [{name}]{or_name}")
     if "material" in data:
         parts["material"] = read_material(data["material"], errors)
     for name, section in sections.items():

@@ -106,7 +106,7 @@ class StaticLoad:
                 "boundary.bottom.bar.end",
                 Mismatch(
                     f"{show(getattr(support, 'end', ''))} under a precompression",
-                    '"fixed": such a bar gives way to a load that lasts',
+                    '"fixed": such a bar yields to a constant load',
                 ),
             ),
         )
@@ -122,14 +122,14 @@ class StaticLoad:
 
     def _check_bottom(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
         unborne = packing.rule.is_lattice and not boundary.bottom_rule.bears
-        found = f'found "free" under a {self.name} precompression, which something must bear'
+        found = f'found "free" under a {self.name} precompression, which requires a support'
         errors.check((unborne, "boundary.bottom", found))
 
     def _foreign_sizes(self, stage: Precompression) -> list[str]:
         return [name for name in stage.sizes if name not in self.sizes]
 
     def _refusal_of_size(self) -> str:
-        return f"does not belong to {_KIND}{show(self.name)}; give {self.instead}"
+        return f"cannot be used with {_KIND}{show(self.name)}; give {self.instead}"
 
 
 class LoadOnFaces(StaticLoad):
@@ -148,7 +148,7 @@ class LoadOnFaces(StaticLoad):
             (
                 given == ["pressure"] and not has_faces,
                 f"{PRECOMPRESSION}.pressure",
-                Mismatch(f"for {packing.rule.noun}, which has no face", "a force"),
+                Mismatch(f"for {packing.rule.noun}, which has no faces", "a force"),
             ),
         )
 
@@ -218,7 +218,7 @@ class Gravity(StaticLoad):
     def words(self, stage: Precompression) -> list[str]:
         words = [f"weight at {stage.acceleration:.4g} m/s^2"]
         if stage.strikers:
-            words.append("strikers fall too")
+            words.append("strikers fall as well")
         return words
 
 
@@ -238,7 +238,7 @@ class Overlaps(StaticLoad):
     """The overlaps of grains at the start."""
 
     name = "overlaps"
-    summary = "nothing but the overlaps of grains at the start"
+    summary = "only the initial overlaps of the grains"
     sizes = ("force",)
     moves_walls = True
     from_overlaps = True
@@ -261,7 +261,7 @@ class Precompression:
         "pressure on the faces of the packing", hints.PRESSURE, **_NONE
     )
     force: float | None = schema.number(
-        "force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS
+        "force on each sphere of the top layer (uniaxial; also together with walls)", **_PRESS
     )
     x: float | None = schema.number(
         "distance by which each of the planes across x moves in", **_MOVE
@@ -271,16 +271,17 @@ class Precompression:
     )
     tube: float | None = schema.number("distance by which the tube's radius shrinks", **_MOVE)
     x_force: float | None = schema.number(
-        "force to which each of the planes across x is moved in", **_PRESS
+        "force on each of the planes across x, which move in until they carry it", **_PRESS
     )
     y_force: float | None = schema.number(
-        "force to which each of the planes across y is moved in", **_PRESS
+        "force on each of the planes across y, which move in until they carry it", **_PRESS
     )
     tube_force: float | None = schema.number(
-        "force outward on the whole tube to which it shrinks", **_PRESS
+        "total outward force on the tube, which shrinks until it carries it", **_PRESS
     )
     overlaps: bool | None = schema.choice(
-        "true: overlaps of grains at the start are part of it; else they are refused",
+        "true: initial overlaps of grains are part of the precompression; otherwise they are "
+        "rejected",
         (True, False),
         default=None,
     )
@@ -288,7 +289,7 @@ class Precompression:
         "acceleration of gravity", hints.ACCELERATION, above=0, default=9.81
     )
     strikers: bool = schema.choice(
-        "true: gravity acts on strikers too, from the impact on", (False, True), default=False
+        "true: gravity also acts on strikers, from the impact onwards", (False, True), default=False
     )
 
     @property

@@ -16,8 +16,18 @@ import dataclasses
 import math
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.hints import LENGTH
 from granwave.lammps_inputs.case.material import Material, material_field
+from granwave.lammps_inputs.case.stl_walls import (
+    SMOOTH_ANGLE,
+    checked_triangles,
+    placed_triangles,
+)
+from granwave.lammps_inputs.tables.units import LENGTH_UNITS
 
 WHOLE = "all"  # the one face of a plane, of a sphere, and of the outside of a cylinder
 SIDE = "side"
@@ -34,9 +44,9 @@ _FACES = {
     "cone": (*_ENDS, SIDE),
 }
 _FORM = (
-    'words of the command region of LAMMPS in m, such as "plane 0 0 0.05 0 0 -1", '
-    '"sphere 0 0 0 0.05", "block -0.1 0.1 -0.1 0.1 0 0.2", "cylinder z 0 0 0.05 0 0.1" or '
-    '"cone z 0 0 0.05 0.01 0 0.1 open 1 open 2"'
+    'arguments of the LAMMPS region command (m), such as "plane 0 0 0.05 0 0 -1", "sphere 0 0 0 '
+    '0.05", "block -0.1 0.1 -0.1 0.1 0 0.2", "cylinder z 0 0 0.05 0 0.1" or "cone z 0 0 0.05 0.01 '
+    '0 0.1 open 1 open 2"'
 )
 _INFINITE = "INF"  # as a lower bound it is that below
 
@@ -122,7 +132,9 @@ def _options(words: Sequence[str]) -> tuple[str, tuple[int, ...]]:
     side = "in"
     open_faces = []
     for keyword, value in zip(words[::2], words[1::2], strict=True):
-        schema.refuse_if(keyword not in ("side", "open"), f"{_FORM}; of its options side and open")
+        schema.refuse_if(
+            keyword not in ("side", "open"), f"{_FORM}; the only options are side and open"
+        )
         if keyword == "side":
             schema.refuse_if(value not in ("in", "out"), "side in or side out")
             side = value
@@ -138,19 +150,21 @@ def _check_shape(shape: RegionShape) -> None:
     low_and_high = [values[k : k + 2] for k in (0, 2, 4)] if shape.style == "block" else []
     low_and_high += [values[-2:]] if shape.axis else []
     schema.refuse_if(
-        not all(low < high for low, high in low_and_high), "bounds of which the second are higher"
+        not all(low < high for low, high in low_and_high), "bounds in increasing order"
     )
     sizes = {"sphere": values[3:], "cylinder": values[2:3], "cone": values[2:4]}
     radii = sizes.get(shape.style, (1.0,))
     schema.refuse_if(min(radii) < 0 or not 0 < max(radii) < math.inf, "radii above 0")
     points = {"plane": values, "sphere": values, "cylinder": values[:3], "cone": values}
     is_finite = all(map(math.isfinite, points.get(shape.style, ())))
-    schema.refuse_if(not is_finite, "finite numbers; INF is for bounds of a block or a cylinder")
+    schema.refuse_if(
+        not is_finite, "finite numbers; INF is only allowed for bounds of a block or a cylinder"
+    )
     schema.refuse_if(shape.style == "plane" and not any(values[3:]), "a normal that is not zero")
     last = len(_FACES[shape.style]) if shape.style in ("block", *_WITH_AXIS) else 0
     schema.refuse_if(
         any(not 1 <= face <= last for face in shape.open_faces),
-        f"open faces from 1 to {last}" if last else f"no open face of a {shape.style}",
+        f"open faces from 1 to {last}" if last else f"no open face for a {shape.style}",
     )
     _check_outside(shape)
     schema.refuse_if(not shape.faces, "a region with a face that is neither open nor at INF")
@@ -174,16 +188,43 @@ def _checked(text: str) -> str:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class RegionWall:
-    """``[[wall]]``: faces of a region of LAMMPS that hold the grains."""
+    """``[[wall]]``: faces of a LAMMPS region, or a surface of triangles, that hold the grains."""
 
-    region: str = schema.typed(
-        "shape: style, numbers (m) and the options side and open, as in the command region of "
-        "LAMMPS; each face that is neither open nor at INF is a wall",
+    region: str | None = schema.typed(
+        "shape: style, numbers (m) and the options side and open of the LAMMPS region command; "
+        "each face that is neither open nor at INF is a wall",
         schema.TextType(expected=_FORM, finish=_checked),
+        default=None,
+    )
+    stl: str | None = schema.path(
+        "triangulated surface instead of a region: an STL file, text or binary", default=None
+    )
+    triangles: str | None = schema.typed(
+        "the triangles of an STL file as text; the case.toml of a run stores them in this form",
+        schema.TextType(expected="the text of an STL file", finish=checked_triangles),
+        default=None,
+    )
+    units: str | None = schema.typed(
+        "unit of the lengths of the STL file; metres by default",
+        schema.ChoiceType(tuple(LENGTH_UNITS)),
+        default=None,
+    )
+    moved: tuple[float, float, float] | None = schema.typed(
+        "displacement of the surface from its position in the STL file",
+        schema.vector_type(3, "[x, y, z] in m"),
+        unit=LENGTH,
+        default=None,
+    )
+    angle: float | None = schema.number(
+        "largest angle between neighbouring triangles of a smooth patch (degrees); each patch is "
+        f"a wall; default: {SMOOTH_ANGLE:g}",
+        at_least=0,
+        below=90,
+        default=None,
     )
     material: Material | None = material_field()
     friction: float | None = schema.number(
-        "coefficient of friction of the wall; by default that of the contact law",
+        "coefficient of friction of the wall; default: the contact friction",
         at_least=0,
         default=None,
     )
@@ -191,4 +232,28 @@ class RegionWall:
     @property
     def shape(self) -> RegionShape:
         """Shape of the region."""
-        return read_shape(self.region)
+        return read_shape(str(self.region))
+
+    @property
+    def smooth_angle(self) -> float:
+        """Largest turn at an edge inside of a patch of triangles, degrees."""
+        return SMOOTH_ANGLE if self.angle is None else self.angle
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Corners of the triangles: (n, 3, 3), m; of a region none."""
+        if self.triangles is None:
+            return np.empty((0, 3, 3))
+        return placed_triangles(self.triangles, self.units, self.moved)
+
+    @property
+    def key_of_shape(self) -> str:
+        """Key of the shape, for messages."""
+        return "stl" if self.region is None else "region"
+
+    @property
+    def label(self) -> str:
+        """The shape in messages."""
+        if self.region is not None:
+            return schema.show(self.region)
+        return f"a surface of {len(self.corners)} triangles"

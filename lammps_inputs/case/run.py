@@ -31,8 +31,8 @@ _SHARE = re.compile(r"(\d+(?:\.\d+)?) ?%")
 
 
 _FRAMES_FORM = (
-    'how many snapshots (from 1 up), "auto", or a list of rising times, all in s or all shares '
-    'of run.end_time ("25 %")'
+    'the number of snapshots (from 1 up), "auto", or a list of increasing times, all in s or all '
+    'fractions of run.end_time ("25 %")'
 )
 
 
@@ -60,6 +60,14 @@ class TimesType(schema.ValueType):
         return {"type": "array", "items": items, "minItems": 1}
 
 
+_GRID_FORM = '"auto", or the numbers of bricks along x, y and z, such as [2, 1, 4]'
+_GRID = schema.or_word(
+    AUTO,
+    schema.ListType(
+        item=schema.CountType(form=_GRID_FORM), expected=_GRID_FORM, at_least=3, at_most=3
+    ),
+    form=_GRID_FORM,
+)
 _FRAMES = schema.EitherType(
     types=(
         schema.WordType(AUTO),
@@ -79,38 +87,60 @@ def parse_share(text: str, expected: str) -> float:
     return float(found[1]) / 100
 
 
+#: Keys of ``[run]`` that divide the box between ranks, and change no result.
+DIVISION_KEYS = ("processors", "balance")
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class RunSettings:
     """``[run]``: end time, timestep and snapshots."""
 
     end_time: float | str = schema.positive_or_auto(
-        "when the run ends; auto: when 50 us add less than 1e-4 of the input to dissipation, at most 5 ms",
+        "end of the run; auto: when dissipation grows by less than 1e-4 of the energy input in 50 "
+        "us, at most 5 ms",
         TIME,
         default=1e-3,
     )
     timestep: float | str = schema.positive_or_auto(
-        "auto: follows the error of the energy balance; a number: all steps are that long", INTERVAL
+        "auto: controlled by the error of the energy balance; a number: the length of all steps",
+        INTERVAL,
     )
     energy_tolerance: float = schema.number(
-        "largest error of the energy balance, over the input, that an automatic timestep aims at",
+        "target for the error of the energy balance, relative to the energy input, of an "
+        "automatic timestep",
         at_least=LEAST_ENERGY_TOLERANCE,
         at_most=1e-3,
         default=ENERGY_TOLERANCE,
     )
     smallest_timestep: float | str = schema.positive_or_auto(
-        "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected",
+        "lower bound of an automatic timestep; auto: a quarter of the timestep for the stiffest "
+        "contact expected",
         INTERVAL,
     )
     largest_timestep: float | str = schema.positive_or_auto(
-        "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
+        "upper bound of an automatic timestep; auto: eight times the timestep for the stiffest "
+        "contact expected",
         INTERVAL,
     )
     frames: int | Literal["auto"] | tuple[float, ...] | tuple[str, ...] = schema.typed(
-        "snapshots, the start and the end among them: how many, evenly spaced, or the times; "
-        f"auto: {AUTO_FRAMES}, {FRAMES_OF_A_FILM} with a film, two thirds of them until the wave is "
-        "expected at the bottom, if that is known",
+        "snapshots, including start and end: their number (evenly spaced), or their times; auto: "
+        f"{AUTO_FRAMES}, {FRAMES_OF_A_FILM} with an animation, two thirds of them before the wave "
+        "is expected at the bottom, if this time is known",
         _FRAMES,
         default=AUTO,
+    )
+    processors: tuple[int, int, int] | Literal["auto"] = schema.typed(
+        "grid of bricks into which the box is divided, one for each rank; auto: the grid with the "
+        "shortest steps by a model of the ghosts and of the growing wave. Results do not depend "
+        "on it",
+        _GRID,
+        default=AUTO,
+    )
+    balance: bool = schema.choice(
+        "divide the box again during the run, so that each rank has as many moving spheres; for "
+        "local impacts on many ranks. Results do not depend on it",
+        (False, True),
+        default=False,
     )
 
     @property
@@ -188,19 +218,21 @@ class Output:
     """``[output]``: form of the snapshots, and records besides snapshots and energies."""
 
     dump_format: str = schema.choice(
-        "form of the dump of snapshots: binary is written and read ten times as fast, text is read by every program",
+        "format of the dump of snapshots: binary is written and read ten times faster, text can "
+        "be read by every program",
         ("binary", "text"),
         default="binary",
     )
     probes: tuple[Probe, ...] = schema.typed(
-        "spheres and contacts recorded at their own rate", _PROBES, default=()
+        "spheres and contacts that are recorded every probe_interval", _PROBES, default=()
     )
     probe_interval: float | str = schema.positive_or_auto(
         "time between records of probes and walls; auto: five timesteps", INTERVAL
     )
     history: int | Literal["auto"] = schema.typed(
-        "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
-        "auto: 1000 (fewer with long bars) for chains of five beads and more; the same for each [[line]], auto: 2000",
+        "number of instants at which the velocity of every bead of a chain and the force of every "
+        "contact are recorded; auto: 1000 (fewer with long bars) for chains of at least five "
+        "beads; for each [[line]] likewise, auto: 2000",
         schema.or_word(
             AUTO,
             schema.CountType(at_least=0, at_most=schema.NO_LIMIT),
@@ -209,14 +241,14 @@ class Output:
         default="auto",
     )
     contact_forces: bool = schema.choice(
-        "forces of all contacts at every snapshot, with forces and spins of the spheres; for granwave infer, and "
-        "run.contact_forces in Python",
+        "record the forces of all contacts, and the forces and angular velocities of the spheres, "
+        "at every snapshot; for granwave infer, and run.contact_forces in Python",
         (False, True),
         default=False,
     )
     parts: bool | Literal["auto"] = schema.typed(
-        "files of snapshots, contacts and checkpoints, one from each rank instead of one from all; "
-        "auto: from 10 million spheres on",
+        "each rank writes its own files of snapshots, contacts and checkpoints; auto: from 10 "
+        "million spheres on",
         _PARTS,
         default="auto",
     )
@@ -236,20 +268,29 @@ FIGURES_AFTER_ADDED = (
     "probes", "wave_front",
     "force_map", "force_histories", "along_chain", "bead_velocities", "transmission", "amplitude_sweep", "bars",
     "sensors", "line_speeds", "line_decay", "accelerations", "directions",
+    "contact_network", "force_distribution", "line_diagram", "force_at_depths", "energy_by_region",
 )  # fmt: skip
-#: Names of further figures of the core, which are drawn only where they are asked for by name.
-FIGURES_ON_REQUEST = ("contact_network", "force_distribution", "line_diagram")
+#: Figures of the core that are drawn unless others are asked for: those that answer what a run is
+#: made for, and those of records and planes that its case asks for.
+FIGURES_BY_DEFAULT = (
+    "peak_force_principal", "peak_force_section", "peak_force_depth", "dissipation_section",
+    "plastic_zone_size", "energies", "bottom_force", "target", "probes",
+    "force_map", "along_chain", "transmission", "amplitude_sweep", "bars",
+    "sensors", "line_speeds", "line_decay", "accelerations",
+)  # fmt: skip
 FORMATS = ("pdf", "svg")  # of figures, besides PNG
 FILM_FORMATS = ("mp4", "gif", "webp")
 COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
 _LIMITS = schema.vector_type(
-    2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high
+    2,
+    "two increasing numbers above 0: the lower and the upper limit",
+    lambda low, high: 0 < low < high,
 )
 
 
 NO_NORMAL = "a normal that is not [0, 0, 0]"
 _PLANE_FORM = (
-    '"x", "y" or "z" (the normal; through the struck sphere), or {normal = [x, y, z], through = [x, y, z]} '
+    '"x", "y" or "z" (the normal; through the impacted sphere), or {normal = [x, y, z], through = [x, y, z]} '
     "with a point in m"
 )
 
@@ -259,11 +300,11 @@ class CutPlane:
     """A plane through a packing."""
 
     normal: tuple[float, float, float] = schema.typed(
-        "normal of the plane, of any length but 0",
+        "normal of the plane, of any nonzero length",
         schema.vector_type(3, "[x, y, z]", lambda *normal: any(normal), NO_NORMAL),
     )
     through: tuple[float, float, float] | None = schema.typed(
-        "point of the plane; the centre of the struck sphere by default",
+        "point of the plane; default: the centre of the impacted sphere",
         schema.vector_type(3, "[x, y, z] in m"),
         unit="m",
         default=None,
@@ -281,23 +322,28 @@ _PLANE = schema.EitherType(
     ),
     form=_PLANE_FORM,
 )
-_ONLY_FORM = 'a list of names of figures, as ["energies", "packing_3d"]'
-_COLOUR_MAP_FORM = 'the name of a colour map of matplotlib, as "viridis"'
-_FORMATS_FORM = f"a list of some of {', '.join(FORMATS)}, or [] for PNG alone"
+_ONLY_FORM = 'a list of names of figures, such as ["energies", "packing_3d"]'
+_DEPTHS_FORM = "a list of depths above 0 in m, such as [0.02, 0.05]"
+_COLOUR_MAP_FORM = 'the name of a matplotlib colour map, such as "viridis"'
+_FORMATS_FORM = f"a list of some of {', '.join(FORMATS)}, or [] for PNG only"
 
 
 @cache
 def figure_names() -> tuple[str, ...]:
     """Return the names of the figures of a run, in the order of reports."""
-    own = dict.fromkeys((*FIGURES_BEFORE_ADDED, *FIGURES_AFTER_ADDED, *FIGURES_ON_REQUEST))
+    own = dict.fromkeys((*FIGURES_BEFORE_ADDED, *FIGURES_AFTER_ADDED))
     added = joined("figure", own, {one.name: one.figures for one in extensions()})
     names_added = [name for name in added if name not in own]
-    return (*FIGURES_BEFORE_ADDED, *names_added, *FIGURES_AFTER_ADDED, *FIGURES_ON_REQUEST)
+    return (*FIGURES_BEFORE_ADDED, *names_added, *FIGURES_AFTER_ADDED)
 
 
+@cache
 def usual_figure_names() -> tuple[str, ...]:
     """Return the names of the figures that are drawn unless others are asked for."""
-    return tuple(name for name in figure_names() if name not in FIGURES_ON_REQUEST)
+    usual = set(FIGURES_BY_DEFAULT)
+    for extension in extensions():
+        usual |= extension.figures.keys() - set(extension.figures_on_request)
+    return tuple(name for name in figure_names() if name in usual)
 
 
 def _figure_name(name: str) -> str:
@@ -308,8 +354,8 @@ def _figure_name(name: str) -> str:
     return name
 
 
-def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(names))
+def _each_once(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    return tuple(dict.fromkeys(values))
 
 
 def _colour_map(name: str) -> str:
@@ -334,6 +380,11 @@ _ONLY = schema.ListType(
     at_least=0,
     finish=_each_once,
 )
+_DEPTHS = schema.ListType(
+    item=schema.NumberType(above=0.0, form=_DEPTHS_FORM),
+    expected=_DEPTHS_FORM,
+    finish=_each_once,
+)
 _COLOUR_MAP = schema.TextType(expected=_COLOUR_MAP_FORM, may_be_empty=True, finish=_colour_map)
 _FORMATS = schema.ListType(
     item=schema.TextType(expected=_FORMATS_FORM, may_be_empty=True),
@@ -349,55 +400,77 @@ class Figures:
     """``[figures]``: what is drawn of a run, and how; none of it changes a result."""
 
     only: tuple[str, ...] = schema.typed(
-        "names of the figures to draw; by default all that apply, but contact_network, "
-        "force_distribution and line_diagram",
+        "names of the figures to draw; default: cut packing, section, peak force against depth or "
+        "along the chain, plastic zone, energies, force at the bottom, and the records requested "
+        "by the case",
         _ONLY,
         default=(),
     )
+    all: bool = schema.choice(
+        "draw all applicable figures (ignored if only is set)", (True, False), default=False
+    )
     plane: CutPlane | None = schema.typed(
-        "plane of a section of your own, besides the principal and the orthogonal one; its figures end in _section",
+        "plane of an additional section; the names of its figures end in _section",
         _PLANE,
         default=None,
     )
+    depths: tuple[float, ...] | None = schema.typed(
+        "depths of the figure force_at_depths, below the centre of the impacted sphere; "
+        "default: up to five between layers, or along the chain",
+        _DEPTHS,
+        unit="m",
+        default=None,
+    )
     colour_map: str | None = schema.typed(
-        "colour map of sections, cut packings, maps, films and pages; by default viridis for forces and velocities, "
-        "inferno for dissipation, cividis for dents",
+        "colour map of sections, cut packings, maps, animations and pages; default: viridis for "
+        "forces and velocities, inferno for dissipation, cividis for plastic indentations",
         _COLOUR_MAP,
         default=None,
     )
     force_limits: tuple[float, float] | None = schema.typed(
-        "ends of the colour scale of forces, over the force at first yield, or over the largest force where nothing "
-        "yields; by default they fit the values",
+        "limits of the colour scale of forces, relative to the force at first yield, or to the "
+        "largest force if nothing yields; default: the range of the values",
         _LIMITS,
         default=None,
     )
     dissipation_limits: tuple[float, float] | None = schema.typed(
-        "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default",
+        "limits of the colour scale of dissipation, relative to the energy input; default: 1e-6 "
+        "and 0.1",
         _LIMITS,
         default=None,
     )
     width: float = schema.number(
-        "width of a figure of one column; wider ones grow in proportion, texts stay as they are",
+        "width of a single-column figure; wider figures scale in proportion, font sizes do not "
+        "change",
         "m",
         at_least=0.05,
         at_most=0.5,
         default=COLUMN,
     )
     formats: tuple[str, ...] = schema.typed(
-        "files of each figure besides the PNG and the CSV of its data; each form adds to the time of drawing",
+        "additional file formats of each figure, as well as PNG and the CSV file of its data; "
+        "each format takes additional time",
         _FORMATS,
         default=("pdf",),
     )
     film: str = schema.choice(
-        f"form of a film that is made with the figures, film.mp4 for one; there are {FRAMES_OF_A_FILM} snapshots then, "
-        "where run.frames is not given",
+        "format of an animation that is made with the figures, such as film.mp4; run.frames is "
+        f"then {FRAMES_OF_A_FILM} by default",
         ("none", *FILM_FORMATS),
         default="none",
     )
     view: bool = schema.choice(
-        "a page to turn and cut the packing in a browser, view.html, made with the figures", (True, False),
+        "make view.html with the figures, a page to rotate and cut the packing in a "
+        "browser", (True, False),
         default=False,
     )  # fmt: skip
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """Names of the figures to draw, as far as they apply."""
+        if self.only:
+            return self.only
+        return figure_names() if self.all else usual_figure_names()
 
     @property
     def products(self) -> dict[str, str]:

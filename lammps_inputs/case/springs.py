@@ -89,7 +89,8 @@ def springs_table(spheres: RestartSpheres, walls: Mapping[tuple[str, int], str])
     Parameters
     ----------
     walls
-        Names of walls by fix and side: 0 for the lower wall, 1 for the upper one.
+        Names of walls by fix and side: 0 for the lower wall, 1 for the upper one. Springs at other
+        walls are left out.
     """
     return "\n".join([",".join(_COLUMNS), *_rows(spheres, walls)]) + "\n"
 
@@ -102,9 +103,11 @@ def _rows(spheres: RestartSpheres, walls: Mapping[tuple[str, int], str]) -> Iter
                 first, second = pair.tolist()
                 yield f"{first},{second},{','.join(map(repr, spring.tolist()))}"
     for wall in spheres.walls:
+        name = walls.get((wall.fix, wall.side))
+        if name is None:
+            continue
         for sphere, spring in zip(wall.ids.tolist(), wall.springs(friction=True), strict=True):
             if spring.any():
-                name = walls[wall.fix, wall.side]
                 yield f"{name},{sphere},{','.join(map(repr, spring.tolist()))}"
 
 

@@ -25,7 +25,7 @@ def check_boundary(case: Case, errors: ErrorList) -> None:
         (
             case.boundary.bottom_rule.holds_layer and nz == 1,
             "boundary.bottom",
-            Mismatch('"fixed" with a single layer, which is struck', "two layers or more"),
+            Mismatch('"fixed" with a single layer, which is impacted', "two layers or more"),
         )
     )
     if case.boundary.bottom_rule.repeats and not case.packing.rule.is_chain:
@@ -38,7 +38,9 @@ def _check_period(case: Case, errors: ErrorList) -> None:
     """Check that grains of a file that repeat have a period."""
     found = '"periodic" with packing.kind = "file"'
     if case.boundary.bottom_rule.repeats:
-        errors.add("boundary.bottom", Mismatch(found, remedy="packing.cell says how they repeat"))
+        errors.add(
+            "boundary.bottom", Mismatch(found, remedy="use packing.cell to define how they repeat")
+        )
     if case.boundary.periodic and case.packing.period is None:
         raise WrongTable("packing.period")  # see `grains.check_places`
 
@@ -65,7 +67,7 @@ def _check_endless(case: Case, errors: ErrorList) -> None:
         (
             nz % rule.layer_period,
             "packing.size",
-            Mismatch(f"{nz} layers", f"a multiple of {rule.layer_period} for an endless {kind}"),
+            Mismatch(f"{nz} layers", f"a multiple of {rule.layer_period} for a periodic {kind}"),
         ),
     )
 
@@ -114,24 +116,27 @@ def check_bars(case: Case, errors: ErrorList) -> None:
             case.bar and case.boundary.bottom_rule.bears,
             "boundary.bottom",
             Mismatch(
-                f"{show(case.boundary.bottom)} beside [bar]", '"free": the bar is what is below'
+                f"{show(case.boundary.bottom)} together with [bar]",
+                '"free": the bar supports the chain',
             ),
         ),
         (
             case.incident_bar and case.striker,
             "striker",
-            Mismatch("beside [incident_bar]", remedy="take one of them out"),
+            Mismatch("together with [incident_bar]", remedy="remove one of them"),
         ),
         (
             case.incident_bar and not load.takes_incident_bar,
             "load.kind",
-            Mismatch(show(load.kind), "a force: it acts on the free end of the incident_bar"),
+            Mismatch(
+                show(load.kind), 'kind = "force", which acts on the free end of the incident_bar'
+            ),
         ),
         (
             has_bar and any(load.way[:2]),
             "load.direction",
             Mismatch(
-                f"{show(load.keys().get('direction'))} beside a bar, which moves along z alone",
+                f"{show(load.keys().get('direction'))} with a bar, which moves only along z",
                 "[0, 0, 1]",
             ),
         ),
@@ -152,8 +157,8 @@ def _check_bar(case: Case, name: str, bar: Bar, errors: ErrorList) -> None:
             f"{name}.elements",
             Mismatch(
                 f"{bar.elements} in {bar.length:g} m",
-                f"{math.ceil(bar.length / longest)} or more: elements of at most "
-                f"{_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses",
+                f"{math.ceil(bar.length / longest)} or more: elements longer than "
+                f"{_LONGEST_ELEMENT} bead diameters cannot carry the pulses of a chain",
             ),
         ),
     )
@@ -168,14 +173,14 @@ def check_holder(case: Case, errors: ErrorList) -> None:
         (
             friction and not case.packing.rule.is_chain,
             key,
-            Mismatch(f"{friction:g} for {case.packing.kind}", "0: only chains lie in a holder"),
+            Mismatch(f"{friction:g} for {case.packing.kind}", "0: only chains lie in a guide"),
         ),
         (
             friction and upright,
             key,
             Mismatch(
                 f'{friction:g} under precompression.kind = "gravity"',
-                "0: a chain that stands has no holder",
+                "0: an upright chain has no guide",
             ),
         ),
     )

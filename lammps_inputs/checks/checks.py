@@ -13,6 +13,7 @@ from granwave.lammps_inputs.checks import (
     grains,
     ids,
     loads,
+    normals,
     packing,
     precompression,
     region_walls,
@@ -122,6 +123,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         packing.check_losses,
         packing.check_rates,
         packing.check_cohesion,
+        normals.check_normals,
         strikers.check_below,
         strikers.check_held_strikers,
     ):

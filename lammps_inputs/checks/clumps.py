@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_ways import KEY
+from granwave.lammps_inputs.case.contact_ways import DAMPED, KEEP, KEY, RELAX, RELAXATION
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.errors import Mismatch
@@ -30,22 +30,31 @@ def check_clumps(case: Case, errors: ErrorList) -> None:
             return
     if case.boundary.periodic and case.packing.period is not None:
         _check_period(grains, case.packing.period, errors)
-    stage = case.precompression
-    if stage is not None:
-        way = case.packing.contact_way
-        is_by_contacts = way is not None and way.presses
-        found = show(case.packing.contacts if is_by_contacts else stage.kind)
-        errors.add(
-            KEY if is_by_contacts else "precompression.kind",
-            Mismatch(
-                f"{found} with clumps, whose static balance is not computed",
-                remedy="take it out, and let clumps begin apart or just touching",
-            ),
-        )
+    _check_static_load(case, errors)
     for key, entry in numbered("absorb", case.absorb).items():
-        _check_free(grains, entry.index or (), f"{key}.index", "absorbs the waves of", errors)
+        _check_free(grains, entry.index or (), f"{key}.index", "absorbs waves of", errors)
     for key, hold in case.held.items():
         _check_free(grains, held_ids(case, hold), key, "holds", errors)
+
+
+def _check_static_load(case: Case, errors: ErrorList) -> None:
+    """Check that a static load on clumps is one that a damped run brings to balance, or that they
+    start as found.
+    """
+    stage = case.precompression
+    if stage is None or case.settles_damped or not case.seeks_balance:
+        return
+    way = case.packing.contact_way
+    is_by_contacts = way is not None and way.presses
+    found = show(case.packing.contacts if is_by_contacts else stage.kind)
+    errors.add(
+        KEY if is_by_contacts else "precompression.kind",
+        Mismatch(
+            f"{found} with clumps, which the minimiser does not move as rigid bodies",
+            f'{KEY} = "{RELAX.name}" with packing.{RELAXATION} = "{DAMPED}"',
+            f'or use {KEY} = "{KEEP.name}" to start as found',
+        ),
+    )
 
 
 def _check_clump(grains: Grains, number: int, ids: Sequence[int], errors: ErrorList) -> bool:
@@ -63,7 +72,9 @@ def _check_clump(grains: Grains, number: int, ids: Sequence[int], errors: ErrorL
         other = ids[int(unlike[0])]
         pair = f"grains {grains.called(ids[0])} and {grains.called(other)} of clump {number}"
         found = f"{pair} with different velocities"
-        fault = Mismatch(found, "one velocity for all grains of a clump, which begin without spin")
+        fault = Mismatch(
+            found, "one velocity for all grains of a clump, which starts without rotation"
+        )
         ids = (ids[0], other)
     else:
         return True
@@ -116,7 +127,9 @@ def check_loaded_clumps(assembly: Assembly, errors: ErrorList) -> None:
         grain = struck[0]
         found = f"{show(load.kind)} on grain {grain} of clump {grains.clump[grain - 1]}"
         expected = "a load on single grains, or by a striker"
-        remedy = 'give all grains of a clump a velocity by columns vx, vy, vz and kind = "grains"'
+        remedy = (
+            'set the velocity of all grains of a clump by columns vx, vy, vz and kind = "grains"'
+        )
         errors.add("load.index", Mismatch(found, expected, remedy))
     if case.boundary.bottom_rule.holds_layer:
         layer = [one for one in assembly.lattice.last_layer.tolist() if one in members]

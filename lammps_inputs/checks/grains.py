@@ -29,9 +29,9 @@ _PLACED = ("packing.grains", "packing.file", "packing.gaps", "grains.")
 _LEAST_PERIOD = 2.5
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
 _OF_LATTICES = {
-    "replace": "the file gives each grain its diameter and material",
-    "bar": "a bar needs a chain",
-    "incident_bar": "a bar needs a chain",
+    "replace": "the file sets the diameter and material of each grain",
+    "bar": "a bar requires a chain",
+    "incident_bar": "a bar requires a chain",
 }
 
 
@@ -48,7 +48,7 @@ def check_columns(case: Case, errors: ErrorList) -> None:
             (
                 getattr(case, name),
                 name,
-                Mismatch(f'with packing.kind = "file": {reason}', remedy="take it out"),
+                Mismatch(f'with packing.kind = "file": {reason}', remedy="remove it"),
             )
             for name, reason in _OF_LATTICES.items()
         ),
@@ -123,7 +123,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
                     Mismatch(
                         f"{period:g} m along {letter}",
                         f"at least {least:g} m, {_LEAST_PERIOD:g} of the largest diameters; "
-                        "repeat the grains",
+                        "repeat the grains to make it longer",
                     ),
                 )
                 for letter, period in zip("xy", packing.period or (), strict=False)
@@ -134,8 +134,12 @@ def check_places(case: Case, errors: ErrorList) -> None:
     places = Places(grains, packing.diameter, packing.period if periodic else None)
     at_ends = end_contacts(grains, TOUCHING * places.diameter) if any(grains.shape) else []
     if at_ends:
-        text = ", which touch at the end of a cylinder{}; its side has a law, its end none: move them apart, or make the"
+        text = (
+            ", which touch at the end of a cylinder{}; only its side has a contact law: move "
+            "them apart, or make the"
+        )
         _add_pair(errors, grains, at_ends[0], f"{text} cylinder longer", len(at_ends))
+    _check_enclosure(case, grains, errors)
     pairs, overlaps = places.overlapping()
     if at_ends:
         other = np.array([tuple(pair) not in at_ends for pair in pairs.tolist()], dtype=bool)
@@ -148,8 +152,8 @@ def check_places(case: Case, errors: ErrorList) -> None:
                 "precompression.kind",
                 Mismatch(
                     '"overlaps" with grains that do not overlap',
-                    "at least two that do",
-                    'move them together, or take another kind, such as "walls"',
+                    "at least two overlapping grains",
+                    'move them together, or use another kind, such as "walls"',
                 ),
             ),
         )
@@ -157,7 +161,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
         shared = 2 / (2 / grains.diameter[pairs - 1]).sum(axis=1)  # effective radii
         worst = int(np.argmax(overlaps / shared))
         if overlaps[worst] > (most := LARGEST * shared[worst]):
-            text = f"as precompression expected at most {most:.3g} m, {LARGEST} R*"
+            text = f"with precompression expected at most {most:.3g} m, {LARGEST} R*"
             _add_pair(
                 errors,
                 grains,
@@ -167,11 +171,45 @@ def check_places(case: Case, errors: ErrorList) -> None:
         return
     first, second = grains.position[pairs[0] - 1]
     if (first == second).all():
-        text = " at one place{}; expected places of their own"
+        text = " at the same position{}; expected different positions"
     else:
         advice = advice_on(case, grains, places.period)
         text = f", which overlap by {overlaps[0]:.3g} m{{}}; {advice.remedy}"
     _add_pair(errors, grains, pairs[0].tolist(), text, len(pairs))
+
+
+def _check_enclosure(case: Case, grains: Grains, errors: ErrorList) -> None:
+    """Check that no centre of a grain is beyond a plane of the enclosure that is a wall."""
+    enclosure = case.packing.enclosure
+    boundary = vars(case).get("boundary")  # which may be wrong
+    if enclosure is None or boundary is None:
+        return
+    planes: dict[str, tuple[float, float]] = {}
+    for letter, ends in (("x", enclosure.x), ("y", enclosure.y)):
+        if ends is not None and boundary.has_planes(letter):
+            planes[letter] = ends
+    if enclosure.bottom is not None and boundary.bottom_rule.has_plane:
+        planes["z"] = (-np.inf, enclosure.bottom)
+    for letter, (low, high) in planes.items():
+        along = grains.position[:, "xyz".index(letter)]
+        beyond = np.flatnonzero((along < low) | (along > high))
+        if not len(beyond):
+            continue
+        grain = grains.called(int(beyond[0]) + 1)
+        found = (
+            f"{len(beyond)} grains beyond the walls along {letter}, such as grain {grain} at "
+            f"{letter} = {along[beyond[0]]:.6g} m (the grains are at {along.min():.6g} to "
+            f"{along.max():.6g} m)"
+        )
+        remedy = (
+            "move the walls, or correct packing.units; packing.up turns all axes of the file "
+            '(with "z", y changes its sign)'
+        )
+        key = "bottom" if letter == "z" else letter
+        errors.add(
+            f"packing.enclosure.{key}", Mismatch(found, "all centres between the walls", remedy)
+        )
+        return
 
 
 def check_cylinders(case: Case, errors: ErrorList) -> None:
@@ -189,18 +227,18 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
         (
             case.boundary.sides_tube,
             "boundary.sides.tube",
-            Mismatch("with cylinders", remedy="a tube holds spheres"),
+            Mismatch("with cylinders", remedy="a tube can only hold spheres"),
         ),
-        (case.bar, "bar", Mismatch("with cylinders", remedy="a bar touches spheres")),
+        (case.bar, "bar", Mismatch("with cylinders", remedy="a bar can only touch spheres")),
         (
             case.incident_bar,
             "incident_bar",
-            Mismatch("with cylinders", remedy="a bar touches spheres"),
+            Mismatch("with cylinders", remedy="a bar can only touch spheres"),
         ),
         (
             case.packing.tilt,
             "packing.tilt",
-            Mismatch("with cylinders", remedy="they do not roll on a tilted floor"),
+            Mismatch("with cylinders", remedy="cylinders do not roll on a tilted floor"),
         ),
         (
             given and not isinstance(given, str),
@@ -215,8 +253,8 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
         for letter in planes:
             if _OBLIQUE < abs(shape.axis["xyz".index(letter)]) < 1 - _OBLIQUE:
                 axis = show(list(shape.axis))
-                found = f"cylinders along {axis}, oblique to the wall across {letter}"
-                fault = Mismatch(found, "an axis along it or normal to it")
+                found = f"cylinders along {axis}, oblique to the {letter} walls"
+                fault = Mismatch(found, "an axis parallel or normal to the wall")
                 if packed is None:
                     errors.add("packing.axis", fault)
                 else:
@@ -225,7 +263,7 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
         if packed is not None and cylinder_pair(one, other).nearly_parallel:
             axes = f"{show(list(one.axis))} and {show(list(other.axis))}"
             found = f"cylinders along {axes}, which are nearly parallel"
-            fault = Mismatch(found, "parallel axes, or axes at 1 degree or more")
+            fault = Mismatch(found, "parallel axes, or an angle of 1 degree or more")
             _add(errors, packed, [packed.shape.index(other) + 1], fault)
             return
 
@@ -246,7 +284,9 @@ def _add_pair(
 
 
 def check_loaded(case: Case, errors: ErrorList) -> None:
-    """Check that grains of a file move if they are the load, and that one that is struck does not."""
+    """Check that grains of a file move if they are the load; another load replaces the velocities
+    of the grains that it acts on.
+    """
     grains = case.packing.grains
     load = case.load
     found = show(load.kind)
@@ -254,13 +294,8 @@ def check_loaded(case: Case, errors: ErrorList) -> None:
         fault = Mismatch(f"{found} with packing.kind = {show(case.packing.kind)}", 'it with "file"')
         errors.check((load.moves_grains, "load.kind", fault))
         return
-    fault = Mismatch(f"{found}, but no grain has a velocity", remedy="give columns vx, vy, vz")
+    fault = Mismatch(f"{found}, but no grain has a velocity", remedy="add columns vx, vy, vz")
     errors.check((load.moves_grains and not grains.velocity.any(), "load.kind", fault))
-    struck = load.index or () if load.gives_velocity else ()
-    moving = [one for one in struck if one <= len(grains) and grains.velocity[one - 1].any()]
-    for grain in moving[:1]:
-        twice = f"grain {grain}, which has a velocity in the file"
-        errors.add("load.index", Mismatch(twice, remedy="give one of them"))
 
 
 def check_held(case: Case, errors: ErrorList) -> None:
@@ -294,7 +329,7 @@ def check_held(case: Case, errors: ErrorList) -> None:
             (
                 not hold.axes and not hold.rotation,
                 key,
-                "holds nothing; give directions, or rotation = true",
+                "holds nothing; set directions, or rotation = true",
             )
         )
         rows = np.array(hold.index or (grains.of_group(hold.group or "") if grains else ())) - 1
@@ -308,7 +343,8 @@ def check_held(case: Case, errors: ErrorList) -> None:
                 (
                     len(there),
                     key,
-                    f"holds grain {there[0] + 1} along {letter}, along which the file gives it a velocity",
+                    f"holds grain {there[0] + 1} along {letter}, along which it has a velocity "
+                    'in the file; packing.velocities = "drop" ignores the velocities of the file',
                 )
                 for letter, there in moving.items()
                 if len(there)
@@ -330,7 +366,8 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
         errors.add(
             key,
             Mismatch(
-                "it without walls", remedy='give x or y or sides = "wall", or sides = {tube = ...}'
+                "this key without walls",
+                remedy='set x, y or sides to "wall", or sides = {tube = ...}',
             ),
         )
         return True
@@ -388,17 +425,17 @@ def check_tube(case: Case, errors: ErrorList) -> None:
             0 < stage.moves.get("tube", 0.0) >= room,
             "precompression.tube",
             Mismatch(
-                f"{stage.moves.get('tube', 0.0):g} m, by which a tube of {tube:.9g} "
-                f"m gets narrower than {least}",
-                remedy="give a wider tube, or a smaller distance",
+                f"{stage.moves.get('tube', 0.0):g} m, which would make a tube of {tube:.9g} m "
+                f"narrower than {least}",
+                remedy="use a wider tube, or a smaller distance",
             ),
         ),
         (
             "tube" in stage.presses and room <= 0,
             "precompression.tube_force",
             Mismatch(
-                f"a tube of {tube:.9g} m that shrinks, but is no wider than {least}",
-                remedy="give a wider tube",
+                f"a tube of {tube:.9g} m that shrinks, but is not wider than {least}",
+                remedy="use a wider tube",
             ),
         ),
     )
@@ -418,13 +455,13 @@ def check_lines(assembly: Assembly, errors: ErrorList) -> None:
             (
                 line.index is not None and line.start is not None,
                 f"{key}.index",
-                Mismatch("beside start", remedy="give one of them"),
+                Mismatch("together with start", remedy="specify only one of them"),
             ),
             *(
                 (
                     one in vacant,
                     f"{key}.{name}",
-                    Mismatch(f"{one}, a vacant site", "a grain that is there"),
+                    Mismatch(f"{one}, a vacant site", "an existing grain"),
                 )
                 for name, one in named
             ),
@@ -436,6 +473,6 @@ def check_lines(assembly: Assembly, errors: ErrorList) -> None:
         )
         if fits and (found := len(line_ids(assembly, line))) < 2:
             grains = f"{found} grain{'' if found == 1 else 's'}"
-            remedy = "give another direction or start, or the ids as index"
+            remedy = "change direction or start, or list the ids in index"
             fault = Mismatch(f"{grains} along {show(list(line.direction))}", "two or more", remedy)
             errors.add(key, fault)

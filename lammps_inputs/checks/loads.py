@@ -36,9 +36,9 @@ from granwave.lammps_inputs.packing.places import layout_of, struck_spheres
 def check_excluded(case: Case, errors: ErrorList) -> None:
     """Check that the case has no table and no static stage that its load excludes."""
     load = case.load
-    beside = f"beside load.kind = {show(load.kind)}"
+    beside = f"together with load.kind = {show(load.kind)}"
     for table, reason in load.excludes.items():
-        text = f"found {beside}, {reason}; take one of them out"
+        text = f"found {beside}, {reason}; remove one of them"
         errors.check((getattr(case, table), table, text))
     stage = case.precompression
     if stage is None or load.only_stage is None:
@@ -80,7 +80,7 @@ _FREQUENCIES = 201  # of a load of many frequencies
 _PART = 0.5  # of the frequencies that a row passes: if more arrive too late, the case is refused
 _TOLERANCE = 1e-9  # for a run that is as long as it must be
 _KEY = "run.end_time"
-_STEADY = " (twice that and load.ramp: the last half of the run is to be steady)"
+_STEADY = " (twice that and load.ramp: the last half of the run must be steady)"
 _FITTED = ("harmonic", "up-and-down")  # shapes of one frequency, whose amplitudes are fitted
 
 Array = NDArray[np.float64]
@@ -108,8 +108,8 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     least = math.ceil(LEAST_PER_PERIOD / period * case.run.longest * (1 + _TOLERANCE))
     if 0 < n < least:
         _LOG.warning(
-            "%s: output.history: found %d instants, expected %d or more: %d in a period of %.4g s, or nothing is "
-            "measured", case.name, n, least, LEAST_PER_PERIOD, period,
+            "%s: output.history: found %d instants, expected %d or more: %d in a period of %.4g "
+            "s, otherwise nothing is measured", case.name, n, least, LEAST_PER_PERIOD, period,
         )  # fmt: skip
     if not load.slants:  # the theory of a row is that of waves along z
         _check_arrival(assembly, load, row, errors)
@@ -123,23 +123,27 @@ def _too_few_periods(load: DrivenLoad, end: float) -> str:
     ends = end * (1 + _TOLERANCE)
     if load.shape == "harmonic" and ends < (least := 2 * LEAST_PERIODS * period):
         return (
-            f"{_KEY}: found {end:g} s, expected {_up(least)} s or more: the steady motion is fitted over whole periods "
-            f"in the last half of a run, at least {LEAST_PERIODS} of {period:.4g} s"
+            f"{_KEY}: found {end:g} s, expected {_up(least)} s or more: the steady motion is "
+            "fitted over whole periods in the last half of the run, over at least "
+            f"{LEAST_PERIODS} of {period:.4g} s"
         )
     if load.shape == "up-and-down" and load.lasts < (
         least := LEAST_WINDOWS * WINDOW_PERIODS * period
     ):
         return (
-            f"load.duration: found {load.lasts:g} s, expected {_up(least)} s or more: the amplitudes of "
-            f"{LEAST_WINDOWS} windows of {WINDOW_PERIODS} periods at least are compared"
+            f"load.duration: found {load.lasts:g} s, expected {_up(least)} s or more: amplitudes "
+            f"are compared in at least {LEAST_WINDOWS} windows of {WINDOW_PERIODS} periods"
         )
     if ends < load.lasts < math.inf:
         what = (
-            "its amplitudes rising and falling are compared"
+            "rising and falling amplitudes are compared"
             if load.shape == "up-and-down"
-            else "all of it is heard"
+            else "the whole signal is recorded"
         )
-        text = f"found {end:g} s, expected {_up(load.lasts)} s or more: the load lasts so long, and {what} then"
+        text = (
+            f"found {end:g} s, expected {_up(load.lasts)} s or more: this is the duration of "
+            f"the load, in which {what}"
+        )
         return f"{_KEY}: {text}"
     return ""
 
@@ -150,7 +154,9 @@ def _check_arrival(
     """Check that waves have come from the loaded grain to the last one, and are steady where they
     are to be.
     """
-    row, case, (first, last) = row_of(assembly), assembly.case, measured.ends
+    row = row_of(assembly)
+    case = assembly.case
+    first, last = measured.ends
     if row is None:
         return
     end = case.run.longest
@@ -180,9 +186,11 @@ def _check_arrival(
         low = float(frequency[late].min())
         high = float(frequency[late].max())
         text = (
-            f"found {end:g} s, but waves of {low:.4g} to {high:.4g} Hz, the slower the nearer to the edge of a band, "
-            f"come from sphere {first} to {last} after {float(due[late].min()):.3g} to {float(due[late].max()):.3g} s: "
-            "their transmission will be too small; give a longer run, fewer spheres between, or other frequencies"
+            f"found {end:g} s, but waves of {low:.4g} to {high:.4g} Hz, which are slower near the "
+            f"edge of a band, travel from sphere {first} to {last} after "
+            f"{float(due[late].min()):.3g} to {float(due[late].max()):.3g} s: their transmission "
+            "will be too small; use a longer run, fewer spheres between these two, or other "
+            "frequencies"
         )
     exact = chain and row.repeats and not case.contact.initial_overlap and case.contact.loss is None
     sure = exact and (float(travel[0]) > end if of_one else late.sum() > _PART * passed.sum())
@@ -194,7 +202,7 @@ def _check_arrival(
         and case.precompression is not None
         and on_contact <= force_of_contact(assembly)
     ):
-        errors.add(_KEY, f"{text}; output.history = 0 runs without measuring it")
+        errors.add(_KEY, f"{text}; set output.history = 0 to run without this measurement")
     else:
         _LOG.warning("%s: %s: %s", case.name, _KEY, text)
 
@@ -242,12 +250,12 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
             (
                 layers and case.packing.grains is not None,
                 f"{key}.layers",
-                Mismatch("for grains of a file, which have no layers", remedy="give index"),
+                Mismatch("for grains of a file, which have no layers", remedy="use index"),
             ),
             (
                 layers >= max(2, lattice.shape[2]),
                 f"{key}.layers",
-                Mismatch(f"{layers}", f"fewer than all {lattice.shape[2]} layers"),
+                Mismatch(f"{layers}", f"fewer than {lattice.shape[2]}, the number of layers"),
             ),
         )
         errors.check(
@@ -262,15 +270,15 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
                 entry.impedance == MATCHED and no_force and not by_rate,
                 f"{key}.impedance",
                 Mismatch(
-                    f"{show(MATCHED)} for a packing whose contacts bear no known static "
-                    "force along z, so that there is no impedance of long waves",
-                    "a number, N s/m, or a precompression",
+                    f"{show(MATCHED)} for a packing without a known static force along z, for "
+                    "which the impedance of long waves is undefined",
+                    "a number (N s/m), or a precompression",
                 ),
             ),
             (
                 entry.impedance is not None and entry.towards != Absorb.towards,
                 f"{key}.towards",
-                "belongs to a rate; an impedance is the same for each sphere",
+                "applies only to rate; the impedance is uniform",
             ),
         )
         if len(errors.items) > before:
@@ -284,7 +292,7 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
                 (
                     True,
                     key,
-                    f"damps sphere {one}, whose displacement is prescribed; expected others",
+                    f"damps sphere {one}, whose displacement is prescribed; remove it from here",
                 )
                 for one in moved[:1]
             ),
@@ -297,7 +305,7 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
                 (
                     True,
                     key,
-                    f"damps sphere {one}, which {seen[one]} damps too; expected each sphere once",
+                    f"damps sphere {one}, which {seen[one]} also damps; remove it from one of them",
                 )
                 for one in twice[:1]
             ),
@@ -332,7 +340,7 @@ def check_struck(assembly: Assembly, errors: ErrorList) -> None:
             table = key.partition(".")[0]
             fault = (
                 f"holds sphere {held[0]} along {' and '.join(along)}, in which the load moves it; "
-                f"leave it out of [[{table}]], or strike another (load.index)"
+                f"remove it from [[{table}]], or load another sphere (load.index)"
             )
             errors.add(key, fault)
     held = sorted(struck & set(assembly.lattice.last_layer.tolist()))

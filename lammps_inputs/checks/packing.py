@@ -47,7 +47,10 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
         _check_replaced(case, entry, key, errors)
     if packing.tilt is None:
         return
-    found = f"above packing.diameter, {packing.diameter:g} m, beside packing.tilt; make that the largest diameter"
+    found = (
+        f"above packing.diameter, {packing.diameter:g} m, together with packing.tilt; set "
+        "packing.diameter to the largest diameter"
+    )
     errors.check(
         (
             not packing.rule.is_layer,
@@ -57,16 +60,17 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
         (
             packing.vacancies,
             "packing.vacancies",
-            Mismatch("beside packing.tilt", remedy="spheres beside a vacancy would roll into it"),
+            Mismatch(
+                "together with packing.tilt", remedy="spheres next to a vacancy would roll into it"
+            ),
         ),
         (
             case.precompression,
             "precompression",
             Mismatch(
-                "beside packing.tilt, which closes contacts without force: the "
-                "static stage has no weight along the floor that would hold the "
-                "spheres in their corner",
-                remedy="take one of them out",
+                "together with packing.tilt, which closes contacts without force: in the static "
+                "stage no weight along the floor holds the spheres in their corner",
+                remedy="remove one of them",
             ),
         ),
         *(
@@ -82,7 +86,10 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
         (
             case.boundary.periodic,
             "boundary.sides",
-            Mismatch('"periodic" beside packing.tilt', '"wall" or "free": it needs a corner'),
+            Mismatch(
+                '"periodic" together with packing.tilt',
+                '"wall" or "free": the tilt requires a corner',
+            ),
         ),
     )
 
@@ -98,7 +105,7 @@ def _check_replaced(case: Case, entry: Replace, key: str, errors: ErrorList) -> 
         (
             entry.diameter is None and entry.material is None,
             key,
-            "changes nothing; give a material, or a diameter",
+            "has no effect; add a material or a diameter",
         ),
         (
             entry.diameter is not None and scatter >= entry.diameter / 2,
@@ -112,12 +119,12 @@ def _check_replaced(case: Case, entry: Replace, key: str, errors: ErrorList) -> 
         (
             one_way and (low is None) != (high is None),
             f"{key}.{'low' if low is None else 'high'}",
-            "missing; a box has both corners",
+            "missing; a box requires low and high",
         ),
         (
             one_way and low and high and (np.array(low) > high).any(),
             f"{key}.high",
-            Mismatch(f"{list(high or ())}", f"none of it below low, {list(low or ())}"),
+            Mismatch(f"{list(high or ())}", f"no component below low, {list(low or ())}"),
         ),
     )
 
@@ -135,7 +142,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
     chain = bool(packing.vacancies) and packing.rule.is_chain
     wrong = [sphere for sphere in listed if sphere > n]
     errors.check(
-        (chain, key, Mismatch("in a chain, which has none: it would be two chains")),
+        (chain, key, Mismatch("in a chain, where they would leave two chains")),
         *(
             (not chain, key, Mismatch(f"{one}", f"ids from 1 to {n}, the end of the packing"))
             for one in wrong[:1]
@@ -153,11 +160,11 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
                 (
                     True,
                     key,
-                    Mismatch(f"{one}, which {named[one]} needs", "a sphere that nothing names"),
+                    Mismatch(f"{one}, which {named[one]} needs", "a sphere that no other key uses"),
                 )
                 for one in clash
             ),
-            (len(listed) == n, key, Mismatch(f"all {n} spheres", "fewer: it leaves no sphere")),
+            (len(listed) == n, key, Mismatch(f"all {n} spheres", "fewer, so that spheres remain")),
         )
         if not fits:
             return
@@ -168,7 +175,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
                 key,
                 Mismatch(
                     f"{packing.vacancies:g} of {n} spheres, which {error}",
-                    remedy="make the share smaller",
+                    remedy="use a smaller fraction",
                 ),
             )
             return
@@ -181,7 +188,9 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
             fault = Mismatch(f"no sphere in {box}", remedy=f"centres lie from {low} to {high}")
             if entry.share is not None:
                 n_there = np.count_nonzero(present)
-                share = f"a share of {entry.share:g} of {n_there} spheres, which is none"
+                share = (
+                    f"a fraction of {entry.share:g} of {n_there} spheres, which selects no sphere"
+                )
                 fault = Mismatch(share)
             errors.add(f"replace.{place}", fault)
 
@@ -202,9 +211,9 @@ def check_room(case: Case, errors: ErrorList) -> None:
         image = "its own image" if one == other else f"sphere {one + other - large}"
         errors.add(
             _entry_of(case, sites, large),
-            f"sphere {large} of {sites.diameter[large - 1]:g} m overlaps {image} by {-gaps.min():.3g} m"
-            f"{f' (and {more} more)' if more else ''}; make it smaller, or leave out the spheres around it "
-            "(packing.vacancies)",
+            f"sphere {large} of {sites.diameter[large - 1]:g} m overlaps {image} by "
+            f"{-gaps.min():.3g} m{f' (and {more} more)' if more else ''}; make it smaller, or "
+            "remove the spheres around it (packing.vacancies)",
         )
     _check_walls(case, sites, errors)
 
@@ -230,7 +239,7 @@ def _check_walls(case: Case, sites: Sites, errors: ErrorList) -> None:
             errors.add(
                 _entry_of(case, sites, sphere),
                 f"sphere {sphere} of {sites.diameter[sphere - 1]:g} m overlaps the wall {name} by "
-                f"{beyond.max():.3g} m; make it smaller, or take the wall away (boundary)",
+                f"{beyond.max():.3g} m; make it smaller, or remove the wall (boundary)",
             )
 
 
@@ -291,11 +300,11 @@ def _check_yield(case: Case, material: Material | None, key: str, errors: ErrorL
         return
     law = case.contact_between(material, material)
     name = material.name
-    give = "give a number in Pa"
+    give = "set a number (Pa)"
     if name in presets():
-        give = f'{name} has none, write material = {{preset = "{name}", yield_strength = (Pa)}}'
+        give = f'{name} has none; write material = {{preset = "{name}", yield_strength = (Pa)}}'
     errors.check((law.yields, f"{key}.yield_strength",
-                  f'missing; the {law.law} law needs it: {give}, or set contact.law = "hertz"'))  # fmt: skip
+                  f'missing; the {law.law} law requires it: {give}, or set contact.law = "hertz"'))  # fmt: skip
 
 
 def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
@@ -308,7 +317,9 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
         (
             contact.twisting == MARSHALL and not contact.friction,
             f"{key}.twisting",
-            Mismatch(f'"{MARSHALL}" with friction = 0', "friction above 0, by which it resists"),
+            Mismatch(
+                f'"{MARSHALL}" with friction = 0', "friction above 0, from which its torque follows"
+            ),
         ),
         (
             kind and contact.entry.is_power,
@@ -318,7 +329,9 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
         (
             kind == "jkr" and contact.yields,
             f"{key}.cohesion",
-            Mismatch(f'{found}; "jkr" is of elastic spheres', 'law = "hertz", or kind = "dmt"'),
+            Mismatch(
+                f'{found}; "jkr" is a law of elastic spheres', 'law = "hertz", or kind = "dmt"'
+            ),
         ),
     )
     _check_parameters(contact, key, errors)
@@ -336,7 +349,7 @@ def _check_parameters(contact: Contact, key: str, errors: ErrorList) -> None:
     for name, value in contact.foreign.items():
         laws = " or ".join(f'law = "{law}"' for law in laws_with(PARAMETERS[name]))
         found = f'{value:g} with law = "{contact.law}"'
-        errors.add(f"{key}.{name}", Mismatch(found, remedy=f"it belongs to {laws}"))
+        errors.add(f"{key}.{name}", Mismatch(found, remedy=f"it applies only to {laws}"))
     if len(errors.items) > before or not (fault := error_in_parameters(contact)):
         return
     names = list(contact.constants)
@@ -370,14 +383,17 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
         ("contact.initial_overlap", case.contact.initial_overlap), ("boundary.sides.tube", boundary.sides_tube),
         ("cylinders", assembly.has_cylinders),
     ) if there]  # fmt: skip
-    rest = "it begins at rest where no contact bears a force, which is found for equal spheres"
+    rest = (
+        "the run starts at rest without contact forces, a state that is computed only for "
+        "equal spheres"
+    )
     errors.check(
-        *((True, key, Mismatch(f"with {name}", f"a packing without: {rest}")) for name in unlike)
+        *((True, key, Mismatch(f"with {name}", f"a packing without it: {rest}")) for name in unlike)
     )
     if isinstance(assembly.lattice, Places) and assembly.lattice.n_contacts:
         contacts = f"{assembly.lattice.n_contacts} contacts between its grains"
         found = f'with packing.kind = "file" and {contacts}'
-        errors.add(key, Mismatch(found, f"grains that are apart: {rest} on a lattice"))
+        errors.add(key, Mismatch(found, f"grains that do not touch: {rest} on a lattice"))
     gap = boundary.forget_gap * packing.diameter
     radius = packing.diameter / 2
     laws = [] if unlike else [law for law, _ in cohesive_laws(assembly)]
@@ -394,7 +410,7 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
             "boundary.forget_gap",
             Mismatch(
                 f"{boundary.forget_gap:g}, a gap of {gap:.3g} m",
-                f"more than {neck:.3g} m, up to which surfaces are held together by {key}",
+                f"more than {neck:.3g} m, up to which {key} holds surfaces together",
             ),
         ),
         (
@@ -430,7 +446,7 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
             found = show({name: value for name, value in loss.items() if value is not None})
             wrong.setdefault(
                 [*own, "contact.loss"][0],
-                Mismatch(found, f"of {names} a restitution of {error}"),
+                Mismatch(found, f"for {names} a restitution of {error}"),
             )
     errors.check(*((True, key, message) for key, message in wrong.items()))
 
@@ -442,7 +458,7 @@ def _check_damping(case: Case, errors: ErrorList) -> None:
     slides = case.boundary.friction or any(one.friction for one in case.contact_laws)
     without_friction = Mismatch(
         f"{largest:g} with friction = 0",
-        "friction above 0, whose limit bounds the force along the surface",
+        "friction above 0, which limits the tangential force",
         "set contact.friction",
     )
     errors.check((largest and not slides, "contact.loss.tangential", without_friction))

@@ -36,7 +36,8 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
             errors.add(
                 PRECOMPRESSION,
                 Mismatch(
-                    f"beside [{name}], whose far end nothing holds", remedy="take one of them out"
+                    f"together with [{name}], whose far end has no support",
+                    remedy="remove one of them",
                 ),
             )
             return
@@ -46,7 +47,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         (
             stage.strikers and not case.striker,
             f"{PRECOMPRESSION}.strikers",
-            Mismatch("true without [[striker]]", remedy="add a striker, or take it out"),
+            Mismatch("true without [[striker]]", remedy="add a striker, or remove this key"),
         ),
     )
     lattice = packing.grains is None
@@ -57,8 +58,8 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
             f"{PRECOMPRESSION}.{key}",
             Mismatch(
                 f"with packing.kind = {show(packing.kind)}",
-                "grains at places of their own (a file, or [[grains]]): spheres of "
-                "a lattice just touch",
+                "grains at user-defined positions (a file, or [[grains]]): spheres of a lattice "
+                "just touch",
             ),
         ),
     )
@@ -99,21 +100,23 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
         most = getattr(stage, name) * law.yield_force / least
         most_loaded = f" at the top and {largest:.3g} N at the bottom" if least < largest else ""
         fault = (
-            f"found {getattr(stage, name):g} {unit}, about {least:.3g} N on each contact"
-            f"{most_loaded}: all yield, from {law.yield_force:.3g} N on"
+            f"found {getattr(stage, name):g} {unit}, about {least:.3g} N on each "
+            f"contact{most_loaded}, where all yield at {law.yield_force:.3g} N"
         )
-        errors.add(f"{PRECOMPRESSION}.{name}", f"{fault}; give less than {most:.3g} {unit}")
+        errors.add(f"{PRECOMPRESSION}.{name}", f"{fault}; use less than {most:.3g} {unit}")
     elif largest > deepest:
         most = getattr(stage, name) * deepest / largest
-        fault = f"would press contacts with {largest:.3g} N, the law holds up to {deepest:.3g} N ({LARGEST} R*)"
-        errors.add(f"{PRECOMPRESSION}.{name}", f"{fault}; give less than {most:.3g} {unit}")
+        fault = (
+            f"would press contacts with {largest:.3g} N, but the law is valid only up to "
+            f"{deepest:.3g} N ({LARGEST} R*)"
+        )
+        errors.add(f"{PRECOMPRESSION}.{name}", f"{fault}; use less than {most:.3g} {unit}")
     elif _spreads(case, stage, assembly.lattice.shape):
         errors.add(
             "boundary.sides",
             Mismatch(
-                f"{show(case.boundary.sides)} under a {stage.kind} precompression "
-                f"of {case.packing.kind}, which spreads without friction, also "
-                "between walls",
+                f"{show(case.boundary.sides)} under a {stage.kind} precompression of "
+                f"{case.packing.kind}, which spreads without friction, even between walls",
                 f"{_confined(case)}",
             ),
         )
@@ -160,7 +163,9 @@ def _spreads(case: Case, stage: Precompression, shape: tuple[int, int, int]) -> 
     """Return True if the load would push the spheres of a layer apart: no friction, pressure or
     period holds them.
     """
-    (nx, ny, nz), packing, boundary = shape, case.packing, case.boundary
+    nx, ny, nz = shape
+    packing = case.packing
+    boundary = case.boundary
     if packing.rule.is_plane_crystal and boundary.has_planes("x") and packing.top_row != "equal":
         return False  # its rows fill the space between straight walls
     held = stage.rule.holds_layers or boundary.periodic or boundary.bottom_rule.holds_layer
@@ -182,12 +187,12 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
             (
                 not there[name],
                 f"{PRECOMPRESSION}.{name}",
-                Mismatch(f"{distance:g} m, but there is no such wall", f"{_wall_key(name)}"),
+                Mismatch(f"{distance:g} m, but this wall does not exist", f"{_wall_key(name)}"),
             ),
             (
                 name in stage.presses,
                 f"{PRECOMPRESSION}.{name}",
-                Mismatch(f"beside {name}_force", remedy="give one of them"),
+                Mismatch(f"together with {name}_force", remedy="specify only one of them"),
             ),
             (
                 distance > most,
@@ -200,7 +205,7 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
             (
                 not there[name],
                 f"{PRECOMPRESSION}.{name}_force",
-                Mismatch(f"{force:g} N, but there is no such wall", f"{_wall_key(name)}"),
+                Mismatch(f"{force:g} N, but this wall does not exist", f"{_wall_key(name)}"),
             )
             for name, force in stage.presses.items()
         ),
@@ -208,8 +213,8 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
             stage.rule.takes_moves and not stage.moves and not stage.presses,
             PRECOMPRESSION,
             Mismatch(
-                'kind = "walls" and no wall that moves',
-                remedy="give x, y or tube, in m, or x_force ..., in N",
+                'kind = "walls" without a wall that moves',
+                remedy="set x, y or tube (m), or x_force etc. (N)",
             ),
         ),
     )
@@ -232,8 +237,8 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
                 f"{PRECOMPRESSION}.{name}",
                 Mismatch(
                     f"{distance:g} m",
-                    f"less than {most:.3g} m, 2 length^2/diameter: the law of the "
-                    f"contact of a cylinder {length:g} m long on a wall ends there",
+                    f"less than {most:.3g} m, 2 length^2/diameter: the limit of the contact law "
+                    f"of a cylinder of length {length:g} m on a wall",
                 ),
             ),
         )
@@ -261,7 +266,7 @@ def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> 
             stage.pressure is not None,
             f"{PRECOMPRESSION}.pressure",
             Mismatch(
-                "for grains at places of their own, which have no face", remedy="give a force"
+                "for grains at user-defined positions, which have no face", remedy="set a force"
             ),
         ),
         *(
@@ -276,8 +281,8 @@ def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> 
             stage.force is not None and not case.bears_along_z,
             key,
             Mismatch(
-                "a force on the top, which nothing bears",
-                remedy="hold a grain along z, or give a boundary.bottom",
+                "a force on the top without a support",
+                remedy="hold a grain along z, or set boundary.bottom",
             ),
         ),
     )
@@ -295,13 +300,13 @@ def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList)
         law = flat_contact(assembly, grains[0], wall.material if wall else None)
         share = force / len(grains)
         limit = _force_at_largest_overlap(law)
-        what = f"the law holds up to {limit:.3g} N"
+        what = f"the law is valid up to {limit:.3g} N"
         if assembly.case.contact.yields and 0 < law.yield_force < limit:
             limit = law.yield_force
             what = f"first yield is at {law.yield_force:.3g} N"
         if share > limit:
             found = f"found {force:g} N, about {share:.3g} N on each of {len(grains)} grains, where {what}"
-            hint = f"give less than {limit * len(grains):.3g} N, or a distance {name}"
+            hint = f"use less than {limit * len(grains):.3g} N, or set a distance {name}"
             errors.add(f"{PRECOMPRESSION}.{name}_force", f"{found}; {hint}")
 
 
@@ -340,9 +345,10 @@ def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: Err
                 distance > limit,
                 f"{PRECOMPRESSION}.{name}",
                 Mismatch(
-                    f"{distance:g} m, by which contacts yield before the load: together "
-                    f"they give way by less than {limit:.3g} m elastically",
-                    remedy='give less, a higher yield_strength, or contact.law = "hertz"',
+                    f"{distance:g} m, by which contacts yield before the load: their elastic "
+                    f"limit is a total of less than {limit:.3g} m",
+                    remedy="use a smaller distance, a higher yield_strength, or contact.law = "
+                    '"hertz"',
                 ),
             ),
         )

@@ -29,7 +29,7 @@ def missing_products(figures: Figures) -> list[str]:
 
 def _missing_extension() -> str:
     left_out = os.environ.get(WITHOUT)
-    text = "no extension that makes it is installed"
+    text = "the extension that makes it is not installed"
     if left_out:
-        return f"{text}, or {WITHOUT}={left_out} leaves it out"
+        return f"{text}, or {WITHOUT}={left_out} hides it"
     return f"{text}; granwave doctor lists what is installed"

@@ -20,13 +20,18 @@ _OVERLAP = 1e-6  # diameters; largest overlap of a striker with the bottom, for 
 
 def check_strikers(case: Case, errors: ErrorList) -> None:
     """Check shapes of strikers, and that shifts from their places are across their way."""
-    no_effect = "a striker starts in contact, so that a shift along its way has no effect"
+    no_effect = (
+        "a striker starts in contact, so a shift along its direction of motion has no effect"
+    )
     for key, striker in numbered("striker", case.striker).items():
         check_shape(striker, key, errors)
         for name, shift in (("offset", striker.offset), ("misalignment", striker.misalignment)):
             if any(striker.velocity) and any(shift) and not np.cross(shift, striker.velocity).any():
-                expected = f"a part across it: {no_effect}"
-                errors.add(f"{key}.{name}", Mismatch(f"{show(shift)} along its way", expected))
+                expected = f"a component perpendicular to it: {no_effect}"
+                errors.add(
+                    f"{key}.{name}",
+                    Mismatch(f"{show(shift)} along its direction of motion", expected),
+                )
 
 
 def check_below(assembly: Assembly, errors: ErrorList) -> None:
@@ -42,7 +47,7 @@ def check_below(assembly: Assembly, errors: ErrorList) -> None:
         radius = assembly.diameter_of(assembly.lattice.n_spheres + n) / 2
         depth = centre[2] + radius - assembly.bottom()
         if depth > _OVERLAP * case.packing.diameter:
-            fault = f"the {obstacle} cuts through it, {depth:.3g} m deep; take one of them away"
+            fault = f"the {obstacle} overlaps it by {depth:.3g} m; remove one of them"
             errors.add(f"striker.{n}", fault)
 
 
@@ -67,24 +72,24 @@ def check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
                 case.boundary.sides_touch is not None,
                 key,
                 Mismatch(
-                    "true beside boundary.sides_touch: those walls act on chosen "
-                    "grains of the packing alone"
+                    "true together with boundary.sides_touch, whose walls act only on selected "
+                    "grains of the packing"
                 ),
             ),
             (
                 stage is not None and (stage.moves or stage.presses),
                 key,
                 Mismatch(
-                    "true beside walls that move in (precompression): they would press "
-                    "the striker too"
+                    "true together with walls that move in (precompression), which would also "
+                    "press the striker"
                 ),
             ),
             (
                 depth > _OVERLAP * case.packing.diameter,
                 key,
                 Mismatch(
-                    f"true, but it stands in the wall {deepest}, {depth:.3g} m deep",
-                    remedy="place it inside, or leave walls out",
+                    f"true, but the striker overlaps the wall {deepest} by {depth:.3g} m",
+                    remedy="place it inside, or remove this key",
                 ),
             ),
         )

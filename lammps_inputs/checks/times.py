@@ -44,8 +44,8 @@ def check_times(case: Case, errors: ErrorList) -> None:
                 not run.adaptive,
                 f"run.{name}",
                 Mismatch(
-                    f"{value:g} beside run.timestep, a fixed one of {step:g} s",
-                    remedy="take one of them out",
+                    f"{value:g} together with a fixed run.timestep of {step:g} s",
+                    remedy="remove one of them",
                 ),
             )
             for name, value in bounds.items()
@@ -54,8 +54,8 @@ def check_times(case: Case, errors: ErrorList) -> None:
             no_end,
             "run.frames",
             Mismatch(
-                "shares of an end that is not known: give times in s, or "
-                'run.end_time as a number, not "auto"'
+                "fractions of an unknown end: use times in s, or set run.end_time to a number "
+                'instead of "auto"'
             ),
         ),
         (
@@ -92,7 +92,7 @@ def check_resolution(case: Case, errors: ErrorList) -> None:
             Mismatch(
                 f"{highest:g} Hz",
                 f"at most {most:.4g} Hz, a period of {_STEPS_IN_A_PERIOD} timesteps of {step:g} s",
-                'make run.timestep shorter, or "auto"',
+                'use a shorter run.timestep, or "auto"',
             ),
         ),
     )
@@ -102,5 +102,7 @@ def check_history(case: Case, errors: ErrorList) -> None:
     """Check that there is a chain or line to record a history of."""
     history = case.output.history
     has_one = case.packing.rule.is_chain or case.line
-    found = Mismatch(f"{history} for {case.packing.kind}", "0: only chains and [[line]]s have one")
+    found = Mismatch(
+        f"{history} for {case.packing.kind}", "0: only chains and [[line]] have a history"
+    )
     errors.check((not has_one and history not in (0, "auto"), "output.history", found))

@@ -4,21 +4,29 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from granwave._contact_laws import FE_RANGE
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
+from granwave.lammps_inputs.case.contact_ways import KEEP, KEY
+from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.law_parameters import OF_MATERIAL, RATE, is_set, laws_with
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.packing_values import Enclosure
 from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import echoes
+from granwave.lammps_inputs.packing.box_walls import BoxWall, box_walls
+from granwave.lammps_inputs.packing.motion import own_spins
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import untouched
 
+_BOTTOM = "bottom"
+_KEYS_OF_WALLS = ("x", "y", _BOTTOM)  # by axis
 _LOG = logging.getLogger("granwave")
 _FAR_LONGER = 100.0  # times the run: a load that lasts so long is in another unit
+_OTHER_UNITS = 100.0  # ratio of densities beyond which those of a file are in other units
 _SMALL_GAP = 1e-3  # diameters; gaps that dents leave are larger
 
 
@@ -41,6 +49,9 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
         *_of_times(assembly),
         *_of_cut_contacts(assembly),
         *_of_overlaps_that_push_apart(assembly),
+        *_of_units(assembly),
+        *_of_walls_of_the_file(assembly),
+        *_of_spins(assembly),
     ]
     for text in warnings:
         _LOG.warning("%s: %s", assembly.case.name, text)
@@ -55,7 +66,7 @@ def _of_yield_factor(assembly: Assembly, *, chose_yield_factor: bool) -> Iterato
             f"the contact law was fitted for a Poisson's ratio of {FITTED_POISSON_RATIO:.2f}, "
             f"found {ratio:g}; its exact Hertz-von Mises yield factor is C = "
             f"{hertz_von_mises_yield_factor(ratio):.4f} (contact.yield_factor is "
-            f'{law.yield_factor:g}); law = "elastoplastic-fe" holds for ratios of 0 to 0.45'
+            f'{law.yield_factor:g}); law = "elastoplastic-fe" is valid for ratios of 0 to 0.45'
         )
 
 
@@ -72,7 +83,7 @@ def _of_materials(assembly: Assembly) -> Iterator[str]:
             laws = " or ".join(laws_with(parameter))
             yield (
                 f"contact.law: found {law.law}, expected law {laws} for a material with "
-                f"{parameter.name}, which others leave out"
+                f"{parameter.name}, which other laws ignore"
             )
 
 
@@ -96,7 +107,7 @@ def _outside_fit(material: Material) -> str:
     if not outside:
         return ""
     return (
-        "law elastoplastic-fe is used beyond its fit, where it states no error bar: "
+        "law elastoplastic-fe is used outside the range of its fit, without an error bar: "
         f"{'; '.join(outside)}"
     )
 
@@ -106,8 +117,8 @@ def _of_bodies(assembly: Assembly) -> Iterator[str]:
     law = assembly.case.contact
     if law.yields and assembly.has_cylinders:
         yield (
-            "contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: "
-            f"contact.law = {law.law} holds for the others"
+            "contacts along a line, of parallel cylinders and of cylinders on walls, stay "
+            f"elastic: contact.law = {law.law} applies only to the other contacts"
         )
     for wall, grain, depth in untouched(assembly):
         yield (
@@ -138,8 +149,8 @@ def _of_echoes(assembly: Assembly) -> Iterator[str]:
     for name, echo in echoes(assembly.bars).items():
         if end > echo:
             yield (
-                f"an echo of the end of the {name} can reach the chain after {echo:.3g} s, the run "
-                f"lasts {end:.3g} s: make the bar longer, or the run shorter"
+                f"a reflection from the end of the {name} can reach the chain after {echo:.3g} s, "
+                f"before the end of the run at {end:.3g} s: use a longer bar, or a shorter run"
             )
 
 
@@ -150,8 +161,8 @@ def _of_initial_dents(assembly: Assembly) -> Iterator[str]:
     if case.contact.initial_overlap and case.precompression and forget_gap < _SMALL_GAP:
         gap = forget_gap * case.packing.diameter
         yield (
-            "boundary.forget_gap: dents from before the run are forgotten beyond gaps of "
-            f"{gap:.3g} m, so that the packing may never come to rest under its static load; give "
+            "boundary.forget_gap: initial plastic indentations are forgotten beyond gaps of "
+            f"{gap:.3g} m, so the packing may never come to rest under its static load; use "
             f"{_SMALL_GAP:g} or more"
         )
 
@@ -162,8 +173,8 @@ def _of_times(assembly: Assembly) -> Iterator[str]:
     end = case.run.longest
     if case.load.first_time >= end:
         yield (
-            f"load.table: the load begins at {case.load.first_time:.3g} s, when the run has ended: "
-            "give run.end_time a later time"
+            f"load.table: the load begins at {case.load.first_time:.3g} s, after the end of the "
+            "run: use a later run.end_time"
         )
     if end * _FAR_LONGER < case.load.lasts < math.inf:
         if case.load.table is not None:
@@ -174,7 +185,7 @@ def _of_times(assembly: Assembly) -> Iterator[str]:
             question = "is it in seconds?"
         yield f"{key}: the load lasts {case.load.lasts:.3g} s, the run {end:.3g} s: {question}"
     if case.run.end_time == "auto" and not case.contact.yields and not case.has_cohesion:
-        yield 'a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us'
+        yield 'a Hertzian packing dissipates no energy, so run.end_time = "auto" ends after 50 us'
 
 
 def _of_cut_contacts(assembly: Assembly) -> Iterator[str]:
@@ -191,9 +202,9 @@ def _of_cut_contacts(assembly: Assembly) -> Iterator[str]:
     n_cut = Places(grains, lattice.diameter, grains.period).n_contacts - lattice.n_contacts
     if n_cut > 0:
         yield (
-            f"packing.file: the box of the file is periodic along x and y, and {n_cut} contacts go "
-            f'across its sides; found boundary.sides = "{case.boundary.sides}", which leaves them '
-            'out; boundary.sides = "periodic" keeps them'
+            f"packing.file: the box of the file is periodic along x and y, and {n_cut} contacts "
+            f'cross its sides; found boundary.sides = "{case.boundary.sides}", which ignores '
+            'these contacts; boundary.sides = "periodic" includes them'
         )
 
 
@@ -210,10 +221,96 @@ def _of_overlaps_that_push_apart(assembly: Assembly) -> Iterator[str]:
     overlaps = lattice.overlapping()[1]
     if len(overlaps):
         yield (
-            f"packing.contacts: {len(overlaps)} overlaps, up to {overlaps.max():.3g} m, press "
-            "grains that no load, wall or held grain keeps together: they come to balance where "
-            'they touch no longer; give a load, such as precompression.kind = "gravity"'
+            f"packing.contacts: {len(overlaps)} overlaps, up to {overlaps.max():.3g} m, push "
+            "apart grains that no load, wall or held grain confines: at equilibrium they no "
+            'longer touch; add a load, such as precompression.kind = "gravity"'
         )
+
+
+def _of_spins(assembly: Assembly) -> Iterator[str]:
+    """Warn of angular velocities of a file that are left out."""
+    case = assembly.case
+    grains = case.packing.grains
+    if grains is None or not grains.spin.any() or own_spins(assembly):
+        return
+    reason = "grains in clumps, and those whose rotation is held, begin without spin"
+    if not case.has_friction:
+        reason = "they have no effect without contact.friction"
+    elif case.precompression is not None and case.seeks_balance:
+        reason = f'the grains come to balance; {KEY} = "{KEEP.name}" keeps them'
+    yield f"packing.file: angular velocities are left out: {reason}"
+
+
+def _of_units(assembly: Assembly) -> Iterator[str]:
+    """Warn of densities of a file that are so low that its lengths may be in another unit."""
+    grains = assembly.case.packing.grains
+    if grains is None or grains.reading is None or grains.reading.density is None:
+        return
+    highest = grains.reading.density[1]
+    lowest = min(species.material.density for species in assembly.species)
+    if not 0 < highest < lowest / _OTHER_UNITS:
+        return
+    yield (
+        f"packing.file: the densities in the file are at most {highest:.4g} kg/m^3, those of the "
+        f"materials at least {lowest:.4g} kg/m^3; the largest grain has a diameter of "
+        f"{grains.diameter.max():.4g} m; are its lengths in another unit, such as packing.units = "
+        '"cm"?'
+    )
+
+
+def _of_walls_of_the_file(assembly: Assembly) -> Iterator[str]:
+    """Warn of walls that another program had, where the case has none or puts them elsewhere."""
+    case = assembly.case
+    grains = case.packing.grains
+    way = case.packing.contact_way
+    if grains is None or way is None or not way.presses:
+        return
+    enclosure = case.packing.enclosure or Enclosure()
+    missing: list[str] = []
+    moved: list[BoxWall] = []
+    for wall in box_walls(grains):
+        key = _KEYS_OF_WALLS[wall.axis]
+        if key == _BOTTOM and not wall.is_upper:
+            continue  # the top is free
+        if not _has_wall(case, key):
+            missing.append(f"boundary.{key}")
+        elif getattr(enclosure, key) is None:
+            moved.append(wall)
+    if moved:
+        yield _walls_elsewhere(grains, moved)
+    if missing:
+        keys = " and ".join(dict.fromkeys(missing))
+        yield (
+            "packing.file: grains press faces of the box of the file, which had walls there; "
+            f'found none in the case; {keys} = "wall" gives them'
+        )
+
+
+def _has_wall(case: Case, key: str) -> bool:
+    """Return True if a case has planes across x or y, or at the bottom."""
+    if key == _BOTTOM:
+        return case.boundary.bottom_rule.has_plane
+    return case.boundary.has_planes(key)
+
+
+def _walls_elsewhere(grains: Grains, walls: Sequence[BoxWall]) -> str:
+    """Return a warning of walls of a file that are elsewhere in the case."""
+    assert grains.reading is not None and grains.reading.bounds is not None
+    places: list[str] = []
+    for axis in dict.fromkeys(wall.axis for wall in walls):
+        low, high = (grains.reading.bounds[axis] + 0.0).tolist()
+        key = _KEYS_OF_WALLS[axis]
+        place = f"{high:.12g}" if key == _BOTTOM else f"[{low:.12g}, {high:.12g}]"
+        places.append(f"{key} = {place}")
+    n_grains = sum(wall.n_grains for wall in walls)
+    several = "s press" if n_grains > 1 else " presses"
+    deepest = max(wall.deepest for wall in walls)
+    return (
+        f"packing.file: {n_grains} grain{several} faces of the box of the file, by up to "
+        f"{deepest:.3g} m, which had walls there; those of the case touch the outermost grains, "
+        f"so that these overlaps are lost; packing.enclosure = {{{', '.join(places)}}} puts them "
+        "where they were"
+    )
 
 
 def _holds_together(case: Case) -> bool:

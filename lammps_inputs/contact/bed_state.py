@@ -33,13 +33,13 @@ _SAME_OVERLAP = 1e-6  # relative difference of overlaps with the same wall
 _SAME_MASS = 1e-9  # relative difference of masses of the same spheres
 _DEEP = 1e-3  # diameters; deeper overlaps are contacts, except within rigid bodies
 _OTHER_STYLE = (
-    "settle the bed with this pair style; or take the places of its grains alone: lmp "
+    "settle the bed with this pair style; or use only the positions of its grains: lmp "
     '-restart2data FILE FILE.data, and packing.kind = "file" with FILE.data'
 )
 _TITLE = (
-    "# Contacts so far: spheres i and j, or the fix of a wall and a sphere; largest overlap, m;\n"
-    "# force, N, and compliance, m/N, of the tangential spring on the first sphere; at walls the\n"
-    "# place of the dent, m; what laws, losses and resistances remember\n"
+    "# Contacts so far: spheres i and j, or a wall fix and a sphere; largest overlap, m;\n# "
+    "force, N, and compliance, m/N, of the tangential spring on the first sphere; at walls the\n# "
+    "position of the indentation, m; history of laws, damping and resistances\n"
 )
 
 
@@ -232,7 +232,7 @@ def _walls_of(
         if others.any():
             first = 1 + int(np.argmax(others))
             text = f"sphere {first} in the wall {name}, which it does not touch in the file"
-            remedy = "give the places of the walls in packing.enclosure as the script has them"
+            remedy = "set packing.enclosure to the positions of the walls in the script"
             faults.append((KEY, Mismatch(text, "walls of the file", remedy)))
     return matches, faults
 
@@ -266,13 +266,15 @@ def _unknown_wall(of_file: RestartWall) -> Mismatch:
     """Return the fault of a wall of the file that is none of the case."""
     n_touching = int(of_file.touching.sum())
     if not n_touching:
-        text = f"dents in the wall of fix {of_file.fix}, which no sphere touches"
-        return Mismatch(text, remedy="let the script end while spheres touch it, or without it")
+        text = f"plastic indentations in the wall of fix {of_file.fix}, which no sphere touches"
+        return Mismatch(
+            text, remedy="end the script while spheres touch this wall, or remove the wall"
+        )
     first = int(of_file.ids[of_file.touching][0])
     return Mismatch(
         f"{n_touching} spheres at the wall of fix {of_file.fix}, such as sphere {first}",
         "a wall of the case there",
-        "give it in [boundary], and its place in packing.enclosure as the script has it",
+        "define it in [boundary], with the position of the script in packing.enclosure",
     )
 
 
@@ -285,14 +287,19 @@ def _faults_of_file(assembly: Assembly, spheres: RestartSpheres) -> Iterator[tup
     pair = _rigid_pair(assembly, spheres)
     if pair is not None:
         found = f"spheres {pair[0]} and {pair[1]}, which overlap without a contact, as in a clump"
-        yield KEY, Mismatch(found, "spheres that move one by one", NO_CLUMPS)
+        yield KEY, Mismatch(found, "spheres that move independently", NO_CLUMPS)
     for name, style in spheres.other_walls:
         found = f"fix {name} of style {style}"
         yield KEY, Mismatch(found, "walls of style wall/gran/hysteretic")
     if case.boundary.bottom_support is not None:
-        yield KEY, Mismatch("with a bottom that moves", "a bottom at rest")
+        yield KEY, Mismatch("with a moving bottom", "a bottom at rest")
     if case.contact.initial_overlap:
-        yield KEY, Mismatch("with contact.initial_overlap", remedy="the file has the dents")
+        yield (
+            KEY,
+            Mismatch(
+                "with contact.initial_overlap", remedy="the file contains the plastic indentations"
+            ),
+        )
     if spheres.walls and assembly.has_rate:
         yield KEY, Mismatch("walls of the file with a yield strength that depends on the rate")
     n = len(spheres.mass)
@@ -308,7 +315,7 @@ def _rigid_pair(assembly: Assembly, spheres: RestartSpheres) -> tuple[int, int] 
     """Return the ids of two spheres of a rigid body of the file; None if there is none.
 
     Such spheres overlap and have no contact, as LAMMPS leaves out the contacts within bodies.
-    Spheres that the case holds may do so too.
+    Spheres that the case holds may do so too, and those of one clump, whose number the file has.
     """
     if spheres.contacts is None:
         return None
@@ -323,8 +330,10 @@ def _rigid_pair(assembly: Assembly, spheres: RestartSpheres) -> tuple[int, int] 
     for hold in assembly.case.holds.values():
         held.update(held_ids(assembly.case, hold))
     still = np.isin(deep, list(held)).all(axis=1)
+    bodies = spheres.bodies[deep - 1]
+    together = (bodies[:, 0] > 0) & (bodies[:, 0] == bodies[:, 1])
     contacts = set(map(tuple, spheres.contacts.pairs.tolist()))
-    for pair in np.sort(deep[~still], axis=1).tolist():
+    for pair in np.sort(deep[~still & ~together], axis=1).tolist():
         if tuple(pair) not in contacts:
             return pair[0], pair[1]
     return None

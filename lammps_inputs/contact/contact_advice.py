@@ -9,7 +9,16 @@ import dataclasses
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case, WrongTable
-from granwave.lammps_inputs.case.contact_ways import KEEP, KEY, OVERLAPS, RELAX, TOUCH
+from granwave.lammps_inputs.case.contact_ways import (
+    DAMPED,
+    KEEP,
+    KEY,
+    OVERLAPS,
+    RELAX,
+    RELAXATION,
+    TOLERANCE,
+    TOUCH,
+)
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.packing.touching import (
@@ -49,6 +58,10 @@ class ContactAdvice:
         Largest gap or overlap that would be left of them, m.
     largest_force
         Largest force of a contact as it is, N; None if its law cannot be told.
+    has_friction
+        True if the contacts of the case have friction, which only a damped search keeps.
+    has_springs
+        True if the case has their tangential springs.
     """
 
     last_place: float
@@ -60,20 +73,36 @@ class ContactAdvice:
     moved: float
     remaining: float
     largest_force: float | None
+    has_friction: bool = False
+    has_springs: bool = False
 
     @property
     def choices(self) -> list[str]:
         """Phrase on the effect of each way."""
-        beyond = f"; {self.n_beyond} pairs overlap by more" if self.n_beyond else ""
-        left = f", to {self.remaining:.2g} m" if self.remaining > self.tolerance / 2 else ""
         pressed = "" if self.largest_force is None else f", with up to {self.largest_force:.3g} N"
+        nearby = f'"{OVERLAPS.name}" presses them{pressed}, and relaxes them to equilibrium nearby'
+        anywhere = f'"{RELAX.name}" relaxes them to equilibrium, however far the grains move'
+        kept = f'"{KEEP.name}" starts from the file, out of equilibrium'
+        if self.has_friction:
+            nearby += ", without friction"
+            anywhere += f' (with {RELAXATION} = "{DAMPED}" friction holds them)'
+        if self.has_friction and not self.has_springs:
+            kept += " by the tangential springs that the file lacks"
+        return [self._touching, nearby, anywhere, kept]
+
+    @property
+    def _touching(self) -> str:
+        """Phrase on the effect of the way that moves grains until they touch."""
+        pairs = "1 pair overlaps" if self.n_beyond == 1 else f"{self.n_beyond} pairs overlap"
+        beyond = f"; {pairs} by more, which it refuses" if self.n_beyond else ""
+        if not self.n_within and self.n_beyond:
+            return (
+                f'"{TOUCH.name}" moves none, as no pair is within {self.tolerance:.2g} m '
+                f"(packing.{TOLERANCE}){beyond}"
+            )
+        left = f", to {self.remaining:.2g} m" if self.remaining > self.tolerance / 2 else ""
         moved = f"moves grains by up to {self.moved:.2g} m until the {self.n_within} pairs within "
-        return [
-            f'"{TOUCH.name}" {moved}{self.tolerance:.2g} m just touch{left}{beyond}',
-            f'"{OVERLAPS.name}" presses them{pressed}, and balances that nearby',
-            f'"{RELAX.name}" balances it wherever the grains go',
-            f'"{KEEP.name}" starts as they are, out of balance',
-        ]
+        return f'"{TOUCH.name}" {moved}{self.tolerance:.2g} m just touch{left}{beyond}'
 
     @property
     def remedy(self) -> str:
@@ -106,6 +135,8 @@ def advice_on(case: Case, grains: Grains, period: Period = None) -> ContactAdvic
         fit.moved,
         fit.remaining,
         _largest_force(case, grains, overlapping),
+        case.contact.friction > 0,
+        packing.springs is not None,
     )
 
 

@@ -96,7 +96,7 @@ def dents_table(assembly: Assembly) -> str:
     InputError
         An earlier result cannot be read, or is of another packing.
     """
-    rows = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
+    rows = ["# spheres i and j, or a wall fix and a sphere; largest overlap so far, m\n"]
     known = None if earlier_result(assembly.case) is None else dents_of_result(assembly)
     for near in contacts_at_start(assembly):
         law = near.law
@@ -131,7 +131,10 @@ def error_in_dents(assembly: Assembly) -> str:
         if case.contact_between(*pair).yields
     ]
     if not yielding:
-        return f'found dents with contact.law = "{case.contact.law}", which cannot yield; take another law, or no dents'
+        return (
+            f'found plastic indentations with contact.law = "{case.contact.law}", which cannot '
+            "yield; use another law, or remove them"
+        )
     if isinstance(given, str):
         return ""
     smallest = float(assembly.sphere_diameters().min()) / 2
@@ -141,9 +144,10 @@ def error_in_dents(assembly: Assembly) -> str:
         limit = LARGEST * law.effective_radius
         if deepest > limit:
             found = (
-                f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m"
+                f"found an overlap of {deepest:.3g} m, expected at most {LARGEST} R* = "
+                f"{limit:.3g} m"
             )
-            return f"{found}, as far as the contact law holds"
+            return f"{found}, the limit of the contact law"
     boxes = [region for region in regions_of(case) if region.low or region.high]
     there = contacts_at_start(assembly) if boxes else []
     for box in boxes:
@@ -300,17 +304,17 @@ def dents_of_result(assembly: Assembly) -> dict[tuple[int | str, int], float]:
         earlier = _earlier(assembly)
     except FileNotFoundError:
         hint = "expected the result.h5 of a run, or its directory"
-        raise InputError(f"{source}: there is no such file; {hint}") from None
+        raise InputError(f"{source}: no such file; {hint}") from None
     except _UNREADABLE as error:
         raise InputError(
             f"{source}: is not the result.h5 of a run ({' '.join(str(error).split())})"
         ) from None
     if fault := _other_packing(assembly, earlier["spheres"]):
-        raise InputError(f"{source}: is of another packing: {fault}")
+        raise InputError(f"{source}: belongs to another packing: {fault}")
     first, second, peaks = (column.tolist() for column in earlier["contacts"].values())
-    found: dict[tuple[int | str, int], float] = dict(
-        zip(zip(first, second, strict=True), peaks, strict=True)
-    )
+    dents: dict[tuple[int | str, int], float] = {}
+    for sphere_1, sphere_2, peak in zip(first, second, peaks, strict=True):
+        dents[sphere_1, sphere_2] = peak
     faces = {bar.name: bar.face for bar in assembly.bars}
     fixes = {
         (wall.name, material): name for wall in walls(assembly) for name, _, material in wall.fixes
@@ -318,10 +322,10 @@ def dents_of_result(assembly: Assembly) -> dict[tuple[int | str, int], float]:
     for wall, sphere, peak in zip(
         *(column.tolist() for column in earlier["wall_contacts"].values()), strict=True
     ):
-        what = faces.get(wall) or fixes.get((wall, assembly.material_of(sphere)))
-        if what is not None:
-            found[what, sphere] = max(peak, found.get((what, sphere), 0.0))
-    return found
+        surface = faces.get(wall) or fixes.get((wall, assembly.material_of(sphere)))
+        if surface is not None:
+            dents[surface, sphere] = max(peak, dents.get((surface, sphere), 0.0))
+    return dents
 
 
 @kept_by_assembly
@@ -366,8 +370,14 @@ def _other_packing(assembly: Assembly, earlier: dict[str, NDArray]) -> str:
         return f"found no sphere {missing[0]}"
     away = np.linalg.norm(earlier["position"] - assembly.positions(), axis=1)
     if away.max() > limit:
-        return f"found sphere {ids[away.argmax()]} in a place {away.max():.3g} m away from the one here"
+        return (
+            f"found sphere {ids[away.argmax()]} at a distance of {away.max():.3g} m from its "
+            "position in this case"
+        )
     other = np.abs(2 * earlier["radius"] - assembly.sphere_diameters())
     if other.max() > limit:
-        return f"found sphere {ids[other.argmax()]} with a diameter off by {other.max():.3g} m"
+        return (
+            f"found sphere {ids[other.argmax()]} with a diameter that differs by "
+            f"{other.max():.3g} m"
+        )
     return ""

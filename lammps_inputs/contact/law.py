@@ -78,7 +78,8 @@ def _law(
     case: Case, first: tuple[Material, float, Shape], second: tuple[Material | None, float, Shape]
 ) -> ContactLaw:
     """Return the law between two bodies: material, radius and shape of each; without cohesion."""
-    (material, radius, shape), (other, other_radius, other_shape) = first, second
+    material, radius, shape = first
+    other, other_radius, other_shape = second
     bare = dataclasses.replace(case.contact_between(material, other), cohesion=None)
     return law_between(
         bare, (material, other), (radius, other_radius),
@@ -185,8 +186,8 @@ def contact_of(
     for material in materials:
         if LAWS[law].yields and material is not None and material.yield_strength is None:
             raise InputError(
-                f"material {material.name}: yield_strength: missing; law {law} needs it: give it in "
-                "a file (FILE.toml:NAME), or take a law without yield, such as hertz"
+                f"material {material.name}: yield_strength: missing; law {law} requires it: "
+                "define it in a file (FILE.toml:NAME), or use a law without yield, such as hertz"
             )
     values: dict[str, Any] = dict(constants or {})
     own = [p.name for p in LAWS[law].parameters.values() if not p.of_material]
@@ -343,7 +344,8 @@ def _loss_time(
         alone = law.collide(mass, velocity, steps=_STEPS)
     if alone["restitution"] < restitution - _ROUNDING:
         raise ValueError(
-            f"at most {alone['restitution']:.4g}, which law {contact.law} alone leaves at {velocity:g} m/s by yielding"
+            f"at most {alone['restitution']:.4g}, the restitution of law {contact.law} at "
+            f"{velocity:g} m/s from yielding alone"
         )
 
     def left(time: float) -> float:
@@ -351,7 +353,11 @@ def _loss_time(
 
     longest = _MOST_TIME * alone["duration"]
     return _loss_of(
-        left, restitution, longest, f"a loss time of {longest:.3g} s", _ACCURACY * alone["duration"]
+        left,
+        restitution,
+        longest,
+        f"a relaxation time of {longest:.3g} s",
+        _ACCURACY * alone["duration"],
     )
 
 
@@ -381,7 +387,7 @@ def _loss_of(
     if left(0.0) <= restitution + _ROUNDING:
         return 0.0
     if (least := left(most)) > restitution:
-        raise ValueError(f"at least {least:.4g}, which {named} leaves")
+        raise ValueError(f"at least {least:.4g}, which {named} gives")
     return brentq(lambda size: left(size) - restitution, 0.0, most, xtol=accuracy)
 
 

@@ -131,7 +131,10 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
     if known:
         refuse_unknown(options, known, "", errors)
     errors.check(
-        *((not known, name, Mismatch(f"with law {law}, which has no options")) for name in options)
+        *(
+            (not known, name, Mismatch(f"with law {law}, which takes no options"))
+            for name in options
+        )
     )
     contact = read_table(
         Contact,
@@ -144,7 +147,7 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
     if contact is not None and contact.cohesion is not None:
         neck = contact.cohesion.kind == "jkr" and contact.yields
         errors.check(
-            (neck, "cohesion", Mismatch(f'"jkr" with law {law}; it is of law hertz', '"dmt"'))
+            (neck, "cohesion", Mismatch(f'"jkr" with law {law}; it requires law hertz', '"dmt"'))
         )
     errors.check(*((name not in options, name, missing) for name in required))
     return contact if len(errors.items) == before else None
@@ -168,12 +171,12 @@ def _read_bodies(
         (
             one.shape in _WALLS,
             "bodies",
-            Mismatch(f"a {one.shape} and a {other.shape}", "a sphere or cylinder as one of them"),
+            Mismatch(f"a {one.shape} and a {other.shape}", "at least one sphere or cylinder"),
         ),
         (
             in_tube and one.shape == "cylinder",
             "bodies",
-            Mismatch("a cylinder in a tube", "a sphere there, or a plane"),
+            Mismatch("a cylinder in a tube", "a sphere in the tube, or a plane"),
         ),
         (
             in_tube and one.shape == "sphere" and one.radius >= other.radius,
@@ -211,12 +214,14 @@ def _read_body(
         (
             sized and not sizes,
             f"{key}.diameter",
-            f"missing; a {shape} has a diameter or a radius (m)",
+            f"missing; a {shape} requires a diameter or a radius (m)",
         ),
         (
             sized and sizes == 2,
             f"{key}.radius",
-            Mismatch(f"{show(read.radius)} beside a diameter", remedy="give one of them"),
+            Mismatch(
+                f"{show(read.radius)} together with a diameter", remedy="specify only one of them"
+            ),
         ),
         (not sized and sizes, f"{key}.{given}", Mismatch(f"with a {shape}", "none")),
         *(
@@ -230,12 +235,12 @@ def _read_body(
         (
             "length" in takes and read.length is None,
             f"{key}.length",
-            "missing; a cylinder has a length (m)",
+            "missing; a cylinder requires a length (m)",
         ),
         (
             material is None and shape not in _WALLS and needs_material,
             f"{key}.material",
-            f"missing; a {shape} has one (planes and tubes without are rigid)",
+            f"missing; a {shape} requires one (planes and tubes without a material are rigid)",
         ),
     )
     if isinstance(material, Mapping) and not set(SELECTORS) & set(material):
@@ -243,7 +248,7 @@ def _read_body(
     if material is not None and not isinstance(material, Material):
         material = read_material(material, errors, f"{key}.material")
     if material is not None and not elastic and material.yield_strength is None:
-        errors.add(f"{key}.material.yield_strength", "missing; the law needs it (Pa)")
+        errors.add(f"{key}.material.yield_strength", "missing; the law requires it (Pa)")
     if len(errors.items) > before:
         return None
     radius = math.inf if shape == "plane" else read.radius or (read.diameter or 0.0) / 2
@@ -270,10 +275,11 @@ def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) 
     )
     if law == LINE and not along_line:
         fault = Mismatch(
-            f"line for a {one.shape} and a {other.shape}, which touch in a point",
-            "a cylinder on a plane or beside a parallel one, or law hertz",
+            f"line for a {one.shape} and a {other.shape}, which touch at a point",
+            "a cylinder on a plane or on a parallel cylinder, or law hertz",
         )
         raise InputError(fault_of(fault, source="contact", key="law"))
     if contact.yields and along_line:
-        _LOG.warning("law %s: a %s and a %s touch along a line, and stay elastic as in runs: as law hertz",
+        _LOG.warning("law %s: a %s and a %s touch along a line and stay elastic, as in runs: law "
+            "hertz is used",
                      law, one.shape, other.shape)  # fmt: skip

@@ -45,6 +45,7 @@ from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
+_OF_MEAN = 4.0  # largest force of a contact over the mean at the bottom of a bed
 FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 _SHELL = (
     3,
@@ -69,6 +70,10 @@ class DeadLoad(abc.ABC):
     @abc.abstractmethod
     def force_of_contact(self, assembly: Assembly) -> float:
         """Estimate the largest force on a contact that carries the load, N."""
+
+    def force_in_bed(self, assembly: Assembly) -> float:
+        """Estimate the largest force on a contact of a disordered bed that carries the load, N."""
+        return self.force_of_contact(assembly)
 
     def axes(self, assembly: Assembly) -> str:
         """Return the axes along which there are forces, as letters of "xyz"."""
@@ -125,6 +130,16 @@ class Weight(DeadLoad):
         mass = float(assembly.sphere_masses().sum())
         weight = mass * _stage_of(assembly).acceleration / len(lattice.last_layer)
         return _share_of(weight * (n_layers - held) / n_layers, assembly)
+
+    def force_in_bed(self, assembly: Assembly) -> float:
+        """Return a multiple of the mean at the bottom: the weight times the area of a grain over
+        that of the bed.
+        """
+        low, high = assembly.bounds()
+        diameter = assembly.case.packing.diameter
+        area = float(np.prod(np.maximum(high - low, diameter)[:2]))
+        weight = float(assembly.sphere_masses().sum()) * _stage_of(assembly).acceleration
+        return min(_OF_MEAN * weight * diameter**2 / area, self.force_of_contact(assembly))
 
 
 class PressOfWalls(LoadOnTop):
@@ -253,6 +268,12 @@ def static_stiffness(assembly: Assembly) -> float:
         )  # nearly linear
     hertz = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
     return 1.5 * hertz ** (2 / 3) * force_of_contact(assembly) ** (1 / 3)
+
+
+def stiffness_in_bed(assembly: Assembly) -> float:
+    """Estimate the stiffness of the contacts of a disordered bed that carry most, N/m."""
+    share = _dead_load(assembly).force_in_bed(assembly) / force_of_contact(assembly)
+    return static_stiffness(assembly) * share ** (1 / 3)
 
 
 def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:

@@ -81,8 +81,10 @@ class WaveRow:
         product = np.broadcast_to(np.eye(2), (len(frequency), 2, 2))
         for mass, stiffness in zip(self.mass, self.stiffness, strict=True):
             one = np.empty((len(frequency), 2, 2))
-            one[:, 1, 0], one[:, 1, 1] = -mass * square, 1.0
-            one[:, 0, 0], one[:, 0, 1] = 1 - mass * square / stiffness, 1 / stiffness
+            one[:, 1, 0] = -mass * square
+            one[:, 1, 1] = 1.0
+            one[:, 0, 0] = 1 - mass * square / stiffness
+            one[:, 0, 1] = 1 / stiffness
             product = one @ product
         return np.asarray(np.trace(product, axis1=1, axis2=2) / 2)
 
@@ -188,7 +190,9 @@ def measured_row(assembly: Assembly) -> MeasuredRow | None:
     loaded = {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
     struck = struck_of(assembly)
     first = next((place for place, one in enumerate(ids) if one in struck), 0)
-    still = {one for entry in case.absorb for one in absorbing_ids(assembly, entry)}
+    still: set[int] = set()
+    for entry in case.absorb:
+        still.update(absorbing_ids(assembly, entry))
     still |= {
         one
         for hold in case.holds.values()

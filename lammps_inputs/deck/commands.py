@@ -9,7 +9,7 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.contact import INITIAL, Contact
 from granwave.lammps_inputs.case.contact_tables import MARSHALL, Resistance
 from granwave.lammps_inputs.case.law_parameters import OF_LOSS, is_set, keywords, value_of
 from granwave.lammps_inputs.case.material import Material
@@ -220,11 +220,13 @@ def contacts(assembly: Assembly) -> list[str]:
     """Return the pair style with the laws of all pairs of types."""
     case = assembly.case
     gap = case.boundary.forget_gap * case.packing.diameter
+    normals = f" normals {INITIAL}" if case.contact.normals == INITIAL else ""
     return [
         *(["# Cylinders: type, length and axis of each kind."] if assembly.has_cylinders else []),
         *cylinder_commands(assembly),
-        f"# Contact: {case.contact.law}; a dent is forgotten beyond the gap given here, m, and stays on record.",
-        f"pair_style      gran/hysteretic {num(gap)} forgotten list",
+        f"# Contact law: {case.contact.law}. Beyond the gap below (m), a contact forgets its "
+        "indentation, which stays on record.",
+        f"pair_style      gran/hysteretic {num(gap)} forgotten list{normals}",
         *pair_coefficients(assembly),
     ]
 
@@ -341,9 +343,9 @@ def wall_commands(
         return lines
     if lines:
         lines.insert(
-            0, "# Walls: planes that touch the outermost spheres, or the last layer held in place."
+            0, "# Walls: planes that touch the outermost spheres, or the fixed last layer."
         )
-    lines += ["# Grains that do not move."] if case.holds else []
+    lines += ["# Fixed grains."] if case.holds else []
     for name, hold in case.holds.items():  # after all other forces on these
         lines.append(f"group           {name} id {id_ranges(held_ids(case, hold))}")
         zeros = joined("0.0" if axis in hold.axes else "NULL" for axis in "xyz")
@@ -354,14 +356,14 @@ def wall_commands(
 def _regions(assembly: Assembly) -> list[str]:
     """Return the commands that define the regions of walls."""
     faces = [wall.face for wall in walls(assembly) if wall.face is not None]
-    words = {face.region: face.words for face in faces}
-    return [f"region          {region} {text} units box" for region, text in words.items()]
+    definitions = dict.fromkeys(face.definition for face in faces)
+    return [definition for definition in definitions if definition]
 
 
 def _wall_style(assembly: Assembly, wall: Wall) -> str:
     """Return the words of the wall fix that say where a wall is."""
     if wall.face is not None:
-        return f"region {wall.face.region} {wall.face.name}"
+        return wall.face.style
     place = coordinate(assembly, wall)
     if wall.tube:
         return f"tube {place}"

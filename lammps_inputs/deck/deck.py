@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import density_as_sphere
+from granwave.lammps_inputs.case.stl_walls import stl_text
 from granwave.lammps_inputs.contact.bed_state import bed_table, bed_velocities
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.contact.static_load import directions
@@ -34,7 +35,7 @@ from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly, Species
 from granwave.lammps_inputs.packing.clumps import together
-from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
+from granwave.lammps_inputs.packing.motion import own_spins, own_velocities, struck_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
@@ -113,6 +114,7 @@ def _velocity_lines(assembly: Assembly) -> Iterator[str]:
     title = "\nVelocities # id, velocity, angular velocity\n\n"
     bed = bed_velocities(assembly)
     moving = own_velocities(assembly)
+    turning = own_spins(assembly)
     if bed is not None:
         yield title
         rows = np.hstack(bed).tolist()
@@ -120,10 +122,12 @@ def _velocity_lines(assembly: Assembly) -> Iterator[str]:
         for number in assembly.ids.tolist():
             row = rows[number - 1] if number <= len(rows) else none
             yield f"{number} {joined(map(num, row))}\n"
-    elif moving:
+    elif moving or turning:
         yield title
-        for number in assembly.ids:
-            yield f"{number} {joined(map(num, moving.get(number, _STILL)))} 0 0 0\n"
+        for number in assembly.ids.tolist():
+            velocity = joined(map(num, moving.get(number, _STILL)))
+            spin = joined(map(num, turning[number])) if number in turning else "0 0 0"
+            yield f"{number} {velocity} {spin}\n"
 
 
 def _title(assembly: Assembly) -> str:
@@ -132,7 +136,7 @@ def _title(assembly: Assembly) -> str:
     if isinstance(assembly.lattice, Places):
         place = f"origin at {joined(map(num, origin))} m of the file" if origin.any() else ""
     else:
-        place = "struck layer at z = 0"
+        place = "impacted layer at z = 0"
     return ", ".join(filter(None, [f"granwave: {assembly.lattice.kind} packing, SI units", place]))
 
 
@@ -310,6 +314,8 @@ def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     names += [run_directory.BED_FILE] if case.packing.has_history else []
     names += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
     names += [run_directory.LOAD_FILE] if case.load.table else []
+    numbers = [n for n, wall in enumerate(case.wall, start=1) if wall.region is None]
+    names += [run_directory.MESH_FILE.format(number) for number in numbers]
     dumps = [f"{run_directory.DUMPS}/{name}" for name in output_files(assembly, schedule)]
     return [*names, run_directory.LOG_FILE, *dumps]
 
@@ -324,6 +330,9 @@ def _tables(assembly: Assembly) -> dict[str, str]:
         tables[run_directory.DENTS_FILE] = dents_table(assembly)
     if case.packing.has_history:
         tables[run_directory.BED_FILE] = bed_table(assembly)
+    for number, entry in enumerate(case.wall, start=1):
+        if entry.region is None:
+            tables[run_directory.MESH_FILE.format(number)] = stl_text(entry.corners)
     if case.load.table:
         rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
         tables[run_directory.LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"

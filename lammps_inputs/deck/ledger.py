@@ -81,7 +81,7 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     elastic = sum_of(_elastic_energies(assembly, parts, columns))
     dissipated = sum_of(_dissipated_energies(assembly, parts, columns))
     return [
-        "# Energies, J. Their sum must stay equal to the input.",
+        "# Energies, J. Their sum must remain equal to the energy input.",
         "compute         kinetic all ke",
         "compute         contact all gran/hysteretic/energy",
         f"variable        time equal step*{tick}",
@@ -96,7 +96,7 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
             "ledger",
             schedule.ledger_every,
             ENERGY_FILE,
-            "energy ledger, SI units",
+            "energy balance, SI units",
             columns,
             resumed,
         ),
@@ -228,12 +228,11 @@ def thermo(case: Case, schedule: Schedule) -> list[str]:
     yielded = EnergyColumn.YIELDED.of("c_contact")
     columns = (kinetic, "v_elastic", "v_dissipated", yielded, "v_struck_velocity")
     return [
-        "# The log.",
+        "# Log.",
         f"thermo_style    custom step v_time {joined(columns)}",
         "thermo_modify   lost error norm no flush yes",
         f"thermo          {every}",
-        "# Nobody looks at these, and each is computed at every step at which any fix above is "
-        "due.",
+        "# These computes are not used, but would be evaluated whenever one of the fixes above is.",
         "uncompute       thermo_press",
         "uncompute       thermo_pe",
     ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 from typing import NamedTuple
 
 from granwave.lammps_inputs.case.case import Case
@@ -11,7 +12,12 @@ from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_
 from granwave.lammps_inputs.deck.commands import id_ranges
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
-from granwave.lammps_inputs.packing.motion import own_velocities, start_velocity, struck_of
+from granwave.lammps_inputs.packing.motion import (
+    own_spins,
+    own_velocities,
+    start_velocity,
+    struck_of,
+)
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.script_words import joined, num
@@ -22,7 +28,9 @@ FALL = "c_fall"  # part of it that is of strikers: less the work of gravity on t
 STATIC = "v_static"  # elastic and potential energy at the start of the run
 CLUMPS = "clumps"  # group of the grains of all clumps
 GRAVITY = 9.81  # m/s^2, of beads on their holder
-_TICK = "# A tick: the step counter counts these, and fix step, below, says how many of them a step takes."
+_TICK = (
+    "# A tick is the unit of the step counter; fix step, below, sets the number of ticks per step."
+)
 _HALF_INERTIA = 0.2  # half the moment of inertia of a sphere over m R^2
 _OF_CYLINDER = 1.25  # moment of inertia of a cylinder over that of a sphere of this mass and radius
 
@@ -38,10 +46,10 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     turning = (
         "and rotations"
         if case.has_rotation
-        else "(the contacts are frictionless, so nothing rotates)"
+        else "(without rotation: the contacts are frictionless)"
     )
     lines = [
-        f"# Motion: velocity Verlet {turning}, and what drives it.",
+        f"# Motion: velocity Verlet {turning}, and the load.",
         *([_TICK] if schedule.adaptive else []),
         f"timestep        {num(schedule.timestep)}",
         f"group           struck id {struck[0] if struck else assembly.ids[0]}",
@@ -66,7 +74,7 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
     longest = schedule.longest_step
     first = schedule.first_step
     return [
-        "# The timestep: up to so many ticks as the energy balance allows.",
+        "# Timestep: as many ticks as the energy balance allows.",
         f"variable        balance equal {kinetic}+v_elastic+v_dissipated-v_input",
         f"fix             step all gran/timestep {longest} {num(tolerance)} {given} first {first} "
         f"{until}balance v_balance {schedule.ledger_every}",
@@ -94,7 +102,7 @@ def integration(assembly: Assembly) -> list[str]:
     clumps = [CLUMPS] if assembly.clumps else []
     others = [*still, *apart, *clumps]
     group = "mobile" if others else "all"
-    style = "nve/sphere" if turning else "gran/nve"
+    style = "gran/nve/sphere" if turning else "gran/nve"
     lines += [f"group           mobile subtract all {joined(others)}"] if others else []
     lines.append(f"fix             motion {group} {style}")
     lines += [f"fix             motion_{name} {name} nve" for name in apart]
@@ -146,7 +154,7 @@ def _holder(assembly: Assembly) -> list[str]:
     without = [*_prescribed(assembly), *(bar.name for bar in assembly.bars)]
     group = "loose" if without else "all"
     return [
-        "# Friction of the holder, which bears the weight of the beads.",
+        "# Friction of the guide, which supports the weight of the beads.",
         *([f"group           loose subtract all {joined(without)}"] if without else []),
         f"fix             holder {group} gran/holder z {num(friction)} {num(GRAVITY)}",
     ]
@@ -196,17 +204,10 @@ def _set_motion(part: MovingGroup) -> list[str]:
 
 
 def _start_energies(assembly: Assembly, moving: Sequence[MovingGroup]) -> list[str]:
-    """Return the terms of the energy at the start, J: of velocities in the data file, of the load,
-    and of the moving spheres.
+    """Return the terms of the energy at the start, J: of velocities in the data file that no load
+    replaces, of the load, and of the moving spheres.
     """
-    terms = []
-    own = own_velocities(assembly)
-    if own:
-        energies = (
-            assembly.mass_of(sphere) * math.hypot(*velocity) ** 2 / 2
-            for sphere, velocity in own.items()
-        )
-        terms.append(num(sum(energies)))
+    terms = _energies_of_file(assembly, moving)
     if assembly.case.load.start_energy:
         terms.append(assembly.case.load.start_energy)
     for part in moving:
@@ -217,6 +218,30 @@ def _start_energies(assembly: Assembly, moving: Sequence[MovingGroup]) -> list[s
             terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(part.spin)})")
     if assembly.case.packing.restart:
         terms.append(MOVING_BED)
+    return terms
+
+
+def _energies_of_file(assembly: Assembly, moving: Sequence[MovingGroup]) -> list[str]:
+    """Return the terms of the energy of velocities and spins of a file that no load replaces, J."""
+    terms = list[str]()
+    loaded = set(chain.from_iterable(part.spheres for part in moving))
+    velocities = own_velocities(assembly).items()
+    own = {sphere: velocity for sphere, velocity in velocities if sphere not in loaded}
+    if own:
+        energies = (
+            assembly.mass_of(sphere) * math.hypot(*velocity) ** 2 / 2
+            for sphere, velocity in own.items()
+        )
+        terms.append(num(sum(energies)))
+    turned = set(chain.from_iterable(part.spheres for part in moving if any(part.spin)))
+    spins = own_spins(assembly).items()
+    turning = {sphere: spin for sphere, spin in spins if sphere not in turned}
+    if turning:
+        energies = (
+            _HALF_INERTIA * _inertia(assembly, sphere) * math.hypot(*spin) ** 2
+            for sphere, spin in turning.items()
+        )
+        terms.append(num(sum(energies)))
     return terms
 
 
@@ -251,7 +276,8 @@ def _load(assembly: Assembly) -> list[str]:
     if load.may_stop:
         velocity = velocity_along(assembly.case, "hit")
         lines += [
-            "# The same without the kinetic energy of the moved spheres, which comes back when they stop.",
+            "# Energy input without the kinetic energy of the moved spheres, which is returned "
+            "when they stop.",
             f"variable        load_work equal v_input-0.5*mass(hit)*{velocity}^2",
         ]
     return lines

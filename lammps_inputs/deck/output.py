@@ -145,14 +145,14 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
     if not every:
         every = schedule.n_steps
         chosen = [
-            "# The next snapshot after each step, from the list of times.",
+            "# Next snapshot after each step, from the list of times.",
             *command("variable        frame equal", f'"{_next_frame(schedule.frame_steps)}"'),
             "dump_modify     frames every v_frame",
         ]
     if case.output.contact_forces:
         at_frames = sources(table.FORCES_AT_FRAMES, table.FORCES_OF_ALL)
         forces = [
-            "# The forces of all contacts at every snapshot.",
+            "# Forces of all contacts at every snapshot.",
             *dump("contact_forces", "local", every, run_directory.FRAME_FORCES_FILE, at_frames, resumed,
                   form=joined(["%.17g"] * len(at_frames))),
             *(["dump_modify     contact_forces every v_frame"] if chosen else []),
@@ -209,7 +209,7 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
     moved = run_directory.HISTORY_FILE
     forces = run_directory.FORCES_FILE
     return [
-        "# The chain in time.",
+        "# History of the chain.",
         *dump(
             "history",
             "custom",
@@ -232,7 +232,8 @@ def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> l
         return []
     columns = sources(table.LINES, *recorded(case))
     return [
-        "# Lines of grains in time; sums of the magnitudes of the components of their contact forces.",
+        "# History of lines of grains: sums of the magnitudes of the components of their contact "
+        "forces.",
         "compute         sums all gran/hysteretic/sums",
         *command("group           lines id", id_ranges(all_line_ids(assembly))),
         *dump("lines", "custom", schedule.line_every, run_directory.LINES_FILE, columns, resumed, group="lines",
@@ -254,13 +255,13 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
     case = assembly.case
     parts = written_in_parts(assembly)
     lines = [
-        "# The last snapshot, if the run did not end on one.",
+        "# Last snapshot, unless the run ended on one.",
         "dump_modify     frames every 1",
         *(["dump_modify     contact_forces every 1"] if case.output.contact_forces else []),
         *(count_commands() if parts else []),
         "run             0 post no",
         "",
-        "# Every contact there was, and every sphere that touched a wall.",
+        "# All contacts of the run, and all spheres that touched a wall.",
         *write_dump("local", contacts_file(assembly), sources(table.CONTACTS, *recorded(case))),
         *([_COUNT.format(run_directory.COUNT_FILE)] if parts else []),
     ]
@@ -298,7 +299,7 @@ def initial_forces(assembly: Assembly) -> list[str]:
     parts = written_in_parts(assembly)
     file = contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)
     lines = [
-        "# The forces of all contacts under the static load.",
+        "# Forces of all contacts under the static load.",
         *write_dump("local", file, sources(table.FORCES)),
     ]
     lines += [_COUNT.format(run_directory.INITIAL_COUNT_FILE)] if parts else []

@@ -6,10 +6,12 @@ A program that drives LAMMPS can execute the first part, run in its own way, and
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import INITIAL
 from granwave.lammps_inputs.deck.commands import (
     command,
     contacts,
@@ -27,11 +29,17 @@ from granwave.lammps_inputs.deck.output import (
     probes,
     wall_forces,
 )
-from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, second_half
+from granwave.lammps_inputs.deck.static_stage import (
+    dead_load_commands,
+    first_half,
+    second_half,
+    stored_velocities,
+)
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.clumps import largest_extent
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.planning.encounters import fastest
+from granwave.lammps_inputs.planning.ranks import costs_of
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.run_directory import (
     BED_FILE,
@@ -43,6 +51,7 @@ from granwave.lammps_inputs.run_directory import (
     DUMPS,
     LOAD_FILE,
     LOG_FILE,
+    MESH_FILE,
     MOVED_WALLS_FILE,
     SCRIPT_FILE,
     START_FILE,
@@ -61,6 +70,7 @@ _NAMES = (
     DENTS_FILE,
     LOAD_FILE,
     LOG_FILE,
+    MESH_FILE,
     DEAD_LOAD_FILE,
     START_FILE,
     CHECKPOINT_FILE,
@@ -74,6 +84,8 @@ _SKIN = 0.1  # skin distance of the neighbour list, diameters
 _MOST_STEPS_BETWEEN_CHECKS = 10
 # distance between checks of the list at the highest speed, over the skin
 _TRAVEL_BETWEEN_CHECKS = 0.01
+_STEPS_BETWEEN_BALANCES = 500  # of the box between ranks
+_IMBALANCE = 1.1  # work of the busiest rank, over the mean, from which on the box is divided again
 
 
 def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> str:
@@ -89,19 +101,26 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
     case = assembly.case
     resumed = bool(restart_from)
     static = case.precompression is not None
-    moved = ["# Walls that were moved to a force.", f"include         {DUMPS}/{MOVED_WALLS_FILE}"]
-    reference = ["# What the ledger counts from.", f"include         {DUMPS}/{STATIC_FILE}"]
+    moved = ["# Walls moved to their target force.", f"include         {DUMPS}/{MOVED_WALLS_FILE}"]
+    reference = [
+        "# Reference values of the energy balance.",
+        f"include         {DUMPS}/{STATIC_FILE}",
+    ]
     dents = [
-        "# Dents from before the run, of pairs of spheres and on walls.",
+        "# Plastic indentations from before the run, of pairs of spheres and on walls.",
         f"gran/dents      read {DENTS_FILE}",
     ]
-    bed = ["# Dents and springs of the settled bed.", f"gran/dents      read {BED_FILE}"]
+    bed = [
+        "# Plastic indentations and springs of the settled bed.",
+        f"gran/dents      read {BED_FILE}",
+    ]
     parts = [
         _head(assembly),
         _system(assembly, restart_from),
         _neighbours(assembly, schedule),
         contacts(assembly),
         dead_load_commands(assembly) if static else [],
+        stored_velocities(assembly) if static and not resumed else [],
         first_half(assembly) if static and not resumed else [],
         moved if resumed and case.precompression and case.precompression.presses else [],
         wall_commands(assembly),
@@ -118,6 +137,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         lines(assembly, schedule, resumed=resumed),
         adaptive_timestep(case, schedule),
         thermo(case, schedule),
+        _balance(assembly, schedule),
         _run(case, schedule),
         [END_MARKER, "", *dumps_at_end(assembly)],
     ]
@@ -135,14 +155,15 @@ def _head(assembly: Assembly) -> list[str]:
         f"# Impact on an ordered packing: {size} {called}, {packing.kind}, diameter {packing.diameter:g} m;",
         f"# {in_grains(load, called)}",
         f"# Written by granwave from {CASE_FILE}.",
-        f"# Run it here:  lmp -in {SCRIPT_FILE}   (the pair style gran/hysteretic comes with granwave)",
+        f"# Run it here:  lmp -in {SCRIPT_FILE}   (granwave provides the pair style "
+        "gran/hysteretic)",
     ]
 
 
 def _system(assembly: Assembly, restart_from: str) -> list[str]:
     sides = "p p" if assembly.lattice.periodic else "m m"
     bars = assembly.bars
-    touch = "cohere, at rest" if assembly.case.has_cohesion else "just touch"
+    touch = "adhere, at rest" if assembly.case.has_cohesion else "just touch"
     lines = []
     if bars:
         diameter = assembly.case.packing.diameter
@@ -158,7 +179,8 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
             lines.append(f"bond_coeff      {kind} {num(bar.stiffness / 2)} {num(bar.pitch)}")
         lines.append(f"comm_modify     cutoff {num(reach)}")  # of ghosts
     return [
-        f"# The packing: spheres that {touch}. Both processors that share a pair compute it (newton off).",
+        f"# Packing: spheres that {touch}. Both processors that share a pair compute it (newton "
+        "off).",
         "units           si",
         f"atom_style      {'hybrid sphere bond' if bars else 'sphere'}",
         "atom_modify     map yes",
@@ -171,8 +193,12 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
 
 
 def _spheres_from(assembly: Assembly, restart_from: str) -> list[str]:
-    """Return the commands that read the spheres, and the numbers of their clumps."""
+    """Return the commands that read the spheres, the numbers of their clumps, and their initial
+    places.
+    """
     spheres = f"read_restart    {restart_from}" if restart_from else READ_DATA
+    if assembly.case.contact.normals == INITIAL:
+        return [spheres, *_initial_places(resumed=bool(restart_from))]
     if not assembly.clumps:
         return [spheres]
     numbers = f"fix             {_OF_CLUMPS} all property/atom mol ghost yes"
@@ -181,12 +207,26 @@ def _spheres_from(assembly: Assembly, restart_from: str) -> list[str]:
     return [numbers, f"{spheres} fix {_OF_CLUMPS} NULL Molecules"]
 
 
+def _initial_places(*, resumed: bool) -> list[str]:
+    """Return the commands that store where the spheres begin; a restart file has the places."""
+    lines = [
+        "# Initial places of the spheres: contact forces keep the directions between these.",
+        "fix             initial all property/atom d2_initial 3 ghost yes",
+    ]
+    if resumed:
+        return lines
+    for column, axis in enumerate("xyz", start=1):
+        lines.append(f"variable        initial_{axis} atom {axis}")
+        lines.append(f"set             group all d2_initial[{column}] v_initial_{axis}")
+        lines.append(f"variable        initial_{axis} delete")
+    return lines
+
+
 def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
     case = assembly.case
     skin = _SKIN * case.packing.diameter
     checks = int(_TRAVEL_BETWEEN_CHECKS * skin / (fastest(assembly) * schedule.largest_timestep))
     every = min(max(checks, 1), _MOST_STEPS_BETWEEN_CHECKS)
-    by_velocity = case.has_rotation or case.has_loss or case.has_cohesion or assembly.has_rate
     nodes = [n for n, species in enumerate(assembly.species, start=1) if species.role == "node"]
     apart = {
         tuple(sorted((node, other)))
@@ -194,11 +234,10 @@ def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
         for other in range(1, len(assembly.species) + 1)
     }
     return [
-        "# Neighbours: the spheres hardly move, so the lists last.",
+        "# Neighbour lists: the spheres hardly move, so rebuilds are rare.",
         f"neighbor        {num(skin)} bin",
         f"neigh_modify    delay 0 every {every} check yes",
         *(f"neigh_modify    exclude type {a} {b}" for a, b in sorted(apart)),
-        *(["comm_modify     vel yes"] if by_velocity else []),
         *_clumps(assembly, skin),
     ]
 
@@ -209,10 +248,25 @@ def _clumps(assembly: Assembly, skin: float) -> list[str]:
         return []
     reach = largest_extent(assembly) + 2 * skin
     return [
-        "# Clumps: grains of one molecule move as one rigid body, and do not press each other.",
+        "# Clumps: grains of one molecule move as one rigid body, without contacts between them.",
         *command(f"group           {CLUMPS} id", *id_ranges(assembly.in_clumps).split()),
         f"neigh_modify    exclude molecule/intra {CLUMPS}",
         f"comm_modify     cutoff {num(reach)}",
+    ]
+
+
+def _balance(assembly: Assembly, schedule: Schedule) -> list[str]:
+    """Return the commands that divide the box between ranks again as the wave grows."""
+    if not assembly.case.run.balance:
+        return []
+    costs = costs_of(assembly)
+    weight = round(costs.moving / costs.rest) - 1
+    every = schedule.longest_step * math.ceil(_STEPS_BETWEEN_BALANCES / schedule.longest_step)
+    return [
+        "# Ranks: a sphere that moves counts as many at rest, by the time of a step.",
+        f"variable        activity atom 1+{weight}*(vx*vx+vy*vy+vz*vz>0.0)",
+        "comm_style      tiled",
+        f"fix             balance all balance {every} {num(_IMBALANCE)} rcb weight var activity",
     ]
 
 
@@ -226,7 +280,8 @@ def _run(case: Case, schedule: Schedule) -> list[str]:
         RUN_MARKER,
         "",
         f"# Blocks of {schedule.block_steps} steps, at most {n_blocks};",
-        f"# the last is the first that adds less than {BLOCK_THRESHOLD:g} of the input to dissipation.",
+        f"# the run ends after the first block that adds less than {BLOCK_THRESHOLD:g} of the "
+        "input to dissipation.",
         "variable        before equal 0.0",
         f"variable        block loop {n_blocks}",
         "label           next_block",

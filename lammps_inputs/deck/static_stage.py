@@ -3,33 +3,22 @@
 Dead loads are applied, and the spheres are brought to equilibrium by damped dynamics (FIRE, Bitzek
 et al. 2006) without friction. The first half uses Hertz's law for all contacts, and the contact
 history is cleared afterwards, since its overlaps are not those of the case's law. The second half
-starts from that equilibrium with the laws and initial dents of the case; contacts whose static force
-exceeds yield get their dents there. FIRE overshoots, which leaves no dents: every iteration begins
-with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents are those of a
-load that grows steadily. Then time and energies are reset to zero.
+starts from that equilibrium with the laws and initial dents of the case; contacts whose static
+force exceeds yield get their dents there. FIRE overshoots, which leaves no dents: every iteration
+begins with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents are those of
+a load that grows steadily. Then time and energies are reset to zero.
 
 Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
-halves are one stage of motion with friction, losses and local damping (Cundall and Strack 1979),
-from the places of the case on; the tangential springs that it leaves stay. Half of the net force
-on a sphere is taken from it along each axis where the sphere moves with the force, and added where
-it moves against it. That damps a grain that rolls under its weight as fast, in its own periods, as
-one that swings on a stiff contact. A drag that ends the swings would hold the rolling grain, which
-then creeps on with a net force equal to its drag. Local damping switches with the direction of
-motion, which leaves a little noise of 1e-7 of the largest force. Settled grains need some thousand
-steps, and tens of thousands where some roll to other places.
+halves are one damped run (`damped_run.py`) from the places of the case on; the tangential springs
+that it leaves stay.
 
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
 would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
-the stage (`inertia_relief`).
+the stage (`inertia_relief.py`).
 
 A run that is resumed from a checkpoint does not repeat the stage. Files remain: STATIC_STAGE_FILE,
 a record; STATIC_FILE, script lines with the reference energy of the ledger; and the forces of all
 contacts (`initial_forces`).
-
-A sphere at r from the centre of mass gets the force -m (a + I^-1 T x r), with the acceleration a of
-the centre and the angular acceleration I^-1 T from total force and torque. On a plane only
-translation along x and y and rotation about z are free. The centre does not move and the inertia
-changes little, so `relief_state` evaluates both once.
 """
 
 from __future__ import annotations
@@ -56,7 +45,9 @@ from granwave.lammps_inputs.deck.commands import (
     plane_names,
     wall_commands,
 )
-from granwave.lammps_inputs.deck.motion import FALL, MOVING_BED, POTENTIAL, integration
+from granwave.lammps_inputs.deck.damped_run import clump_sums, damped_run, net_force
+from granwave.lammps_inputs.deck.inertia_relief import relief_commands, relief_state
+from granwave.lammps_inputs.deck.motion import FALL, MOVING_BED, POTENTIAL
 from granwave.lammps_inputs.deck.output import (
     count_commands,
     displacements,
@@ -71,7 +62,12 @@ from granwave.lammps_inputs.deck.plugin_columns import (
 )
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
-from granwave.lammps_inputs.packing.motion import start_velocity, struck_of, written_in_parts
+from granwave.lammps_inputs.packing.motion import (
+    own_velocities,
+    start_velocity,
+    struck_of,
+    written_in_parts,
+)
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import (
     moving_fix,
@@ -100,7 +96,6 @@ LARGEST_MOVE = 0.1
 LOST_LOAD = 1e-3
 
 _SPHERES = "static_spheres"  # group of the moving spheres
-_DAMPING = "static_damping"  # fix, and prefix of its variables
 _STRIKERS = "static_strikers"  # group, and fix that holds them
 _PREFIX = "static_"  # prefix of the wall fixes of the stage
 _TOLERANCE = 1e-9  # net force on a sphere at convergence over the mean contact force
@@ -116,13 +111,6 @@ _ROLLING = (EnergyColumn.ELASTIC_ROLLING, WallColumn.ELASTIC_ROLLING)
 _TWISTING = (EnergyColumn.ELASTIC_TWISTING, WallColumn.ELASTIC_TWISTING)
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 MOST_ITERATIONS = 200_000
-QUIET = 3e-8  # net force over the largest contact force, damping and losses included, at its end
-_MOST_STEPS = 1_000_000  # of a damped run
-_DAMPED_PART = 0.5  # of a net force, taken from it where it speeds up a sphere in a damped run
-_FIRST_QUIET = 1.5e-7  # as QUIET below; noise may keep net forces above that one
-_MORE_STEPS = 100_000  # from there to QUIET, at most
-_DRAG_ON_SPIN = 0.002  # of a damped run over sqrt(stiffness mass) times 0.4 radius^2
-_DAMPED_STEP = 0.05  # timestep of a damped run over sqrt(mass/stiffness)
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
 # least slope of its power 2/3 over that of the line through the start: bounds the next distance
 _FLATTEST = 0.1
@@ -130,7 +118,8 @@ _FLATTEST = 0.1
 # columns of the log: largest force of a contact, largest net force on a sphere
 LARGEST_FORCE = "c_static_largest"
 NET_FORCE = "c_static_net"
-
+_START = "static_start"  # fix, of velocities before the stage
+_STILL = "velocity        all set 0.0 0.0 0.0 units box"
 _ENERGY = "c_static"  # of all contacts of pairs
 _SPHERE = "c_static_sphere"
 _DISPLACEMENT = DisplacementColumn.MAGNITUDE.of("c_displacement")
@@ -162,7 +151,8 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
     axes = directions(assembly)
     if not axes:
         return [
-            "# The walls are in their final places: there are no other loads. Displacements count from the data file.",
+            "# The walls are in their final positions; there are no other loads. Displacements "
+            "are relative to the data file.",
             *displacements(case),
             "variable        work atom 0.0",
             f"compute         {POTENTIAL.removeprefix('c_')} all reduce sum v_work",
@@ -170,7 +160,8 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
     words = joined(f"v_dead_{axis}" if axis in axes else "0.0" for axis in "xyz")
     work = "+".join(f"v_dead_{axis}*c_displacement[{'xyz'.index(axis) + 1}]" for axis in axes)
     return [
-        "# Dead loads: constant forces on spheres, N. Displacements count from the data file, before any load.",
+        "# Dead loads: constant forces on spheres, N. Displacements are relative to the data "
+        "file, before any load.",
         *displacements(case),
         *(f"variable        dead_{axis} atomfile {DEAD_LOAD_FILE.format(axis)}" for axis in axes),
         f"variable        dead atom {'||'.join(f'(v_dead_{axis}!=0)' for axis in axes)}",
@@ -228,6 +219,37 @@ def largest_move(assembly: Assembly) -> float:
     return LARGEST_MOVE * case.packing.diameter + on_the_way * (overlap + gap)
 
 
+def _keeps_velocities(assembly: Assembly) -> bool:
+    """Return True if grains come to balance at rest, and have velocities of their own after it."""
+    return assembly.case.seeks_balance and bool(own_velocities(assembly))
+
+
+def stored_velocities(assembly: Assembly) -> list[str]:
+    """Return the commands that store the velocities of the grains, which then are at rest."""
+    if not _keeps_velocities(assembly):
+        return []
+    return [
+        "# The grains come to balance at rest; their velocities are set after it.",
+        f"fix             {_START} all store/state 0 vx vy vz",
+        *(
+            f"variable        {_START}_v{axis} atom f_{_START}[{column}]"
+            for column, axis in enumerate("xyz", start=1)
+        ),
+        _STILL,
+    ]
+
+
+def _stored_again(assembly: Assembly) -> list[str]:
+    """Return the commands that set the velocities that were stored."""
+    if not _keeps_velocities(assembly):
+        return []
+    words = [f"v_{_START}_v{axis}" for axis in "xyz"]
+    return [
+        f"velocity        all set {joined(words)} units box",
+        f"unfix           {_START}",
+    ]
+
+
 def first_half(assembly: Assembly) -> list[str]:
     """Return the commands that bring the packing to equilibrium under Hertz's law."""
     case = assembly.case
@@ -239,7 +261,8 @@ def first_half(assembly: Assembly) -> list[str]:
     )  # of a contact; walls move by it at first
     return [
         _STAGE_MARKER,
-        "# To balance under the dead loads, first with elastic contacts; what they leave is cleared.",
+        "# Equilibrium under the dead loads, first with elastic contacts, whose history is then "
+        "cleared.",
         *pair_coefficients(assembly, elastic=True),
         *(
             f"variable        {moved_wall(name)} equal {num(overlap)}"
@@ -272,7 +295,7 @@ def _as_found(assembly: Assembly) -> list[str]:
     """Return the commands of the first half where contacts start as they are."""
     return [
         _STAGE_MARKER,
-        "# The grains start as they were found.",
+        "# The grains start in the state of the file.",
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_waiting(assembly),
         _WATCH_MOVES,
@@ -297,7 +320,7 @@ def _near_balance(assembly: Assembly) -> list[str]:
     if balanced_displacements(assembly) is None:
         return []
     return [
-        "# Newton's method has found a balance nearby: displacements from the data file, m.",
+        "# Equilibrium found by Newton's method: displacements relative to the data file, m.",
         *(f"variable        start_{axis} atomfile {START_FILE.format(axis)}" for axis in "xyz"),
         f"displace_atoms  {_SPHERES} move v_start_x v_start_y v_start_z units box",
         *(f"variable        start_{axis} delete" for axis in "xyz"),
@@ -354,14 +377,15 @@ def second_half(assembly: Assembly) -> list[str]:
         stored.append(WallColumn.SUPPORT_ENERGY.of(f"f_{support}"))
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     halted = case.seeks_balance and not case.may_rearrange
-    still = "velocity        all set 0.0 0.0 0.0 units box"
     return [
         _STAGE_MARKER,
-        "# Once more, with the law of the case; then the state is recorded, and the run begins at time 0.",
+        "# Equilibrium with the law of the case; the state is then recorded, and the run starts "
+        "at time 0.",
         *_relief(case, again=True),
         "compute         static all gran/hysteretic/energy",
         f"compute         static_borne all reduce sum {SphereColumn.COORDINATION.of(_SPHERE)}",
-        "variable        static_net atom sqrt(fx^2+fy^2+fz^2)",
+        *clump_sums(assembly),
+        f"variable        static_net atom {net_force(assembly)}",
         f"compute         static_net {_SPHERES} reduce max v_static_net",
         f"thermo_style    custom step {joined(columns)} {POTENTIAL}",
         "thermo_modify   norm no",
@@ -370,7 +394,8 @@ def second_half(assembly: Assembly) -> list[str]:
         f"variable        static_yielded equal $({EnergyColumn.YIELDED.of(_ENERGY)}:%.0f)",
         "gran/dents      begin",
         *(["unfix           static_halt"] if halted else []),
-        *([still] if case.seeks_balance else []),
+        *([_STILL] if case.seeks_balance else []),
+        *_stored_again(assembly),
         "reset_timestep  0 time 0.0",
         # FIRE may leave a step that is too long for the support of the bottom
         *([f"timestep        {num(step)}"] if math.isfinite(step) else []),
@@ -391,6 +416,7 @@ def second_half(assembly: Assembly) -> list[str]:
             f"uncompute       static{name}"
             for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")
         ),
+        *(f"uncompute       {line.split()[1]}" for line in reversed(clump_sums(assembly))),
         _STAGE_END,
         "",
     ]
@@ -400,60 +426,8 @@ def _balance(assembly: Assembly) -> list[str]:
     """Return the commands that bring the packing to balance with the laws of the case."""
     case = assembly.case
     if case.settles_damped:
-        return _damped_run(assembly)
+        return damped_run(assembly, _SPHERES)
     return [_minimize(assembly) if case.seeks_balance else "run             0 post no"]
-
-
-def _damped_run(assembly: Assembly) -> list[str]:
-    """Return the commands of a damped run, which ends when the net forces are small."""
-    case = assembly.case
-    mass = float(assembly.sphere_masses().min())
-    radius = float(assembly.sphere_diameters().min()) / 2
-    stiffness = static_stiffness(assembly)
-    lines = integration(assembly)
-    if case.load.prescribes_motion:
-        lines.insert(0, f"group           hit id {joined(struck_of(assembly))}")
-    fixes = [line.split()[1] for line in lines if line.startswith("fix ")]
-    if case.has_rotation:
-        on_spin = 0.4 * _DRAG_ON_SPIN * math.sqrt(stiffness * mass) * radius**2
-        turning = f"fix             static_twist all viscous/sphere {num(on_spin)}"
-        lines.append(turning)
-        fixes.append("static_twist")
-    return [
-        "# A damped run, until the largest net force is small beside the largest contact force.",
-        "thermo          1000",
-        *lines,
-        *_local_damping(),
-        f"timestep        {num(_DAMPED_STEP * math.sqrt(mass / stiffness))}",
-        "variable        static_quiet equal c_static_net/(c_static_largest+(c_static_largest==0))",
-        *_run_until(_FIRST_QUIET, _MOST_STEPS),
-        *_run_until(QUIET, _MORE_STEPS),
-        *(f"unfix           {name}" for name in (*fixes, _DAMPING)),
-    ]
-
-
-def _run_until(least: float, most_steps: int) -> list[str]:
-    """Return the commands of a run until net forces are small relative to the largest force."""
-    return [
-        f"fix             static_quiet all halt 100 v_static_quiet < {num(least)} error continue",
-        f"run             {most_steps} post no",
-        "unfix           static_quiet",
-    ]
-
-
-def _local_damping() -> list[str]:
-    """Return the commands of local damping; its fix acts on the sum of the other forces, so that it
-    is the last.
-    """
-    part = num(_DAMPED_PART)
-    words = [f"v_{_DAMPING}_{axis}" for axis in "xyz"]
-    return [
-        *(
-            f"variable        {_DAMPING}_{axis} atom -{part}*abs(f{axis})*((v{axis}>0)-(v{axis}<0))"
-            for axis in "xyz"
-        ),
-        f"fix             {_DAMPING} all addforce {joined(words)}",
-    ]
 
 
 def _turning(case: Case) -> list[str]:
@@ -507,7 +481,7 @@ def _table(title: str, ids: NDArray[np.int64], values: NDArray[np.float64]) -> s
     each = zip(ids.tolist(), values.tolist(), strict=True)
     rows = [f"{sphere} {value:.17g}\n" for sphere, value in each if value]
     rows = rows or [f"{ids[0]} 0\n"]  # LAMMPS reads no empty table
-    return f"# {title}; how many\n{len(rows)}\n{''.join(rows)}"
+    return f"# {title}; number of rows\n{len(rows)}\n{''.join(rows)}"
 
 
 def _pressing(assembly: Assembly) -> list[str]:
@@ -520,7 +494,7 @@ def _pressing(assembly: Assembly) -> list[str]:
     if stage is None or not stage.presses:
         return []
     lines = [
-        "# Walls move in until they bear their forces: a secant of the power 2/3 of the force over the distance."
+        "# Walls move in until they carry their forces: secant steps in the power 2/3 of the force."
     ]
     for number in range(_ROUNDS):
         for name, pressed in pressed_walls(assembly).items():
@@ -588,62 +562,3 @@ def _minimize(assembly: Assembly, *, first: bool = False) -> str:
 def _minimize_to(least: str) -> str:
     """Return the command that ends when no net force is larger than ``least``, N."""
     return f"minimize        0.0 {least} {MOST_ITERATIONS} {2 * MOST_ITERATIONS}"
-
-
-_TERMS = {
-    "x": ("b*c-f*f", "e*f-d*c", "d*f-b*e"),
-    "y": ("e*f-d*c", "a*c-e*e", "d*e-a*f"),
-    "z": ("d*f-b*e", "d*e-a*f", "a*b-d*d"),
-}  # rows of the adjugate of the inertia tensor, a = xx, b = yy, c = zz, d = xy, e = xz, f = yz
-_DETERMINANT = "a*(b*c-f*f)-d*(d*c-e*f)+e*(d*f-b*e)"
-_TENSOR = {"a": "xx", "b": "yy", "c": "zz", "d": "xy", "e": "xz", "f": "yz"}
-
-
-def relief_commands(name: str, group: str, *, on_plane: bool) -> list[str]:
-    """Return the commands for the fix ``name`` and its variables, which have this name as a prefix.
-
-    Parameters
-    ----------
-    on_plane
-        True if the group rests on a plane normal to z.
-    """
-    lines = relief_state(name, group, on_plane=on_plane)
-    at = {axis: f"({axis}-v_{name}_c{axis})" for axis in "xyz"}
-    if on_plane:
-        lines.append(f"variable        {name}_az equal torque({group},z)*v_{name}_zz")
-        turned = {"x": f"-v_{name}_az*{at['y']}", "y": f"+v_{name}_az*{at['x']}"}
-    else:
-        for axis in "xyz":
-            torque = "+".join(f"v_{name}_{axis}{about}*torque({group},{about})" for about in "xyz")
-            lines.append(f"variable        {name}_a{axis} equal {torque}")
-        turned = {
-            one: f"+v_{name}_a{other}*{at[third]}-v_{name}_a{third}*{at[other]}"
-            for one, other, third in ("xyz", "yzx", "zxy")
-        }
-    for axis, turning in turned.items():
-        lines.append(
-            f"variable        {name}_{axis} atom -mass*(fcm({group},{axis})/v_{name}_mass{turning})"
-        )
-    lines.append(f"variable        {name}_0 atom 0.0")
-    words = " ".join(f"v_{name}_{axis}" if axis in turned else "0.0" for axis in "xyz")
-    return [*lines, f"fix             {name} {group} addforce {words} energy v_{name}_0"]
-
-
-def relief_state(name: str, group: str, *, on_plane: bool) -> list[str]:
-    """Return the commands that store the present mass, centre and inverse inertia; they may be
-    repeated.
-    """
-    lines = [f"variable        {name}_mass equal $(mass({group}):%.17g)"]
-    lines += [
-        f"variable        {name}_c{axis} equal $(xcm({group},{axis}):%.17g)" for axis in "xyz"
-    ]
-    if on_plane:
-        return [*lines, f"variable        {name}_zz equal $(1/inertia({group},zz):%.17g)"]
-    values = str.maketrans(
-        {letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()}
-    )
-    for axis, row in _TERMS.items():
-        for about, term in zip("xyz", row, strict=True):
-            ratio = f"({term})/({_DETERMINANT})".translate(values)
-            lines.append(f"variable        {name}_{axis}{about} equal $({ratio}:%.17g)")
-    return lines

@@ -297,13 +297,12 @@ class Assembly:
         """
         if isinstance(self.lattice, Places):
             return self.lattice.faces()
-        radii = (
-            self.sites.nominal if self.lattice.rule.is_chain else np.array([self.lattice.diameter])
-        ) / 2
-        side, (low, high) = (
-            max(self.lattice.diameter / 2, float(radii.max())),
-            self.lattice_bounds(),
-        )
+        diameters = np.array([self.lattice.diameter])
+        if self.lattice.rule.is_chain:
+            diameters = self.sites.nominal
+        radii = diameters / 2
+        side = max(self.lattice.diameter / 2, float(radii.max()))
+        low, high = self.lattice_bounds()
         return np.stack([low - side, [*(high[:2] + side), high[2] + radii[-1]]])
 
     def bottom(self) -> float:
@@ -411,7 +410,9 @@ def assemble(case: Case) -> Assembly:
         first = bars[0].last + 1
     if case.bar is not None:
         bars.append(place_bar(case, BAR, first, assembly.bottom(), lattice.n_spheres))
-    species += [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
+    for bar in bars:
+        for role in ("node", "face"):
+            species.append(Species(bar.material, role, bar.name))
     return dataclasses.replace(assembly, bars=tuple(bars), species=tuple(species))
 
 

@@ -70,7 +70,8 @@ def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
             if rested is None:
                 what = list(striker.touches)
                 raise ValueError(
-                    f"striker {number}: found no place where it touches {what} all at once"
+                    f"striker {number}: found no position in which it touches {what} at the same "
+                    "time"
                 )
             centre = rested
         shift = striker_shift(
@@ -81,14 +82,15 @@ def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
             way = way / np.linalg.norm(way)
             if np.linalg.norm(np.cross(shift, way)) <= _TELLING * np.linalg.norm(shift):
                 raise ValueError(
-                    f"striker {number}: its shift along its way has no effect; give a part across it"
+                    f"striker {number}: its shift along its direction of motion has no effect; "
+                    "add a component perpendicular to it"
                 )
             centre = _brought_up(number, striker, centre + shift, at, reach, way)
         gap = np.linalg.norm(centres - centre, axis=1) - radii - radius
         if gap.min() < -_OVERLAP * 2 * radius:
             other = ids[gap.argmin()]
             raise ValueError(
-                f"striker {number}: its place overlaps sphere {other} by {-gap.min():.3g} m"
+                f"striker {number}: its position overlaps sphere {other} by {-gap.min():.3g} m"
             )
         placed.append(centre)
         centres = np.vstack([centres, centre])
@@ -109,22 +111,21 @@ def _gaps(
 def _resting(
     at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray[np.float64]
 ) -> NDArray[np.float64] | None:
-    """Find the deepest place that touches as many of the spheres as hold it and overlaps none; None
-    if there is none.
+    """Return the deepest position at rest on the spheres without an overlap; None without one.
 
-    One more sphere holds it than there are dimensions between the spheres: two of a row, three of a
+    It touches one sphere more than the dimension of their arrangement: two of a row, three of a
     layer.
     """
     spans = np.linalg.svd(at - at.mean(axis=0), compute_uv=False)
     enough = 1 + int(np.count_nonzero(spans > _FLAT * spans[0]))
-    found = []
-    for some in combinations(range(len(at)), min(enough, len(at))):
-        rows = list(some)
+    resting = []
+    for supports in combinations(range(len(at)), min(enough, len(at))):
+        rows = list(supports)
         centre = _touching(at[rows], reach[rows], side)
         gaps = _gaps(centre, at, reach)
         if gaps.min() >= -_TOLERANCE and np.abs(gaps[rows]).max() <= _TOLERANCE:
-            found.append(centre)
-    return min(found, key=lambda centre: float(side @ centre), default=None)
+            resting.append(centre)
+    return min(resting, key=lambda centre: float(side @ centre), default=None)
 
 
 def _brought_up(
@@ -141,8 +142,10 @@ def _brought_up(
     square = along**2 - (np.einsum("ij,ij->i", apart, apart) - reach**2)
     if square.max() <= 0:
         raise ValueError(
-            f"striker {number}: shifted by {np.linalg.norm(start - at.mean(axis=0) - way * along.mean()):.3g} m across "
-            f"its way it misses {list(striker.touches)}; make its offset or misalignment smaller"
+            f"striker {number}: shifted by "
+            f"{np.linalg.norm(start - at.mean(axis=0) - way * along.mean()):.3g} m perpendicular "
+            f"to its direction of motion, it misses {list(striker.touches)}; use a smaller offset "
+            "or misalignment"
         )
     met = square > 0
     return np.asarray(start + way * float(np.min(-along[met] - np.sqrt(square[met]))))

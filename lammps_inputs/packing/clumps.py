@@ -58,5 +58,5 @@ def refuse_clumps(assembly: Assembly) -> None:
     for number, ids in assembly.clumps.items():
         raise InputError(
             f"{assembly.case.name}: packing: found clump {number} of {len(ids)} grains, expected "
-            "single grains; take the column clump out"
+            "single grains; remove the column clump"
         )

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import CylinderPair
 from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.case.material import Shape
+from granwave.lammps_inputs.case.material import Cylinder, Shape
 
 _NO_AXIS = (0.0, 0.0, 0.0)
 _PARALLEL = 1e-9  # sine of the angle of axes up to which they count as parallel, as in the plugin
@@ -30,12 +30,14 @@ def cylinder_pair(first: Shape, second: Shape) -> CylinderPair:
 def extents(radius: NDArray[np.float64], shapes: Sequence[Shape]) -> NDArray[np.float64]:
     """Return the half-widths of grains along x, y, z: (n, 3), m."""
     found = np.repeat(radius[:, None], 3, axis=1)
+    rows_of: dict[Cylinder, list[int]] = {}
     for row, shape in enumerate(shapes):
         if shape is not None:
-            along = np.abs(shape.vector)
-            found[row] = (
-                radius[row] * np.sqrt(np.maximum(1 - along**2, 0.0)) + shape.length / 2 * along
-            )
+            rows_of.setdefault(shape, []).append(row)
+    for shape, rows in rows_of.items():
+        along = np.abs(shape.vector)
+        across = np.sqrt(np.maximum(1 - along**2, 0.0))
+        found[rows] = radius[rows, None] * across + shape.length / 2 * along
     return found
 
 
@@ -89,23 +91,24 @@ def separations(
     second: NDArray[np.int64],
     period: tuple[float, float] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the distances of pairs of rows from or between axes, and their distances beyond an
-    end: (n,), m.
+    """Return the distances between the axes or centres of pairs of grains, and the lengths by
+    which they miss the end of a cylinder: (n,), m.
 
     Parameters
     ----------
+    first, second
+        Rows of the grains of each pair: (n,).
     period
         Periods along x and y, m.
     """
     distance = np.empty(len(first))
     beyond = np.empty(len(first))
-    kinds = {one: number for number, one in enumerate(dict.fromkeys(shapes))}
-    kind = np.array([kinds[one] for one in shapes])
-    each = list(kinds)
-    for one, other in np.unique([kind[first], kind[second]], axis=1).T:
-        rows = np.flatnonzero((kind[first] == one) & (kind[second] == other))
+    distinct = list(dict.fromkeys(shapes))
+    kind = np.array([distinct.index(shape) for shape in shapes])
+    for near, far in np.unique([kind[first], kind[second]], axis=1).T:
+        rows = np.flatnonzero((kind[first] == near) & (kind[second] == far))
         between = nearest_image(position[first[rows]] - position[second[rows]], period)
-        apart, beyond[rows] = nearest_vectors(between, each[one], each[other])
+        apart, beyond[rows] = nearest_vectors(between, distinct[near], distinct[far])
         distance[rows] = np.linalg.norm(apart, axis=1)
     return distance, beyond
 
@@ -186,6 +189,7 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     ).reshape(-1, 2)
     distance, beyond = separations(grains.position, grains.shape, *(ids - 1).T)
     radii = radius[ids - 1]
+    parallel: dict[tuple[tuple[float, ...], ...], bool] = {}  # by axes, of which a packing has few
     found = []
     for (one, other), apart, past, (r1, r2) in zip(
         ids.tolist(), distance, beyond, radii.tolist(), strict=True
@@ -194,7 +198,10 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
         second = grains.shape[other - 1]
         if first is not None and second is not None:
             lengths = first.length, second.length
-            if np.linalg.norm(np.cross(first.axis, second.axis)) <= _PARALLEL:
+            axes = first.axis, second.axis
+            if axes not in parallel:
+                parallel[axes] = bool(np.linalg.norm(np.cross(*axes)) <= _PARALLEL)
+            if parallel[axes]:
                 meets = apart < r1 + r2 + slack and -min(lengths) + slack < past <= slack
             else:
                 meets = apart < r1 + r2 + slack and 0 < past < max(r1, r2)

@@ -94,9 +94,11 @@ def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDAr
     number = round(float(packing.vacancies) * n)
     among = int(np.count_nonzero(may_go))
     if number >= n:
-        raise ValueError("leaves no sphere")
+        raise ValueError("leaves no spheres")
     if number > among:
-        raise ValueError(f"takes {number} spheres, {among} may go: the case names the others")
+        raise ValueError(
+            f"removes {number} spheres, but only {among} can be removed: the case uses the others"
+        )
     return _smallest(_uniform(packing.seed, n, VACANCIES), may_go, number)
 
 
@@ -221,5 +223,5 @@ def _side(hypotenuse: Array, other: Array) -> Array:
     """Third side of a right triangle."""
     square = hypotenuse**2 - other**2
     if square.size and square.min() <= 0:
-        raise ValueError("the diameters differ too much for spheres that lean on each other")
+        raise ValueError("the diameters differ too much for spheres that rest against each other")
     return np.sqrt(square)

@@ -65,13 +65,13 @@ def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
         (
             packing.relaxation is not None and not relaxes,
             f"packing.{RELAXATION}",
-            f'belongs to {KEY} = "{RELAX.name}"; found {show(packing.contacts or "none")}',
+            f'applies only to {KEY} = "{RELAX.name}"; found {show(packing.contacts or "none")}',
         ),
         (
             packing.springs is not None and not (way is KEEP or packing.relaxation == DAMPED),
             f"packing.{SPRINGS}",
-            f'belongs to {KEY} = "{KEEP.name}" or packing.relaxation = "{DAMPED}"; '
-            f"found {show(packing.contacts or 'none')}",
+            f'applies only to {KEY} = "{KEEP.name}" or packing.relaxation = "{DAMPED}"; found '
+            f"{show(packing.contacts or 'none')}",
         ),
     )
     if way is None or not _tolerance_fits(packing, errors):
@@ -117,10 +117,9 @@ def _with_usual_way(
 def _note(grains: Grains, n_overlapping: int, largest: float, tolerance: float) -> str:
     pairs = "a pair overlaps" if n_overlapping == 1 else f"{n_overlapping} pairs overlap"
     return (
-        f"{grains.key(1)}: {pairs} by up to {largest:.3g} m, which the digits of the numbers "
-        "explain "
-        f"(the last place is {rounding_of(grains):.3g} m): grains move until the pairs within "
-        f'{tolerance:.3g} m just touch; {KEY} = "{TOUCH.name}" says so without this message'
+        f"{grains.key(1)}: {pairs} by up to {largest:.3g} m, which rounding of the numbers "
+        f"explains (the last digit is {rounding_of(grains):.3g} m): grains move until the pairs "
+        f'within {tolerance:.3g} m just touch; {KEY} = "{TOUCH.name}" does this without a message'
     )
 
 
@@ -146,9 +145,9 @@ def _touching(packing: PackingSection, period: Period, errors: ErrorList) -> Pac
             KEY,
             Mismatch(
                 f'"{TOUCH.name}" with {fit.n_contacts} pairs within {tolerance:.3g} m, which '
-                "cannot all touch: the best places leave gaps or overlaps of up to "
+                "cannot all touch: the best positions leave gaps or overlaps of up to "
                 f"{fit.remaining:.3g} m",
-                remedy=f"give a smaller packing.{TOLERANCE}, more digits, or another way",
+                remedy=f"use a smaller packing.{TOLERANCE}, more digits, or another treatment",
             ),
         )
         return packing

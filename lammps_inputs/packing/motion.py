@@ -73,7 +73,7 @@ def struck_of(assembly: Assembly) -> tuple[int, ...]:
 
 
 def start_velocity(assembly: Assembly) -> tuple[float, float, float] | None:
-    """Return the velocity of the struck spheres at the start, m/s; None if the load gives none."""
+    """Return the velocity of the impacted spheres at the start, m/s; None without one."""
     return assembly.case.load.start_velocity(LoadedAssembly(assembly))
 
 
@@ -133,6 +133,24 @@ def own_velocities(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     speed = np.linalg.norm(velocity, axis=1)
     moving = np.argsort(-speed, kind="stable")[: np.count_nonzero(speed)]
     return {row + 1: tuple(velocity[row].tolist()) for row in moving.tolist()}
+
+
+def own_spins(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
+    """Return the angular velocities of the grains of a file that begin with one, by id, rad/s.
+
+    Without friction they have no effect. Grains that come to balance, that are part of a clump,
+    whose rotation is held, and cylinders begin without spin.
+    """
+    case = assembly.case
+    balances = case.precompression is not None and case.seeks_balance
+    if not isinstance(assembly.lattice, Places) or not case.has_friction or balances:
+        return {}
+    grains = assembly.lattice.grains
+    spins = grains.spin.any(axis=1) & np.array([shape is None for shape in grains.shape])
+    held = [held_ids(case, hold) for hold in case.holds.values() if hold.rotation]
+    for ids in (*held, *assembly.clumps.values()):
+        spins[np.array(ids, dtype=np.int64) - 1] = False
+    return {row + 1: tuple(grains.spin[row].tolist()) for row in np.flatnonzero(spins).tolist()}
 
 
 def held_ids(case: Case, hold: Hold) -> tuple[int, ...]:

@@ -20,10 +20,13 @@ from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.packing import Enclosure, PackingSection
+from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing_values import Enclosure
 from granwave.lammps_inputs.lattices import FILE, Lattice, kind_of, lattice_kinds
-from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
+from granwave.lammps_inputs.packing.cylinders import distances, extents, nearest_image, reaches
 from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
+
+_AROUND = 10  # largest distance from the middle of a grain to touch, in sums of the radii
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -90,6 +93,27 @@ class Places:
         depth = self.grains.position[:, 2]
         return 1 + np.flatnonzero(depth - depth.min() <= TOUCHING * self.diameter)
 
+    def within_reach(self, radius: float) -> int:
+        """Return the id of the grain nearest to the middle of the packing on whose top a sphere of
+        this radius (m) rests without touching another one.
+        """
+        position = self.grains.position
+        radii = self.grains.diameter / 2
+        faces = self.faces()[:, :2]
+        middle = (faces.min(axis=0) + faces.max(axis=0)) / 2
+        aside = np.linalg.norm(position[:, :2] - middle, axis=1)
+        touching = radius + radii.max()
+        nearest = np.argsort(aside, kind="stable")
+        around = nearest[: np.searchsorted(aside[nearest], _AROUND * touching)]
+        for grain in around:
+            centre = position[grain] - [0.0, 0.0, radii[grain] + radius]
+            near = np.flatnonzero(aside <= aside[grain] + touching)
+            apart = np.linalg.norm(nearest_image(position[near] - centre, self.period), axis=1)
+            free = apart - radii[near] - radius > -TOUCHING * self.diameter
+            if free[near != grain].all():
+                return int(grain) + 1
+        return int(self.top_layer[0])  # nothing is above the uppermost grain
+
     @property
     def last_layer(self) -> NDArray[np.int64]:
         """Ids of the grains that a plane below would touch, in rising order."""
@@ -132,7 +156,8 @@ class Places:
         """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m; see
         `distances`.
         """
-        grains, (first, second) = self.grains, pairs.T - 1
+        grains = self.grains
+        first, second = pairs.T - 1
         return distances(grains.position, grains.diameter, grains.shape, first, second, self.period)
 
     def overlapping(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -258,14 +283,15 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
         return (centre,)
     if not lattice.rule.hexagonal:
         able = " or ".join(name for name, kind in lattice_kinds().items() if kind.hexagonal)
-        raise ValueError(f"{count} spheres need hexagonal layers ({able}), found {lattice.kind}")
+        raise ValueError(f"{count} spheres require hexagonal layers ({able}), found {lattice.kind}")
     around, below = (
         [one for one in lattice.neighbours(centre) if lattice.layer_of(one) == k] for k in (0, 1)
     )
     if count == 7:
         if len(around) != 6:
             raise ValueError(
-                f"the struck sphere has {len(around)} neighbours in the top layer, 7 spheres need 6"
+                f"the impacted sphere has {len(around)} neighbours in the top layer, 7 spheres "
+                "require 6"
             )
         return (centre, *around)
     resting = [
@@ -273,7 +299,9 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     ]
     pairs = [pair for pair in resting if len(pair) == 2]
     if not pairs:
-        raise ValueError("no two neighbours of the struck sphere rest with it on one sphere below")
+        raise ValueError(
+            "no two neighbours of the impacted sphere rest with it on one sphere below"
+        )
     return (centre, *min(pairs))
 
 
@@ -285,5 +313,13 @@ def centred(
     """
     if all(striker.touches for striker in strikers):
         return tuple(strikers)
-    centre = struck_spheres(layout_of(packing, boundary), 1)
-    return tuple(dataclasses.replace(one, touches=one.touches or centre) for one in strikers)
+    layout = layout_of(packing, boundary)
+    centre = struck_spheres(layout, 1)
+    placed = []
+    for striker in strikers:
+        touches = striker.touches or centre
+        if not striker.touches and isinstance(layout, Places) and len(layout.top_layer) == 1:
+            radius = (striker.diameter or layout.diameter) / 2
+            touches = (layout.within_reach(radius),)
+        placed.append(dataclasses.replace(striker, touches=touches))
+    return tuple(placed)

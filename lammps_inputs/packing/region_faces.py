@@ -35,6 +35,16 @@ class RegionFace:
     shape: RegionShape
     name: str
 
+    @property
+    def definition(self) -> str:
+        """Command that defines the region."""
+        return f"region          {self.region} {self.words} units box"
+
+    @property
+    def style(self) -> str:
+        """Words of the wall fix."""
+        return f"region {self.region} {self.name}"
+
     def distances(self, positions: Floats) -> Floats:
         """Return the distances of positions (n, 3) from the face, infinite outside of the region:
         (n,), m.

@@ -307,11 +307,10 @@ def _sites_of_grains(case: Case, places: Places) -> Sites:
     each = list(zip(grains.material, grains.shape, strict=True))
     distinct = {(name, shape): (found[name], shape) for name, shape in each}
     shapes = dict.fromkeys(grains.shape)
-    order = [
-        (material, shape)
-        for material in dict.fromkeys([case.material, *found.values()])
-        for shape in shapes
-    ]
+    order = []
+    for material in dict.fromkeys([case.material, *found.values()]):
+        for shape in shapes:
+            order.append((material, shape))
     bodies = [one for one in order if len(shapes) == 1 or one in distinct.values()]
     number = {key: bodies.index(one) for key, one in distinct.items()}
     body = np.array([number[key] for key in each], dtype=np.int16)

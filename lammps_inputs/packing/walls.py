@@ -6,17 +6,20 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave._contact_laws import elliptic_radius
+from granwave._contact_laws import TriangleMesh, elliptic_radius
 from granwave.lammps_inputs.case.boundary import Backing, Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.region_walls import RegionWall
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import extents
+from granwave.lammps_inputs.packing.mesh_faces import MeshFace
 from granwave.lammps_inputs.packing.places import balanced_overlap
 from granwave.lammps_inputs.packing.region_faces import RegionFace
 from granwave.lammps_inputs.packing.sites import Sites
@@ -58,7 +61,7 @@ class Wall:
         Overlap of spheres that touch it, m; with cohesion the overlap at which contacts bear no
         force.
     face
-        Face of a region; None for other walls.
+        Face of a region, or patch of a surface of triangles; None for other walls.
     friction
         Coefficient of friction of the wall; None for that of boundary or contact law.
     fixes
@@ -75,7 +78,7 @@ class Wall:
     support: Support | None = None
     plate: tuple[float, float] | None = None
     overlap: float = 0.0
-    face: RegionFace | None = None
+    face: RegionFace | MeshFace | None = None
     friction: float | None = None
     fixes: tuple[tuple[str, str, Material], ...] = dataclasses.field(
         default=(), repr=False, compare=False
@@ -202,25 +205,36 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
 
 
 def _faces_of_regions(case: Case) -> list[Wall]:
-    """Return the faces of the regions of ``[[wall]]``, without their fixes."""
+    """Return the faces of ``[[wall]]``, without their fixes."""
     found = []
     for number, entry in enumerate(case.wall, start=1):
         region = f"wall{number}"
-        faces = entry.shape.faces
-        for face in faces:
-            name = region if len(faces) == 1 else f"{region}{face}"
-            of_region = RegionFace(region, entry.region, entry.shape, face)
-            wall = Wall(name, 0, 1, 0.0, material=entry.material, face=of_region)
+        faces = _faces_of(number, entry)
+        for suffix, face in faces.items():
+            name = region if len(faces) == 1 else f"{region}{suffix}"
+            wall = Wall(name, 0, 1, 0.0, material=entry.material, face=face)
             found.append(dataclasses.replace(wall, friction=entry.friction))
     return found
+
+
+def _faces_of(number: int, entry: RegionWall) -> Mapping[str, RegionFace | MeshFace]:
+    """Return the faces of a region, or the patches of triangles, by name."""
+    if entry.region is not None:
+        region = f"wall{number}"
+        shape = entry.shape
+        return {face: RegionFace(region, entry.region, shape, face) for face in shape.faces}
+    angle = entry.smooth_angle
+    mesh = TriangleMesh(entry.corners, angle)
+    patches = range(1, mesh.n_patches + 1)
+    return {f"patch{patch}": MeshFace(number, patch, angle, mesh) for patch in patches}
 
 
 def refuse_region_walls(case: Case) -> None:
     """Raise InputError for a case with walls of regions, for what knows planes and tubes alone."""
     if case.wall:
         raise InputError(
-            f"{case.name}: wall.1: found a wall of a region, expected walls by [boundary]; "
-            "take [[wall]] out"
+            f"{case.name}: wall.1: found a region wall, expected walls of [boundary]; remove "
+            "[[wall]]"
         )
 
 

@@ -179,7 +179,13 @@ _MOST_ITERATIONS_OF_DISORDER = 1e5
 
 # s in addition to the steps
 _START = 0.3  # set-up and analysis, independent of size
-# a particle in a snapshot: writing, reading, storing in result.h5, analysis
+# a particle: its part of the tables, which the ranks share; in addition if all its contacts yielded
+_TABLES = 3e-6
+_YIELDED_TABLES = 14e-6
+# a particle: set-up, and what the first rank sums and writes; of each snapshot in addition
+_FIRST_RANK = 3.6e-6
+_FIRST_RANK_SNAPSHOT = 0.2e-6
+# a particle in a snapshot: writing, reading, storing in result.h5, analysis; shared by the ranks
 _SNAPSHOT = 1.5e-6
 _TEXT_SNAPSHOT = 6e-6
 _HISTORY = 3e-6  # a particle at an instant of a chain's history
@@ -263,15 +269,19 @@ def expected_wall_time(
         else 1.0
     )
     each = seconds_per_step(assembly) / n_ranks
+    yielded = 0.0  # share of the contacts
     if case.contact.yields:  # averaged over the run
         law = sphere_contact(case)
         pairs = max(assembly.n_neighbours, 1)
         energy = expected_energy(assembly) / (law.yield_force * law.yield_overlap) / pairs
         share = 1 / (1 + (energy / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if energy > 0 else 0.0
         loaded = _SHARE_LOADED if case.precompression is None else 1.0
-        each += _YIELDED * pairs * loaded * share / n_ranks
+        yielded = loaded * share
+        each += _YIELDED * pairs * yielded / n_ranks
     snapshot = _TEXT_SNAPSHOT if case.output.dump_format == "text" else _SNAPSHOT
-    records = snapshot * max(2.0, part * schedule.n_frames)
+    snapshots = max(2.0, part * schedule.n_frames)
+    records = (_TABLES + _YIELDED_TABLES * yielded + snapshot * snapshots) / n_ranks
+    records += _FIRST_RANK + _FIRST_RANK_SNAPSHOT * snapshots
     records += (
         _HISTORY * part * schedule.n_steps / schedule.history_every
         if schedule.history_every
@@ -365,7 +375,8 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     sphere = struck_site(assembly) or 1
     (centre,), (last,) = (lattice.positions(one, one) for one in (sphere, lattice.n_spheres))
     room = {"bottom": float(last[2] - centre[2])}
-    (nx, ny, _), (i, j, _) = lattice.shape, lattice.indices(sphere)
+    nx, ny, _ = lattice.shape
+    i, j, _ = lattice.indices(sphere)
     if case.boundary.periodic:
         room["sides"] = min(lattice.lengths) / 2
     elif nx > 1 or ny > 1:  # to the nearest end of a row

@@ -108,7 +108,10 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
             for code in np.unique(of[near - 1] @ np.array([n, 1]))
         }
         if isinstance(assembly.lattice, Places):  # any two grains may meet
-            codes = {first * n + second for first in range(n) for second in range(first, n)}
+            codes = set()
+            for first in range(n):
+                for second in range(first, n):
+                    codes.add(first * n + second)
         pairs += [(int(example[code // n]), int(example[code % n])) for code in sorted(codes)]
         like = sites.made_of(assembly.material) & (sites.diameter == assembly.lattice.diameter)
         pairs += [(int(like.argmax()) + 1,) * 2] * bool(np.count_nonzero(like) > 1)
@@ -217,14 +220,14 @@ class Encounter:
 def some_encounters(assembly: Assembly) -> list[Encounter]:
     """Return the encounters; raise ValueError if there are none, or one has no stiffness."""
     if not (found := encounters(assembly)):
-        raise ValueError("no contact takes up any energy")
+        raise ValueError("no contact absorbs energy")
     for one in found:
         try:
             there = 0 < one.stiffness < math.inf
         except (ArithmeticError, ValueError):  # a law of lines ends, others overflow
             there = False
         if not there:
-            raise ValueError("the load would press a contact to where its law gives no stiffness")
+            raise ValueError("the load would compress a contact beyond the range of its law")
     return found
 
 

@@ -102,8 +102,9 @@ class Plan:
         if self.limit is None or self.wall_time < _LONG:
             return ""
         return (
-            f"the timestep, {self.schedule.first_timestep:.2g} s, is set by {self.limit.cause}, where a contact alone "
-            f"would allow {self.allowed:.2g} s; {self.limit.remedy} or an earlier run.end_time would shorten the run"
+            f"the timestep, {self.schedule.first_timestep:.2g} s, is limited by "
+            f"{self.limit.cause}; contacts would allow {self.allowed:.2g} s; use "
+            f"{self.limit.remedy} or an earlier run.end_time for a shorter computation"
         )
 
     @property
@@ -154,8 +155,8 @@ def plan(assembly: Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         raise
     except (ArithmeticError, ValueError) as error:
         raise InputError(
-            f"{case.name}: run.timestep: none can be found for the values of material, contact and load ({error}); are "
-            "they all in SI units (70 GPa is 70e9)?"
+            f"{case.name}: run.timestep: no timestep exists for the values of material, contact "
+            f"and load ({error}); are they all in SI units (70 GPa is 70e9)?"
         ) from None
     _note_times(assembly, schedule)
     _note_gaps(assembly)
@@ -185,15 +186,15 @@ def _refuse_endless(case: Case) -> None:
     stage = case.precompression
     if case.boundary.bottom_rule.repeats:
         raise InputError(
-            f'{case.name}: boundary.bottom: found "periodic": an endless packing has bands (granwave bands), not '
-            'runs; expected "wall", "fixed" or "free"'
+            f'{case.name}: boundary.bottom: found "periodic", expected "wall", "fixed" or "free" '
+            "for a run; an infinite crystal can only be used with granwave bands"
         )
     if case.packing.grains is None or stage is None:
         return
     if stage.rule.on_all_faces or (stage.rule.on_top and not case.bears_along_z):
         raise InputError(
-            f"{case.name}: precompression.kind: found {stage.kind!r} of grains with packing.cell, which is for "
-            'granwave bands; expected "walls" for a run, or something that bears it'
+            f"{case.name}: precompression.kind: found {stage.kind!r} of grains with packing.cell, "
+            'which is for granwave bands; expected "walls" for a run, or a support'
         )
 
 
@@ -219,7 +220,7 @@ def _note_gaps(assembly: Assembly) -> None:
         return
     _LOG.warning(
         "%s: packing: no two grains touch at the start, the closest are %.3g m apart, %.3g of the "
-        "smallest diameter; were coordinates rounded, or are units mixed?",
+        "smallest diameter; are coordinates rounded, or units mixed?",
         case.name,
         gap,
         gap / (2 * float(radius.min())),
@@ -236,11 +237,15 @@ def _note_times(assembly: Assembly, schedule: Schedule) -> None:
     if not isinstance(given, str):
         with contextlib.suppress(ArithmeticError, ValueError):  # no automatic timestep exists
             if given > _FAR_TOO_LONG * (best := steps.auto_timestep(assembly)):
-                text = '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close'
+                text = (
+                    '%s: run.timestep: found %g s, but "auto" uses %g s; the error of the '
+                    "energy balance will probably be too large"
+                )
                 _LOG.warning(text, case.name, given, best)
     if not isinstance(interval, str) and interval < schedule.first_timestep / 2:
         text = (
-            "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s"
+            "%s: output.probe_interval: found %g s, but at most one record per timestep (%.3g s) "
+            "is written"
         )
         _LOG.warning(text, case.name, interval, schedule.first_timestep)
 
@@ -290,4 +295,4 @@ def check_memory(plan: Plan, available: float | None = None) -> None:
         The run needs more memory than available.
     """
     what = f"{plan.name}: packing.size: {plan.n_spheres} spheres"
-    refuse_too_large(what, plan.memory, "make the packing smaller", available)
+    refuse_too_large(what, plan.memory, "use a smaller packing", available)

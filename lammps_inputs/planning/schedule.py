@@ -341,8 +341,8 @@ def check_steps(
             else f"take {limit.remedy}: {limit.cause} sets the steps"
         )
         raise InputError(
-            f"{name}: run.end_time: {duration:g} s in steps of {timestep:g} s are more than {MOST_STEPS:g} steps; "
-            f"make the run shorter, or {way}"
+            f"{name}: run.end_time: {duration:g} s in steps of {timestep:g} s are more than "
+            f"{MOST_STEPS:g} steps; use a shorter run, or {way}"
         )
 
 
@@ -360,13 +360,14 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
     frames = case.run.frames
     history = case.output.history
     errors = []
-    each_step = f"expected at most {n_steps + 1}: one at the start, one a step"
+    each_step = f"expected at most {n_steps + 1}: one at the start and one per step"
     if isinstance(frames, int) and frames > max(n_steps + 1, case.n_auto_frames):
         errors.append(f"run.frames: found {frames}, {each_step}")
     elif frames != AUTO and case.n_frames > _MOST_UNEVEN_FRAMES and not even:
         errors.append(
-            f"run.frames: found {case.n_frames}, expected at most {_MOST_UNEVEN_FRAMES} where they do not divide the "
-            f"{n_steps} steps evenly; output.probes and output.history record more often"
+            f"run.frames: found {case.n_frames}, expected at most {_MOST_UNEVEN_FRAMES} unless "
+            f"they divide the {n_steps} steps evenly; output.probes and output.history record "
+            "more often"
         )
     if isinstance(history, int) and history > n_steps + 1:
         errors.append(f"output.history: found {history}, {each_step}")

@@ -249,12 +249,13 @@ def check_load_frequency(assembly: Assembly) -> None:
     if highest <= _FAR * cutoff:
         return
     found = (
-        f"{case.name}: {load.highest_key}: found {highest:g} Hz, {highest / cutoff:.3g} times the highest frequency that the "
-        f"stiffest contact passes on, about {cutoff:.3g} Hz"
+        f"{case.name}: {load.highest_key}: found {highest:g} Hz, {highest / cutoff:.3g} times the "
+        f"highest frequency that the stiffest contact transmits, about {cutoff:.3g} Hz"
     )
     if highest > _TOO_FAR * cutoff:
-        raise InputError(f"{found}; expected at most {_TOO_FAR:g} times as much")
+        raise InputError(f"{found}; expected at most {_TOO_FAR:g} times this frequency")
     _LOG.warning(
-        "%s: hardly anything moves, the steps follow the load, and the energy balance may suffer",
+        "%s: the packing hardly moves, the load sets the timestep, and the energy balance may be "
+        "inaccurate",
         found,
     )

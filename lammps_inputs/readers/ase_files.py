@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import warnings
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from granwave.lammps_inputs.tables.units import in_si
 NAME = "ase"
 LABEL = "ASE"
 _XYZ_DECIMALS = "0.00000001"  # of the extended XYZ that ASE writes
+_JSON = re.compile(r'\s*(?:\{\s*"|\[\s*(?:\{|\[\s*[-0-9]))')
 _STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
 _NAMES = (DIAMETER, RADIUS, "length", *AXIS_PARTS, *WORDS)
 _PLURALS = {RADIUS: "radii"}
@@ -65,17 +68,27 @@ def read(source: GrainSource) -> GrainTable:
 def _read_atoms(source: GrainSource) -> Any:
     """Read a frame of a file by ASE."""
     import ase.io  # takes longer to load than most commands need
+    from ase.io.formats import UnknownFileTypeError
 
     step = source.options.step
     try:
-        return ase.io.read(source.path, index=-1 if step is None else step)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # on the future of its readers
+            return ase.io.read(source.path, index=-1 if step is None else step)
+    except UnknownFileTypeError:
+        reason = ""
     except Exception as error:  # ASE raises exceptions of all kinds
-        reason = " ".join(str(error).split()) or type(error).__name__
-        kind = "a binary file" if source.is_binary else "a file"
+        reason = f" (ASE: {' '.join(str(error).split()) or type(error).__name__})"
+    if _JSON.match(source.head):
         raise ValueError(
-            f"found {kind} of no known format (ASE: {reason}), expected a table, a dump or data "
-            "file of LAMMPS, or another format of packing.format"
-        ) from None
+            "found JSON, expected a file of grains; write a table with a line x y z radius and a "
+            "row for each grain"
+        )
+    kind = "a binary file" if source.is_binary else "a file"
+    raise ValueError(
+        f"found {kind} of no known format{reason}, expected a table, a dump or data file of "
+        "LAMMPS, or another format of packing.format"
+    )
 
 
 def _columns(atoms: Any, source: GrainSource) -> dict[str, Any]:
@@ -90,8 +103,8 @@ def _columns(atoms: Any, source: GrainSource) -> dict[str, Any]:
     return columns
 
 
-def _add_cell(atoms: Any, grains: GrainTable, power: int) -> None:
-    """Add the vectors after which the atoms repeat, and the box if it is one along the axes."""
+def _add_cell(atoms: Any, grains: GrainTable, power: float) -> None:
+    """Add the vectors of the periodic cell, and the box if its edges are along the axes."""
     repeats = atoms.pbc
     cell = in_si(np.asarray(atoms.cell.array, dtype=np.float64), power)
     grains.cell = [

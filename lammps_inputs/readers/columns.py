@@ -21,6 +21,7 @@ from granwave.lammps_inputs.tables.units import (
     MASS,
     UNITS,
     VELOCITY,
+    VOXELS,
     in_si,
     split_unit,
 )
@@ -34,6 +35,7 @@ DIAMETER = "diameter"
 ID = "id"
 TYPE = "type"
 CLUMP = "clump"
+NO_CLUMP = -1  # of other programs
 LARGEST_CLUMP = 2**31 - 1  # a molecule of LAMMPS
 WORDS = ("material", "group", "shape", "axis")
 KINDS: dict[str, str] = {
@@ -54,18 +56,25 @@ _UNUSED = re.compile(
 _MAY_BE_EMPTY = {"length": 0.0, **dict.fromkeys(AXIS_PARTS, 0.0), CLUMP: 0.0}
 _STEMS = {
     "": ("pos", "position", "p", "coord", "coords", "coordinate", "coordinates", "center",
-         "centre", "centroid", "barycenter", "barycentre", "point", "points", "c"),
+         "centre", "centroid", "barycenter", "barycentre", "point", "points", "c", "location",
+         "schwerpunkt", "mittelpunkt"),
     "v": ("v", "vel", "velo", "velocity", "velocities"),
     "omega": ("omega", "w", "om", "angular_velocity", "angularvelocity", "angvel", "spin"),
 }  # fmt: skip
 _OTHER_NAMES = {
-    RADIUS: "r rad radii",
+    RADIUS: "r rad radii rayon",
     DIAMETER: (
         "d dia diam diameters equivalent_diameter equivalent_diameter_area "
-        "equivalent_spherical_diameter equiv_diameter equivdiameter eq_diameter eqdiameter"
+        "equivalent_spherical_diameter equiv_diameter equivdiameter eq_diameter eqdiameter "
+        "particle_size durchmesser kugeldurchmesser diametre diamètre"
     ),
-    ID: "ids tag label",
-    TYPE: "types atom_type type_id material_id mat_id matid indspecies species phase",
+    ID: "ids tag label identifier particleidentifier",
+    # of YADE, of LIGGGHTS (fix multisphere) and of LAMMPS (fix rigid)
+    CLUMP: "clumpid clump_id id_multisphere f_id_multisphere multisphere_id body body_id",
+    TYPE: (
+        "types typelabel particletype atom_type type_id material_id mat_id matid indspecies "
+        "species phase"
+    ),
     "mass": "m masses",
     "density": "rho",
 }
@@ -97,7 +106,7 @@ def _all_names() -> dict[str, str]:
 
 
 _QUANTITY_OF_NAME = _all_names()
-_BEFORE_NAME = re.compile(r"(?:q[0-9]+_)?(?:particle|grain|sphere|atom|body)_")
+_BEFORE_NAME = re.compile(r"(?:q[0-9]+_)?(?:particle|grain|sphere|atom|body|ball)_")
 _LARGEST_ID = 2.0**63
 _NUMBERED = re.compile(r"(.*[^0-9])([0-3])")  # a component, such as Points_0
 
@@ -262,6 +271,16 @@ def require_columns(
         )
 
 
+def from_one(numbers: NDArray[np.int64], head: str) -> NDArray[np.int64]:
+    """Return numbers of clumps of a column, 0 for none.
+
+    Other programs than granwave write -1 for it, and then count from 0.
+    """
+    if head.strip().lower() != CLUMP and (numbers == NO_CLUMP).any():
+        return numbers + 1
+    return numbers
+
+
 class ColumnReader:
     """Quantities of the grains of a table, in SI units.
 
@@ -283,21 +302,29 @@ class ColumnReader:
         table: TextTable,
         columns: dict[str, GrainColumn],
         options: FileOptions,
-        powers: Mapping[str, int] | None = None,
+        powers: Mapping[str, float] | None = None,
     ) -> None:
         self.table = table
         self.columns = columns
-        self.powers = dict(powers or {})
+        self.powers: dict[str, float] = dict(powers or {})
+        self.has_voxels = options.has_voxels
         if options.units:
             self.powers |= dict.fromkeys((LENGTH, VELOCITY), options.power())
 
-    def scale(self, quantity: str) -> int:
+    def scale(self, quantity: str) -> float:
         """Return the power of ten of the unit of a quantity."""
         kind = KINDS[quantity]
         unit = self.columns[quantity].unit
         units = UNITS.get(kind, {})
+        head = self.columns[quantity].head
+        if unit.lower() in VOXELS and kind == LENGTH:
+            if self.has_voxels:
+                return self.powers[LENGTH]
+            raise ValueError(
+                f"line {self.table.head_line}: found the column {show(head)} in voxels, expected "
+                'their size, such as packing.units = "0.012 mm"'
+            )
         if unit and unit not in units:
-            head = self.columns[quantity].head
             raise ValueError(
                 f"line {self.table.head_line}: found the unit {show(unit)} of the column "
                 f"{show(head)}, expected {', '.join(units) or 'none'}"
@@ -365,10 +392,14 @@ class ColumnReader:
         return values.astype(np.int64)
 
     def clumps(self) -> NDArray[np.int64] | None:
-        """Return the numbers of the clumps, 0 for none: (n,); None if the table has none."""
+        """Return the numbers of the clumps, 0 for none: (n,); None if the table has none.
+
+        Other programs write -1 for grains in no clump, and then count their clumps from 0.
+        """
         numbers = self.whole_numbers(CLUMP)
         if numbers is None:
             return None
+        numbers = from_one(numbers, self.columns[CLUMP].head)
         wrong = np.flatnonzero((numbers < 0) | (numbers > LARGEST_CLUMP))
         if len(wrong):
             row = int(wrong[0])

@@ -140,7 +140,7 @@ def _at(element: Any, step: int, row: int) -> NDArray[np.generic] | None:
     return fixed
 
 
-def _add_box(group: Any, grains: GrainTable, place: tuple[int, int], power: int) -> None:
+def _add_box(group: Any, grains: GrainTable, place: tuple[int, int], power: float) -> None:
     """Add the box at a place, step and row, if it is one along the axes."""
     if "box" not in group or "edges" not in group["box"]:
         return

@@ -29,10 +29,12 @@ from granwave.lammps_inputs.tables.units import LENGTH, in_si
 NAME = "lammps-data"
 LABEL = "LAMMPS data file"
 _COUNT = re.compile(r"^[ \t]*([0-9]+)[ \t]+atoms\b", re.MULTILINE)
-_ATOMS = re.compile(r"^Atoms[ \t]*(?:#(.*))?$", re.MULTILINE)
-_VELOCITIES = re.compile(r"^Velocities\b.*$", re.MULTILINE)
+_ATOMS = re.compile(r"^[ \t]*Atoms[ \t]*(?:#(.*))?$", re.MULTILINE)
+_VELOCITIES = re.compile(r"^[ \t]*Velocities\b.*$", re.MULTILINE)
 _STYLE_OF_UNITS = re.compile(r"units = (\w+)")
 _BOX = re.compile(r"^[ \t]*(\S+)[ \t]+(\S+)[ \t]+([xyz])lo[ \t]+[xyz]hi", re.MULTILINE)
+_EDGE = re.compile(r"^[ \t]*\S+[ \t]+\S+[ \t]+\S+[ \t]+avec\b", re.MULTILINE)  # of any direction
+_TILTS = re.compile(r"^(.*)[ \t]xy[ \t]+xz[ \t]+yz\b", re.MULTILINE)
 _PLACE = ["x", "y", "z"]
 _SPHERE = ["diameter", "density"]
 _IMAGES = ["ix", "iy", "iz"]
@@ -58,7 +60,8 @@ _MOST_HEAD = 100_000  # characters before the section of the atoms
 
 def recognises(source: GrainSource) -> bool:
     """Return True for a text with a number of atoms and bounds of a box near its beginning."""
-    return bool(_COUNT.search(source.head) and _BOX.search(source.head))
+    has_box = _BOX.search(source.head) or _EDGE.search(source.head)
+    return bool(_COUNT.search(source.head) and has_box)
 
 
 def read(source: GrainSource) -> GrainTable:
@@ -161,8 +164,13 @@ def _of_style(words: list[str], n_columns: int) -> list[str]:
     )
 
 
-def _bounds(head: str, power: int) -> NDArray[np.float64] | None:
-    """Return the box: (3, 2), m; None unless the head of the file has it along all axes."""
+def _bounds(head: str, power: float) -> NDArray[np.float64] | None:
+    """Return the box: (3, 2), m; None unless the head of the file has it along all axes, and if it
+    is tilted.
+    """
+    tilts = _TILTS.search(head)
+    if tilts is not None and any(word.strip("+-0.eE") for word in tilts[1].split()):
+        return None
     edges = {match[3]: (match[1], match[2]) for match in _BOX.finditer(head)}
     if len(edges) < len(_PLACE):
         return None
@@ -173,7 +181,7 @@ def _bounds(head: str, power: int) -> NDArray[np.float64] | None:
     return in_si(box, power)
 
 
-def _add_velocities(text: str, grains: GrainTable, powers: Mapping[str, int]) -> None:
+def _add_velocities(text: str, grains: GrainTable, powers: Mapping[str, float]) -> None:
     """Add velocities and spins of the section Velocities, if there is one."""
     section = _VELOCITIES.search(text)
     if section is None or grains.ids is None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,8 @@ _ITEM = "ITEM: "
 _STEP = "ITEM: TIMESTEP"
 _ATOMS = "ITEM: ATOMS"
 _BOX = "ITEM: BOX BOUNDS"
-_ENTRIES = "ITEM: ENTRIES"
+_OF_CONTACTS = "ITEM: NUMBER OF ENTRIES"  # of dump local, whose rows may have any label
+_OF_GRID = "ITEM: GRID"
 _UNITS = re.compile(r"^ITEM: UNITS[ \t]*\r?\n[ \t]*(\S+)", re.MULTILINE)
 _FRAME = re.compile(  # LAMMPS writes its units and the time above the step
     rf"^(?:ITEM: (?:UNITS|TIME)[ \t]*\r?\n.*\n)*({_STEP})", re.MULTILINE
@@ -79,7 +81,7 @@ def read(source: GrainSource) -> GrainTable:
     ends = [*starts[1:], len(text)]
     chosen = _chosen(text, places, source.options.step)
     first_line = text.count("\n", 0, starts[chosen]) + 1
-    frame = _DumpFrame.read(text[starts[chosen] : ends[chosen]], first_line)
+    frame = DumpFrame.read(text[starts[chosen] : ends[chosen]], first_line)
     frame.check_complete(_step_of(text, places[chosen - 1]) if chosen else None)
     units = _UNITS.search(text, 0, places[0])  # once in a file
     if units is not None and not frame.units:
@@ -90,7 +92,7 @@ def read(source: GrainSource) -> GrainTable:
     return grains
 
 
-def powers_of_style(style: str, options: FileOptions) -> dict[str, int]:
+def powers_of_style(style: str, options: FileOptions) -> Mapping[str, float]:
     """Return the powers of ten of the units of a style by kind of quantity; none of a file that
     names no style.
 
@@ -124,7 +126,11 @@ def _chosen(text: str, places: list[int], step: int | None) -> int:
     """Return the number of the frame that is read, from 0."""
     if step is None:
         return len(places) - 1
-    steps = [_step_of(text, place) for place in places]
+    return frame_of_step([_step_of(text, place) for place in places], step)
+
+
+def frame_of_step(steps: list[int], step: int) -> int:
+    """Return the number, from 0, of the last frame of a step; raise ValueError if there is none."""
     if step not in steps:
         some = ", ".join(map(str, steps[:5])) + (f" ... {steps[-1]}" if len(steps) > 5 else "")
         raise ValueError(f"found no step {step} (packing.step), expected one of {some}")
@@ -192,8 +198,8 @@ class DumpBox:
         return np.stack([self.origin, self.origin + np.diag(self.edges)], axis=1)
 
 
-@dataclasses.dataclass
-class _DumpFrame:
+@dataclasses.dataclass(kw_only=True)
+class DumpFrame:
     """One step of a dump.
 
     Attributes
@@ -226,7 +232,7 @@ class _DumpFrame:
     rows: tuple[str, ...] = ()
 
     @classmethod
-    def read(cls, text: str, first_line: int) -> _DumpFrame:
+    def read(cls, text: str, first_line: int) -> DumpFrame:
         """Read a frame of which the first line has this number."""
         frame = cls()
         lines = text.splitlines()
@@ -238,11 +244,12 @@ class _DumpFrame:
                 frame.head_line = first_line + k
                 frame.rows = tuple(line for line in lines[k + 1 :] if line.strip())
                 return frame
-            if item.startswith(_ENTRIES):
-                raise ValueError(
-                    f"line {first_line + k}: found a dump of contacts ({_ENTRIES}), expected one "
-                    "of atoms: dump custom ... x y z radius"
-                )
+            for start, content in ((_OF_CONTACTS, "contacts"), (_OF_GRID, "a grid")):
+                if item.startswith(start):
+                    raise ValueError(
+                        f"line {first_line + k}: found a dump of {content} ({start}), expected "
+                        "one of atoms: dump custom ... x y z radius"
+                    )
             try:
                 k += frame._read_item(item, lines[k + 1 : k + 4])
             except (ValueError, IndexError):
@@ -274,22 +281,30 @@ class _DumpFrame:
     def check_complete(self, before: int | None) -> None:
         """Raise ValueError if atoms are missing; ``before`` is the step before this one."""
         n_rows = len(self.rows)
+        remedy = "" if before is None else f"; packing.step = {before} takes the step before"
+        if not n_rows and not self.n_atoms:
+            raise ValueError(f"found no atom in the step {self.step}, expected one or more{remedy}")
         if n_rows == self.n_atoms:
             return
-        remedy = "" if before is None else f"; packing.step = {before} takes the step before"
         raise ValueError(
             f"found {n_rows} of {self.n_atoms} atoms in the step {self.step}: the dump is "
             f"truncated{remedy}"
         )
 
-    def grains(self, options: FileOptions, n_steps: int) -> GrainTable:
-        """Return the grains of the frame; ``n_steps`` is the number of steps of the file."""
+    def grains(self, options: FileOptions, n_steps: int, label: str = LABEL) -> GrainTable:
+        """Return the grains of the frame.
+
+        Parameters
+        ----------
+        n_steps
+            Number of steps of the file.
+        label
+            Name of the format.
+        """
         heads = self.heads if not options.heads else tuple(options.heads)
         layout = Layout(
             range(self.head_line + 1, self.head_line + 1 + len(self.rows)), self.rows, BLANKS, "."
         )
-        if not self.rows:
-            raise ValueError(f"found no atom in the step {self.step}, expected one or more")
         table = table_of(layout, heads, self.head_line)
         notes: list[str] = []
         columns = find_columns(table, options, notes, repeated=True)
@@ -297,14 +312,14 @@ class _DumpFrame:
         self._require(columns, options)
         powers = powers_of_style(self.units, options)
         of_steps = f", step {self.step}" + (f" of {n_steps} steps" if n_steps > 1 else "")
-        grains = ColumnReader(table, columns, options, powers).grains(LABEL + of_steps, notes)
+        grains = ColumnReader(table, columns, options, powers).grains(label + of_steps, notes)
         if self.box is not None:
             self._add_box(self.box, grains, scaled, powers.get(LENGTH, 0))
         elif scaled:
             raise ValueError("found scaled places without a box; dump x, y, z")
         return grains
 
-    def _add_box(self, box: DumpBox, grains: GrainTable, scaled: set[str], power: int) -> None:
+    def _add_box(self, box: DumpBox, grains: GrainTable, scaled: set[str], power: float) -> None:
         """Add the box to the grains, and place those whose places are fractions of it."""
         periodic = [flag == _PERIODIC for flag in self.flags] or [False] * 3
         if box.is_straight:

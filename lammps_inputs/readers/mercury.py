@@ -28,6 +28,7 @@ _PARTICLES = re.compile(r"^Particles[ \t]+([0-9]+)[ \t]*$", re.MULTILINE)
 _DOMAIN = re.compile(r"([xyz])Min[ \t]+(\S+)[ \t]+\1Max[ \t]+(\S+)", re.IGNORECASE)
 _OLD_PARTICLE = "BP"  # of version 3, before the numbers, or nothing
 _N_OF_OLD = 16  # place, velocity, radius, angles, spin, inverse mass and inertia, species
+_OTHER_SHAPES = re.compile(r"superquadric|clump|nonspherical|multiparticle", re.IGNORECASE)
 _VALUES = {"position": 3, "velocity": 3, "radius": 1, "indSpecies": 1, "id": 1}
 
 
@@ -117,6 +118,12 @@ def _read_restart(source: GrainSource) -> GrainTable:
     first_line = text.count("\n", 0, match.end()) + 2
     lines = text[match.end() + 1 :].splitlines()[:n_rows]
     rows: list[str] = []
+    notes: list[str] = []
+    shapes = [line.split(maxsplit=1)[0] for line in lines if _OTHER_SHAPES.match(line)]
+    if shapes:
+        notes.append(
+            f"{len(shapes)} particles are no spheres ({shapes[0]}); read as spheres of their radius"
+        )
     for index, line in enumerate(lines):
         words = line.split()
         old = _old_row_of(words, index)
@@ -126,7 +133,6 @@ def _read_restart(source: GrainSource) -> GrainTable:
     heads = ["x", "y", "z", *VELOCITIES, "radius", "type", "id"]
     layout = Layout(range(first_line, first_line + n_rows), rows, BLANKS, ".")
     table = table_of(layout, heads, first_line)
-    notes: list[str] = []
     columns = find_columns(table, source.options, notes)
     grains = ColumnReader(table, columns, source.options).grains(f"{LABEL} restart", notes)
     domain = {axis: (low, high) for axis, low, high in _DOMAIN.findall(text[: match.start()])}

@@ -7,6 +7,7 @@ import dataclasses
 import gzip
 import io
 import lzma
+import re
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -42,6 +43,12 @@ class OtherKind:
     remedy: str
 
 
+_REMEDY_OF_DUMPS = "write it as text by dump custom: id type x y z radius"
+_REMEDY_OF_ROWS = "write a table with a line x y z radius and a row for each grain"
+_HEAD_OF_BINARY_DUMPS = (
+    b"\xf8" + 7 * b"\xff" + b"DUMPATOM",  # behind the length of the word, negative
+    b"\xf6" + 7 * b"\xff" + b"DUMPCUSTOM",
+)
 _OTHER_KINDS = (
     OtherKind(b"\x28\xb5\x2f\xfd", "a .zst file", "unpack it (unzstd)"),
     OtherKind(b"7z\xbc\xaf\x27\x1c", "a .7z file", "unpack it"),
@@ -52,9 +59,32 @@ _OTHER_KINDS = (
     OtherKind(
         b"version https://git-lfs", "a pointer of Git LFS", "get the file itself by git lfs pull"
     ),
+    OtherKind(b"CDF", "a NetCDF file", "write the grains by dump custom, or as a table"),
+    OtherKind(b"PAR1", "a Parquet file", "save it as CSV"),
+    OtherKind(_HEAD_OF_BINARY_DUMPS[0], "a binary dump of LAMMPS", _REMEDY_OF_DUMPS),
+    OtherKind(_HEAD_OF_BINARY_DUMPS[1], "a binary dump of LAMMPS", _REMEDY_OF_DUMPS),
+    OtherKind(b"ply\n", "a PLY file", "save a table of x, y, z and radius"),
+    OtherKind(b"LSMGeometry", "a geometry file of ESyS-Particle", _REMEDY_OF_ROWS),
+    OtherKind(b"ball create", "commands of PFC", _REMEDY_OF_ROWS),
+    OtherKind(b"$bdyty", "bodies of LMGC90", _REMEDY_OF_ROWS),
+    OtherKind(b"! File BODIES", "bodies of LMGC90", _REMEDY_OF_ROWS),
     OtherKind(b"<!DOCTYPE html", "a web page", "download the file itself"),
     OtherKind(b"<html", "a web page", "download the file itself"),
+    OtherKind(b"LAMMPS (", "a log of LAMMPS", _REMEDY_OF_DUMPS),
+    OtherKind(b"<?xml version='1.0'?>\n<GranOO", "a domain of GranOO", _REMEDY_OF_ROWS),
+    OtherKind(b"Begin ModelPartData", "a model part of Kratos", _REMEDY_OF_ROWS),
+    OtherKind(b'View "" {', "a view of Gmsh", _REMEDY_OF_ROWS),
+    OtherKind(b"\x80\x04\x95", "a pickle of Python", _REMEDY_OF_ROWS),
 )
+# of which the first bytes are not enough
+_BOOST = re.compile(rb"<!DOCTYPE boost_serialization>")
+_STL = re.compile(rb"solid\b.*\n\s*facet\s+normal", re.IGNORECASE)
+_PATTERNS = {
+    _BOOST: OtherKind(b"", "a simulation of YADE (O.save)", "write it by yade.export.text"),
+    _STL: OtherKind(b"", "a surface (STL)", "name it in [[wall]], and the grains here"),
+}
+_HEAD = 1000  # bytes in which such a pattern stands
+_ARRAYS = ".npy"  # members of a .npz
 
 
 def unpacked(raw: bytes) -> bytes:
@@ -79,10 +109,22 @@ def _checked(raw: bytes) -> bytes:
         raise ValueError(
             "found an archive (.tar), expected a file of grains; unpack it and name the file"
         )
-    for kind in _OTHER_KINDS:
-        if raw[: len(kind.start)].lower() == kind.start.lower():
-            raise ValueError(f"found {kind.label}, expected a file of grains; {kind.remedy}")
+    kinds = [kind for kind in _OTHER_KINDS if _starts_with(raw, kind.start)]
+    kinds += [kind for pattern, kind in _PATTERNS.items() if _fits(raw, pattern)]
+    for kind in kinds:
+        raise ValueError(f"found {kind.label}, expected a file of grains; {kind.remedy}")
     return raw
+
+
+def _starts_with(raw: bytes, start: bytes) -> bool:
+    """Return True if a file begins with some bytes, in small or capital letters."""
+    return raw[: len(start)].lower() == start.lower()
+
+
+def _fits(raw: bytes, pattern: re.Pattern[bytes]) -> bool:
+    """Return True if a file begins with a pattern; that of YADE is below the line of XML."""
+    head = raw[:_HEAD]
+    return bool(pattern.search(head) if pattern is _BOOST else pattern.match(head))
 
 
 def _without_package(raw: bytes, ending: str, unpack: Callable[[bytes], bytes]) -> bytes:
@@ -105,6 +147,11 @@ def _file_of_zip(raw: bytes) -> bytes:
                 raise ValueError(
                     f"found a spreadsheet ({ending}), expected a file of grains; save it as CSV"
                 )
+        if names and all(name.endswith(_ARRAYS) for name in names):
+            raise ValueError(
+                f"found arrays of NumPy (.npz: {', '.join(names)}), expected a file of grains; "
+                "save one table of x, y, z and radius as text by numpy.savetxt"
+            )
         if len(names) != 1:
             raise ValueError(
                 f"found a .zip with {len(names)} files, expected one of them; unpack it and name "

@@ -10,6 +10,8 @@ from granwave.lammps_inputs.readers import (
     h5md,
     lammps_data,
     lammps_dump,
+    lammps_molecule,
+    lammps_yaml,
     mercury,
     table,
     vtk_files,
@@ -29,7 +31,19 @@ class GrainReader(Protocol):
     read: Callable[[GrainSource], GrainTable]
 
 
-_READERS = (h5md, vtk_files, lammps_dump, lammps_data, yade, mercury, xyz, table, ase_files)
+_READERS = (
+    h5md,
+    vtk_files,
+    lammps_dump,
+    lammps_yaml,
+    lammps_data,
+    lammps_molecule,
+    yade,
+    mercury,
+    xyz,
+    table,
+    ase_files,
+)
 #: Readers by format, in the order in which they are asked.
 READERS: dict[str, GrainReader] = {module.NAME: cast("GrainReader", module) for module in _READERS}
 _TABLES = (".csv", ".txt", ".dat", ".tsv")  # endings of files that are tables if nothing else
@@ -64,18 +78,22 @@ def reader_of(source: GrainSource) -> GrainReader:
     for name, reader in READERS.items():
         if name == ase_files.NAME and is_table:
             return READERS[table.NAME]
-        if name == table.NAME and not is_table and _is_known_to_ase(source):
+        if name == table.NAME and not is_table and _is_left_to_ase(source):
             continue
         if reader.recognises(source):
             return reader
     return READERS[ase_files.NAME]
 
 
-def _is_known_to_ase(source: GrainSource) -> bool:
-    """Return True if ASE knows the format of a file by its content or its ending."""
+def _is_left_to_ase(source: GrainSource) -> bool:
+    """Return True if a file has no names of columns, and ASE knows its format by its content or its
+    ending.
+    """
+    if table.has_names(source):
+        return False
     from ase.io import formats  # takes longer to load than most commands need
 
     try:
-        return bool(formats.filetype(source.path, guess=False))
+        return bool(formats.filetype(str(source.path), guess=False))
     except Exception:  # ASE raises exceptions of all kinds
         return False

@@ -10,8 +10,10 @@ from pathlib import Path
 from granwave.lammps_inputs.files import read_regular
 from granwave.lammps_inputs.readers.packed import unpacked
 from granwave.lammps_inputs.tables.encoding import decoded_table, start_of
-from granwave.lammps_inputs.tables.units import LENGTH_UNITS
+from granwave.lammps_inputs.tables.units import has_size, length_power
 
+_NUL = "\0"
+_END_OF_DOS = "\x1a"
 _HEAD = 4096  # characters that show the format
 
 
@@ -27,7 +29,8 @@ class FileOptions:
         Names of the columns in their order, of a table without them; or the name of a column, or
         its number from 1, by quantity.
     units
-        Unit of the lengths; empty: that of the file, or metres.
+        Unit of the lengths, or the size of a voxel, such as ``0.012 mm``; empty: that of the file,
+        or metres.
     step
         Timestep of a file of several; None: the last.
     diameter
@@ -50,9 +53,14 @@ class FileOptions:
         """Columns by quantity; empty unless they were given so."""
         return self.columns if isinstance(self.columns, Mapping) else {}
 
-    def power(self, of_file: int = 0) -> int:
-        """Return the power of ten of the lengths, in metres; ``of_file`` unless they were given."""
-        return LENGTH_UNITS[self.units] if self.units else of_file
+    @property
+    def has_voxels(self) -> bool:
+        """True if the user gave the size of a voxel."""
+        return bool(self.units) and has_size(self.units)
+
+    def power(self) -> float:
+        """Return the power of ten of the unit of the lengths, in metres."""
+        return length_power(self.units) if self.units else 0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -85,8 +93,23 @@ class GrainSource:
 
     @cached_property
     def text(self) -> str:
-        """Text of the file; raises ValueError if it is none."""
-        return decoded_table(self.content)
+        """Text of the file, with the line ends of Unix.
+
+        Raises
+        ------
+        ValueError
+            It is no text, or has characters NUL, as a damaged file, or UTF-16 without its mark.
+        """
+        text = decoded_table(self.content).rstrip(_END_OF_DOS)
+        if _NUL in text:
+            line = text.count("\n", 0, text.index(_NUL)) + 1
+            raise ValueError(
+                f"line {line}: found a character NUL, expected text; the file is damaged, or "
+                "UTF-16 without its mark: save it as UTF-8"
+            )
+        if "\r" not in text:
+            return text
+        return text.replace("\r\n", "\n").replace("\r", "\n")
 
     @cached_property
     def head(self) -> str:
@@ -103,4 +126,4 @@ class GrainSource:
     @property
     def is_binary(self) -> bool:
         """True if the file is no text."""
-        return "\0" in self.head
+        return _NUL in self.head

@@ -49,6 +49,19 @@ def recognises(source: GrainSource) -> bool:
     return len(first) == len(second) >= _LEAST_COLUMNS <= n_numbers
 
 
+def has_names(source: GrainSource) -> bool:
+    """Return True for a table whose columns have names of places."""
+    layout = without_count(layout_of(source.whole_lines))
+    if source.is_binary or not layout.rows:
+        return False
+    if _row_of_names(layout):
+        return True
+    try:
+        return any(quantity_of(head)[0] == PLACE[0] for head in layout.cells(0))
+    except ValueError:
+        return False
+
+
 def read(source: GrainSource) -> GrainTable:
     """Read a table of grains; raise ValueError with the line of the fault."""
     return read_table_text(source.text, source.options)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.message_words import show
 from granwave.lammps_inputs.readers.columns import (
+    CLUMP,
     DIAMETER,
     ID,
     PLACE,
@@ -25,6 +26,7 @@ from granwave.lammps_inputs.readers.columns import (
     SPINS,
     TYPE,
     VELOCITIES,
+    from_one,
     quantity_of,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
@@ -114,6 +116,8 @@ def grains_of_arrays(
     radius = values.get(RADIUS)
     ids = values.get(ID)
     velocity = _vector(values, VELOCITIES)
+    density = values.get("density")
+    mass = values.get("mass")
     return GrainTable(
         format=form,
         position=in_si(position, power),
@@ -121,8 +125,11 @@ def grains_of_arrays(
         radius=None if radius is None else in_si(np.asarray(radius, dtype=np.float64), power),
         ids=None if ids is None else np.asarray(ids, dtype=np.int64),
         types=_names_of_types(values[TYPE]) if TYPE in values else [],
+        density=None if density is None else np.asarray(density, dtype=np.float64),
+        mass=None if mass is None else np.asarray(mass, dtype=np.float64),
         velocity=None if velocity is None else in_si(velocity, power),
         spin=_vector(values, SPINS),
+        clump=_clumps(values, arrays),
         words={
             name: list(map(str, values[name].tolist()))
             for name in ("material", "group")
@@ -130,6 +137,22 @@ def grains_of_arrays(
         },
         notes=notes,
     )
+
+
+def _clumps(values: Arrays, arrays: Mapping[str, NDArray[np.generic]]) -> NDArray[np.int64] | None:
+    """Return the numbers of the clumps, 0 for none: (n,); None without an array of them."""
+    if CLUMP not in values:
+        return None
+    head = next(name for name, array in arrays.items() if array is values[CLUMP])
+    numbers = np.asarray(values[CLUMP], dtype=np.float64)
+    if not (numbers == np.round(numbers)).all():
+        raise ValueError(
+            f"found numbers of clumps in {head} that are not whole, expected whole ones"
+        )
+    clumps = from_one(numbers.astype(np.int64), head)
+    if (clumps < 0).any():
+        raise ValueError(f"found {clumps.min()} in {head}, expected numbers of clumps, 0 for none")
+    return clumps
 
 
 def _names_of_types(types: NDArray[np.generic]) -> list[str]:

@@ -163,8 +163,8 @@ def _shown(heads: list[str]) -> str:
     return " ".join(head for head in heads if head) + more
 
 
-def _add_box(grains: GrainTable, entries: dict[str, str], power: int) -> None:
-    """Add the vectors after which the grains repeat, and the box if it is one along the axes."""
+def _add_box(grains: GrainTable, entries: dict[str, str], power: float) -> None:
+    """Add the vectors of the periodic cell, and the box if its edges are along the axes."""
     edges = _numbers(entries, "Lattice", 9)
     if edges is None:
         return

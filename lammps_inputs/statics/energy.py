@@ -102,7 +102,7 @@ class EnergyProblem:
         for law, rows, scale in bodies.laws_of(contacts):
             values[:, rows] = law.evaluate(contacts.overlap[rows], scale)
         force, slope, work = values
-        stretch = self._stretch(contacts, contacts.normal, walls=True)
+        stretch = self.stretch(contacts, contacts.normal, walls=True)
         energy = float(work.sum()) - float((bodies.dead_load * (position - bodies.position)).sum())
         gradient = -(stretch.T @ force)
         gradient[: self.n_motions] -= bodies.dead_load[self.free]
@@ -116,7 +116,7 @@ class EnergyProblem:
         if self.with_turning:
             weight = -force / contacts.distance
             tables += [
-                (weight, self._stretch(contacts, contacts.turns[:, axis])) for axis in range(3)
+                (weight, self.stretch(contacts, contacts.turns[:, axis])) for axis in range(3)
             ]
         span = float(np.abs(position).max()) if len(position) else 0.0
         rounding = ROUNDING * slope.max(initial=0.0) * np.finfo(float).eps * span
@@ -138,13 +138,13 @@ class EnergyProblem:
         bodies = self.bodies
         gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
         contacts = bodies.near(bodies.position, bodies.periods, gap, MARGIN * bodies.spacing)
-        stretch = self._stretch(contacts, contacts.normal, walls=True)
+        stretch = self.stretch(contacts, contacts.normal, walls=True)
         gradient = np.zeros(self.n)
         gradient[: self.n_motions] = -bodies.dead_load[self.free]
         gradient[self.n_of_grains :] = [-force for force in bodies.presses.values()]
         return newton_step(static_stiffness(bodies.assembly) * (stretch.T @ stretch), gradient)
 
-    def _stretch(
+    def stretch(
         self, contacts: NeighbourPairs, direction: Array, *, walls: bool = False
     ) -> sparse.csr_array:
         """Derivatives by the unknowns of how far contacts are apart along directions (n, 3): (n,

@@ -118,17 +118,17 @@ def _check_presses(bodies: Bodies, state: StaticState, distances: Array) -> None
         each = applied / len(walls)
         if distance < 0:
             raise InputError(
-                f"{name}: {key}: found {each:g} N, less than the packing presses on walls that "
-                "only touch it under its other loads; give more, or the distance by which they "
+                f"{name}: {key}: found {each:g} N, which is less than the force on touching walls "
+                "under the other loads; use a larger force, or the distance by which the walls "
                 "move in"
             )
         force = float(forces[np.isin(contacts.wall.astype(str), walls)].sum()) / len(walls)
         if not abs(force / each - 1) <= FORCE_TOLERANCE:
             raise InputError(
-                f"{name}: {key}: found walls that bear {force:.6g} N after the static stage, "
-                f"expected {each:g} N: their distance is found with elastic contacts, and under "
-                "this force some yield, or have dents; give a smaller force, or the distance by "
-                "which they move in"
+                f"{name}: {key}: found walls that carry {force:.6g} N after the static stage, "
+                f"expected {each:g} N: their distance is computed with elastic contacts, but some "
+                "contacts yield under this force, or have plastic indentations; use a smaller "
+                "force, or the distance by which the walls move in"
             )
 
 
@@ -149,8 +149,8 @@ def _balance(problem: EnergyProblem, start: Array | None = None) -> tuple[Static
     if now.largest and not _balanced(problem, now):
         raise RunError(
             f"{problem.bodies.case.name}: found no static state: a net force of {residual:.2g} of "
-            "the largest contact force remains; a larger load, or less scatter, makes the packing "
-            "rigid; or run the case, and give the directory of the run"
+            "the largest contact force remains; use a larger load or less scatter to make the "
+            "packing rigid, or run the case and use the directory of the run"
         )
     moved = problem.bodies.with_walls_in(x[problem.n_of_grains :])
     return StaticState(moved, *problem.state(x), residual), x
@@ -313,8 +313,8 @@ def _start(problem: EnergyProblem) -> Array:
         high *= 4
         if high > _LARGEST_STRAIN:
             raise InputError(
-                f"{problem.bodies.case.name}: precompression: would shorten the cell by more than "
-                f"{100 * _LARGEST_STRAIN:g} %; give a smaller load, or a cell across which the "
+                f"{problem.bodies.case.name}: precompression: shortens the cell by more than "
+                f"{100 * _LARGEST_STRAIN:g} %; use a smaller load, or a cell across which the "
                 "grains touch"
             )
     low = high / 4 if high > _FIRST_STRAIN else 0.0

@@ -21,10 +21,11 @@ from granwave.lammps_inputs.tables.layout import (
     is_number,
     join_cells,
     layout_of,
+    split_row,
     with_decimal_point,
     without_count,
 )
-from granwave.lammps_inputs.tables.units import LENGTH_UNITS, unit_of
+from granwave.lammps_inputs.tables.units import LENGTH_UNITS, VOXELS, unit_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -213,7 +214,7 @@ def _units_below(layout: Layout) -> list[str]:
     if any(map(is_number, cells)) or not all(map(_UNIT_CELL.fullmatch, cells)):
         return []
     units = [unit_of(cell) for cell in cells]
-    return units if any(unit in LENGTH_UNITS for unit in units) else []
+    return units if any(unit in LENGTH_UNITS or unit in VOXELS for unit in units) else []
 
 
 def _heads_in_comment(layout: Layout, n: int) -> list[str]:
@@ -222,7 +223,8 @@ def _heads_in_comment(layout: Layout, n: int) -> list[str]:
         return []
     line = layout.comments[-1]
     words = line.split(layout.separator) if layout.separator in line.strip() else line.split()
-    words = _with_units(line.split()) if layout.separator == BLANKS else words
+    if layout.separator == BLANKS:
+        words = _with_units(split_row(line, BLANKS))
     has_names = len(words) == n and not any(map(is_number, words))
     return [word.strip() for word in words] if has_names else []
 

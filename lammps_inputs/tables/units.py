@@ -1,8 +1,12 @@
-"""Units in the names of columns: ``x (mm)``, ``x [mm]``, ``x/mm``, ``x_mm``, ``x in mm``."""
+"""Units in the names of columns: ``x (mm)``, ``x [mm]``, ``x/mm``, ``x_mm``, ``x in mm``,
+``x, mm``, and ``x..mm.`` as R writes it.
+"""
 
 from __future__ import annotations
 
+import math
 import re
+from itertools import product
 from typing import TypeVar
 
 import numpy as np
@@ -17,6 +21,8 @@ DENSITY = "density"
 ANGULAR_VELOCITY = "angular velocity"
 
 LENGTH_UNITS = {"m": 0, "dm": -1, "cm": -2, "mm": -3, "um": -6, "nm": -9}
+#: Units of the lengths of a picture, whose size no table gives.
+VOXELS = ("voxel", "voxels", "vox", "vx", "pixel", "pixels", "px")
 # powers of ten of the SI unit
 UNITS: dict[str, dict[str, int]] = {
     LENGTH: LENGTH_UNITS,
@@ -25,15 +31,14 @@ UNITS: dict[str, dict[str, int]] = {
     DENSITY: {"kg/m^3": 0, "g/cm^3": 3},
     ANGULAR_VELOCITY: {"rad/s": 0},
 }
+_METRES = ("metre", "metres", "meter", "meters")
+_PREFIXES = {"": "m", "deci": "dm", "centi": "cm", "milli": "mm", "micro": "um", "nano": "nm"}
 _SPELLINGS = {
     "µ": "u",
     "μ": "u",
     "micron": "um",
     "microns": "um",
-    "metre": "m",
-    "meter": "m",
-    "millimetre": "mm",
-    "millimeter": "mm",
+    **{f"{prefix}{word}": unit for (prefix, unit), word in product(_PREFIXES.items(), _METRES)},
     "kg/m3": "kg/m^3",
     "g/cm3": "g/cm^3",
     "g/cc": "g/cm^3",
@@ -41,15 +46,21 @@ _SPELLINGS = {
 }
 _CAPITALS = ("mm", "cm", "um", "nm", "mm/s", "cm/s", "kg")
 _NO_UNITS = ("-", "--", "1", "/", "none")
-_PARTED = re.compile(r"(.+?)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\]|\s+in\s+(\S+)|\s*/\s*(\S+))")
+_PLACEHOLDERS = ("unit", "units")  # of ImageJ without a scale
+_PARTED = re.compile(
+    r"(.+?)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\]|\s+in\s+(\S+)|\s*/\s*(\S+)"
+    r"|,\s*([dcmunµμ]?m(?:/s)?)|\.{1,2}([dcmunµμ]?m)\.)"
+)
+_DIGITS_OF_SIZE = 14  # of a voxel, which its logarithm keeps
+_SIZE_AND_UNIT = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([dcmun]?m)")
 _JOINED = re.compile(r"(.+?)_((?:rad|kg|[munc]?m|d?m|[mu]?g)(?:_s|_m3|/s)?)")
 
 
 def split_unit(head: str) -> tuple[str, str]:
     """Return name and unit of the head of a column; the unit is empty if there is none."""
     if match := _PARTED.fullmatch(head):
-        unit = next(part for part in match.groups()[1:] if part is not None)
-        return match[1], _spelt(unit)
+        unit = _spelt(next(part for part in match.groups()[1:] if part is not None))
+        return match[1], "" if unit in _PLACEHOLDERS else unit
     if match := _JOINED.fullmatch(head):
         return match[1], _spelt(match[2].replace("_s", "/s").replace("_m3", "/m^3"))
     return head, ""
@@ -61,8 +72,36 @@ def unit_of(cell: str) -> str:
     return "" if unit in _NO_UNITS else unit
 
 
-def in_si(values: Values, power: int) -> Values:
-    """Return values in a unit of this power of ten, in the SI unit; decimal digits are kept."""
+def has_size(unit: str) -> bool:
+    """Return True if a unit of lengths has a size, as of a voxel: ``0.012 mm``."""
+    return unit not in LENGTH_UNITS
+
+
+def length_power(unit: str) -> float:
+    """Return the power of ten of a unit of lengths, such as ``mm``, or ``0.012 mm`` of a voxel.
+
+    Raises
+    ------
+    ValueError
+        It is no unit of lengths, or its size is not above 0.
+    """
+    if unit in LENGTH_UNITS:
+        return LENGTH_UNITS[unit]
+    match = _SIZE_AND_UNIT.fullmatch(unit.strip())
+    if match is None:
+        raise ValueError(f"no unit of lengths: {unit}")
+    size = float(match[1])
+    if not 0 < size < math.inf:
+        raise ValueError(f"no size of a voxel: {unit}")
+    return math.log10(size) + LENGTH_UNITS[match[2]]
+
+
+def in_si(values: Values, power: float) -> Values:
+    """Return values in a unit of this power of ten, in the SI unit; decimal digits are kept if the
+    power is a whole number.
+    """
+    if power % 1:
+        return values * float(f"{10.0**power:.{_DIGITS_OF_SIZE}g}")
     return values / 10.0**-power if power < 0 else values * 10.0**power
 
 

@@ -41,7 +41,7 @@ void bind_contact(py::module_ &module)
           },
           py::arg("words"), py::kw_only(), py::arg("radius"),
           "Contact of two spheres from a law and its arguments in an input script, after pair_coeff I J.\n\n"
-          "Friction, losses and resistances in them are checked, and have no part in it.")
+          "Friction, losses and resistances in them are checked, but have no effect here.")
       .def_property_readonly("name", [](const BoundContact &b) { return std::string(b.law.entry().name); })
       .def_property_readonly(
           "entry", [](const BoundContact &b) { return b.law.entry(); }, "of the table LAWS")
@@ -59,31 +59,32 @@ void bind_contact(py::module_ &module)
       .def_property_readonly("yield_overlap", of<&BoundContact::scaled, &ScaledLaw::yield_overlap>(), "alpha_y, m")
       .def_property_readonly(
           "elastic_limit", of<&BoundContact::scaled, &ScaledLaw::elastic_limit>(),
-          "largest overlap that leaves no dent, m: alpha_y, 0 without an elastic range, infinite if it never yields")
+          "largest overlap without plastic indentation, m: alpha_y, 0 without an elastic range, infinite if it never yields")
       .def_property_readonly("valid_overlap", of<&BoundContact::scaled, &ScaledLaw::valid_overlap>(),
                              "overlap beyond which the law no longer describes the contact, m")
       .def_property_readonly("yield_force", of<&BoundContact::scaled, &ScaledLaw::yield_force>(), "F_y, N")
       .def_property_readonly("balanced_overlap", of<&BoundContact::scaled, &ScaledLaw::balanced_overlap>(),
-                             "overlap without force of a contact with cohesion; 0 without, m")
-      .def_property_readonly("pull_off_force", of<&BoundContact::scaled, &ScaledLaw::pull_off>(),
-                             "largest pull of a contact with cohesion that has no dent; 0 without, N")
+                             "overlap at zero force of a contact with cohesion; 0 without cohesion, m")
+      .def_property_readonly(
+          "pull_off_force", of<&BoundContact::scaled, &ScaledLaw::pull_off>(),
+          "pull-off force of a contact with cohesion and without plastic indentation; 0 without cohesion, N")
       .def_property_readonly("neck_length", of<&BoundContact::scaled, &ScaledLaw::neck_length>(),
-                             "largest gap of surfaces that a neck holds together (JKR), m")
+                             "largest gap at which a neck still joins the surfaces (JKR), m")
       .def_property_readonly("share_of_first", of<&BoundContact::law, &ContactLaw::share_of_first>(),
                              "share of the dissipated energy that belongs to the first body")
       .def("force", py::vectorize(&BoundContact::force), overlap, peak,
            "Force at an overlap when the largest so far was peak_overlap, N.")
       .def("force_error", py::vectorize(&BoundContact::force_error), overlap, peak,
-           "Error bar of that force, N, that the law states for itself; NaN where it states none.")
+           "Error bar of this force, N, as given by the law; NaN if it gives none.")
       .def("restitution_error", py::vectorize(&BoundContact::restitution_error), peak,
            "Error bar of the coefficient of restitution of a collision with this largest overlap; NaN if there is none.")
       .def("loading_force", py::vectorize(&BoundContact::loading_force), overlap, "Force of first loading, N.")
       .def("loading_work", py::vectorize(&BoundContact::loading_work), overlap, "Work of first loading from zero, J.")
       .def("elastic_energy", py::vectorize(&BoundContact::elastic_energy), overlap, peak,
-           "Energy that unloading would give back, J.")
+           "Energy recovered on unloading, J.")
       .def("dissipated_energy", py::vectorize(&BoundContact::dissipated_energy), peak,
-           "Energy lost once peak_overlap was reached, J.")
-      .def("residual_overlap", py::vectorize(&BoundContact::residual_overlap), peak, "Overlap of the unloaded dent, m.")
+           "Energy dissipated up to peak_overlap, J.")
+      .def("residual_overlap", py::vectorize(&BoundContact::residual_overlap), peak, "Residual overlap after unloading, m.")
       .def("unloading_exponent", py::vectorize(&BoundContact::unloading_exponent), peak, "n of the unloading branch.")
       .def("unloading_stiffness", py::vectorize(&BoundContact::unloading_stiffness), peak,
            "Slope dF/d(overlap) where unloading starts, N/m.")
@@ -94,9 +95,10 @@ void bind_contact(py::module_ &module)
            "Head-on collision of the two bodies: restitution, duration (s), peak_force (N), peak_overlap (m).\n\n"
            "effective_mass in kg, speed of approach in m/s; loss_time in s, or the factor of Tsuji's dashpot.")
       .def("follow", &BoundContact::follow, overlap, py::arg("time"),
-           "Path of a new contact through overlaps at rising times, s: arrays force (N), elastic_energy, dissipated_energy "
+           "Path of a new contact through overlaps at increasing times, s: arrays force (N), elastic_energy, "
+           "dissipated_energy "
            "(J) "
-           "and rate_factor, that of the yield strength.")
+           "and rate_factor, the factor of the yield strength.")
       .def("rate_factor", py::vectorize(&BoundContact::rate_factor), overlap, py::arg("velocity"),
            "Factor of the yield strength on loading at this velocity of approach, m/s.")
       .def("contact_radius", py::vectorize(&BoundContact::peak_contact_radius), peak,
@@ -109,7 +111,7 @@ void bind_contact(py::module_ &module)
            py::arg("tangential") = "mindlin_rescale", py::arg("cells") = 16,
            "Force (n, 2), N, stored_energy and loss (n,), J, of friction along a path, from a new contact on.\n\n"
            "Overlaps (n,), and the slips of the steps that end there, (n, 2), of the first body over the second, m.\n"
-           "Partial slip is computed with 16 cells in LAMMPS; 8 and 32 tell how much that matters.");
+           "Partial slip is computed with 16 cells in LAMMPS; 8 and 32 show the effect of this number.");
 }
 
 }    // namespace granwave::bindings

@@ -32,8 +32,8 @@ inline CohesionModel cohesion_of(const LawEntry &entry, const Cohesion &given, b
   const auto &[kind, energy] = *given;
   require(kind == "jkr" || kind == "dmt", "cohesion must be jkr or dmt, found '" + kind + "'");
   require(energy >= 0.0 && std::isfinite(energy), "the work of adhesion must not be negative");
-  require(!entry.is_power() && !line, "cohesion is of spheres of two materials");
-  require(kind == "dmt" || !entry.yields(), "cohesion jkr is of law hertz; with others take dmt");
+  require(!entry.is_power() && !line, "cohesion requires spheres of two materials");
+  require(kind == "dmt" || !entry.yields(), "cohesion jkr requires law hertz; with other laws use dmt");
   return energy == 0.0 ? CohesionModel{} : CohesionModel{kind == "jkr" ? CohesionKind::JKR : CohesionKind::DMT, energy};
 }
 
@@ -130,8 +130,8 @@ class BoundContact {
   }
   ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot) const
   {
-    require(!(time && dashpot), "take one of loss_time and loss_dashpot");
-    require(time.value_or(0.0) >= 0.0 && dashpot.value_or(0.0) >= 0.0, "a loss must not be negative");
+    require(!(time && dashpot), "use only one of loss_time and loss_dashpot");
+    require(time.value_or(0.0) >= 0.0 && dashpot.value_or(0.0) >= 0.0, "damping must not be negative");
     if (time) return {LossKind::TIME, *time};
     return dashpot ? ViscousLoss{LossKind::DASHPOT, *dashpot} : ViscousLoss{};
   }
@@ -147,12 +147,12 @@ class BoundContact {
   /* Path of a new contact, from the overlaps at these times. */
   py::dict follow(const std::vector<double> &overlap, const std::vector<double> &time) const
   {
-    require(overlap.size() == time.size(), "overlap and time must be of one length");
+    require(overlap.size() == time.size(), "overlap and time must have the same length");
     std::vector<double> block(extra), force, elastic, dissipated, factor;
     double peak = 0.0;
     for (std::size_t k = 0; k < overlap.size(); k++) {
       const double x = overlap[k], dt = k > 0 ? time[k] - time[k - 1] : 0.0;
-      require(k == 0 || dt > 0.0, "times must rise");
+      require(k == 0 || dt > 0.0, "times must increase");
       if (x > 0.0) scaled.update(x, peak, k > 0 ? (x - overlap[k - 1]) / dt : 0.0, block.data());
       peak = std::max(peak, x);
       const LawHistory h{peak, block.data()};
@@ -250,14 +250,14 @@ class BoundContact {
       return;
     }
     values.set(*parameter, from_python(*parameter, value));
-    require(entry.takes(*parameter), "'" + name + "' must be left out: it is no option of law '" + entry.name + "'");
+    require(entry.takes(*parameter), "'" + name + "' must be omitted: it is not an option of law '" + entry.name + "'");
   }
 
   /* Constants of elastoplastic-fe, some of them other than those of its fit. */
   static FeConstants fe_constants(const LawEntry &entry, const std::map<std::string, double> &fit)
   {
     FeConstants constants;
-    require(fit.empty() || entry.takes(HARDENING), "fit holds constants of law elastoplastic-fe");
+    require(fit.empty() || entry.takes(HARDENING), "fit contains constants of law elastoplastic-fe");
     for (const auto &[key, value] : fit) {
       const auto *const constant = std::find_if(std::begin(FE_CONSTANTS), std::end(FE_CONSTANTS),
                                                 [&name = key](const auto &row) { return name == row.first; });

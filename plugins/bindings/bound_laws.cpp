@@ -19,19 +19,19 @@ void bind_laws(py::module_ &module)
       .def_readonly("symbol", &LawParameter::symbol, "of its value")
       .def_readonly("keyword", &LawParameter::keyword, "in input scripts; those of one keyword follow it together")
       .def_readonly("description", &LawParameter::description)
-      .def_readonly("unit", &LawParameter::unit, "SI; empty if the description tells it, or there is none")
+      .def_readonly("unit", &LawParameter::unit, "SI; empty if the description states it, or there is none")
       .def_property_readonly("of_material", &LawParameter::is_of_material,
                              "True if each material has a value, False if the contact has one")
-      .def_property_readonly("optional", &LawParameter::is_optional, "True if it is left out of cases unless it is given")
+      .def_property_readonly("optional", &LawParameter::is_optional, "True if cases omit it unless it is set")
       .def_property_readonly("required", &LawParameter::is_required, "True if laws have no default for it")
       .def_property_readonly(
           "default",
           [](const LawParameter &p) -> py::object {
             return p.is_required() ? py::object(py::none()) : as_python(p, p.fallback);
           },
-          "value where it is not given: a number or a word; None if it is required")
+          "default value: a number or a word; None if it is required")
       .def_property_readonly(
-          "example", [](const LawParameter &p) { return as_python(p, p.example); }, "value that the documents show")
+          "example", [](const LawParameter &p) { return as_python(p, p.example); }, "value shown in the documentation")
       .def_property_readonly(
           "words",
           [](const LawParameter &p) {
@@ -39,7 +39,7 @@ void bind_laws(py::module_ &module)
             for (int n = 0; n < LawParameter::MOST_WORDS && p.words[n]; n++) words.append(p.words[n]);
             return py::tuple(words);
           },
-          "its values, if it is no number")
+          "its values, if it is not a number")
       .def_property_readonly(
           "range", [](const LawParameter &p) { return bounds(p.range); },
           "bounds of the law by name: above, at_least, below, at_most")
@@ -49,9 +49,9 @@ void bind_laws(py::module_ &module)
   py::class_<LawEntry>(module, "LawEntry", "A contact law of the table LAWS.")
       .def_readonly("name", &LawEntry::name)
       .def_readonly("elastic_limit", &LawEntry::elastic_limit,
-                    "largest overlap that leaves no dent, in alpha_y; infinite: it never yields")
+                    "largest overlap without plastic indentation, in alpha_y; infinite: it never yields")
       .def_readonly("fitted", &LawEntry::fitted, "True for a fit, valid to overlaps of 0.2 R*")
-      .def_readonly("states_error", &LawEntry::states_error, "True if the law states error bars of its own")
+      .def_readonly("states_error", &LawEntry::states_error, "True if the law gives error bars")
       .def_property_readonly("yields", &LawEntry::yields, "True if the law needs a yield strength")
       .def_property_readonly("is_power", &LawEntry::is_power,
                              "True for a power of the overlap, or no force at all, whatever the radii")

@@ -32,7 +32,7 @@ void bind_shapes(py::module_ &module)
           [](Two modulus, Two poisson, Two radius, double length) {
             require(radius.first > 0.0 && radius.second > 0.0 && length > 0.0, "radii and length must be positive");
             require(std::isfinite(radius.first) || std::isfinite(radius.second),
-                    "one of two bodies must be a cylinder, found two planes");
+                    "at least one of the two bodies must be a cylinder, found two planes");
             const auto [first, second] = elastic_bodies(modulus, poisson);
             return LineContact::plane_strain(first, second, radius.first, radius.second, length);
           },
@@ -49,14 +49,14 @@ void bind_shapes(py::module_ &module)
              Cylinder one{length.first, {}}, other{length.second, {}};
              std::copy(first.begin(), first.end(), one.axis);
              std::copy(second.begin(), second.end(), other.axis);
-             require(!one.is_sphere() || !other.is_sphere(), "one of two bodies must be a cylinder");
+             require(!one.is_sphere() || !other.is_sphere(), "at least one of the two bodies must be a cylinder");
              return CylinderPair(one, other);
            }),
            py::kw_only(), py::arg("length"), py::arg("first_axis"), py::arg("second_axis"))
       .def_property_readonly("parallel", &CylinderPair::parallel, "True if they touch along a line")
       .def_property_readonly("nearly_parallel", &CylinderPair::nearly_parallel,
-                             "True if they cross at so small an angle that no law holds")
-      .def_property_readonly("length", &CylinderPair::length, "length of that line, m")
+                             "True if they cross at an angle too small for any law")
+      .def_property_readonly("length", &CylinderPair::length, "length of this line, m")
       .def("effective_radius", &CylinderPair::effective_radius, py::arg("first"), py::arg("second"),
            "Radius of the sphere that is as stiff on a plane, from both radii, m.");
 }

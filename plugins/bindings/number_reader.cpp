@@ -42,5 +42,5 @@ PYBIND11_MODULE(_number_reader, module)
 {
   module.doc() = "Numbers in text.";
   module.def("read_numbers", &read_numbers, py::arg("text"),
-             "Numbers of a text, separated by white space, as an array; None if it holds anything else.");
+             "Numbers of a text, separated by white space, as an array; None if it contains anything else.");
 }

@@ -5,6 +5,7 @@
 #include "../laws/load_shape.h"
 #include "bound_contact.h"
 #include "bound_laws.h"
+#include "bound_mesh.h"
 #include "bound_shapes.h"
 
 #include <pybind11/numpy.h>
@@ -33,10 +34,11 @@ PYBIND11_MODULE(_contact_laws, module)
         return py::vectorize([&load](double t) { return load.value(t); })(time);
       },
       py::arg("shape"), py::arg("numbers"), py::arg("time"),
-      "Force or displacement at times (s), from the name and the numbers that fix gran/load takes.");
+      "Force or displacement at times (s), from the arguments of fix gran/load.");
   module.def("logarithm", py::vectorize(logarithm), x, "ln(x) as the laws compute it, for positive x.");
   module.def("exponential", py::vectorize(exponential), x, "exp(x) as the laws compute it.");
   bindings::bind_shapes(module);
+  bindings::bind_mesh(module);
   bindings::bind_laws(module);
   bindings::bind_contact(module);
 }

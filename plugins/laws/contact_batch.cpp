@@ -6,16 +6,12 @@
 #include <cstddef>
 #include <cstring>
 
-#ifdef FOR_AVX2
-#include <immintrin.h>
-#endif
-
 using namespace granwave;
 
 namespace {
 
-typedef double Two __attribute__((vector_size(2 * sizeof(double))));
-typedef double Four __attribute__((vector_size(4 * sizeof(double))));
+using Two = TwoDoubles;
+using Four = FourDoubles;
 
 /* Add a vector, whose first two components are added at once. */
 inline void add(double (&to)[3], const Two &xy, double z)
@@ -132,8 +128,7 @@ FOR_EACH_PROCESSOR bool ContactBatch::compute_overlap()
 FOR_FOUR_DOUBLES void ContactBatch::compare_with_peaks(std::uint64_t &raised, std::uint64_t &yielded) const
 {
   static_assert(CAPACITY == 64);    // a word of bits
-  typedef std::int64_t Bits __attribute__((vector_size(sizeof(Four))));
-  Bits bit = {1, 2, 4, 8}, higher = {}, beyond = {};
+  FourWords bit = {1, 2, 4, 8}, higher = {}, beyond = {};
   for (int m = 0; m < size; m += 4, bit <<= 4) {
     Four now, before, limit;
     std::memcpy(&now, overlap + m, sizeof(now));
@@ -187,7 +182,7 @@ void ContactBatch::write(TangentialSpring *springs) const
     if (limit[m] > 0.0) springs[k[m]] = {{tangential[0][m], tangential[1][m], tangential[2][m]}, compliance[m], loss[m]};
 }
 
-template <bool ADVANCES> __attribute__((always_inline)) inline void ContactBatch::compute_friction(double dt)
+template <bool ADVANCES> ALWAYS_INLINE void ContactBatch::compute_friction(double dt)
 {
   for (int m = 0; m < size; m++) {
     double n[3], f[3], per_lever[3];
@@ -232,8 +227,8 @@ void ContactBatch::add_forces_and_torques(double (*forces)[3], double (*torques)
 {
   for (int m = 0; m < size; m++) {
     const Two f = {force_i[0][m], force_i[1][m]}, t = {torque[0][m], torque[1][m]};
-    __builtin_prefetch(springs + k[m] + SPRINGS_AHEAD, 1);    // with the next, for about every second pair touches
-    __builtin_prefetch(springs + k[m] + SPRINGS_AHEAD + 1, 1);
+    FETCH_AHEAD_TO_WRITE(springs + k[m] + SPRINGS_AHEAD);    // with the next, for about every second pair touches
+    FETCH_AHEAD_TO_WRITE(springs + k[m] + SPRINGS_AHEAD + 1);
     if (i[m] < owned) {
       add(forces[i[m]], f, force_i[2][m]);
       add(torques[i[m]], lever_i[m] * t, lever_i[m] * torque[2][m]);

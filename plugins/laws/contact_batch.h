@@ -7,6 +7,7 @@
 #ifndef GRANWAVE_CONTACT_BATCH_H
 #define GRANWAVE_CONTACT_BATCH_H
 
+#include "processors.h"
 #include "tangential.h"
 
 #include <cstdint>
@@ -49,8 +50,7 @@ struct ContactBatch {
   double torque[3][CAPACITY];     // on either sphere, per unit of its lever arm
 
   /* Put pair `pair` of spheres into place n: indices, vector from `second` to `first`, its length squared. */
-  __attribute__((always_inline)) void put(int n, int pair, int first, int second, double delx, double dely, double delz,
-                                          double square)
+  ALWAYS_INLINE void put(int n, int pair, int first, int second, double delx, double dely, double delz, double square)
   {
     k[n] = pair;
     i[n] = first;

@@ -16,7 +16,6 @@
 
 #include <cstdint>
 #include <cstring>
-#include <numeric>
 #include <vector>
 
 namespace granwave {
@@ -127,6 +126,7 @@ class ContactHistory {
   {
     first_.resize(n, 0);
     count_.resize(n, 0);
+    listed_.resize(n, -1);
     owner_.resize(n, 0);
     birth_.resize(n, 0);
     if (!forgotten_.empty()) forgotten_.resize(n);
@@ -143,6 +143,10 @@ class ContactHistory {
   /* Set the ID of the sphere that the records belong to, by which a later change of its ID is detected. */
   void own(int i, std::int64_t id) { owner_[i] = id; }
   std::int64_t owner(int i) const { return owner_[i]; }
+
+  /* Set and return the index that sphere i had when the flat list of the pair style was built; -1 if it came later. */
+  void list(int i, int index) { listed_[i] = index; }
+  int listed(int i) const { return listed_[i]; }
 
   /* Number of sphere i, owned or ghost, that no other sphere with the same ID has or had. */
   std::int64_t birth(int i) const { return birth_[i]; }
@@ -163,6 +167,7 @@ class ContactHistory {
   {
     first_[to] = first_[from];
     count_[to] = count_[from];
+    listed_[to] = listed_[from];
     owner_[to] = owner_[from];
     birth_[to] = birth_[from];
     if (!forgotten_.empty()) forgotten_[to] = forgotten_[from];
@@ -187,21 +192,13 @@ class ContactHistory {
     count_[i]++;
   }
 
-  /* Fill the space made by keep_forgotten(). Returns the block, which the caller fills. */
-  double *place(int i, const ContactRecord &record)
-  {
-    const std::size_t at = first_[i] + count_[i]++;
-    pool_[at] = record;
-    return blocks_.data() + at * layout_.size();
-  }
-
-  /* Keep only the records of spheres i < n that are not live, with space for extra[i] others after them. */
-  void keep_forgotten(int n, const std::vector<int> &extra)
+  /* Keep only the records of spheres i < n that are not live. */
+  void keep_forgotten(int n)
   {
     const std::size_t size = layout_.size();
     std::vector<ContactRecord> kept;
     std::vector<double> kept_blocks;
-    kept.reserve(std::accumulate(extra.begin(), extra.begin() + n, std::count_if(pool_.begin(), pool_.end(), is_forgotten)));
+    kept.reserve(std::count_if(pool_.begin(), pool_.end(), is_forgotten));
     kept_blocks.reserve(kept.capacity() * size);
     for (int i = 0; i < n; i++) {
       const std::size_t at = kept.size();
@@ -212,8 +209,6 @@ class ContactHistory {
       }
       first_[i] = at;
       count_[i] = static_cast<int>(kept.size() - at);
-      kept.resize(kept.size() + extra[i]);
-      kept_blocks.resize(kept.size() * size);
     }
     pool_.swap(kept);
     blocks_.swap(kept_blocks);
@@ -228,18 +223,19 @@ class ContactHistory {
 
   std::size_t size() const { return pool_.size(); }
   bool has_forgotten() const { return !forgotten_.empty(); }
+  bool has_forgotten(int i) const { return !forgotten_.empty() && !forgotten_[i].none(); }
   double memory_usage() const
   {
     return static_cast<double>(pool_.capacity() * sizeof(ContactRecord) + blocks_.capacity() * sizeof(double) +
                                first_.capacity() * sizeof(std::size_t) +
-                               count_.capacity() * (sizeof(int) + 2 * sizeof(std::int64_t)) +
+                               count_.capacity() * (2 * sizeof(int) + 2 * sizeof(std::int64_t)) +
                                forgotten_.capacity() * sizeof(ForgottenContacts));
   }
 
  private:
   BlockLayout layout_;
   std::vector<std::size_t> first_;
-  std::vector<int> count_;
+  std::vector<int> count_, listed_;
   std::vector<std::int64_t> owner_, birth_;
   std::vector<ForgottenContacts> forgotten_;    // by sphere; empty as long as there are none
   std::vector<ContactRecord> pool_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Wall that is no plane across an axis: a tube, or a face of a region. A sphere has at most one contact with it. */
+/* Wall that is no plane across an axis: a tube, a face of a region, or a patch of triangles. A sphere has at most one contact with it. */
 
 #ifndef GRANWAVE_CURVED_WALL_H
 #define GRANWAVE_CURVED_WALL_H
@@ -24,6 +24,12 @@ class CurvedWall {
   virtual double effective_radius(double radius) = 0;
   /* Period of the first coordinate of a location; 0 if it has none. */
   virtual double circumference() const { return 0.0; }
+  /* True if it has a place in space of its own, and locations of three coordinates; false for a tube. */
+  virtual bool is_in_space() const { return false; }
+  /* What it is, in messages. */
+  virtual const char *kind() const { return "tube"; }
+  /* Begin a run, with the skin of the neighbor lists: gaps that are wider need not be found. Raises std::invalid_argument. */
+  virtual void init(double) {}
   /* Name of the wall in messages, with its size. */
   virtual const char *name() const = 0;
 };

@@ -34,6 +34,7 @@
 
 #include "material.h"
 #include "power.h"
+#include "processors.h"
 
 #include <cmath>
 #include <utility>
@@ -97,7 +98,7 @@ class LineContact {
   }
 
   /* Roots w > 1 of w - ln w = 1 - ln s, several at a time: one that has been found, or has left the range of the law, stays. */
-  template <int GROUP> __attribute__((always_inline)) static inline void exponents(const double *s, double *w)
+  template <int GROUP> static ALWAYS_INLINE void exponents(const double *s, double *w)
   {
     double wanted[GROUP], open[GROUP];
     for (int m = 0; m < GROUP; m++) {

@@ -23,7 +23,7 @@
 namespace granwave {
 
 inline constexpr LawParameter VARIANT =
-    LawParameter("variant", "", "constants of the elasto-plastic law: made continuous, or as printed")
+    LawParameter("variant", "", "constants of the elasto-plastic law: modified for continuity, or as published")
         .one_of({"continuous", "published"})
         .usually(0.0);
 
@@ -69,8 +69,8 @@ class Elastoplastic : public NormalLaw {
   static std::string conflict(const LawValues &values, bool has_constants, bool has_rate)
   {
     if (is_continuous(values)) return "";
-    if (has_rate) return "rate needs a law that is passive: variant continuous";
-    return has_constants ? "variant published has constants of its own: take one or the other" : "";
+    if (has_rate) return "rate requires a passive law: use variant continuous";
+    return has_constants ? "variant published has fixed constants: remove the variant, or the constants" : "";
   }
 
   std::string fault() const
@@ -189,11 +189,11 @@ class Elastoplastic : public NormalLaw {
       const double f = loading(peak, {}), r = residual(peak);
       work += step_work(before, peak);
       const double loss = work - f * (peak - r) / (c.unloading_exponent + 1.0), kept = std::max(loss, 0.0);
-      if (!(f > force)) fault_ = "the force of loading does not rise";
-      else if (!(r >= dent)) fault_ = "the residual overlap is negative or falls";
-      else if (!(r < peak)) fault_ = "the residual overlap is not below the largest one";
+      if (!(f > force)) fault_ = "the loading force does not increase";
+      else if (!(r >= dent)) fault_ = "the residual overlap is negative or decreases";
+      else if (!(r < peak)) fault_ = "the residual overlap is not below the largest overlap";
       else if (!(kept >= lost - ROUNDING * work))
-        fault_ = "a larger overlap loses less energy, so that a cycle gives back more than it took";
+        fault_ = "a larger overlap dissipates less energy, so a cycle would create energy";
       if (fault_) fault_at_ = peak;
       settled_ = loss <= 0.0 ? INFINITE : std::min(settled_, peak);
       before = peak;

@@ -232,7 +232,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
   args.first = material(1);
   if (numbers == 2 * each) args.second = material(1 + each);
   if (each == 3 && !std::isfinite(std::min(args.first.yield_strength, args.second.value_or(args.first).yield_strength)))
-    refuse("law '" + words[0] + "' needs a yield strength for one of the two bodies; if none yields, take law hertz");
+    refuse("law '" + words[0] + "' needs a yield strength for one of the two bodies; if neither yields, use law hertz");
 
   for (std::size_t k = 1 + numbers; k < words.size(); k += 2) {
     const std::string &key = words[k];
@@ -261,23 +261,22 @@ LawArguments parse_law(const std::vector<std::string> &words)
     } else if (const auto parameters = args.law->with_keyword(key); !parameters.empty()) {
       k += read_values(words, k, parameters, args, usage) - 1;
     } else {
-      refuse("'" + key + "' is no option of law '" + words[0] + "'; " + usage);
+      refuse("'" + key + "' is not an option of law '" + words[0] + "'; " + usage);
     }
   }
   if (args.resistance.twisting.marshall && !(args.friction > 0.0))
-    refuse("twisting marshall resists by the friction of the contact, which is 0: give friction mu");
+    refuse("twisting marshall depends on the friction of the contact, which is 0: set friction mu");
   if (args.loss.tangential > 0.0 && !args.loss)
     refuse(TANGENTIAL_LOSS.keyword +
-           std::string(" is a ratio to the loss along the normal, which is 0: give loss time A or loss "
-                       "dashpot alpha"));
+           std::string(" is a factor of the normal damping, which is 0: set loss time A or loss dashpot alpha"));
   if (args.loss.tangential > 0.0 && !(args.friction > 0.0))
-    refuse(TANGENTIAL_LOSS.keyword + std::string(" acts within the limit of friction, which is 0: give friction mu"));
+    refuse(TANGENTIAL_LOSS.keyword + std::string(" is limited by friction, which is 0: set friction mu"));
   if (args.options.cohesion && args.law->is_power())
-    refuse("law '" + words[0] + "' has no contact circle, which cohesion needs: take law hertz");
+    refuse("law '" + words[0] + "' has no contact circle, which cohesion requires: use law hertz");
   if (args.options.cohesion && args.has_rate())
-    refuse("cohesion holds for a yield strength that does not depend on the rate: leave out cohesion or rate");
+    refuse("cohesion requires a rate-independent yield strength: remove cohesion or rate");
   if (args.options.cohesion.kind == CohesionKind::JKR && args.law->yields())
-    refuse("cohesion jkr is of elastic spheres: take law hertz, or cohesion dmt with law '" + words[0] + "'");
+    refuse("cohesion jkr requires elastic spheres: use law hertz, or cohesion dmt with law '" + words[0] + "'");
   const LawValues &values = args.options.values;
   for (const LawParameter *parameter : args.law->parameters)
     if (parameter->is_required() && !values.has(*parameter))
@@ -285,7 +284,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
   if (const std::string conflict = args.law->conflict_of(values, args.has_rate()); !conflict.empty()) refuse(conflict);
   if (!args.law->has_constants(values)) return args;
   if (const std::string fault = args.contact(args.first, args.first).fault(); !fault.empty())
-    refuse("these constants make no passive law: " + fault);
+    refuse("these constants do not give a passive law: " + fault);
   return args;
 }
 

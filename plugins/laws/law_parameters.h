@@ -68,11 +68,11 @@ struct LawParameter {
   const char *symbol;         // of its value, in the usage and the manual
   const char *description;    // of the key, in case files
   const char *keyword;        // in input scripts; parameters with one keyword follow it together
-  const char *unit = "";      // SI; none: the description tells it, or there is none
+  const char *unit = "";      // SI; none: the description states it, or there is none
   Holder holder = Holder::CONTACT;
   Presence presence = Presence::USUAL;
   double fallback = 0.0;    // value where it is not given
-  double example = 0.0;     // value that the documents show
+  double example = 0.0;     // value shown in the documentation
   Range range;              // in which the law holds
   Range case_range;         // that case files accept
   std::array<const char *, MOST_WORDS> words{};

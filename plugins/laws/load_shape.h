@@ -39,13 +39,15 @@ class LoadShape {
   /* At least two rows with increasing times are required; throws std::invalid_argument otherwise. */
   explicit LoadShape(Rows rows) : form_(Form::table), rows_(std::move(rows))
   {
-    if (rows_.size() < 2) throw std::invalid_argument("it needs at least two rows, found " + std::to_string(rows_.size()));
+    if (rows_.size() < 2)
+      throw std::invalid_argument("it requires at least two rows, found " + std::to_string(rows_.size()));
     if (rows_[0].first < 0.0) throw std::invalid_argument("its first time is negative");
     before_.push_back(0.0);
     for (std::size_t k = 1; k < rows_.size(); k++) {
       const auto &[t, value] = rows_[k];
       const auto &[earlier, last] = rows_[k - 1];
-      if (!(t > earlier)) throw std::invalid_argument("its times must rise, and row " + std::to_string(k + 1) + " does not");
+      if (!(t > earlier))
+        throw std::invalid_argument("its times must increase, and row " + std::to_string(k + 1) + " does not");
       before_.push_back(before_.back() + 0.5 * (value + last) * (t - earlier));
     }
   }

@@ -39,14 +39,14 @@ namespace granwave {
 
 inline constexpr LawParameter RATE_SENSITIVITY =
     LawParameter("rate_sensitivity", "C",
-                 "growth of the yield strength with the strain rate: C of the factor 1 + C ln(rate/reference rate)")
+                 "rate dependence of the yield strength: C of the factor 1 + C ln(rate/reference rate)")
         .of_material()
         .after("rate")
         .in(NOT_NEGATIVE)
         .in_cases({0.0, 0.2, true, true})
         .optional(0.0, 0.014);
 inline constexpr LawParameter REFERENCE_RATE =
-    LawParameter("reference_rate", "r0", "strain rate up to which the yield strength is that given; 1/s, usually 1")
+    LawParameter("reference_rate", "r0", "strain rate up to which the yield strength is constant; 1/s, usually 1")
         .of_material()
         .after("rate")
         .in(POSITIVE)

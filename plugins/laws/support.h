@@ -75,8 +75,8 @@ class Support {
       ground_stiffness_ = number(words[1], "STIFFNESS");
       ground_damping_ = number(words[2], "DAMPING");
       if (ground_damping_ == 0.0) {
-        if (ground_stiffness_ == 0.0) refuse("STIFFNESS and DAMPING are both 0, nothing holds the plane");
-        if (mass_[0] == 0.0) refuse("MASS is 0 and DAMPING too, which leaves no motion to follow");
+        if (ground_stiffness_ == 0.0) refuse("STIFFNESS and DAMPING are both 0, so the plane has no support");
+        if (mass_[0] == 0.0) refuse("MASS and DAMPING are both 0, so the motion is undefined");
       }
     }
     place_.assign(mass_.size(), 0.0);

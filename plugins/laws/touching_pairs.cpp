@@ -10,9 +10,8 @@ namespace {
 constexpr int LANES = RowGroup::LANES;
 static_assert(LANES == 8 && RowGroup::PARTNERS == 8);    // a byte of bits for each row
 
-// four rows at a time (extension of GCC and Clang)
-typedef double Numbers __attribute__((vector_size(4 * sizeof(double))));
-typedef std::int64_t Bits __attribute__((vector_size(sizeof(Numbers))));
+using Numbers = FourDoubles;    // four rows at a time
+using Bits = FourWords;
 
 inline void load(Numbers &numbers, const double *from) { std::memcpy(&numbers, from, sizeof(numbers)); }
 
@@ -20,8 +19,8 @@ inline std::uint64_t any(const Bits &bits) { return static_cast<std::uint64_t>((
 
 /* Copy n coordinates from triples to arrays of their own. Returns true if one of them is another than before. */
 template <bool COPY>
-__attribute__((always_inline)) inline bool differs(const double *__restrict from, int n, double *__restrict x,
-                                                   double *__restrict y, double *__restrict z)
+ALWAYS_INLINE bool differs(const double *__restrict from, int n, double *__restrict x, double *__restrict y,
+                           double *__restrict z)
 {
   std::int64_t different = 0;
   for (int i = 0; i < n; i++) {
@@ -65,7 +64,7 @@ FOR_EACH_PROCESSOR bool granwave::all_finite(const double *numbers, int n)
 }
 
 /* Compute the distances of the present group: which of its pairs touch, and which rows have pairs beyond the gap. */
-template <bool UNIFORM> __attribute__((always_inline)) inline void TouchingPairs::measure()
+template <bool UNIFORM> ALWAYS_INLINE void TouchingPairs::measure()
 {
   const RowGroup &g = *group;
   const double radsum = 2.0 * uniform_radius, touch_sq = touch_squared(radsum), forget_sq = (radsum + gap) * (radsum + gap);
@@ -114,7 +113,7 @@ inline void TouchingPairs::compare()
 {
   const RowGroup &g = *group;
   for (std::uint64_t rest = *before & ~touching; rest != 0; rest &= rest - 1) {
-    const int at = __builtin_ctzll(rest);
+    const int at = lowest_bit(rest);
     parted.push_back(g.pair + (at >> 3) * g.stride + (at & 7));
   }
   *before = touching;
@@ -122,7 +121,7 @@ inline void TouchingPairs::compare()
 
 /* Search a group of one row, and return the number of pairs then in the batch, of which there were n. A pair is written to the
    batch whether it touches or not, and the next one takes its place if it does not. */
-template <bool UNIFORM> __attribute__((always_inline)) inline int TouchingPairs::search_row(ContactBatch &batch, int n)
+template <bool UNIFORM> ALWAYS_INLINE int TouchingPairs::search_row(ContactBatch &batch, int n)
 {
   const RowGroup &g = *group;
   const int i = g.sphere;
@@ -145,7 +144,7 @@ template <bool UNIFORM> __attribute__((always_inline)) inline int TouchingPairs:
   return n;
 }
 
-template <bool UNIFORM> __attribute__((always_inline)) inline bool TouchingPairs::search(ContactBatch &batch)
+template <bool UNIFORM> ALWAYS_INLINE bool TouchingPairs::search(ContactBatch &batch)
 {
   constexpr int CAPACITY = ContactBatch::CAPACITY;
   const Distances &d = distances;
@@ -163,7 +162,7 @@ template <bool UNIFORM> __attribute__((always_inline)) inline bool TouchingPairs
     const RowGroup &g = *group;
     std::uint64_t rest = touching;
     for (; rest != 0 && n < CAPACITY; rest &= rest - 1) {    // row by row
-      const int at = __builtin_ctzll(rest), l = at >> 3, m = at & 7;
+      const int at = lowest_bit(rest), l = at >> 3, m = at & 7;
       batch.put(n, g.pair + l * g.stride + m, g.sphere + l, g.partner[m] + l, d.delx[m][l], d.dely[m][l], d.delz[m][l],
                 d.rsq[m][l]);
       n++;

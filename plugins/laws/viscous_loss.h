@@ -28,7 +28,7 @@ namespace granwave {
 
 inline constexpr LawParameter TANGENTIAL_LOSS =
     LawParameter("tangential", "x",
-                 "damping along the surface over that along the normal, within Coulomb's limit: x_gamma_t of LAMMPS's pair "
+                 "tangential damping divided by normal damping, within Coulomb's limit: x_gamma_t of LAMMPS's pair "
                  "style granular, 1 after Tsuji")
         .in(NOT_NEGATIVE)
         .in_cases({0.0, 1e3, true, true})

@@ -116,17 +116,18 @@ def write(folder: Path) -> None:
 
 
 def run(scripts: list[Path], lmp: str, mpiexec: str, numbers: list[int]) -> None:
-    """Run examples on these numbers of ranks, and leave their logs beside them, named as LAMMPS's
-    are.
+    """Run examples on each number of ranks, and write their logs next to them.
+
+    Logs are named in the same way as those in the examples of LAMMPS.
     """
     for script in scripts:
         for ranks in numbers:
             with tempfile.TemporaryDirectory() as place:
                 shutil.copytree(script.parent, place, dirs_exist_ok=True)
-                command = [mpiexec, "-n", str(ranks), lmp, "-in", script.name, "-screen", "none"]
-                done = subprocess.run(
-                    command if ranks > 1 else command[3:], cwd=place, capture_output=True, text=True
-                )
+                command = [lmp, "-in", script.name, "-screen", "none"]
+                if ranks > 1:
+                    command = [mpiexec, "-n", str(ranks), *command]
+                done = subprocess.run(command, cwd=place, capture_output=True, text=True)
                 path = Path(place) / "log.lammps"
                 log = path.read_text(encoding="utf-8") if path.exists() else ""
             if done.returncode or "Total wall time" not in log:

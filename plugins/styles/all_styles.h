@@ -7,6 +7,7 @@
 #include "fix_gran_hysteretic_history.h"
 #include "fix_gran_load.h"
 #include "fix_gran_nve.h"
+#include "fix_gran_nve_sphere.h"
 #include "fix_gran_timestep.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "gran_dents.h"

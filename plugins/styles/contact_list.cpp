@@ -1,49 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "contact_list.h"
 
+#include <numeric>
+
 using namespace granwave;
-
-/* Append the rows of these pairs, in the order of the IDs of their spheres. The row is that of the lower ID, whose sphere may be
-   a ghost, and has its partners in the order of their IDs: the forces on a sphere are summed in the order of the IDs of its
-   partners, and are the same to the last bit on any number of processors. */
-void ContactList::add_rows(const std::vector<std::pair<int, int>> &pairs, const tagint *tag, int nall)
-{
-  const auto precedes = [tag](int i, int j) { return tag[i] < tag[j]; };
-  const auto in_order = [&](const std::pair<int, int> &pair) { return std::minmax(pair.first, pair.second, precedes); };
-  std::vector<int> place(nall, 0);    // number of pairs of a row, then where the next one goes
-  for (const auto &pair : pairs) place[in_order(pair).first]++;
-  const auto first_row = static_cast<std::ptrdiff_t>(row.size());
-  for (std::size_t i = 0; i < place.size(); i++)
-    if (place[i] > 0) row.push_back(static_cast<int>(i));
-  if (!std::is_sorted(row.begin() + first_row, row.end(), precedes)) std::sort(row.begin() + first_row, row.end(), precedes);
-  for (std::size_t r = first_row; r < row.size(); r++) {
-    const int n = place[row[r]];
-    place[row[r]] = begin.back();
-    begin.push_back(begin.back() + n);
-  }
-  partner.resize(begin.back());
-  for (const auto &pair : pairs) {
-    const auto [i, j] = in_order(pair);
-    partner[place[i]++] = j;
-  }
-  for (std::size_t r = first_row; r < row.size(); r++)
-    std::sort(partner.begin() + begin[r], partner.begin() + begin[r + 1], precedes);
-}
-
-std::pair<int, int> ContactList::find(tagint lower, tagint higher) const
-{
-  std::pair<int, int> found = {-1, -1};
-  const auto precedes = [](const Sphere &sphere, tagint tag) { return sphere.tag < tag; };
-  const auto search = [&](int first, int last) {    // rows in the order of the IDs
-    const auto rows = row_sphere.begin();
-    for (auto r = std::lower_bound(rows + first, rows + last, lower, precedes) - rows; r < last && rows[r].tag == lower; r++)
-      for (int k = begin[r]; k < begin[r + 1]; k++)
-        if (partner_sphere[k].tag == higher) found = {static_cast<int>(r), k};
-  };
-  search(0, plain);
-  search(plain, static_cast<int>(row.size()));
-  return found;
-}
 
 void ContactList::clear_histories()
 {
@@ -62,6 +22,48 @@ void ContactList::clear_histories()
   initial.assign(n, 0.0);
   reached.assign(n, 0.0);
   initial_extra.assign(n * has.n, 0.0);
+}
+
+/* Move all histories to the places of their pairs in the new list. */
+void ContactList::carry(const CommonPairs &common)
+{
+  common.carry(peak, 0.0);
+  common.carry(front, Front());
+  for (auto *times : {&time_peak, &time_yield}) common.carry(*times, -1.0);
+  common.carry(extra, 0.0, has.n);
+  common.carry(turning, -1);
+  if (has.friction) common.carry(spring, TangentialSpring());
+  if (!has.dents) return;
+  common.carry(initial, 0.0);
+  common.carry(reached, 0.0);
+  common.carry(initial_extra, 0.0, has.n);
+}
+
+void ContactList::discard_turnings()
+{
+  std::fill(turning.begin(), turning.end(), -1);
+  turnings.clear();
+  work_lost.clear();
+  circle.clear();
+}
+
+/* Drop the turning points of pairs that are no longer in the list, once these are most of them. */
+void ContactList::order_turnings()
+{
+  const auto used = std::count_if(turning.begin(), turning.end(), [](int t) { return t >= 0; });
+  if (turnings.size() <= UNUSED * static_cast<std::size_t>(used)) return;
+  std::vector<Turning> points;
+  std::vector<double> work, area;
+  for (int &t : turning) {
+    if (t < 0) continue;
+    points.push_back(turnings[t]);
+    work.push_back(work_lost[t]);
+    if (has.friction) area.push_back(circle[t]);
+    t = static_cast<int>(points.size()) - 1;
+  }
+  turnings.swap(points);
+  work_lost.swap(work);
+  circle.swap(area);
 }
 
 void ContactList::renew_turning(int k, const ScaledLaw &contact)
@@ -172,14 +174,17 @@ void ContactList::keep_start_of(int k)
 
 void ContactList::return_to_start_of(int k)
 {
+  const double *const law = start.extra.data() + static_cast<std::size_t>(k) * has.n;
+  // the doubles of the law; the histories behind them do not advance in a minimization
+  const int size = has.n - has.size();
+  // turning points are expensive, and follow from the peak and these doubles
+  if (peak[k] != start.peak[k] || !std::equal(law, law + size, block(k))) discard_turning(k);
   peak[k] = start.peak[k];
   front[k] = start.front[k];
   time_peak[k] = start.time_peak[k];
   time_yield[k] = start.time_yield[k];
   if (has.dents) reached[k] = start.reached[k];
-  // the doubles of the law; the histories behind them do not advance in a minimization
-  std::copy_n(start.extra.data() + static_cast<std::size_t>(k) * has.n, has.n - has.size(), block(k));
-  discard_turning(k);
+  std::copy_n(law, size, block(k));
 }
 
 void ContactList::return_to_start()
@@ -192,23 +197,82 @@ void ContactList::return_to_start()
 
 /* ---------------------------------------------------------------------- exchange with the records of the spheres */
 
-void ContactList::store(ContactHistory &history)
+void ContactList::suspend(ContactHistory &history)
 {
-  std::vector<int> extra_records(owned, 0);
+  valid = false;
+  if (recorded) drop_records(history);
+}
+
+/* Drop the live records of the spheres, which the list has, too. */
+void ContactList::drop_records(ContactHistory &history)
+{
+  history.keep_forgotten(owned);
+  recorded = published = false;
+}
+
+/* List the contacts of each sphere. */
+void ContactList::find_sides()
+{
+  if (!sides.first.empty()) return;
+  sides.first.assign(owned + 1, 0);
   each_dent([&](int, int, int i, int j) {
-    for (const int one : {i, j})
-      if (one < owned) extra_records[one]++;
+    for (const int sphere : {i, j})
+      if (sphere < owned) sides.first[sphere + 1]++;
   });
-  history.keep_forgotten(owned, extra_records);
+  std::partial_sum(sides.first.begin(), sides.first.end(), sides.first.begin());
+  sides.all.resize(sides.first.back());
+  std::vector<int> next(sides.first.begin(), sides.first.end() - 1);
   each_dent([&](int r, int k, int i, int j) {
-    const auto place = [&](int of, const Sphere &sphere, const Sphere &other, double side) {
-      if (of >= owned) return;
-      history.own(of, sphere.tag);
-      pack(k, side, history.layout(), history.place(of, {other.tag, other.birth, other.radius, other.type, 1, dent(k)}));
-    };
-    place(i, row_sphere[r], partner_sphere[k], 1.0);
-    place(j, partner_sphere[k], row_sphere[r], -1.0);
+    for (const int sphere : {i, j})
+      if (sphere < owned) sides.all[next[sphere]++] = {r, k};
   });
+}
+
+/* Append the contacts of sphere i, of this index in the list, to its records. */
+void ContactList::append_records(ContactHistory &history, int i, int listed)
+{
+  std::vector<double> block(history.layout().size());
+  for (int s = sides.first[listed]; s < sides.first[listed + 1]; s++) {
+    const auto [r, k] = sides.all[s];
+    const bool is_row = row[r] == listed;
+    pack(k, is_row ? 1.0 : -1.0, history.layout(), block.data());
+    history.append(i, record_of(k, is_row ? partner_of_pair(k) : sphere_of_row(r)), block.data());
+  }
+}
+
+void ContactList::publish(ContactHistory &history, int nlocal)
+{
+  if (!holds || published) return;
+  if (!valid) return release(history, nlocal);
+  if (recorded) drop_records(history);
+  find_sides();
+  for (int i = 0; i < owned; i++) append_records(history, i, i);
+  sides.clear();    // contacts touch and part until they are needed again
+  published = recorded = true;
+}
+
+void ContactList::hand_over(ContactHistory &history, int i)
+{
+  if (!holds || history.listed(i) < 0) return;
+  find_sides();
+  append_records(history, i, history.listed(i));
+  history.list(i, -1);
+}
+
+void ContactList::release(ContactHistory &history, int nlocal)
+{
+  if (!holds) return;
+  suspend(history);
+  for (int i = 0; i < nlocal; i++) hand_over(history, i);
+  sides.clear();
+  holds = false;
+}
+
+bool ContactList::has_touched(const ContactHistory &history, int i)
+{
+  if (!holds || history.listed(i) < 0) return false;
+  find_sides();
+  return sides.first[history.listed(i)] < sides.first[history.listed(i) + 1];
 }
 
 /* Take up the live record of one of the spheres of pair k. */
@@ -218,11 +282,7 @@ void ContactList::take_up(ContactHistory &history, int k, int of, const Sphere &
   ContactRecord *record = history.records(of);
   for (int m = 0; m < history.count(of); m++, record++) {
     if (!record->live || record->partner != other.tag || record->partner_birth != other.birth) continue;
-    unpack(k, side, history.layout(), history.block(of, m));
-    peak[k] = record->dent.peak;
-    front[k] = record->dent.front;
-    time_peak[k] = record->dent.time_peak;
-    time_yield[k] = record->dent.time_yield;
+    set_history(k, side, history.layout(), record->dent, history.block(of, m));
     record->live = FOUND;
     return;
   }
@@ -231,7 +291,7 @@ void ContactList::take_up(ContactHistory &history, int k, int of, const Sphere &
 double ContactList::bytes() const
 {
   const auto bytes = [](const auto &...vectors) { return (... + double(vectors.capacity() * sizeof(*vectors.data()))); };
-  return resting.bytes() + groups.bytes() +
-         bytes(row, begin, quiet_special, row_sphere, partner, partner_sphere, peak, front, time_peak, time_yield, turning,
-               turnings, work_lost, circle, spring, touched, extra, initial, reached, initial_extra);
+  return PairRows::bytes() + resting.bytes() + groups.bytes() +
+         bytes(quiet_special, peak, front, time_peak, time_yield, turning, turnings, work_lost, circle, spring, touched,
+               extra, initial, reached, initial_extra);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Flat list of the pairs of pair style gran/hysteretic that are within reach, and what each remembers, from one reneighboring to the
-   next. Meanwhile its contents are stored with the spheres (contact_history.h). */
+   next. What pairs remember stays in it meanwhile: the next list takes it over, pair by pair. Only what spheres take to another
+   processor, and what is written to a restart file, is stored with the spheres (contact_history.h). */
 
 #ifndef GRANWAVE_CONTACT_LIST_H
 #define GRANWAVE_CONTACT_LIST_H
@@ -8,31 +9,19 @@
 #include "../laws/contact_history.h"
 #include "../laws/contact_memory.h"
 #include "../laws/touching_pairs.h"
-#include "lmptype.h"
+#include "pair_rows.h"
 
 namespace granwave {
 
-/* Pairs within reach, in rows of the spheres with the lower ID (add_rows); behind them, in rows of their own, the special pairs. */
-class ContactList {
+class ContactList : public PairRows {
  public:
-  using tagint = LAMMPS_NS::tagint;
-  struct Sphere {
-    double radius;
-    tagint tag;
-    int type;
-    std::int64_t birth;    // contact_history.h
-  };
-
   explicit ContactList(ContactMemory &memory) : has(memory) {}
 
-  bool valid = false, published = false;
-  int plain = 0;                  // number of rows of pairs of spheres with laws that depend on their radii
-  int owned = 0;                  // number of owned spheres when the list was built
-  int most_pairs = 0;             // largest number of pairs of any of them
-  std::vector<int> row, begin;    // sphere of each row, local or ghost; index of its first pair (one element longer)
-  std::vector<int> partner;       // local or ghost index
-  std::vector<double> peak;       // largest overlap so far
-  std::vector<Front> front;       // of the largest overlap of this run
+  bool valid = false;          // false if atoms may be in another order: its pairs are then those of the order before
+  bool published = false;      // true if the records of the spheres are as recent
+  int most_pairs = 0;          // largest number of pairs of any owned sphere
+  std::vector<double> peak;    // largest overlap so far
+  std::vector<Front> front;    // of the largest overlap of this run
   std::vector<double> time_peak, time_yield;
   std::vector<int> turning;                // index into turnings, or -1 while Hertzian
   std::vector<Turning> turnings;           // of contacts that have yielded
@@ -42,7 +31,6 @@ class ContactList {
   std::vector<std::uint64_t> touched;      // with friction or losses: bits of the pairs whose springs may end
   std::vector<double> initial, reached;    // with initial dents: initial dent, largest overlap of this run
   std::vector<double> initial_extra;       // with initial dents: initial doubles of the law
-  std::vector<Sphere> row_sphere, partner_sphere;    // also after LAMMPS has put the atoms into another order
   /* Histories at the start of a minimization, which every evaluation in it continues from: a position that it tries and does not keep
      leaves no dent. */
   struct Start {
@@ -55,42 +43,43 @@ class ContactList {
   RowGroups groups;                   // of the plain rows
   std::vector<char> quiet_special;    // 1 for special rows in which no pair touched at the last evaluation
 
-  /* Make a list of these pairs of atoms, with contacts that have not touched. `sphere` returns an atom as a Sphere. */
-  template <class AsSphere>
+  /* Make a list of these pairs of atoms. `sphere` returns an atom as a Sphere. Histories are those that the list before or else the
+     live records of the spheres have. Where a pair is no longer within reach, a function is called with the index of each of its
+     spheres that is still there, the record and its block, and the histories end. */
+  template <class AsSphere, class Forget>
   void build(const std::vector<std::pair<int, int>> &plain_pairs, const std::vector<std::pair<int, int>> &special_pairs,
-             const tagint *tag, int nlocal, int nall, const AsSphere &sphere)
+             const tagint *tag, int nlocal, int nall, const AsSphere &sphere, ContactHistory &history, const Forget &forget)
   {
+    PairRows before;
+    std::swap(before, static_cast<PairRows &>(*this));
+    clear();
     owned = nlocal;
-    row.clear();
-    begin.assign(1, 0);
-    partner.clear();
     add_rows(plain_pairs, tag, nall);
-    plain = static_cast<int>(row.size());
+    plain = rows();
     resting.build(row, begin, partner);
     groups.build(row, begin, partner, RestingBlocks::SIZE);
     add_rows(special_pairs, tag, nall);
     quiet_special.assign(row.size() - plain, 0);
-    row_sphere.clear();
-    for (const int i : row) row_sphere.push_back(sphere(i));
-    partner_sphere.clear();
-    for (const int j : partner) partner_sphere.push_back(sphere(j));
-    clear_histories();
+    spheres.reserve(nall);
+    for (int i = 0; i < nall; i++) spheres.push_back(sphere(i));
+    if (holds) carry_on(before, history, forget);
+    else clear_histories();
+    restore(history, forget);
+    for (int i = 0; i < nlocal; i++) {
+      history.own(i, tag[i]);
+      history.list(i, i);
+    }
+    holds = valid = true;
+    published = recorded = false;
+    sides.clear();
   }
 
-  /* Call a function for each row r and pair k with the indices i and j of its spheres. */
-  template <class Visit> void each_pair(const Visit &visit) const
-  {
-    for (int r = 0; r < static_cast<int>(row.size()); r++)
-      for (int k = begin[r]; k < begin[r + 1]; k++) visit(r, k, row[r], partner[k]);
-  }
-
-  /* The same for each pair that has touched. */
+  /* Call a function for each pair that has touched, as each_pair. */
   template <class Visit> void each_dent(const Visit &visit) const
   {
     constexpr int ROWS = RestingBlocks::SIZE;    // that are passed over at once
-    const int rows = static_cast<int>(row.size());
-    for (int first = 0; first < rows; first += ROWS) {
-      const int last = first + ROWS < rows ? first + ROWS : rows;
+    for (int first = 0; first < rows(); first += ROWS) {
+      const int last = std::min(first + ROWS, rows());
       if (all_zero(peak.data() + begin[first], begin[last] - begin[first])) continue;
       for (int r = first; r < last; r++)
         for (int k = begin[r]; k < begin[r + 1]; k++)
@@ -112,10 +101,6 @@ class ContactList {
     resting.disturb();
     std::fill(quiet_special.begin(), quiet_special.end(), 0);
   }
-
-  /* Row and index of the pair of these IDs, the lower first; -1 if it is not in the list. Across a periodic boundary it may be
-     twice in it, with the same history. */
-  std::pair<int, int> find(tagint lower, tagint higher) const;
 
   /* History of pair k: its block, what its law needs, its dent, and all as seen from the sphere of the row. */
   double *block(int k) { return extra.data() + static_cast<std::size_t>(k) * has.n; }
@@ -162,45 +147,151 @@ class ContactList {
   /* Set pair k to a contact that a file has whole; `yielded` if its peak is beyond the elastic limit. */
   void set(int k, const KnownContact &, bool yielded);
 
+  /* Have all turning points recomputed when they are needed next, after a change of laws or radii. */
+  void discard_turnings();
+
   /* Note which springs may end. */
   void find_springs();
 
   /* Write the block of pair k, as seen from the sphere of the row (side 1) or its partner (-1), into a zero block. */
   void pack(int k, double side, const BlockLayout &, double *block) const;
 
-  /* Replace the live records of the owned spheres by the pairs that have touched. */
-  void store(ContactHistory &);
+  /* Records of the spheres, while the list is valid or atoms are put into another order. */
 
-  /* Take up the live records of the spheres. Those whose pair is no longer within reach are passed to a function, with the index
-     of their sphere and of the record, and become those of forgotten contacts if it returns true; the others are dropped. */
-  template <class Forget> void restore(ContactHistory &history, const Forget &forget)
-  {
-    each_pair([&](int r, int k, int i, int j) {
-      take_up(history, k, i, partner_sphere[k], 1.0);
-      take_up(history, k, j, row_sphere[r], -1.0);
-    });
-    history.each_record(owned, [&](int i, int m, ContactRecord &record) {
-      if (record.live != FOUND) record.live = forget(i, m, record) ? 0 : FOUND;
-    });
-    history.keep_forgotten(owned, std::vector<int>(owned, 0));
-  }
+  /* Make the list invalid. It still holds the histories of its pairs. */
+  void suspend(ContactHistory &);
+
+  /* Write the pairs of all spheres that have touched to their records; histories stay in the list if that is valid. */
+  void publish(ContactHistory &, int nlocal);
+
+  /* Move the pairs of sphere i that have touched to its records: it leaves the processor. */
+  void hand_over(ContactHistory &, int i);
+
+  /* Move all of them, so that the next list begins with the records. */
+  void release(ContactHistory &, int nlocal);
+
+  /* Return true if a pair of sphere i, of an invalid list, has touched. */
+  bool has_touched(const ContactHistory &, int i);
 
   double bytes() const;
 
  private:
-  static constexpr int FOUND = 2;    // a live record that has been taken up
+  static constexpr int FOUND = 2;     // a live record that has been taken up
+  static constexpr int UNUSED = 2;    // turning points are put in order where there are so many times those in use
+
+  struct Side {    // contact of a sphere
+    int row, pair;
+  };
+  struct Sides {    // contacts that have touched, by owned sphere, in the order of the list
+    std::vector<int> first;
+    std::vector<Side> all;
+    void clear() { *this = {}; }
+  };
 
   ContactMemory &has;           // of the pair style
   std::vector<double> extra;    // blocks of has.n doubles
+  bool holds = false;           // true if histories are in the list, not with the spheres
+  bool recorded = false;        // true if live records of its spheres have been written
+  Sides sides;                  // empty until it is needed
 
   void begin_anew(int k, double new_peak, bool dented);
   void keep_start_of(int k);
   void return_to_start_of(int k);
-  void add_rows(const std::vector<std::pair<int, int>> &, const tagint *tag, int nall);
   void clear_histories();
   void renew_turning(int k, const ScaledLaw &);
+  void order_turnings();
   void take_up(ContactHistory &, int k, int of, const Sphere &partner, double side);
   void unpack(int k, double side, const BlockLayout &, const double *block);
+  ContactRecord record_of(int k, const Sphere &other) const
+  {
+    return {other.tag, other.birth, other.radius, other.type, 1, dent(k)};
+  }
+  void drop_records(ContactHistory &);
+  void find_sides();
+  void append_records(ContactHistory &, int i, int listed);
+  void carry(const CommonPairs &);
+
+  /* Take over the histories of the pairs of the list before, whose rows are given. */
+  template <class Forget> void carry_on(const PairRows &before, ContactHistory &history, const Forget &forget)
+  {
+    const CommonPairs common(before, *this);
+    start.kept = false;
+    forget_others(common, before, history, forget);
+    struct Kept {
+      int k;
+      Dent dent;
+      std::vector<double> block;
+    };
+    const BlockLayout layout = history.layout();
+    std::vector<Kept> kept;
+    for (const auto &[from, to] : common.scattered()) {
+      if (peak[from] == 0.0) continue;
+      kept.push_back({to, dent(from), std::vector<double>(layout.size(), 0.0)});
+      pack(from, 1.0, layout, kept.back().block.data());
+    }
+    carry(common);
+    for (const Kept &contact : kept) set_history(contact.k, 1.0, layout, contact.dent, contact.block.data());
+    order_turnings();
+  }
+
+  /* End the histories of pairs of the list before that are no longer within reach. */
+  template <class Forget>
+  void forget_others(const CommonPairs &common, const PairRows &before, const ContactHistory &history, const Forget &forget)
+  {
+    std::vector<int> now;    // index of each sphere of the list before, -1 if it has left
+    const BlockLayout layout = history.layout();
+    std::vector<double> block(layout.size());
+    common.each_left_out(before, [&](int r, int k) {
+      if (peak[k] == 0.0) return;
+      const Sphere &lower = before.sphere_of_row(r), &higher = before.partner_of_pair(k);
+      if (find(lower, higher) >= 0) return;
+      if (now.empty()) {
+        now.assign(before.owned, -1);
+        for (int i = 0; i < owned; i++)
+          if (history.listed(i) >= 0) now[history.listed(i)] = i;
+      }
+      const auto end = [&](int of, const Sphere &other, double side) {
+        if (of >= before.owned || now[of] < 0) return;
+        pack(k, side, layout, block.data());
+        forget(now[of], record_of(k, other), block.data());
+      };
+      end(before.row[r], higher, 1.0);
+      end(before.partner[k], lower, -1.0);
+    });
+  }
+
+  void set_history(int k, double side, const BlockLayout &layout, const Dent &dent, const double *block)
+  {
+    unpack(k, side, layout, block);
+    peak[k] = dent.peak;
+    front[k] = dent.front;
+    time_peak[k] = dent.time_peak;
+    time_yield[k] = dent.time_yield;
+    turning[k] = -1;
+  }
+
+  /* Take up the live records of the spheres. Those whose pair is not within reach are passed to `forget`. */
+  template <class Forget> void restore(ContactHistory &history, const Forget &forget)
+  {
+    if (history.size() == 0) return;
+    each_pair([&](int r, int k, int i, int j) {
+      take_up(history, k, i, partner_of_pair(k), 1.0);
+      take_up(history, k, j, sphere_of_row(r), -1.0);
+    });
+    struct Ended {
+      int sphere;
+      ContactRecord record;
+      std::vector<double> block;
+    };
+    std::vector<Ended> ended;
+    const int size = history.layout().size();
+    history.each_record(owned, [&](int i, int m, const ContactRecord &record) {
+      if (record.live && record.live != FOUND)
+        ended.push_back({i, record, std::vector<double>(history.block(i, m), history.block(i, m) + size)});
+    });
+    history.keep_forgotten(owned);
+    for (const Ended &end : ended) forget(end.sphere, end.record, end.block.data());
+  }
 };
 
 }    // namespace granwave

@@ -15,7 +15,7 @@ using namespace granwave;
 
 constexpr int WORDS = 5;    // of each type
 constexpr const char *USAGE =
-    "expected TYPE LENGTH AX AY AZ, once for each type of cylinders, and perhaps line half-space|plane-strain";
+    "expected TYPE LENGTH AX AY AZ, once for each type of cylinders, and optionally line half-space|plane-strain";
 constexpr double ROUNDING = 1e-9;
 
 FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) :
@@ -49,7 +49,7 @@ FixGranCylinder::FixGranCylinder(LAMMPS *lmp, int narg, char **arg) :
   }
   for (const auto *other : modify->get_fix_list())
     if (std::strcmp(other->style, STYLE) == 0)
-      error->all(FLERR, "Illegal fix {}: there is one already, {}", STYLE, other->id);
+      error->all(FLERR, "Illegal fix {}: fix {} already exists; use only one", STYLE, other->id);
   restart_global = 1;
   scalar_flag = 1;
   global_freq = 1;
@@ -88,10 +88,10 @@ void FixGranCylinder::setup(int)
     const double along = omega[0] * axis[0] + omega[1] * axis[1] + omega[2] * axis[2];
     const double square = omega[0] * omega[0] + omega[1] * omega[1] + omega[2] * omega[2];
     if (square - along * along > ROUNDING * square)
-      error->one(FLERR,
-                 "Fix {} {}: cylinder {} has the angular velocity ({:.6g}, {:.6g}, {:.6g}), but can turn about its axis "
-                 "only",
-                 STYLE, id, atom->tag[i], omega[0], omega[1], omega[2]);
+      error->one(
+          FLERR,
+          "Fix {} {}: cylinder {} has the angular velocity ({:.6g}, {:.6g}, {:.6g}), but can rotate only about its axis",
+          STYLE, id, atom->tag[i], omega[0], omega[1], omega[2]);
   }
   post_force(0);
 }

@@ -134,8 +134,8 @@ void FixGranHolder::init()
   FixGranDamping::init();
   // friction opposes the sum of all other forces
   bool after = false;
-  for (const auto *other : modify->get_fix_list()) {
-    if (after && (modify->fmask[modify->find_fix(other->id)] & FixConst::POST_FORCE))
+  for (auto *other : modify->get_fix_list()) {
+    if (after && (modify->get_fix_mask(other) & FixConst::POST_FORCE))
       error->all(FLERR, "Fix {} {} must come after all fixes that apply forces, but fix {} {} follows it", STYLE, id,
                  other->style, other->id);
     after = after || other == this;

@@ -35,14 +35,15 @@ FixGranHystereticHistory::~FixGranHystereticHistory()
   for (const int kind : {Atom::GROW, Atom::RESTART, Atom::BORDER}) atom->delete_callback(id, kind);
 }
 
-/* Copy the flat list of the pair style back to the spheres before they migrate. LAMMPS subsequently assigns spheres to
+/* End the flat list of the pair style before spheres migrate. LAMMPS subsequently assigns spheres to
    subdomains and bins, where one whose position is not finite would be lost. */
 void FixGranHystereticHistory::gather()
 {
   require_finite_motion(lmp);
-  if (release_contacts) release_contacts();
+  if (suspend_contacts) suspend_contacts();
   // a sphere may be passed on by a processor that it did not come from
-  maxexchange = most_numbers();
+  maxexchange = most_numbers(in_list);
+  MPI_Allreduce(MPI_IN_PLACE, &maxexchange, 1, MPI_INT, MPI_MAX, world);
 }
 
 void FixGranHystereticHistory::grow_arrays(int nmax)
@@ -59,18 +60,19 @@ void FixGranHystereticHistory::min_pre_exchange()
 }
 
 /* The callbacks below may be called by commands that reorder spheres at any time (sort, delete_atoms, fix balance),
-   before gather() is called: the first call makes the per-sphere records the valid copy. */
+   before gather() is called: the first call ends the list. */
 void FixGranHystereticHistory::copy_arrays(int i, int j, int)
 {
-  if (release_contacts) release_contacts();
+  if (suspend_contacts) suspend_contacts();
   history.copy(i, j);
   images_[j] = {};
 }
 
 void FixGranHystereticHistory::set_arrays(int i)
 {
-  if (release_contacts) release_contacts();
+  if (suspend_contacts) suspend_contacts();
   history.forget_sphere(i);
+  history.list(i, -1);
   history.set_birth(i, ++births << RANKS | comm->me);
   images_[i] = {};
 }
@@ -106,14 +108,18 @@ int FixGranHystereticHistory::unpack_border(int n, int first, double *buf)
   return static_cast<int>(at - buf);
 }
 
-/* Size of the state of sphere i, and the largest one of all processors. */
+/* Size of the state of sphere i with so many further records, and the largest one. */
 int FixGranHystereticHistory::size(int i, int further) const
 {
-  return N_HEAD + (history.forgotten(i).none() && further == 0 ? 0 : ForgottenContacts::SIZE) +
+  return N_HEAD + (!history.has_forgotten(i) && further == 0 ? 0 : ForgottenContacts::SIZE) +
          (ContactRecord::SIZE + history.layout().size()) * (history.count(i) + further);
 }
 
-void FixGranHystereticHistory::expect_records(int i, int n) { maxexchange = std::max(maxexchange, size(i, n)); }
+void FixGranHystereticHistory::expect_records(int n)
+{
+  in_list = n;
+  maxexchange = std::max(maxexchange, most_numbers(n));
+}
 
 /* Give the records of all processors the same layout: those of a restart file are known only where there are atoms. */
 void FixGranHystereticHistory::agree_on_layout()
@@ -124,11 +130,10 @@ void FixGranHystereticHistory::agree_on_layout()
   history.extend({most[0], most[1] != 0});
 }
 
-int FixGranHystereticHistory::most_numbers() const
+int FixGranHystereticHistory::most_numbers(int further) const
 {
   int most = N_HEAD;
-  for (int i = 0; i < atom->nlocal; i++) most = std::max(most, size(i));
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT, MPI_MAX, world);
+  for (int i = 0; i < atom->nlocal; i++) most = std::max(most, size(i, further));
   return most;
 }
 
@@ -158,6 +163,7 @@ int FixGranHystereticHistory::unpack(int i, const double *buf)
   const BlockLayout packed{static_cast<int>(buf[EXTRA]), buf[EXTENDED] != 0.0};
   const double *at = buf + N_HEAD;
   history.forget_sphere(i);
+  history.list(i, -1);
   history.own(i, static_cast<std::int64_t>(ubuf(buf[OWNER]).i));
   history.set_birth(i, static_cast<std::int64_t>(ubuf(buf[BIRTH]).i));
   images_[i] = {};
@@ -181,13 +187,14 @@ int FixGranHystereticHistory::unpack(int i, const double *buf)
 
 int FixGranHystereticHistory::pack_exchange(int i, double *buf)
 {
-  if (release_contacts) release_contacts();
+  if (suspend_contacts) suspend_contacts();
+  if (hand_over_contacts) hand_over_contacts(i);
   return pack(i, buf);
 }
 
 int FixGranHystereticHistory::unpack_exchange(int nlocal, double *buf)
 {
-  if (release_contacts) release_contacts();
+  if (suspend_contacts) suspend_contacts();
   return unpack(nlocal, buf);
 }
 
@@ -202,13 +209,15 @@ void FixGranHystereticHistory::unpack_restart(int i, int nth) { unpack(i, atom_s
 int FixGranHystereticHistory::size_restart(int i)
 {
   if (publish_contacts) publish_contacts();
-  return AtomState::HEAD + size(i);
+  return AtomState::HEAD + size(i, 0);
 }
 
 int FixGranHystereticHistory::maxsize_restart()
 {
   if (publish_contacts) publish_contacts();
-  return AtomState::HEAD + most_numbers();    // the first processor writes it for the atoms of all
+  int most = most_numbers(0);
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT, MPI_MAX, world);
+  return AtomState::HEAD + most;    // the first processor writes it for the atoms of all
 }
 
 /* ---------------------------------------------------------------------- number of births, so that those after a restart are others */

@@ -46,9 +46,11 @@ class FixGranHystereticHistory : public Fix {
   void restart(char *) override;
   double memory_usage() override { return history.memory_usage(); }
 
-  /* Make room for the records of a sphere that may have so many in addition to its present ones, for commands that migrate spheres
-     between two runs. */
-  void expect_records(int i, int n);
+  /* Make room for the records of spheres that may have so many in addition to those that are with them, for commands that migrate
+     spheres between two runs. */
+  void expect_records(int n);
+  /* The same for sphere i, which has got a further record. */
+  void expect_records_of(int i) { maxexchange = std::max(maxexchange, size(i, in_list)); }
 
   /* Give the records of all processors the same layout. A collective call. */
   void agree_on_layout();
@@ -62,9 +64,11 @@ class FixGranHystereticHistory : public Fix {
   };
   const Images &images(int i) const { return images_[i]; }
 
-  /* Set by the pair style, whose flat list, if valid, is more recent than the records: update these, and also invalidate the list;
-     be told that the fix is deleted by somebody else; undo what a minimization has tried. */
-  std::function<void()> publish_contacts, release_contacts, lose_contacts, return_to_start;
+  /* Set by the pair style, whose flat list is more recent than the records: update these; be told that atoms may be put into another
+     order, after which the list is not valid; be told that the fix is deleted by somebody else; undo what a minimization has tried. */
+  std::function<void()> publish_contacts, suspend_contacts, lose_contacts, return_to_start;
+  /* Likewise: update the records of a sphere that leaves. */
+  std::function<void(int)> hand_over_contacts;
 
  private:
   static constexpr int RANKS = 24;      // bits of the number of a birth that are those of the processor
@@ -72,10 +76,11 @@ class FixGranHystereticHistory : public Fix {
 
   std::int64_t births = 0;    // of spheres on any processor so far, at least; those before the fix are not counted
   std::vector<Images> images_;
+  int in_list = 0;    // largest number of contacts of a sphere that are in the list only
 
   void gather();
-  int most_numbers() const;
-  int size(int i, int further = 0) const;
+  int most_numbers(int further) const;
+  int size(int i, int further) const;
   int pack(int, double *) const;
   int unpack(int, const double *);
 };

@@ -153,7 +153,7 @@ void FixGranLoad::init()
     if (any)
       error->all(
           FLERR,
-          "Fix {} {} prescribes the motion of atoms that fix {} {} integrates: leave them out of the group of that one",
+          "Fix {} {} prescribes the motion of atoms that fix {} {} integrates: remove them from the group of that fix",
           STYLE, id, other->style, other->id);
   }
 }

@@ -11,14 +11,14 @@ using namespace granwave;
 
 FixGranNVE::FixGranNVE(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
-  if (narg != 3) error->all(FLERR, "Illegal fix {}: it takes no words, found '{}'", STYLE, arg[3]);
+  if (narg != 3) error->all(FLERR, "Illegal fix {}: it takes no words, found '{}'", style, arg[3]);
   dynamic_group_allow = 1;
   time_integrate = 1;
 }
 
 void FixGranNVE::init()
 {
-  refuse_respa(lmp, fmt::format("Fix {}", STYLE));
+  refuse_respa(lmp, fmt::format("Fix {}", style));
   reset_dt();
 }
 

@@ -31,9 +31,10 @@ class FixGranNVE : public Fix {
   void initial_integrate(int) override;
   void final_integrate() override;
 
- private:
+ protected:
   double dtv = 0.0, dtf = 0.0;    // timestep, and half of it in units of force over mass and velocity
 
+ private:
   template <bool MOVES> void integrate();
 };
 

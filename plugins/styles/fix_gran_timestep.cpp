@@ -31,7 +31,7 @@ constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
 
 constexpr double AIM = 0.85;                          // of the tolerance: what the choice reckons with
 constexpr double SHARE_OF_TOLERANCE = 1.0 / 65536;    // to which a measured error is taken
-constexpr const char *USAGE = "expected N TOLERANCE ENERGY, and then maybe first M, until T, balance v_NAME K";
+constexpr const char *USAGE = "expected N TOLERANCE ENERGY, optionally followed by first M, until T, balance v_NAME K";
 
 // Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
 constexpr double UNITS = 1125899906842624.0;               // 2^50
@@ -111,7 +111,7 @@ FixGranTimestep::FixGranTimestep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, n
   }
   for (const auto *other : modify->get_fix_list())
     if (std::strcmp(other->style, STYLE) == 0)
-      error->all(FLERR, "Fix {} {}: there is one already, {}", STYLE, id, other->id);
+      error->all(FLERR, "Fix {} {}: fix {} already exists; use only one", STYLE, id, other->id);
   controller = StepController(taken, longest);
   tick = update->dt;
   origin = update->atime - static_cast<double>(update->atimestep) * tick;
@@ -157,7 +157,7 @@ void FixGranTimestep::init()
       continue;
     }
     if (const auto *const wall = dynamic_cast<const FixWallGranHysteretic *>(other)) walls.push_back(wall);
-    if (utils::strmatch(other->style, "^nve/sphere")) rotates |= other->groupbit;
+    if (utils::strmatch(other->style, "nve/sphere")) rotates |= other->groupbit;
     if (std::strcmp(other->style, "dt/reset") == 0)
       error->all(FLERR, "Fix {} {}: fix dt/reset changes the timestep, too", STYLE, id);
     if (other->force_reneighbor) rebuilders.push_back(other);
@@ -190,10 +190,10 @@ void FixGranTimestep::refuse_fixes_that_count_steps() const
                  "unfix one of the two",
                  STYLE, id, other->style, other->id);
     if (other->nevery == 1 && matches(other->style, WAIT_FOR_STEPS))
-      error->all(FLERR,
-                 "Fix {} {}: fix {} {} waits for every tick, and a step has several: give it an interval, best a multiple "
-                 "of {}",
-                 STYLE, id, other->style, other->id, longest);
+      error->all(
+          FLERR,
+          "Fix {} {}: fix {} {} waits for every tick, and a step has several: set an interval, preferably a multiple of {}",
+          STYLE, id, other->style, other->id, longest);
     const bool wall_of_lammps =
         utils::strmatch(other->style, "^wall/gran") && !dynamic_cast<const FixWallGranHysteretic *>(other);
     if (wall_of_lammps && comm->me == 0)

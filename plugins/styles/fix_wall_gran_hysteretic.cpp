@@ -18,7 +18,8 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
 {
   if (narg < 7)
     error->all(FLERR,
-               "Illegal fix {}: expected xplane|yplane|zplane LO HI, tube RADIUS or region ID FACE, a law and its constants",
+               "Illegal fix {}: expected xplane|yplane|zplane LO HI, tube RADIUS, region ID FACE or mesh FILE ANGLE PATCH, "
+               "a law and its constants",
                STYLE);
   std::fill_n(plane, 2, INFINITE);
   plane[0] = -INFINITE;
@@ -28,16 +29,22 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
     curved = std::make_unique<Tube>(positive_number(lmp, STYLE, "radius of the tube", arg[4]));
   } else if (std::strcmp(arg[3], "region") == 0) {
     try {
-      auto wall_of_region = std::make_unique<RegionWall>(lmp, arg[4], arg[5]);
-      face = wall_of_region.get();
-      curved = std::move(wall_of_region);
+      curved = std::make_unique<RegionWall>(lmp, arg[4], arg[5]);
     } catch (const std::invalid_argument &fault) {
       error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
+    }
+  } else if (std::strcmp(arg[3], "mesh") == 0) {
+    used_words = 7;
+    try {
+      const double angle = utils::numeric(FLERR, arg[5], false, lmp);
+      curved = std::make_unique<MeshWall>(arg[4], angle, utils::inumeric(FLERR, arg[6], false, lmp));
+    } catch (const std::invalid_argument &fault) {
+      error->all(FLERR, "Illegal fix {} mesh {}: {}", STYLE, arg[4], fault.what());
     }
   } else {
     axis = arg[3][0] - 'x';
     if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
-      error->all(FLERR, "Illegal fix {}: expected xplane, yplane, zplane, tube or region, found {}", STYLE, arg[3]);
+      error->all(FLERR, "Illegal fix {}: expected xplane, yplane, zplane, tube, region or mesh, found {}", STYLE, arg[3]);
     for (int side = 0; side < 2; side++)
       if (std::strcmp(arg[4 + side], "NULL") != 0) plane[side] = utils::numeric(FLERR, arg[4 + side], false, lmp);
     if (!(plane[0] < plane[1])) error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
@@ -48,10 +55,9 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
       std::size_t used = 0;
       support = std::make_unique<Support>(std::vector<std::string>(at + 1, words.end()), used);
       words.erase(at, at + 1 + used);
-      if (face) throw std::invalid_argument("support moves a plane, found a region");
-      if (curved) throw std::invalid_argument("support moves a plane, found a tube");
+      if (curved) throw std::invalid_argument(std::string("support moves a plane, found a ") + curved->kind());
       if (std::isfinite(plane[0]) && std::isfinite(plane[1]))
-        throw std::invalid_argument("support moves one plane, found two: take a fix for each");
+        throw std::invalid_argument("support moves one plane, found two: use a fix for each");
       if (!std::isfinite(plane[0]) && !std::isfinite(plane[1]))
         throw std::invalid_argument("support moves a plane, found none");
       moving = std::isfinite(plane[0]) ? 0 : 1;
@@ -72,6 +78,8 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
     loss = args.loss;
     resistance = args.resistance;
     args.extend(has);
+    if (has.cohesion && curved && std::strcmp(curved->kind(), "mesh") == 0)
+      throw std::invalid_argument("a mesh holds spheres without cohesion");
     has.loss_first = true;
     has.n = law.n_extra() + has.size();
   } catch (const std::invalid_argument &fault) {
@@ -115,17 +123,17 @@ void FixWallGranHysteretic::init()
     error->all(FLERR, "Fix {} with a loss requires atom attribute rmass (atom_style sphere)", STYLE);
   if (has.friction && !(atom->omega_flag && atom->torque_flag))
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
-  const bool is_tube = curved && !face;
-  if (!face && (is_tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis]))
+  const bool in_space = curved && curved->is_in_space(), is_tube = curved && !in_space;
+  if (!in_space && (is_tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis]))
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
-  if (!face && domain->triclinic && (is_tube || axis < 2) &&
+  if (!in_space && domain->triclinic && (is_tube || axis < 2) &&
       (domain->xz != 0.0 || (axis == 0 ? domain->xy : domain->yz) != 0.0))
     error->all(FLERR, "Fix {} {}: the box is tilted across the wall, which a periodic boundary would then shift", STYLE, id);
   if (support || has_dashpot())
     require_mechanical_units(lmp, fmt::format("Fix {} {} with {}", STYLE, id, support ? "a support" : "a dashpot"));
   grows = radii_may_change(lmp);
   try {
-    if (face) face->init();
+    if (curved) curved->init(neighbor->skin);
   } catch (const std::invalid_argument &fault) {
     error->all(FLERR, "Fix {} {}: {}", STYLE, id, fault.what());
   }
@@ -207,7 +215,7 @@ int FixWallGranHysteretic::modify_param(int narg, char **arg)
   if (std::strcmp(arg[0], "velocity") != 0) return 0;
   if (narg < 2) error->all(FLERR, "Illegal fix_modify {}: expected velocity V", id);
   if (!support || !support->launch(utils::numeric(FLERR, arg[1], false, lmp)))
-    error->all(FLERR, "Illegal fix_modify {}: velocity belongs to a free plate (support free)", id);
+    error->all(FLERR, "Illegal fix_modify {}: velocity requires a free plate (support free)", id);
   return 2;
 }
 
@@ -256,8 +264,10 @@ void FixWallGranHysteretic::push_support()
 void FixWallGranHysteretic::check_timestep(double contacts) const
 {
   if (!support || update->dt <= support->critical_timestep(contacts)) return;
-  error->all(FLERR, "Fix {} {}: the timestep {:.4g} is beyond the critical one of the support{}, {:.4g}: shorten it", STYLE,
-             id, update->dt, contacts > 0.0 ? " with the spheres on it" : "", support->critical_timestep(contacts));
+  error->all(
+      FLERR,
+      "Fix {} {}: the timestep {:.4g} is above the critical timestep of the support{}, {:.4g}: use a shorter timestep",
+      STYLE, id, update->dt, contacts > 0.0 ? " with the spheres on it" : "", support->critical_timestep(contacts));
 }
 
 /* ---------------------------------------------------------------------- forces */

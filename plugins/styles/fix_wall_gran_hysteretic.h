@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: plane walls normal to an axis, a tube around z, or a face of a region, with the contact laws and the
-   persistent dents of pair style gran/hysteretic, with friction, and with the support of a movable plane (support.h).
+/* Fix wall/gran/hysteretic: plane walls normal to an axis, a tube around z, a face of a region, or a patch of a surface of triangles, with the contact
+   laws and the persistent dents of pair style gran/hysteretic, with friction, and with the support of a movable plane (support.h).
 
    fix ID group wall/gran/hysteretic xplane|yplane|zplane LO HI law ... [friction MU] [line half-space|plane-strain] [support ...]
        (law_arguments.h, support.h; LO, HI a coordinate or NULL)
    fix ID group wall/gran/hysteretic tube RADIUS law ... [friction MU]
    fix ID group wall/gran/hysteretic region ID FACE law ... [friction MU]    (region_wall.h)
+   fix ID group wall/gran/hysteretic mesh FILE ANGLE PATCH law ... [friction MU]    (triangle_mesh.h)
 
    Types of fix gran/cylinder touch a plane that is parallel to their axis along a line, elastically (elastic_contact.h), and none
    that they stand on.
@@ -26,6 +27,7 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #include "../laws/contact_memory.h"
 #include "../laws/exact_sum.h"
 #include "../laws/front.h"
+#include "../laws/mesh_wall.h"
 #include "../laws/support.h"
 #include "fix_gran_cylinder.h"
 #include "moved_mass.h"
@@ -186,7 +188,6 @@ class FixWallGranHysteretic : public Fix {
 
   int axis = 2;
   std::unique_ptr<granwave::CurvedWall> curved;    // in place of planes
-  granwave::RegionWall *face = nullptr;            // the same, if it is a face of a region
   double plane[2];                                 // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
   granwave::Material body{}, wall{};                       // materials of the spheres and of the wall

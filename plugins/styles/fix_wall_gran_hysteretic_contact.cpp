@@ -20,7 +20,8 @@ double FixWallGranHysteretic::distance_squared(const double from[3], const doubl
     distance[d] -= period * turns;
     distance[1 - d] -= other * turns;
   };
-  if (face) return distance[0] * distance[0] + distance[1] * distance[1] + distance[2] * distance[2];
+  if (curved && curved->is_in_space())
+    return distance[0] * distance[0] + distance[1] * distance[1] + distance[2] * distance[2];
   if (curved) {
     wrap(0, curved->circumference(), 0.0);
     wrap(1, domain->periodicity[2] ? domain->prd[2] : 0.0, 0.0);
@@ -72,9 +73,10 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   const ScaledLaw &scaled = scaled_law(i);
   const double effective = scaled.effective_radius();
   if (!(overlap < scaled.largest_overlap()))
-    error->one(FLERR,
-               "Cylinder {} reaches {:.3g} into the wall of fix {}, where the law of a line contact ends: it is too short",
-               atom->tag[i], overlap, id);
+    error->one(
+        FLERR,
+        "Cylinder {} reaches {:.3g} into the wall of fix {}, beyond the range of the law of a line contact: it is too short",
+        atom->tag[i], overlap, id);
   if (side.touching == 0.0) {
     side.touching = 1.0;
     if (side.dent > 0.0) {

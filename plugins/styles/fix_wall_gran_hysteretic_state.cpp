@@ -72,10 +72,9 @@ void FixWallGranHysteretic::admit_type(int type)
   const Cylinder &cylinder = cylinders->shape(type);
   if (cylinder.is_sphere() || admitted[type]) return;
   admitted[type] = 1;
-  if (has.cohesion) error->one(FLERR, "Fix {} {}: cohesion is of spheres, found cylinders of type {}", STYLE, id, type);
+  if (has.cohesion) error->one(FLERR, "Fix {} {}: cohesion requires spheres, found cylinders of type {}", STYLE, id, type);
   if (curved)
-    error->one(FLERR, "Fix {} {}: a {} holds spheres, found cylinders of type {}", STYLE, id, face ? "region" : "tube",
-               type);
+    error->one(FLERR, "Fix {} {}: a {} holds spheres, found cylinders of type {}", STYLE, id, curved->kind(), type);
   const double along = std::fabs(cylinder.axis[axis]);
   stands[type] = along > 1.0 - ROUNDING_OF_AXIS;
   has_lines = has_lines || !stands[type];
@@ -170,7 +169,9 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
 bool FixWallGranHysteretic::set_contact(int i, const KnownContact &contact)
 {
   require_dented(i, contact.peak);
-  if (face) error->one(FLERR, "Fix {} {}: a face of a region takes dents of a file, found a whole contact", STYLE, id);
+  if (curved && curved->is_in_space())
+    error->one(FLERR, "Fix {} {}: {} takes dents of a file, found a whole contact", STYLE, id,
+               std::strcmp(curved->kind(), "region") == 0 ? "a face of a region" : "a mesh");
   if (!has.takes(contact)) return false;
   const int which = nearer(i);
   const bool yielded = scaled_law(i).yielded(contact.peak);

@@ -170,8 +170,8 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
                               line.wall ? "sphere" : "smaller sphere"));
     if (state[k] & PairGranHysteretic::OTHER_LAW) wrong(line, OTHER);
     if (!line.wall && !(state[k] & PairGranHysteretic::SET))
-      wrong(line, fmt::format("spheres {} and {} are further apart than the gap beyond which a dent is forgotten", line.i,
-                              line.j));
+      wrong(line, fmt::format("spheres {} and {} are farther apart than the gap beyond which an indentation is forgotten",
+                              line.i, line.j));
     if (!line.wall || !owned.count(line.j)) continue;
     const int i = owned[line.j];
     if (!line.contact.whole) line.wall->set_dent(i, line.contact.peak);

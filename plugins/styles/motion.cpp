@@ -25,10 +25,11 @@ std::string printed(double value) { return std::isnan(value) ? "nan" : fmt::form
 void require_finite(LAMMPS *lmp, int i, const double *vector, const char *name)
 {
   if (finite(vector)) return;
-  lmp->error->one(FLERR,
-                  "The {} of sphere {} is not finite ({} {} {}): it was set so, the force on the sphere is not finite, or "
-                  "the timestep is far too large",
-                  name, lmp->atom->tag[i], printed(vector[0]), printed(vector[1]), printed(vector[2]));
+  lmp->error->one(
+      FLERR,
+      "The {} of sphere {} is not finite ({} {} {}): it was set to this value, the force on the sphere is not finite, or "
+      "the timestep is far too large",
+      name, lmp->atom->tag[i], printed(vector[0]), printed(vector[1]), printed(vector[2]));
 }
 
 }    // namespace

@@ -27,7 +27,7 @@ PairGranHysteretic::PairGranHysteretic(LAMMPS *lmp) : Pair(lmp)
   finitecutflag = 1;
   writedata = 0;
   centroidstressflag = CENTROID_SAME;
-  comm_forward = MovedMass::SIZE;
+  comm_forward = std::max(MovedMass::SIZE, GhostVelocities::SIZE);
 }
 
 PairGranHysteretic::~PairGranHysteretic()
@@ -36,7 +36,8 @@ PairGranHysteretic::~PairGranHysteretic()
   delete[] pvector;
   if (copymode) return;
   if (fix_history) {
-    fix_history->publish_contacts = fix_history->release_contacts = nullptr;
+    fix_history->publish_contacts = fix_history->suspend_contacts = nullptr;
+    fix_history->hand_over_contacts = nullptr;
     fix_history->lose_contacts = fix_history->return_to_start = nullptr;
     if (modify && modify->get_fix_by_id(FixGranHystereticHistory::ID)) modify->delete_fix(FixGranHystereticHistory::ID);
   }
@@ -61,13 +62,22 @@ void PairGranHysteretic::allocate()
 
 void PairGranHysteretic::settings(int narg, char **arg)
 {
-  const std::string kept = narg == 3 ? arg[2] : "sum";
-  if ((narg != 1 && narg != 3) || (narg == 3 && std::strcmp(arg[1], "forgotten") != 0) || (kept != "sum" && kept != "list"))
-    error->all(FLERR,
-               "Illegal pair_style gran/hysteretic: expected the gap beyond which a dent is forgotten, and perhaps "
-               "'forgotten sum' or 'forgotten list', found '{}'",
-               utils::join_words(std::vector<std::string>(arg, arg + narg), " "));
-  lists_forgotten = kept == "list";
+  std::map<std::string, std::string> options{{"forgotten", "sum"}, {"normals", "current"}};
+  const std::map<std::string, std::string> others{{"forgotten", "list"}, {"normals", "initial"}};
+  bool valid = narg % 2 == 1;
+  for (int n = 1; valid && n < narg; n += 2) {
+    const auto option = options.find(arg[n]);
+    valid = option != options.end() && (arg[n + 1] == option->second || arg[n + 1] == others.at(arg[n]));
+    if (valid) option->second = arg[n + 1];
+  }
+  if (!valid)
+    error->all(
+        FLERR,
+        "Illegal pair_style gran/hysteretic: expected the gap beyond which an indentation is forgotten, and optionally "
+        "'forgotten sum' or 'forgotten list' and 'normals current' or 'normals initial', found '{}'",
+        utils::join_words(std::vector<std::string>(arg, arg + narg), " "));
+  lists_forgotten = options["forgotten"] == "list";
+  normals_initial = options["normals"] == "initial";
   gap = utils::numeric(FLERR, arg[0], false, lmp);
   if (!(gap > 0.0) || !std::isfinite(gap))
     error->all(FLERR, "Illegal pair_style gran/hysteretic: the gap must be positive, found {}", arg[0]);
@@ -91,7 +101,7 @@ void PairGranHysteretic::coeff(int narg, char **arg)
   for (int i = ilo; i <= ihi; i++)
     for (int j = std::max(jlo, i); j <= jhi; j++) {
       if (i == j && args.second)
-        error->all(FLERR, "Incorrect pair_coeff for gran/hysteretic: a second material needs two different types");
+        error->all(FLERR, "Incorrect pair_coeff for gran/hysteretic: a second material requires two different types");
       coefficients[i * (atom_types + 1) + j] = args;
       setflag[i][j] = 1;
       count++;
@@ -131,13 +141,14 @@ void PairGranHysteretic::init_style()
     release_contacts();    // its list lacks these variables
   if (has.size() > 0 && fix_history && n_extra > fix_history->history.layout().n_extra)
     error->all(FLERR,
-               "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a "
-               "{}: give all laws before the first run",
+               "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a {}: "
+               "define all laws before the first run",
                has.loss         ? "loss"
                : has.resistance ? "resistance to rolling or twisting"
                : has.cohesion   ? "cohesion"
                                 : "partial slip");
-  wanted.n = has.n;    // until a new list is built
+  contacts.discard_turnings();    // a law may be another one
+  wanted.n = has.n;               // until a new list is built
   has = wanted;
   if (has_dashpot) masses.find(lmp);
   if (has_dashpot) require_mechanical_units(lmp, "Pair style gran/hysteretic with a dashpot");
@@ -145,12 +156,8 @@ void PairGranHysteretic::init_style()
   if (has.friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
                "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
-  if ((has.friction || has.loss || has.cohesion || has_rate) && comm->ghost_velocity == 0)
-    error->all(FLERR, "Pair style gran/hysteretic with {} needs the velocities of ghost atoms: use 'comm_modify vel yes'",
-               has.friction   ? "friction"
-               : has.loss     ? "a loss"
-               : has.cohesion ? "cohesion"
-                              : "a yield strength that depends on the rate");
+  sends_velocities = (has.friction || has.loss || has.cohesion || has_rate) && comm->ghost_velocity == 0;
+  if (sends_velocities) ghosts.start(lmp, has.friction);
 
   neighbor->add_request(this);
 
@@ -160,7 +167,8 @@ void PairGranHysteretic::init_style()
     fix_history = dynamic_cast<FixGranHystereticHistory *>(
         modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
     fix_history->publish_contacts = [this] { publish_contacts(); };
-    fix_history->release_contacts = [this] { release_contacts(); };
+    fix_history->suspend_contacts = [this] { contacts.suspend(fix_history->history); };
+    fix_history->hand_over_contacts = [this](int i) { contacts.hand_over(fix_history->history, i); };
     fix_history->return_to_start = [this] { contacts.return_to_start(); };
     fix_history->lose_contacts = [this] {
       fix_history = nullptr;
@@ -189,6 +197,7 @@ void PairGranHysteretic::init_style()
   }
 
   cylinders = FixGranCylinder::find(lmp);
+  find_initial_places();
   has_special = false;
   special_types.assign((atom_types + 1) * (atom_types + 1), 0);
   geometries.clear();
@@ -216,11 +225,10 @@ void PairGranHysteretic::refuse_line_searches()
     for (int j = i; j <= atom_types; j++) {
       const LawArguments &args = coefficients[i * (atom_types + 1) + j];
       if (setflag[i][j] && (args.law->yields() || args.options.cohesion))
-        error->all(
-            FLERR,
-            "Pair style gran/hysteretic: min_style {} tries positions that it does not keep, and with law {} each would "
-            "leave its trace: use min_style fire",
-            search, args.words.front());
+        error->all(FLERR,
+                   "Pair style gran/hysteretic: min_style {} evaluates trial positions, each of which would change the "
+                   "history with law {}: use min_style fire",
+                   search, args.words.front());
     }
 }
 
@@ -233,8 +241,8 @@ double PairGranHysteretic::init_one(int i, int j)
       error->all(FLERR, "All pair coeffs are not set: gran/hysteretic has none for types {} and {}", i, j);
     const LawArguments &a = coefficients[i * n + i], &b = coefficients[j * n + j];
     if (!a.same_options(b))
-      error->all(FLERR, "Types {} and {} have different laws or options for like spheres: give pair_coeff {} {}", i, j, i,
-                 j);
+      error->all(FLERR, "Types {} and {} have different laws or options for identical spheres: give pair_coeff {} {}", i, j,
+                 i, j);
     args = a;
     args.second = b.first;
   }
@@ -297,7 +305,7 @@ void PairGranHysteretic::write_restart_settings(FILE *fp)
 {
   fwrite(&RESTART_FORMAT, sizeof(int), 1, fp);
   write_state(fp, {gap, double(has.friction), double(has.dents), double(lists_forgotten), double(has.resistance),
-                   double(has.slip), double(has.cohesion)});
+                   double(has.slip), double(has.cohesion), double(normals_initial)});
 }
 
 void PairGranHysteretic::read_restart_settings(FILE *fp)
@@ -312,7 +320,8 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   from_restart = true;
   const double *setting = settings.data();
   gap = *setting++;
-  for (bool *flag : {&has.friction, &has.dents, &lists_forgotten, &has.resistance, &has.slip, &has.cohesion})
+  for (bool *flag :
+       {&has.friction, &has.dents, &lists_forgotten, &has.resistance, &has.slip, &has.cohesion, &normals_initial})
     *flag = *setting++ != 0.0;
 }
 

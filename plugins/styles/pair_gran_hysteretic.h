@@ -6,8 +6,8 @@
 
    The dent of a contact is kept after separation, until the gap between the spheres exceeds `gap`; then it is added to the sums of
    its two spheres, or with `list` stays on record. Pairs within reach are stored
-   in flat arrays that supplement LAMMPS's neighbor list (contact_list.h), from one reneighboring to the next; during reneighboring
-   the dents are stored with the spheres (FixGranHystereticHistory).
+   in flat arrays that supplement LAMMPS's neighbor list (contact_list.h). Those of spheres that go to another processor, and what is
+   written to a restart file, are stored with the spheres (FixGranHystereticHistory).
 
    A particle of radius 0 is the flat face of a larger body, such as the end node of an elastic bar: it touches a sphere if
    their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch.
@@ -31,6 +31,7 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #include "contact_list.h"
 #include "fix_gran_cylinder.h"
 #include "fix_gran_hysteretic_history.h"
+#include "ghost_velocities.h"
 #include "moved_mass.h"
 #include "pair.h"
 
@@ -126,7 +127,7 @@ class PairGranHysteretic : public Pair {
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   int evaluations = 0;
-  static constexpr int RESTART_FORMAT = 11;
+  static constexpr int RESTART_FORMAT = 12;
 
   /* Columns of compute pair/local. The first ten are those of LAMMPS's pair styles gran/..., which compute fabric reads. */
   enum {
@@ -194,7 +195,7 @@ class PairGranHysteretic : public Pair {
   void refuse_line_searches();
   void require_room();
   void require_largest_radii();
-  void release_contacts();    // also invalidates the flat list
+  void release_contacts();
   void allocate();
   granwave::ContactLaw &law(int itype, int jtype) { return laws[itype * (atom_types + 1) + jtype]; }
   PairParameters pair_parameters(int itype, int jtype, double ri, double rj);
@@ -202,6 +203,7 @@ class PairGranHysteretic : public Pair {
   {
     return pair_parameters(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
   }
+  void find_initial_places();
   double init_shape(int itype, int jtype);
   bool is_special(int itype, int jtype) const { return has_special && special_types[itype * (atom_types + 1) + jtype]; }
   granwave::ScaledLaw special_law(int itype, int jtype, double ri, double rj);
@@ -220,6 +222,8 @@ class PairGranHysteretic : public Pair {
   Vector vector_between(int i, int j) const;
   Vector relative_velocity(int i, int j) const;
   void renew_ghosts();
+  enum class Message { MASSES, VELOCITIES };    // to ghosts
+  void send(Message);
   void set_relative_velocities(Batch &) const;
   granwave::CylinderPair::Separation separation(int i, int j) const;
   double distance_squared(int i, int j) const;
@@ -228,7 +232,8 @@ class PairGranHysteretic : public Pair {
   void build_contacts();
   void begin_evaluation();
   void check_displacements();
-  void restore_history();
+  void require_same_ids();
+  void end_contact(int i, const granwave::ContactRecord &, const double *block);
   void require_contacts();
   enum class Tally { NONE, VIRIAL, EACH_PAIR };
   void compute_forces(Tally);
@@ -266,6 +271,8 @@ class PairGranHysteretic : public Pair {
 
   double gap = 0.0;
   bool lists_forgotten = false;    // true if forgotten dents stay on record
+  bool normals_initial = false;    // true if normals are those of the initial places
+  int initial_places = -1;         // index of the custom array that holds these
   int atom_types = 0;
   bool from_restart = false;    // true if the settings are from a restart file
   std::vector<granwave::ContactLaw> laws;
@@ -281,7 +288,10 @@ class PairGranHysteretic : public Pair {
   bool has_rate = false;          // true if a law depends on the rate
   bool has_dashpot = false;       // true if a pair of types has one
   granwave::MovedMass masses;     // with a dashpot
-  bool flows = false;             // true if velocities jump across periodic boundaries, as those of the box do
+  bool sends_velocities = false;    // true if laws need velocities of ghosts that LAMMPS does not send
+  granwave::GhostVelocities ghosts;
+  Message message = Message::MASSES;
+  bool flows = false;    // true if velocities jump across periodic boundaries, as those of the box do
   granwave::ContactList contacts{has};
   Batch batch;                         // of the pairs found last
   granwave::LoadingBatch loading{};    // those beyond their elastic limit

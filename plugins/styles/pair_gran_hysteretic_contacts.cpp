@@ -46,22 +46,26 @@ void PairGranHysteretic::build_contacts()
     }
   }
   ContactList &c = contacts;
-  has.n = fix_history->history.layout().n_extra;
-  c.build(plain, special, atom->tag, atom->nlocal, nall, [this](int i) {
-    return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i], fix_history->history.birth(i)};
-  });
+  ContactHistory &history = fix_history->history;
+  if (has.n != history.layout().n_extra) release_contacts();
+  has.n = history.layout().n_extra;
+  require_same_ids();
   check_displacements();
-  restore_history();
-  std::vector<int> pairs_of(c.owned, 0);
+  c.build(
+      plain, special, atom->tag, atom->nlocal, nall,
+      [this, &history](int i) {
+        return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i], history.birth(i)};
+      },
+      history, [this](int i, const ContactRecord &record, const double *block) { end_contact(i, record, block); });
+  if (radii_vary) c.discard_turnings();
+  std::vector<int> pairs_of(nall, 0);
   c.each_pair([&](int, int, int i, int j) {
-    for (const int one : {i, j})
-      if (one < c.owned) pairs_of[one]++;
+    pairs_of[i]++;
+    pairs_of[j]++;
   });
-  c.most_pairs = pairs_of.empty() ? 0 : *std::max_element(pairs_of.begin(), pairs_of.end());
-  for (int i = 0; i < c.owned; i++) fix_history->expect_records(i, c.most_pairs);
+  c.most_pairs = c.owned > 0 ? *std::max_element(pairs_of.begin(), pairs_of.begin() + c.owned) : 0;
+  fix_history->expect_records(c.most_pairs);
   c.find_springs();
-  c.valid = true;
-  c.published = false;
 }
 
 /* Stop with an error if two spheres could meet both directly and across a periodic boundary. */
@@ -127,34 +131,38 @@ void PairGranHysteretic::check_displacements()
   }
 }
 
-/* Restore the flat list from the live records of the spheres. A live record whose pair is no longer within reach is forgotten. */
-void PairGranHysteretic::restore_history()
+/* Stop with an error if a sphere with contacts has got another ID. */
+void PairGranHysteretic::require_same_ids()
 {
-  ContactHistory &history = fix_history->history;
-  if (history.size() == 0 && !history.has_forgotten()) return;
+  const ContactHistory &history = fix_history->history;
   for (int i = 0; i < atom->nlocal; i++)
-    if ((history.count(i) > 0 || !history.forgotten(i).none()) && history.owner(i) != atom->tag[i])
+    if (history.owner(i) != atom->tag[i] &&
+        (history.count(i) > 0 || history.has_forgotten(i) || contacts.has_touched(history, i)))
       error->one(FLERR,
                  "The ID of sphere {} was {} when its contacts were made: dents are known by the IDs of their spheres. "
                  "Use 'delete_atoms ... compress no', and no reset_atoms id",
                  atom->tag[i], history.owner(i));
-  contacts.restore(history, [&](int i, int m, const ContactRecord &record) {
-    if (!lists_forgotten) sum_up(i, record, history.block(i, m));
-    return lists_forgotten;
-  });
 }
 
 void PairGranHysteretic::publish_contacts()
 {
-  if (!contacts.valid || contacts.published || !fix_history) return;
-  contacts.store(fix_history->history);
-  contacts.published = true;
+  if (fix_history) contacts.publish(fix_history->history, atom->nlocal);
 }
 
+/* Store all contacts with the spheres, from whose records the next list is built. */
 void PairGranHysteretic::release_contacts()
 {
-  publish_contacts();
-  contacts.valid = false;
+  if (fix_history) contacts.release(fix_history->history, atom->nlocal);
+}
+
+/* Add the history of a contact of sphere i that has been discarded to the sums of the sphere, or keep it on record. */
+void PairGranHysteretic::end_contact(int i, const ContactRecord &record, const double *block)
+{
+  if (!lists_forgotten) return sum_up(i, record, block);
+  ContactRecord ended = record;
+  ended.live = 0;
+  fix_history->history.append(i, ended, block);
+  fix_history->expect_records_of(i);
 }
 
 /* Discard the history of a separated pair: its sums or its record are stored with both spheres, and a new contact may start. */
@@ -166,13 +174,8 @@ void PairGranHysteretic::forget(int row, int k)
   std::vector<double> block(history.layout().size(), 0.0);
   const auto append = [&](int i, int j, double side) {
     if (i >= atom->nlocal) return;
-    history.own(i, atom->tag[i]);
     c.pack(k, side, history.layout(), block.data());
-    const ContactRecord record{atom->tag[j], history.birth(j), atom->radius[j], atom->type[j], 0, dent};
-    if (lists_forgotten) {
-      history.append(i, record, block.data());
-      fix_history->expect_records(i, c.most_pairs);
-    } else sum_up(i, record, block.data());
+    end_contact(i, {atom->tag[j], history.birth(j), atom->radius[j], atom->type[j], 0, dent}, block.data());
   };
   append(c.row[row], c.partner[k], 1.0);
   append(c.partner[k], c.row[row], -1.0);
@@ -219,7 +222,7 @@ PairGranHysteretic::set_contacts(const std::map<Ids, KnownContact> &known)
 {
   std::map<Ids, DentStatus> found;
   contacts.each_pair([&](int r, int k, int i, int j) {
-    const auto given = known.find({contacts.row_sphere[r].tag, contacts.partner_sphere[k].tag});
+    const auto given = known.find({contacts.sphere_of_row(r).tag, contacts.partner_of_pair(k).tag});
     if (given == known.end()) return;
     const auto &[ids, contact] = *given;
     const double peak = contact.peak;

@@ -40,13 +40,13 @@ void PairGranHysteretic::update_history(Batch &batch)
       if (batch.pair[m]->contact.update(batch.overlap[m], c.peak[k], velocity, c.block(k))) c.discard_turning(k);
     }
   for (int m = 0; m < batch.size; m++) {
-    __builtin_prefetch(c.peak.data() + batch.k[m] + PEAKS_AHEAD, 1);
+    FETCH_AHEAD_TO_WRITE(c.peak.data() + batch.k[m] + PEAKS_AHEAD);
     batch.peak[m] = c.peak[batch.k[m]];
   }
   std::uint64_t raised, yielded;
   batch.compare_with_peaks(raised, yielded);
   for (std::uint64_t rest = raised; rest != 0; rest &= rest - 1) {
-    const int m = __builtin_ctzll(rest), k = batch.k[m];
+    const int m = lowest_bit(rest), k = batch.k[m];
     const double before = batch.peak[m];
     if (!has.dents && Front::crosses(before, batch.overlap[m])) c.front[k].rise(before, batch.overlap[m], now, step.dt);
     if ((before <= batch.elastic_limit[m] || has.dents) && batch.overlap[m] > batch.elastic_limit[m] &&
@@ -68,11 +68,11 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
   ContactList &c = contacts;
   loading.size = unloading.size = 0;
   int yielded[Batch::CAPACITY], n_yielded = 0;
-  for (; beyond != 0; beyond &= beyond - 1) yielded[n_yielded++] = __builtin_ctzll(beyond);
-  for (int n = 0; n < n_yielded; n++) __builtin_prefetch(&c.turning[batch.k[yielded[n]]]);
+  for (; beyond != 0; beyond &= beyond - 1) yielded[n_yielded++] = lowest_bit(beyond);
+  for (int n = 0; n < n_yielded; n++) FETCH_AHEAD(&c.turning[batch.k[yielded[n]]]);
   for (int n = 0; n < n_yielded; n++) {
     const int t = c.turning[batch.k[yielded[n]]];
-    if (t >= 0) __builtin_prefetch(&c.turnings[t], 1);
+    if (t >= 0) FETCH_AHEAD_TO_WRITE(&c.turnings[t]);
   }
   for (int n = 0; n < n_yielded; n++) {
     const int m = yielded[n], k = batch.k[m];
@@ -130,14 +130,22 @@ void PairGranHysteretic::release_contact(int k)
   if (has.resistance) has.resistance_of(c.block(k)).release();
 }
 
-int PairGranHysteretic::pack_forward_comm(int n, int *list, double *buf, int, int *)
+void PairGranHysteretic::send(Message content)
 {
+  message = content;
+  comm->forward_comm(this);
+}
+
+int PairGranHysteretic::pack_forward_comm(int n, int *list, double *buf, int pbc_flag, int *pbc)
+{
+  if (message == Message::VELOCITIES) return ghosts.pack(n, list, buf, pbc_flag != 0, pbc);
   for (int k = 0; k < n; k++) masses.pack(list[k], buf + k * MovedMass::SIZE);
   return n * MovedMass::SIZE;
 }
 
 void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
 {
+  if (message == Message::VELOCITIES) return ghosts.unpack(n, first, buf);
   for (int k = 0; k < n; k++) masses.unpack(first + k, buf + k * MovedMass::SIZE);
 }
 
@@ -440,9 +448,13 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   if (neighbor->ago == 0) renew_ghosts();
   if (!contacts.valid) build_contacts();
   flows = domain->deform_vremap != 0;
+  if (sends_velocities) {
+    if (neighbor->ago == 0) ghosts.renew();
+    send(Message::VELOCITIES);
+  }
   if (has_dashpot && masses.differ() && neighbor->ago == 0 && update->whichflag == 1) {
     masses.update();
-    comm->forward_comm(this);
+    send(Message::MASSES);
   }
   begin_evaluation();
   contacts.published = false;

@@ -1,18 +1,48 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Pair style gran/hysteretic: special pairs, which are those of cylinders, those with cohesion, those whose force is a power of the
-   overlap, and those across a periodic boundary.
+   overlap, those across a periodic boundary, and all with initial normals.
 
    They have rows of their own behind those of all other pairs, and are found one by one; forces, history and friction are
    those of any batch, with the vector between the centers replaced by its part along the normal. */
 
 #include "pair_gran_hysteretic.h"
 
+#include "domain.h"
 #include "error.h"
+#include "modify.h"
 
 using namespace LAMMPS_NS;
 using namespace granwave;
 
 constexpr double VALID = 0.2;    // largest overlap of a line contact over its effective radius: 0.1 R of equal cylinders
+
+namespace {
+
+constexpr const char *INITIAL_PLACES = "initial";    // custom array, d2_initial in commands
+
+}
+
+/* Find the places at which normals are taken, if they are the initial ones. */
+void PairGranHysteretic::find_initial_places()
+{
+  initial_places = -1;
+  if (!normals_initial) return;
+  int is_double = 0, columns = 0;
+  const int index = atom->find_custom(INITIAL_PLACES, is_double, columns);
+  bool on_ghosts = false;
+  for (const auto *fix : modify->get_fix_by_style("^property/atom$")) on_ghosts = on_ghosts || fix->comm_border >= 3;
+  if (index < 0 || !is_double || columns != 3 || !on_ghosts)
+    error->all(FLERR,
+               "Pair style gran/hysteretic with initial normals needs the initial places: use 'fix ID all property/atom "
+               "d2_{} 3 ghost yes', and set its columns to x, y and z",
+               INITIAL_PLACES);
+  if (domain->xperiodic || domain->yperiodic || domain->zperiodic)
+    error->all(FLERR, "Pair style gran/hysteretic with initial normals needs boundaries that are not periodic");
+  if (has.friction || has.cohesion)
+    error->all(FLERR, "Pair style gran/hysteretic with initial normals takes neither friction nor cohesion");
+  if (cylinders) error->all(FLERR, "Pair style gran/hysteretic with initial normals takes spheres, found cylinders");
+  initial_places = index;
+}
 
 /* Set whether pairs of these types are special, and how they touch. Returns their cutoff. */
 double PairGranHysteretic::init_shape(int i, int j)
@@ -21,10 +51,10 @@ double PairGranHysteretic::init_shape(int i, int j)
   const double radsum = largest_radius[i] + largest_radius[j];
   const bool shaped = cylinders && !(cylinders->shape(i).is_sphere() && cylinders->shape(j).is_sphere());
   const bool sticks = bool(law(i, j).cohesion());
-  if (!shaped && !law(i, j).elastic() && !sticks) return radsum + gap;
+  if (!shaped && !law(i, j).elastic() && !sticks && !normals_initial) return radsum + gap;
   if (sticks && shaped)
-    error->all(FLERR, "Pair style gran/hysteretic: types {} and {} have cohesion, which is of spheres, found cylinders", i,
-               j);
+    error->all(FLERR, "Pair style gran/hysteretic: types {} and {} have cohesion, which requires spheres, found cylinders",
+               i, j);
   if (sticks && radsum > 0.0) {
     const double neck = ScaledLaw(law(i, j), effective_radius(largest_radius[i], largest_radius[j])).neck_length();
     if (!(neck < gap))
@@ -80,6 +110,15 @@ CylinderPair::Separation PairGranHysteretic::separation(int i, int j) const
   const Vector del = vector_between(i, j);
   if (const auto *const geometry = geometries[atom->type[i] * (atom_types + 1) + atom->type[j]].get())
     return geometry->separation(del.data());
+  if (initial_places >= 0) {
+    const double *const *const start = atom->darray[initial_places];
+    double normal[3];
+    for (int d = 0; d < 3; d++) normal[d] = start[i][d] - start[j][d];
+    const double apart = std::sqrt(dot(normal, normal));
+    for (double &component : normal) component /= apart;
+    const double along = del[0] * normal[0] + del[1] * normal[1] + del[2] * normal[2];
+    return {along, {normal[0], normal[1], normal[2]}, -1.0};
+  }
   const double r = std::sqrt(del[0] * del[0] + del[1] * del[1] + del[2] * del[2]);
   return {r, {del[0] / r, del[1] / r, del[2] / r}, -1.0};
 }
@@ -160,7 +199,7 @@ bool PairGranHysteretic::add_special(int r, int k)
   }
   if (touches && c.peak[k] > 0.0)
     error->one(FLERR,
-               "Particles {} and {} touch beyond the end of a cylinder, where the law of their contact ends: take "
+               "Particles {} and {} touch beyond the end of a cylinder, beyond the range of the law of their contact: use "
                "longer cylinders",
                atom->tag[i], atom->tag[j]);
   if (c.has_spring(k)) release_contact(k);

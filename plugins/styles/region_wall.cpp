@@ -54,7 +54,7 @@ void RegionWall::find()
   const auto faces = FACES.find(style);
   if (faces == FACES.end())
     throw std::invalid_argument("a region is of style plane, sphere, block, cylinder or cone, found " + style +
-                                ": take a fix for each of its parts");
+                                ": use a fix for each of its parts");
   if (region_->dynamic_check())
     throw std::invalid_argument("region " + id_ + " moves or changes its shape, expected one at rest");
   const std::vector<std::string> names = region_->interior ? faces->second : std::vector<std::string>{WHOLE};
@@ -71,7 +71,7 @@ void RegionWall::find()
   looked_ = false;
 }
 
-void RegionWall::init()
+void RegionWall::init(double)
 {
   find();
   measure_curvature();

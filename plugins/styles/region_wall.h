@@ -24,8 +24,10 @@ class RegionWall : public CurvedWall {
   RegionWall(LAMMPS_NS::LAMMPS *, const std::string &id, const std::string &face);
 
   /* Find the region again, which may have been defined anew, and its curvature. */
-  void init();
+  void init(double skin) override;
 
+  bool is_in_space() const override { return true; }
+  const char *kind() const override { return "region"; }
   bool holds(double radius) const override { return !(curvature_ < 0.0 && radius * -curvature_ >= 1.0); }
   double overlap(const double *x, double radius) override;
   void inward(const double *x, double normal[3]) override;

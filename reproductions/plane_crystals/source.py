@@ -18,7 +18,10 @@ TERMS = ((253.1, 2.64), (1320.4, 0.55))
 MODULI = (150.0, 530.0, 740.0, 480.0)  # MPa, of contacts 1 to 4
 EVENT = 6.0  # ms, the longest that the source says of its experiment
 INSTANTS = 4001
+FRAMES = 9  # of a rise; the history is exact for any number
+STRAIN = 0.01
 MILLI = 1e3  # from s
+MEGA = 1e6  # from MPa
 
 
 def relaxed(time, scale=1.0):
@@ -35,6 +38,15 @@ def secant(rise, scale=1.0):
 def rise_of(modulus):
     """Time, ms, for which a strain rises evenly until the secant modulus is that in MPa."""
     return brentq(lambda rise: secant(rise) - modulus, 1e-3, 1e3)
+
+
+def secant_of_history(rise):
+    """Stress over strain, MPa, at the end of an even rise in ms, of the stress history."""
+    time = np.linspace(0.0, rise / MILLI, FRAMES)
+    terms = [(size * MEGA, tau / MILLI) for size, tau in TERMS]
+    strain = STRAIN * time / time[-1]
+    stress = gw.stress_history(time, strain, LONG * MEGA, terms)
+    return stress[-1] / strain[-1] / MEGA
 
 
 def impulse_gained(rise):
@@ -60,6 +72,8 @@ def rows(runs):
             remark += " This one is longer than that."
         yield gw.Row(f"Effective modulus at contact {contact}", "MPa", modulus, theory=secant(rise), digits=3,
                      where=f"{SOURCE}, 3", remark=remark)  # fmt: skip
+        yield gw.Row(f"Stress over strain of the stress history, even rise of {rise:g} ms", "MPa", theory=secant(rise),
+                     ours=secant_of_history(rise), where="equation 7, integrated", verification=True)  # fmt: skip
     gained = [impulse_gained(rise_of(modulus)) for modulus in MODULI]
     for word, source, theory in (("least", 1.65, min(gained)), ("most", 2.2, max(gained))):
         quantity = f"Difference of impulses, elastic and viscoelastic, {word}"

@@ -132,11 +132,9 @@ def test_loaded_contacts_are_those_that_bore_a_force(tmp_path):
     summary = summarise(tmp_path / "loaded")
     assert summary["n_contacts"] == dents and summary["n_loaded_contacts"] == dents - 14
     text = summary_table(summary)
-    assert re.search(
-        rf"contacts at the start +{dents}\ncontacts that bore a force +{dents - 14}\n", text
-    )
+    assert re.search(rf"contacts at the start +{dents}\nloaded contacts +{dents - 14}\n", text)
     labels = [quantity(name).label for name in ("n_contacts", "n_loaded_contacts")]
-    assert labels == ["Contacts at the start", "Contacts that bore a force"]
+    assert labels == ["Contacts at the start", "Loaded contacts"]
 
 
 def test_contacts_beyond_the_law_are_counted(tmp_path):

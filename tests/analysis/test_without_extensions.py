@@ -13,7 +13,7 @@ import pytest
 from granwave.lammps_inputs.extensions import WITHOUT
 from tests.helpers.made_up.synthetic_report import write_run
 
-LEFT_OUT = f"which {WITHOUT} leaves out: remove it from there"
+LEFT_OUT = f"which {WITHOUT} hides: remove it from {WITHOUT}"
 
 
 def without(left_out: str, place: Path, text: str) -> str:
@@ -83,9 +83,9 @@ for name in ("run", "empty", "notes", "spectra", "design", "other", "none"):
         f"notes: is no run: it holds a.txt; {expected} notes  leaves it",
         f"spectra: holds bands or modes of the extension waves, {LEFT_OUT}",
         f"design: holds a search for a design of the extension design, {LEFT_OUT}",
-        'other: holds results of the kind "acoustics", and the extension that reads them is not '
+        'other: contains results of the kind "acoustics", but the extension that reads them is not '
         "installed",
-        "none: no such directory; did you mean notes?; expected that of a run",
+        "none: no such directory; did you mean notes?; expected the directory of a run",
     ]
 
 

@@ -10,8 +10,7 @@ from tests.documents.pages import extension
 
 extension("results_picture")
 COVERAGE = extension("results_coverage")
-TABLE = extension("results_table")
-STORED = TABLE.read_stored()
+STORED = extension("results_stored").read_stored()
 ITEMS = COVERAGE.read_items()
 #: Beginnings of what rows say of their source, by the source's name in the table.
 SAID = {

@@ -64,7 +64,7 @@ def test_numbers_that_pages_have_too():
     dents = (ROOT / "docs" / "explanation" / "contact-law.md").read_text(encoding="utf-8")
     once, shaken = (
         re.search(rf"^\| {start}.*$", dents, re.MULTILINE)[0]
-        for start in ("FCC, 12 x 12 x 8", r"row of 10, gaps of 0\.02")
+        for start in (r"FCC, 12 . 12 . 8", r"chain of 10, gaps of 0\.02")
     )
     kept, forgotten = (float(cell.split()[0]) for cell in once.split("|")[2:4])
     assert f"{100 * (forgotten / kept - 1):.1f} %" in BODY

@@ -23,14 +23,17 @@ SENSOR_CHAIN = str(ROOT / "reproductions" / "square_packing" / "sensor_chain.py"
 QUICK = (("homogeneous-chain", HOMOGENEOUS), ("sensor-chain", SENSOR_CHAIN))
 
 
+STORE = extension("results_stored")
+CHOSEN = extension("results_chosen")
+ROWS_OF_TABLES = extension("results_rows")
 PICTURE = extension("results_picture")
 extension("results_coverage")
 TABLE = extension("results_table")
 RESULTS = extension("results")
-STORED = TABLE.read_stored()
+STORED = STORE.read_stored()
 #: Every stored row with its suite and study.
 ROWS = [
-    (name, key, record, TABLE.row_of(record))
+    (name, key, record, STORE.row_of(record))
     for name, suite in STORED["suites"].items()
     for key, study in suite["studies"].items()
     for record in study["rows"]
@@ -77,7 +80,7 @@ def test_pages_are_made_of_the_stored_rows():
 
 def test_the_picture_is_of_the_stored_rows():
     for picture in (TABLE.PICTURE, TABLE.PAPER.with_name("agreement.png")):
-        assert PICTURE.digest_of(picture) == PICTURE.digest(STORED, TABLE.LABELS), AGAIN
+        assert PICTURE.digest_of(picture) == PICTURE.digest(STORED, CHOSEN.LABELS), AGAIN
         assert picture.stat().st_size < 300_000
     changed = copy.deepcopy(STORED)
     row = next(
@@ -86,7 +89,23 @@ def test_the_picture_is_of_the_stored_rows():
         if row["source"]
     )
     row["granwave"] *= 1.01
-    assert PICTURE.digest(changed, TABLE.LABELS) != PICTURE.digest(STORED, TABLE.LABELS)
+    assert PICTURE.digest(changed, CHOSEN.LABELS) != PICTURE.digest(STORED, CHOSEN.LABELS)
+
+
+def test_the_picture_of_each_suite_is_of_its_stored_rows():
+    for name, suite in STORED["suites"].items():
+        part, labels = PICTURE.by_study(suite)
+        if labels:
+            assert not TABLE.is_stale(TABLE.PAGES / f"{name}.webp", part, labels), AGAIN
+        assert len(PICTURE.points(part)) == sum(one == name for one, *_ in PICTURE.points(STORED))
+
+
+def test_remarks_are_notes_below_a_table():
+    """Rows that test the code are folded on the site."""
+    table = ROWS_OF_TABLES.table_of(ROWS_OF_TABLES.chosen_rows(STORED))
+    assert "| remark |" not in table and "\n¹ " in table and " ¹ |" in table
+    page = TABLE.pages_of(STORED)[TABLE.PAGES / "fcc-impact.md"]
+    assert page.count(":::{dropdown}") == 1 and "](fcc-impact.webp)" in page
 
 
 def test_what_is_far_off_is_named():
@@ -106,20 +125,20 @@ def test_what_is_far_off_is_named():
 
 
 def test_the_first_pages_have_few_rows():
-    everything = (*TABLE.CHOSEN, *TABLE.MORE)
+    everything = (*CHOSEN.CHOSEN, *CHOSEN.MORE)
     for chosen, numbers in (
-        (TABLE.CHOSEN, {10}),
-        (TABLE.MEASURED, {3}),
-        (TABLE.IN_PAPER, {7}),
+        (CHOSEN.CHOSEN, {10}),
+        (CHOSEN.MEASURED, {3}),
+        (CHOSEN.IN_PAPER, {7}),
         (everything, range(28, 36)),
     ):
-        lines = list(TABLE.chosen_rows(STORED, chosen))
+        lines = list(ROWS_OF_TABLES.chosen_rows(STORED, chosen))
         assert len(lines) in numbers
         assert [name for name, rows in lines if not rows or any(row.bound for row in rows)] == []
     named = {entry[1] for entry in everything}
     with_rows = {name for name, *_ in ROWS}
     assert named == with_rows, "every suite has a row on the first page of results"
-    assert set(TABLE.LABELS) == set(STORED["suites"])
+    assert set(CHOSEN.LABELS) == set(STORED["suites"])
 
 
 def test_the_stored_rows_are_those_of_the_code():
@@ -220,9 +239,9 @@ def test_a_digest_of_scripts_sees_what_makes_rows(tmp_path):
 )
 def test_what_lies_beyond_a_bound_is_flagged(quantity, source, ours, over):
     row = gw.Row(quantity, source=source, ours=ours, bound=True)
-    assert TABLE.beyond(row) == pytest.approx(over)
-    assert ("Beyond the bound" in TABLE.flagged(row).remark) == (over > 0)
-    assert not TABLE.beyond(gw.Row(quantity, source=source, ours=ours))
+    assert ROWS_OF_TABLES.beyond(row) == pytest.approx(over)
+    assert ("Beyond the bound" in ROWS_OF_TABLES.flagged(row).remark) == (over > 0)
+    assert not ROWS_OF_TABLES.beyond(gw.Row(quantity, source=source, ours=ours))
 
 
 def test_every_study_of_a_source_has_its_rows_stored():

@@ -12,9 +12,9 @@ SEARCH = extension("search")
 #: An index as Sphinx writes it, of four pages.
 INDEX = {
     "docnames": ["armour", "chain", "dents", "python"],
-    "titles": ["What reaches a target", "A chain", "Dents", "Python interface"],
+    "titles": ["Force on a target", "A chain", "Dents", "Python interface"],
     "alltitles": {
-        "What reaches a target": [[0, None]],
+        "Force on a target": [[0, None]],
         "A chain": [[1, None]],
         "A chain of beads": [[2, "beads"]],
         "Dents": [[2, None]],

@@ -36,7 +36,7 @@ def test_from_somebodys_dump_to_an_impact(
     assert share == pytest.approx(float(of_page["dissipated"]), rel=1e-3)
     assert values["n_plastic_contacts"] == pytest.approx(int(of_page["yielded contacts"]), rel=0.01)
     depth = values["plastic_zone_depth_m"]
-    assert depth == pytest.approx(float(of_page["outermost yield, depth"]), rel=1e-3)
+    assert depth == pytest.approx(float(of_page["plastic zone, depth"]), rel=1e-3)
 
 
 def test_six_digits_leave_overlaps(tmp_path: Path) -> None:

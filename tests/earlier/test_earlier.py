@@ -212,7 +212,7 @@ def test_a_result_alone_of_a_later_format_is_refused(now, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("version", "named"), [(None, "cannot be read"), ("0.2.9", "of granwave 0.2.9")]
+    ("version", "named"), [(None, "cannot be read"), ("0.2.9", "by granwave 0.2.9")]
 )
 def test_a_checkpoint_of_another_minor_version_is_not_used(tmp_path, version, named):
     checkpoint = {"file": "checkpoint-1.restart", "whole": {}, "sizes": {}}

@@ -27,7 +27,8 @@ def close(found: Any, kept: Any) -> bool:
 
 def same(new: str, old: str, rel: float) -> bool:
     """Return True if the words of texts are equal, and numbers to a relative difference."""
-    (words, numbers), (words_before, numbers_before) = outputs.split(new), outputs.split(old)
+    words, numbers = outputs.split(new)
+    words_before, numbers_before = outputs.split(old)
     return words == words_before and numbers == pytest.approx(numbers_before, rel=rel, abs=0)
 
 

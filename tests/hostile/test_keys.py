@@ -37,8 +37,8 @@ from granwave.lammps_inputs.case import (
 from granwave.lammps_inputs.case.added_grains import AddedGrains, Repeat, Ring
 from granwave.lammps_inputs.case.loads.registry import load_section
 from granwave.lammps_inputs.case.material import Material
+from granwave.workflows.cluster.profile import Profile, SlurmProfile
 from granwave.workflows.scanning.header import ScanHeader
-from granwave.workflows.scanning.slurm import Profile
 from tests.hostile.rows import entries_of, faults_in, run_here, shown_answer
 
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "density": 8500.0, "yield_strength": 550e6}
@@ -125,7 +125,8 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "sphere", Sphere, CONTACT),
     (CASE, "run", SphereContactRunSettings, CONTACT),
     ("scan.toml", "", ScanHeader, SCAN),
-    (SLURM, "slurm", Profile, {"slurm": {}}),
+    (SLURM, "slurm", SlurmProfile, {"slurm": {}}),
+    (SLURM, "cluster", Profile, {"cluster": {}}),
 ]  # fmt: skip
 
 MAY_BE_NEGATIVE = {
@@ -153,6 +154,8 @@ MAY_BE_EMPTY = {
     "figures.only",
     "output.probes",
     "packing.vacancies",
+    "cluster.before",
+    "cluster.options",
     "slurm.before",
     "slurm.options",
 }

@@ -107,11 +107,11 @@ def small_files() -> None:
     ("variables", "limit", "expected"),
     [
         ({"PMIX_RANK": "0"}, None, "PMIX_RANK=0 is set, as by srun --mpi=pmix"),
-        ({"PMI_FD": "77"}, None, "PMI_FD=77 is not the connection to a launcher"),
+        ({"PMI_FD": "77"}, None, "PMI_FD=77 is not (or no longer) a connection to a launcher"),
         (
             {"PMI_FD": "77", "PMI_RANK": "0", "PMI_SIZE": "2"},
             None,
-            "PMI_FD=77 is not the connection to a launcher",
+            "PMI_FD=77 is not (or no longer) a connection to a launcher",
         ),
         (
             {"PMI_PORT": "127.0.0.1:1", "PMI_ID": "0"},

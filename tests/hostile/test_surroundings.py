@@ -128,7 +128,7 @@ def test_what_is_removed_during_a_run(tmp_path: Path, name: str) -> None:
     _, errors = process.communicate(timeout=60)
     (fault,) = faults_in(errors)
     assert process.returncode == 1
-    assert f"{name}: was removed or moved while the run was at work" in fault
+    assert f"{name}: was removed or moved during the run" in fault
     assert "make room" not in fault
     assert "Traceback" not in errors
 

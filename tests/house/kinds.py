@@ -22,6 +22,7 @@ FOLDERS = ("analysis/", "lammps_inputs/", "workflows/")
 OWN = (
     "lammps_inputs/lattices.py",
     "lammps_inputs/case/packing.py",
+    "lammps_inputs/case/packing_reading.py",
     "lammps_inputs/case/load.py",
     "lammps_inputs/case/loads/",
     "lammps_inputs/case/boundary.py",

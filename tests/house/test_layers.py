@@ -23,8 +23,10 @@ extensions/__init__ workflows/package workflows/__main__
 extensions/design
 extensions/continuum extensions/inference extensions/packings extensions/pictures extensions/waves
 workflows/cli workflows/python
+workflows/bench_lists
 workflows/bench
 workflows/scanning
+workflows/cluster
 workflows/run
 workflows/library
 workflows/file_kinds
@@ -62,7 +64,7 @@ lammps_inputs/packing_kind lammps_inputs/extensions
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
 lammps_inputs/message_words
 lammps_inputs/errors
-plugins plugins/package
+plugins plugins/package plugins/upstream
 """
 FLOOR = {room: -number for number, line in enumerate(FLOORS.split("\n")) for room in line.split()}
 FACES = {

@@ -39,10 +39,13 @@ BINDING = (
     "bindings/arguments.cpp",
     "bindings/bound_contact.cpp",
     "bindings/bound_laws.cpp",
+    "bindings/bound_mesh.cpp",
     "bindings/bound_shapes.cpp",
     "bindings/collision.cpp",
     "bindings/python_bindings.cpp",
     "laws/law_arguments.cpp",
+    "laws/stl_file.cpp",
+    "laws/triangle_mesh.cpp",
 )
 FLAGS = ("-std=c++17", "-O1", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off")
 
@@ -132,6 +135,19 @@ def test_every_patch_is_tried() -> None:
     """Each has a bound on its files, and a test of its own below."""
     assert {path.stem for path in PATCHES.glob("*.patch")} == set(MOST_FILES)
     assert all(f"test_a_{name}" in globals() for name in MOST_FILES)
+
+
+@pytest.mark.parametrize("name", sorted(MOST_FILES))
+def test_each_patch_fits(name: str) -> None:
+    """A change of a line that a patch has in its context is seen at once."""
+    checked = subprocess.run(
+        ["git", "apply", "--check", str(PATCHES / f"{name}.patch")],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert checked.returncode == 0, checked.stderr
 
 
 @pytest.mark.validation

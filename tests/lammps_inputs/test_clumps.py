@@ -93,7 +93,7 @@ def test_added_grains_number_the_clumps_of_their_copies() -> None:
 def test_a_deck_names_molecules_and_one_rigid_fix(tmp_path: Path) -> None:
     deck = write_deck(assemble(clumps_of()), tmp_path)
     script = deck.script.read_text()
-    assert "fix             motion mobile nve/sphere" in script
+    assert "fix             motion mobile gran/nve/sphere" in script
     assert "fix             motion_clumps clumps rigid/small molecule" in script
     assert "neigh_modify    exclude molecule/intra clumps" in script
     _, _, molecules = deck.data.read_text().partition("Molecules")
@@ -125,10 +125,10 @@ MOVING = TRIMER.replace("clump\n", "clump,vx\n").replace(",4\n", ",4,1\n")
         ({"load": {"index": [2]}}, 'load.index: found "impact" on grain 2 of clump 4'),
         ({"hold": [{"index": [3]}]}, "hold.1: holds grain 3 of clump 4; name single grains"),
         ({"guide": [{"index": [1], "free": "z"}]}, "guide.1: holds grain 1 of clump 4"),
-        ({"absorb": [{"index": [1], "rate": 1e4}]}, "absorb.1.index: absorbs the waves of grain 1"),
+        ({"absorb": [{"index": [1], "rate": 1e4}]}, "absorb.1.index: absorbs waves of grain 1"),
         (
             {"precompression": {"kind": "gravity", "acceleration": 9.81}},
-            'precompression.kind: found "gravity" with clumps, whose static balance',
+            'precompression.kind: found "gravity" with clumps, which the minimiser does not move',
         ),
         (
             {"boundary": {"bottom": "fixed"}},

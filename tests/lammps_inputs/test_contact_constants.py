@@ -48,7 +48,7 @@ def test_one_list_of_constants():
     assert tuple(LAW_CONSTANTS.values()) == PRINTED
     described = {f.name: info_of(f).description for f in dataclasses.fields(Contact)}
     for name, printed in LAW_CONSTANTS.items():
-        assert described[name].endswith(f"; {printed:g} if left out"), name
+        assert described[name].endswith(f"; {printed:g} by default"), name
 
 
 def test_published_constants_given_are_the_default_law():
@@ -129,10 +129,10 @@ def test_exponent_is_raised_as_far_as_it_takes():
     ("own", "fault"),
     [
         ({"area_slope": 0.3}, "must both exceed 1"),
-        ({"pressure_limit": 0.1}, "loading does not rise"),
+        ({"pressure_limit": 0.1}, "force does not increase"),
         ({"residual_slope": 1.1}, "not below the largest"),
-        ({"residual_slope": 0.1}, "negative or falls"),
-        ({"residual_rate": 0.2}, "negative or falls"),
+        ({"residual_slope": 0.1}, "negative or decreases"),
+        ({"residual_rate": 0.2}, "negative or decreases"),
         ({"unloading_exponent": 0.9}, "at least 1"),
         ({"pressure_rate": 20.0}, "between 1e-4 and 10"),
         ({"area_switch": 1.0}, "must both exceed 1"),
@@ -155,14 +155,14 @@ def test_no_passive_law(lammps, own, fault):
     "other", [{"law": "hertz"}, {"law": "thornton"}, {"law": "bilinear"}, {"variant": "published"}]
 )
 def test_only_the_continuous_elastoplastic_law_takes_them(lammps, other):
-    answer = r'contact\.area_slope: .*(belongs to law = "elastoplastic"|constants of its own)'
+    answer = r'contact\.area_slope: .*(applies only to law = "elastoplastic"|fixed constants)'
     with pytest.raises(InputError, match=answer):
         case(area_slope=2.3, **other)
-    with pytest.raises(ValueError, match=r"no option of law|constants of its own"):
+    with pytest.raises(ValueError, match=r"not an option of law|fixed constants"):
         ContactLaw(**BRASS, radius=(R, R), area_slope=2.3, **other)
     name = other.get("law", "elastoplastic")
     words = f"{name} 115e9 0.3{'' if name == 'hertz' else ' 550e6'}{' variant published' if 'variant' in other else ''}"
-    with pytest.raises(Exception, match=r"no option of law|constants of its own"):
+    with pytest.raises(Exception, match=r"not an option of law|fixed constants"):
         lammps(script_of(PAIR, style=f"{words} area_slope 2.3"))
 
 

@@ -174,7 +174,8 @@ class TestSeed:
 
     def test_no_change_of_one_changes_another(self) -> None:
         full = assemble(packing_of(**self.TABLES)).sites
-        packing, (steel, small) = self.TABLES["packing"], self.TABLES["replace"]
+        packing = self.TABLES["packing"]
+        steel, small = self.TABLES["replace"]
         unscattered, whole = (
             assemble(packing_of(packing={**packing, key: 0.0}, replace=[steel, small])).sites
             for key in ("diameter_scatter", "vacancies")

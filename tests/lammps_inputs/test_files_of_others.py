@@ -100,7 +100,7 @@ def test_a_deck_that_was_run_by_hand_is_not_lost(says, tmp_path):
     says(0, "write", *TINY, "-o", "r", "--force")
     Path("r", "dumps", "energy.txt").write_text("# by LAMMPS")
     before = files(tmp_path / "r")
-    assert "LAMMPS was run on by hand" in says(2, "run", *QUICK, "-o", "r", "--resume")
+    assert "contains a manual LAMMPS run" in says(2, "run", *QUICK, "-o", "r", "--resume")
     assert files(tmp_path / "r") == before
 
 
@@ -139,12 +139,12 @@ def test_dumps_that_were_moved_to_another_disk_are_read(says, tmp_path):
 )
 def test_a_plot_of_a_law_overwrites_nothing_of_others(says, tmp_path, output, mine):
     Path(mine).write_text("overlap_m,force_N\n")
-    assert f"{mine}: is there, and granwave did not write it" in says(2, "law", "-o", output)
+    assert f"{mine}: exists, and granwave did not write it" in says(2, "law", "-o", output)
     assert files(tmp_path) == {mine: b"overlap_m,force_N\n"}
     Path(mine).unlink()
     for _ in range(2):  # its own is replaced, another table not
         says(0, "law", "-o", output)
-    assert output.endswith("png") or "law.csv: is there" in says(
+    assert output.endswith("png") or "law.csv: exists" in says(
         2, "law", "--restitution", "-o", output
     )
 
@@ -154,7 +154,7 @@ def test_a_report_replaces_its_own_only(says, tmp_path, suffix):
     says(0, "run", *QUICK, "-o", "r")
     name = f"notes{suffix}"
     Path(name).write_text("# Report: my own notes\n\n1 run.\n")
-    assert f"{name}: is there, and granwave did not write it" in says(2, "report", "r", "-o", name)
+    assert f"{name}: exists, and granwave did not write it" in says(2, "report", "r", "-o", name)
     assert Path(name).read_text() == "# Report: my own notes\n\n1 run.\n"
     for _ in range(2):
         says(0, "report", "r", "-o", f"ours{suffix}")
@@ -166,7 +166,7 @@ def test_pictures_of_a_report_overwrite_no_others(says, tmp_path):
     pictures = files(tmp_path / "ours_files")
     Path("mine_files").mkdir()
     Path("mine_files", next(iter(pictures))).write_text("mine")
-    assert "is no picture of mine.md" in says(2, "report", "r", "-o", "mine.md")
+    assert "is not a figure of mine.md" in says(2, "report", "r", "-o", "mine.md")
     assert (
         files(tmp_path / "mine_files") == {next(iter(pictures)): b"mine"}
         and not Path("mine.md").exists()
@@ -203,9 +203,7 @@ def test_one_process_at_a_time(says, tmp_path):
             ["export", "r", "--to", "csv", "-o", "r"],
         ):
             message = says(2, *command)
-            assert (
-                "another run or scan is at work there" in message and len(message.splitlines()) == 1
-            )
+            assert "in use by another run or scan" in message and len(message.splitlines()) == 1
         assert files(tmp_path / "r").keys() - before.keys() == {".granwave-lock"}
     assert files(tmp_path / "r") == before
 

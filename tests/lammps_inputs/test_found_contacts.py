@@ -113,7 +113,7 @@ def test_digits_that_explain_overlaps_make_them_touch(caplog: pytest.LogCaptureF
     case = case_from_dict(case_of(text), "mine")
     assert case.packing.contacts == "touch"
     assert assemble(case).n_contacts == lattice.n_contacts
-    assert "which the digits of the numbers explain" in caplog.text
+    assert "which rounding of the numbers explains" in caplog.text
     caplog.clear()
     chosen = case_from_dict(case_of(text, contacts="touch"), "mine")
     assert (chosen, caplog.text) == (case, "")
@@ -163,7 +163,7 @@ def test_contacts_that_no_places_have() -> None:
         f"x,y,z,diameter\n0,0,0,0.01\n0.01,0,0,0.01\n0.005,0,{height!r},0.01\n"
         f"0.005,0,{height / 3!r},0.0017\n"
     )
-    with pytest.raises(InputError, match="which cannot all touch: the best places leave gaps"):
+    with pytest.raises(InputError, match="which cannot all touch: the best positions leave gaps"):
         case_from_dict(case_of(text, contacts="touch", touch_tolerance=1.6e-4))
 
 
@@ -192,8 +192,8 @@ def test_check_advises() -> None:
     case = case_from_dict(case_of(rounded(Lattice("hcp", (4, 4, 3), D), "%.6g"), contacts="keep"))
     table = plan_table(assemble(case), plan(case))
     assert "touching in the file" in table
-    assert "last place of the file: 1e-07 m" in table
-    assert '"keep" starts as they are, out of balance (chosen)' in table
+    assert "last digit of the file: 1e-07 m" in table
+    assert '"keep" starts from the file, out of equilibrium (chosen)' in table
 
 
 def test_advice_counts_and_presses() -> None:

@@ -185,7 +185,7 @@ def test_material_of_a_grain_is_a_preset_or_a_table() -> None:
             f"{ROW}\n0,0,0.001,0.01\n",
             "found grains 1 (line 2) and 4 (line 6), which overlap by 0.009 m",
         ),
-        (f"{ROW}0,0,0,0.01\n", "found grains 1 (line 2) and 4 (line 5) at one place"),
+        (f"{ROW}0,0,0,0.01\n", "found grains 1 (line 2) and 4 (line 5) at the same position"),
         (
             "x,y,z,diameter,material\n# here\n0,0,0,0.01,stel\n",
             'found material "stel" of grain 1 (line 3)',
@@ -236,7 +236,7 @@ def test_a_material_of_added_grains_by_value() -> None:
 
 def test_check_tells_the_coordination_found() -> None:
     case = case_from_dict(case_of(), "mine")
-    assert "contacts of a grain    1.33 in the mean: 1 on 2 grains, 2 on 1 grain" in plan_table(
+    assert "contacts per grain     1.33 on average: 1 on 2 grains, 2 on 1 grain" in plan_table(
         assemble(case), plan(case)
     )
 

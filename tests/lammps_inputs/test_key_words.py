@@ -55,18 +55,18 @@ def little_memory(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     resource.setrlimit(resource.RLIMIT_AS, before)
 
 
-MANY = "packing.size: found [1200, 1200, 1200]: 1728000000 spheres need more than"
+MANY = "packing.size: found [1200, 1200, 1200]: 1728000000 spheres require more than"
 
 
 @pytest.mark.parametrize(
     ("case", "overrides", "expected"),
     [
         ("fcc-small", ["packing.size=[1000000,1000000,1000000]"], "packing.size: found [1000000, 1000000, 1000000], expected"),
-        ("fcc-small", ["packing.size=[1000,1000,1000]"], "packing.size: 1000000000 spheres need about"),
-        ("fcc-small", ["packing.size=[1,1,2000000000]"], "packing.size: 2000000000 spheres need about"),
-        ("fcc-small", ["packing.size=[40000,40000,1]"], "packing.size: found [40000, 40000, 1]: 1600000000 spheres need"),
-        ("elastic-impact", ["packing.size=2000000000"], "packing.size: 2000000000 spheres need about"),
-        ("half-space", ["run.elements=1000000000"], "run.elements: 1000000000 elements need about"),
+        ("fcc-small", ["packing.size=[1000,1000,1000]"], "packing.size: 1000000000 spheres require about"),
+        ("fcc-small", ["packing.size=[1,1,2000000000]"], "packing.size: 2000000000 spheres require about"),
+        ("fcc-small", ["packing.size=[40000,40000,1]"], "packing.size: found [40000, 40000, 1]: 1600000000 spheres require"),
+        ("elastic-impact", ["packing.size=2000000000"], "packing.size: 2000000000 spheres require about"),
+        ("half-space", ["run.elements=1000000000"], "run.elements: 1000000000 elements require about"),
         *(("fcc-small", ["packing.size=[1200,1200,1200]", disorder], MANY) for disorder in (
             "packing.diameter_scatter=1e-6", "packing.vacancies=0.1", 'replace=[{share=0.1,material="steel"}]')),
     ],
@@ -77,7 +77,7 @@ def test_large_counts(
     """A run is refused; what this machine lacks is a warning of the plan for another one."""
     begin = time.process_time()
     words = [word for override in overrides for word in ("--set", override)]
-    lacks_memory = expected.endswith("need about")
+    lacks_memory = expected.endswith("require about")
     assert main(["check", case, *words]) == (0 if lacks_memory else 2)
     assert expected in capsys.readouterr().err
     verb = "continuum" if case == "half-space" else "run"
@@ -132,8 +132,10 @@ def test_times_that_cannot_be_meant_are_noted(caplog: pytest.LogCaptureFixture) 
     plan(load_case("fcc-small", {"output.probe_interval": 1e-10, "output.probes": [{"sphere": 1}]}))
     plan(load_case("fcc-small", {"run.timestep": 1e-5}))
     assert [record.getMessage() for record in caplog.records] == [
-        "fcc-small: output.probe_interval: found 1e-10 s, there is at most a record each timestep, 2.89e-08 s",
-        'fcc-small: run.timestep: found 1e-05 s, "auto" takes 2.9e-08 s; the energy balance will hardly close',
+        "fcc-small: output.probe_interval: found 1e-10 s, but at most one record per timestep "
+        "(2.89e-08 s) is written",
+        'fcc-small: run.timestep: found 1e-05 s, but "auto" uses 2.9e-08 s; the error of the energy '
+        "balance will probably be too large",
     ]
 
 

@@ -198,8 +198,7 @@ def test_friction_of_contacts_and_of_walls(tmp_path: Path) -> None:
     text = script(make("fcc", [5, 5, 3], contact={"friction": 0.3}), tmp_path / "all")
     assert all(law.endswith("friction 0.3") for law in coefficients(text).values())
     for line in (
-        r"fix +motion all nve/sphere",
-        r"comm_modify +vel yes",
+        r"fix +motion all gran/nve/sphere",
         r"variable +elastic equal c_contact\+f_bottom\[4\]\+v_elastic_tangential",
         r"variable +friction equal c_contact\[7\]\+f_bottom\[9\]",
     ):
@@ -230,7 +229,7 @@ def test_faces_of_bars_have_no_friction_and_nodes_do_not_turn(tmp_path: Path) ->
     text = script(make(contact={"friction": 0.3}, bar=bar), tmp_path)
     found = coefficients(text)
     assert found["1 1"].endswith("friction 0.3") and "friction" not in found["1 3"]
-    assert re.search(r"^fix +motion mobile nve/sphere\nfix +motion_bar bar nve$", text, re.M)
+    assert re.search(r"^fix +motion mobile gran/nve/sphere\nfix +motion_bar bar nve$", text, re.M)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.2])

@@ -268,8 +268,8 @@ DAMAGES: dict[str, tuple[str, Any, str]] = {
     "group": ("wall_contacts/wall", None, "is not the result.h5 of a run"),
     "shape": ("spheres/position", [0.0] * 18, "spheres/position: found the shape (18,)"),
     "cut": ("", None, "is not the result.h5 of a run"),
-    "missing": ("", None, "there is no such file; expected the result.h5 of a run"),
-    "other packing": ("", None, "is of another packing: found 18 spheres, expected 27"),
+    "missing": ("", None, "no such file; expected the result.h5 of a run"),
+    "other packing": ("", None, "belongs to another packing: found 18 spheres, expected 27"),
 }
 
 
@@ -277,11 +277,9 @@ DAMAGES: dict[str, tuple[str, Any, str]] = {
 def test_all_words_refuse_dents_that_cannot_be_had(
     first: Path, tmp_path: Path, kind: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    result, content, (name, value, expected) = (
-        tmp_path / "result.h5",
-        (first / "result.h5").read_bytes(),
-        DAMAGES[kind],
-    )
+    result = tmp_path / "result.h5"
+    content = (first / "result.h5").read_bytes()
+    name, value, expected = DAMAGES[kind]
     if kind != "missing":
         result.write_bytes(content[: len(content) // 2] if kind == "cut" else content)
     if name:
@@ -356,7 +354,7 @@ def test_results_are_not_replaced_that_the_run_itself_needs(
             words = [word, str(tmp_path / "my.toml"), "--force", "-o", str(tmp_path / "out")]
             capsys.readouterr()
             assert main([*words, "--set", f"contact.initial_overlap={tmp_path / named}"]) == 2
-            assert "is among the results that would be replaced" in capsys.readouterr().err
+            assert "is one of the results that would be replaced" in capsys.readouterr().err
     assert (tmp_path / "out" / "result.h5").stat().st_mtime_ns == before
     # a second run in the folder of another does not replace its results
     words = ["run", str(tmp_path / "my.toml"), "-o", str(tmp_path), "--no-figures"]

@@ -205,7 +205,7 @@ class TestStruckSpheres:
     def test_where_there_are_no_such_neighbours(
         self, kind: str, size: tuple[int, ...], count: int
     ) -> None:
-        with pytest.raises(ValueError, match=r"need|rest with"):
+        with pytest.raises(ValueError, match=r"require|rest with"):
             struck_spheres(Lattice(kind, size, D), count)
 
 

@@ -19,12 +19,12 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import Plan, check_memory
 from granwave.workflows.cli.check import plan_table
+from granwave.workflows.cluster.profile import Profile
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import batches
 from granwave.workflows.scanning.batches import Machine, Outlook
-from granwave.workflows.scanning.engine import submission
+from granwave.workflows.scanning.engine import request_of
 from granwave.workflows.scanning.scan_file import ScanPoint
-from granwave.workflows.scanning.slurm import Profile
 from tests.helpers.made_up.scan_texts import SMALL, reader
 
 SETTLED = {"kind": "uniaxial", "pressure": 1e5}
@@ -104,7 +104,7 @@ def test_the_static_stage_of_a_lattice_is_known_and_that_of_disorder_is_not() ->
         case = make(packing=packing, contact=contact, precompression=SETTLED, boundary=PERIODIC)
         found = plan(case).times
         assert found.most_static > found.static > times.static
-        assert "cannot be known where there is disorder: up to" in plan_table(
+        assert "unpredictable in a disordered packing: up to" in plan_table(
             assemble(case), plan(case)
         )
 
@@ -168,10 +168,7 @@ def test_a_job_may_last_as_long_as_its_points_can(tmp_path: Path) -> None:
     )
     batch = Machine(1, slowness=1e4).batches(scan.points, "")[0]
     assert batch.longest > 3 * batch.wall_time  # 100 blocks, and first timesteps all along
-    (minutes,) = [
-        int(word[7:]) for word in submission(Profile(), batch, "")[0] if word.startswith("--time=")
-    ]
-    assert minutes * 60 >= batch.longest
+    assert request_of(Profile(), batch, "", tmp_path).minutes * 60 >= batch.longest
 
 
 def test_until_a_point_is_done_the_plan_is_shown(
@@ -192,7 +189,8 @@ def test_then_the_points_that_are_done_tell(points: list[ScanPoint], clock: list
     fresh = Outlook(points[1:], Machine(1))
     fresh.done(points[0], 1e6)  # of an earlier start, which does not tell
     assert fresh.text(points[1:], {}).startswith("0 s of about ")
-    outlook, (first, *others, longest) = Outlook(points, Machine(1)), points
+    outlook = Outlook(points, Machine(1))
+    first, *others, longest = points
     clock[0] += 70
     outlook.done(first, 100 * first.plan.wall_time)
     left = (
@@ -242,7 +240,11 @@ def test_memory_of_each_rank() -> None:
     puts together.
     """
     check_memory(plan(make()))
-    with pytest.raises(InputError, match=r"spheres need about .* GiB of memory, there is 0.1 GiB"):
+    with pytest.raises(
+        InputError,
+        match=r"spheres require about .* GiB of memory; available: 0.1 "
+        r"GiB",
+    ):
         check_memory(plan(make()), available=1e8)
     case = make(packing={"size": [120, 120, 60]})
     one = plan(case)
@@ -254,7 +256,7 @@ def test_memory_of_each_rank() -> None:
     assert plan(deep, n_ranks=100).other_rank == pytest.approx(four.other_rank, rel=0.01)
     assert plan(deep, n_ranks=100).other_rank < 1e9
     assert plan(make(contact={"friction": 0.3})).memory >= plan(make()).memory
-    assert "first rank, which puts the results together" in plan_table(assemble(case), four)
+    assert "first rank, which collects the results" in plan_table(assemble(case), four)
     assert "first rank" not in plan_table(assemble(case), one)
 
 
@@ -268,7 +270,7 @@ def test_ranks_that_analyse_fit_into_the_memory_of_the_run() -> None:
     others = (many.n_analysing - 1) * many.other_rank + (128 - many.n_analysing) * many.idle_rank
     assert many.memory == many.first_rank + others
     assert many.memory < 128 * 1e9
-    assert "takes no part in the analysis" in plan_table(assemble(case), many)
+    assert "each rank without analysis" in plan_table(assemble(case), many)
 
 
 def test_one_timestep_of_a_contact_in_packings_of_any_height() -> None:

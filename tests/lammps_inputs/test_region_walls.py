@@ -103,9 +103,12 @@ def test_grains_far_from_the_origin_stay_where_their_walls_are() -> None:
     [
         (
             "ellipsoid 0 0 0 1 1 1",
-            'wall.1.region: found "ellipsoid 0 0 0 1 1 1", expected words of',
+            'wall.1.region: found "ellipsoid 0 0 0 1 1 1", expected arguments of',
         ),
-        ("sphere 0 0 0", 'wall.1.region: found "sphere 0 0 0", expected words of the command reg'),
+        (
+            "sphere 0 0 0",
+            'wall.1.region: found "sphere 0 0 0", expected arguments of the LAMMPS reg',
+        ),
         ("sphere 0 0 0 one", "wall.1.region: found"),
         ("sphere 0 0 0 -1", 'wall.1.region: found "sphere 0 0 0 -1", expected radii above 0'),
         ("sphere 0 0 0 0.1 move v_x NULL NULL", "wall.1.region: found"),
@@ -140,6 +143,6 @@ def test_wrong_regions_are_refused(region: str, fault: str) -> None:
 def test_what_does_not_go_with_such_walls(tables: dict[str, Any], what: str) -> None:
     with pytest.raises(InputError) as caught:
         walled("sphere 0 0 0 0.1", **tables)
-    assert any(f"wall.1.region: found it with {what}" in text for text in caught.value.errors) or (
-        what == "precompression" and "precompression" in caught.value.errors[0]
-    )
+    assert any(
+        f"wall.1.region: found this key with {what}" in text for text in caught.value.errors
+    ) or (what == "precompression" and "precompression" in caught.value.errors[0])

@@ -86,7 +86,7 @@ def test_values_are_read_by_their_type(value_type: schema.ValueType, value: Any,
 @pytest.mark.parametrize(
     ("value_type", "value", "key", "expected"),
     [
-        (LOSS, {"time": -1.0}, "time", "a loss time from 0 to 1 s"),
+        (LOSS, {"time": -1.0}, "time", "a relaxation time from 0 to 1 s"),
         (LOSS, {"dashpot": {"restitution": 2}}, "dashpot.restitution", "above 0 and at most 1"),
         (LOSS, {"time": 1e-6, "restitution": 0.9}, "", "exclude each other"),
         (COHESION, {"kind": "jkr"}, "", "energy is missing"),
@@ -106,7 +106,7 @@ def test_the_fault_of_a_table_names_the_key_in_it(
 def test_faults_have_parts() -> None:
     (fault,) = faults_of(contact={"loss": {"time": -1.0}})
     assert (fault.source, fault.key, fault.found) == ("my.toml", "contact.loss.time", "-1.0")
-    assert fault.expected.startswith("a loss time from 0 to 1 s") and not fault.changed
+    assert fault.expected.startswith("a relaxation time from 0 to 1 s") and not fault.changed
     (fault,) = faults_of(load={"kind": "force"}, incident_bar={"length": 1.0, "area": 1e-4})[:1]
     assert fault.key == "load.shape" and fault.sentence.startswith("missing; a force needs one of")
     fault = next(one for one in faults_of(boundary=ENDLESS) if "layers" in one.found)

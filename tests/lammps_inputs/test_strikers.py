@@ -227,3 +227,30 @@ def test_powers_in_the_deck():
     made = case(pair=pairs)
     assert "power 1.15e+11 0.3 constant 3e+07 exponent 1.2" in "\n".join(contacts(assemble(made)))
     assert pair_contact(assemble(made), 1, 2).loading_force(1e-6) == pytest.approx(3e7 * 1e-6**1.2)
+
+
+def test_the_centre_of_a_rough_top_is_near_its_middle(tmp_path) -> None:
+    """The uppermost grain is in a corner; the lower one in the middle has room for a small striker
+    and not for a large one, which then rests on a neighbour.
+    """
+    (tmp_path / "grains.csv").write_text(
+        "x,y,z,diameter\n0,0,-0.02,0.01\n0.02,0.02,0,0.01\n"
+        "0.031,0.02,-0.008,0.01\n0.04,0.041,0,0.01\n"
+    )
+    packing = {"kind": "file", "file": str(tmp_path / "grains.csv")}
+    for diameter, touched in ((0.008, 2), (0.04, 3)):
+        striker = {"touches": "centre", "diameter": diameter, "velocity": [0.0, 0.0, 1.0]}
+        case = case_from_dict(
+            {
+                "name": "rough",
+                "material": STEEL,
+                "packing": packing,
+                "contact": {"law": "hertz"},
+                "striker": [striker],
+            }
+        )
+        assert case.striker[0].touches == (touched,)
+        found = assemble(case)
+        between = gaps(found, 5, [1, 2, 3, 4])
+        assert between.min() == pytest.approx(0.0, abs=1e-12)
+        assert between.argmin() + 1 == touched

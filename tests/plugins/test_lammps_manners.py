@@ -99,7 +99,8 @@ def packing(lammps, law: str, lists: str, extra: str = "", **options):
         )
     )
     speeds = np.zeros_like(places)
-    speeds[8], speeds[-1] = (0.1, 0.3, 2.0), (-1.0, 0.0, 0.5)
+    speeds[8] = (0.1, 0.3, 2.0)
+    speeds[-1] = (-1.0, 0.0, 0.5)
     box = [-0.05, 0.1, -0.05, 0.1, -0.05, 0.2]
     lmp = lammps()
     extra = f"{lists}\n{WALL.format(z=TOP)}\n{extra}"

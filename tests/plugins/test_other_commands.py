@@ -110,7 +110,8 @@ def test_a_command_works_or_is_refused(lammps, tmp_path, monkeypatch, row):
         refuses(lammps(), commands(row), row["message"])
         return
     scene = row.get("scene", "rubbing")
-    (motion, energies), (expected, as_much) = ends(lammps(commands(row))), reference(lammps, scene)
+    motion, energies = ends(lammps(commands(row)))
+    expected, as_much = reference(lammps, scene)
     for name, values in expected.items():
         if row["same"] == 0:
             assert np.array_equal(motion[name], values), name

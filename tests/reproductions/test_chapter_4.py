@@ -12,6 +12,8 @@ import pytest
 import granwave as gw
 from tests.helpers.programs.scripts import columns, row, study_of
 
+pytestmark = pytest.mark.xdist_group("chapter 4")  # its fixtures are made once
+
 STEEL = {"material": "steel", "packing.diameter": 0.006}
 
 
@@ -91,6 +93,7 @@ def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
     return runs
 
 
+@pytest.mark.validation
 def test_critical_duration(pulses: list[gw.Run]) -> None:
     study = study_of("thesis/chapter_4/wave_train.py", pulses)
     assert row(study, "Power of the critical").ours == pytest.approx(-1 / 6, abs=1e-3)

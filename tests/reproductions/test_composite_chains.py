@@ -21,6 +21,8 @@ from tests.helpers.programs.scripts import FOLDER, row, study_of
 from tests.helpers.twins import chain_twin as twin_of
 from tests.helpers.twins.chain_twin import Bead, Record, Solid
 
+pytestmark = pytest.mark.xdist_group("composite chains")  # its fixtures are made once
+
 STEEL = {"modulus": 209e9, "ratio": 0.28, "density": 7925.0}
 STEEL_BEAD = Bead(radius=5e-3, strength=None, **STEEL)
 PTFE_BEAD = Bead(1.46e9, 0.46, None, 5e-3, 1870.0)
@@ -157,7 +159,9 @@ def brass(chains: dict[tuple[int, str], gw.Run]) -> Study:
     return study_in("composite_chain", list(chains.values()))
 
 
-@pytest.mark.parametrize("law", ["hertz", "elastoplastic"])
+@pytest.mark.parametrize(
+    "law", ["hertz", pytest.param("elastoplastic", marks=pytest.mark.validation)]
+)
 def test_composite_chain_against_the_twin(
     chains: dict[tuple[int, str], gw.Run], brass: Study, law: str
 ) -> None:

@@ -12,6 +12,8 @@ import granwave as gw
 from granwave.analysis.studies.study import Study
 from tests.helpers.programs.scripts import columns, row, study_of
 
+pytestmark = pytest.mark.xdist_group("early chapters")  # its fixtures are made once
+
 
 def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:
     return gw.run(name, changes, directory=directory, progress=False)
@@ -163,6 +165,7 @@ def test_pulses_in_a_bar(tmp_path: Path) -> None:
     assert energy == pytest.approx(1e4**2 * 4e-5 / 2 / ((200e9 * 8100) ** 0.5 * 1.27e-4), rel=1e-3)
 
 
+@pytest.mark.validation
 def test_places_of_an_odd_bead(tmp_path: Path) -> None:
     """A softer bead transmits least near the bar."""
     kinds = [(name, name, 1) for name in ("brass", "aluminium", "steel")]

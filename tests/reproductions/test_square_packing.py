@@ -246,6 +246,7 @@ def test_scattered_diameters_slow_weak_waves_more(tmp_path: Path) -> None:
     assert kinds["alone"].ours > 0.3  # where gaps are large beside the overlaps
 
 
+@pytest.mark.validation
 def test_lighter_spheres_hardly_change_what_a_load_cell_reads(tmp_path: Path) -> None:
     steel = {"preset": "stainless-steel-316"}
     short = {"packing.size": 10, "run.end_time": 7e-4}

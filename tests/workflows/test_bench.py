@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from granwave.workflows import bench
+from granwave.workflows import bench, bench_lists
 from granwave.workflows.cli.main import main
 
 
@@ -48,6 +48,22 @@ def test_styles_in_both_states(capsys):
     assert printed.count(bench.ROUGH_BASELINE) == 2
 
 
+def test_lists(capsys, monkeypatch):
+    small = {"STEPS": 2, "SHEAR_CELLS": 4, "SHEAR_STEPS": 40, "SHEAR_WARM": 10}
+    for name, value in small.items():
+        monkeypatch.setattr(bench_lists, name, value)
+    found = bench_lists.compare_lists(repeats=2)
+    assert [found[state]["n_spheres"] for state in ("rattling", "sheared")] == [6912, 256]
+    for state in found.values():
+        assert list(state["table"]) == list(bench_lists.STYLES)
+        assert state["table"][bench.ROUGH_BASELINE]["ratios"] == [1.0, 1.0]
+    for values in found["sheared"]["table"].values():
+        assert len(values["times"]) == 2 and min(values["times"]) > 0
+    printed = capsys.readouterr().out
+    assert "new lists of 6912 rattling spheres" in printed and printed.count(bench.ROUGH) == 2
+
+
+@pytest.mark.validation
 def test_sizes_and_ranks():
     found = bench.bench(("sizes",), repeats=2)
     assert [row["n_spheres"] for row in found["sizes"]] == [256, 400] and "study" not in found
@@ -62,6 +78,7 @@ def test_sizes_and_ranks():
         assert one["ghosts"] == 0 < two["ghosts"] and two["rates"][0] > 0
 
 
+@pytest.mark.validation
 def test_parts_of_a_study_as_json(tmp_path, capsys):
     assert (
         main(["bench", "--parts", "study", "--repeats", "1", "--json", str(tmp_path / "b.json")])

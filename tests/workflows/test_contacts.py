@@ -245,7 +245,7 @@ def test_a_contact_is_warned_about_once_and_not_for_rounding(caplog):
             {},
         ),
         ("hertz", [{**BALL, "length": 1}, "plane"], "bodies[0].length: found with a sphere", {}),
-        ("hertz", [{**BALL, "diameter": 1}, "plane"], "beside a diameter", {}),
+        ("hertz", [{**BALL, "diameter": 1}, "plane"], "together with a diameter", {}),
         ("hertz", [{"shape": "sphere", "radius": 1}, "plane"], "bodies[0].material: missing", {}),
         ("hertz", [{**BALL, "material": "bras"}, "plane"], "did you mean brass", {}),
         (
@@ -259,8 +259,8 @@ def test_a_contact_is_warned_about_once_and_not_for_rounding(caplog):
         ("hertz", [BALL, {"shape": "tube", "radius": 4e-3}], "expected a smaller one", {}),
         ("hertz", [ROD, {"shape": "tube", "radius": 4e-3}], "a cylinder in a tube", {}),
         ("hertz", [ROD, {**ROD, "axis": [0, 1, 0.01]}], "less than 1 degree", {}),
-        ("line", [ROD, BALL], "touch in a point", {}),
-        ("line", [ROD, {**ROD, "axis": "x"}], "touch in a point", {}),
+        ("line", [ROD, BALL], "touch at a point", {}),
+        ("line", [ROD, {**ROD, "axis": "x"}], "touch at a point", {}),
         ("thornton", [{**BALL, "material": BRASS}, "plane"], "yield_strength: missing", {}),
         ("hertz", [BALL, "plane"], "beta: unknown key; known here: cohesion", {"beta": 0.5}),
         ("bilinear", [BALL, "plane"], "beta: found 2", {"beta": 2}),
@@ -282,7 +282,7 @@ def test_wrong_bodies_and_laws_are_one_clear_line(law, bodies, words, options):
         (lambda: gw.contact_force("hertz", [BALL, "plane"], [1, 2], peak_overlap=[1, 2, 3]), "the shape (3,)"),
         (lambda: gw.contact_force("hertz", [BALL, "plane"], 2e-6, peak_overlap=1e-6), "below the overlap"),
         (lambda: gw.contact_overlap("hertz", [BALL, "plane"], -1), "expected 0 or more"),
-        (lambda: gw.contact_overlap("hertz", [BALL, "plane"], 1e40), "expected one that an overlap"),
+        (lambda: gw.contact_overlap("hertz", [BALL, "plane"], 1e40), "expected a force reached below an overlap"),
     ],
 )  # fmt: skip
 def test_wrong_overlaps_and_forces_are_one_clear_line(call, words):

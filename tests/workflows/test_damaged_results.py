@@ -22,6 +22,8 @@ from granwave.workflows.cli.main import main
 from granwave.workflows.run import driver
 from tests.helpers.made_up.small_cases import TWO_SPHERES
 
+pytestmark = pytest.mark.xdist_group("damaged results")  # its fixtures are made once
+
 CLOCK = ("wall_time_s", "sphere_steps_per_s")
 
 
@@ -222,7 +224,9 @@ def test_good_files_stay_on_a_full_disk(run, small_disk, monkeypatch, capsys, wo
     before = {path: path.read_bytes() for path in small_disk.rglob("*") if path.is_file()}
     assert main(words.split()) == 1
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"granwave: {name}") and ("No space left" in line or "disk full" in line)
+    assert line.startswith(f"granwave: {name}") and (
+        "No space left" in line or "check the disk space" in line
+    )
     assert {path: path.read_bytes() for path in small_disk.rglob("*") if path.is_file()} == before
 
 
@@ -234,8 +238,8 @@ def test_a_run_ends_with_a_checkpoint_before_the_disk_is_full(whole, tmp_path, m
     message = str(caught.value)
     assert message.startswith(f"{tmp_path / 'r'}: the disk is full: stopped at step ")
     assert (
-        "need about" in message
-        and "1e-06 GB are free there" in message
+        "require about" in message
+        and "only 1e-06 GB are free" in message
         and "from the checkpoint at step" in message
     )
     record = json.loads((tmp_path / "r" / "run.json").read_text())
@@ -298,7 +302,10 @@ def test_a_result_that_changed_is_refused(run, capsys, command, name):
     damage(run / name)
     assert main(command.format(run, run.parent / "out").split()) == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
-    assert f"{run / name}: is not what the run wrote" in line and f"granwave analyse {run}" in line
+    assert (
+        f"{run / name}: differs from the file that the run wrote" in line
+        and f"granwave analyse {run}" in line
+    )
     assert main(["analyse", str(run), "--no-figures"]) == 0
     capsys.readouterr()
 
@@ -334,8 +341,8 @@ def test_a_checkpoint_that_changed_is_not_gone_on_with(interrupted, whole, caplo
     damage(interrupted / name)
     assert run_case(TWO_SPHERES, interrupted, resume=True, figures=False).state == "finished"
     assert (
-        f"{interrupted / name}: is not what the run wrote" in caplog.text
-        and "begins again" in caplog.text
+        f"{interrupted / name}: differs from the file that the run wrote" in caplog.text
+        and "the run restarts from the beginning" in caplog.text
     )
     assert values(interrupted) == values(whole)
 
@@ -343,7 +350,7 @@ def test_a_checkpoint_that_changed_is_not_gone_on_with(interrupted, whole, caplo
 def test_a_whole_checkpoint_is_gone_on_with_and_analysed(interrupted, caplog):
     assert run_case(TWO_SPHERES, interrupted, resume=True, figures=False).state == "finished"
     assert (
-        "begins again" not in caplog.text
+        "the run restarts from the beginning" not in caplog.text
         and "read_restart" in (interrupted / "log.lammps").read_text()
     )
     assert main(["analyse", str(interrupted), "--no-figures"]) == 0
@@ -387,7 +394,7 @@ def test_swapped_points_are_refused(scan, tmp_path, capsys, way):
         for path in (*two.iterdir(), two / MARKER):
             if path.is_file() and path.name not in ("point.json", "point.toml"):
                 shutil.copy(path, one / path.name)
-        messages = {f"{one}: holds a run of another case"}
+        messages = {f"{one}: contains a run of another case"}
     for words in (
         ["report", place, "-o", tmp_path / "r.md"],
         ["scan", tmp_path / "here/s.toml", "-o", place, "--resume"],

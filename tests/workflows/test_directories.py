@@ -45,7 +45,7 @@ def test_results_are_refused_resumed_or_replaced(filled):
         ask(filled)
     assert str(caught.value) == (
         f"{filled}: already holds results (case.toml, summary.json, figures/a.png, ...); "
-        "resume=True goes on with them, force=True moves the results to r.old first, "
+        "resume=True continues with them, force=True moves the results to r.old first, "
         "or choose another directory with directory=..."
     )
     assert ask(filled, resume=True) is True
@@ -67,8 +67,8 @@ def test_results_whose_case_is_known_to_nobody_are_not_resumed(filled):
     ("name", "message"),
     [
         ("", 'the empty name ""'),
-        ("~/runs", "the shell did not replace ~"),
-        ("~nobody", "the shell did not replace ~nobody"),
+        ("~/runs", "the shell did not expand ~"),
+        ("~nobody", "the shell did not expand ~nobody"),
         ("/", "is the root directory"),
         ("/..", "is the root directory"),
         (Path.home(), "is your home directory"),
@@ -88,7 +88,8 @@ def test_results_behind_a_link_are_kept(filled, monkeypatch):
     link.symlink_to(filled)
     assert results_directory(link) == link
     with pytest.raises(
-        InputError, match=f"is a link to {filled}, and force=True moves nothing through a link"
+        InputError,
+        match=f"is a link to {filled}, and force=True does not move results through a link",
     ):
         ask(link, force=True)
     link.with_name("circle").symlink_to(link.with_name("circle"))
@@ -100,12 +101,14 @@ def test_disk_that_is_too_small(tmp_path):
     check_disk(tmp_path / "not" / "yet", 1.0)
     check_disk(tmp_path, 0.0, spare=1e30)
     with pytest.raises(
-        InputError, match=r"the points need about 1e\+21 GB, [\d.e+]+ GB are free there; choose"
+        InputError,
+        match=r"the points require about 1e\+21 GB, but only [\d.e+]+ GB are free; choose",
     ):
         check_disk(tmp_path, 1e30, what="the points")
     with pytest.raises(
         InputError,
-        match=r"the results need about 1e-06 GB and 1e\+21 GB must stay free, [\d.e+]+ GB",
+        match=r"the results require about 1e-06 GB and 1e\+21 GB must stay free, but only "
+        r"[\d.e+]+ GB",
     ):
         check_disk(tmp_path, 1e3, spare=1e30)
 

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from granwave.analysis.figures import run_figures
 from granwave.lammps_inputs import load_case
 from granwave.workflows import library
 from granwave.workflows.python.inputs import in_python
@@ -32,7 +31,9 @@ PAIR = {
 }
 
 
-@pytest.mark.parametrize(("name", "own"), [("run", ()), ("scan", ("plan",))])
+@pytest.mark.parametrize(
+    ("name", "own"), [("run", ("submit", "print", "chain")), ("scan", ("plan", "submit", "print"))]
+)
 def test_options_of_commands_are_keywords(name, own):
     check_keywords(name, *own)
 
@@ -101,7 +102,8 @@ def test_run(tiny, directory):
 
 
 def test_results_are_kept_continued_or_replaced(tiny, directory, tmp_path):
-    words = r"already holds results.*; resume=True goes on.*, force=True moves the results to"
+    words = r"already holds results.*; resume=True continues with them"
+    words += ".*, force=True moves the results to"
     with pytest.raises(gw.InputError, match=words):
         gw.run("fcc-small", TINY, directory=directory)
     before = (directory / "result.h5").stat().st_mtime_ns
@@ -119,8 +121,6 @@ def test_results_are_kept_continued_or_replaced(tiny, directory, tmp_path):
 
 def test_directory_is_named_after_the_case(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    usual = ("energies",)  # the others take time
-    monkeypatch.setattr(run_figures, "usual_figure_names", lambda: usual)
     assert gw.run(PAIR, figures=True).directory == tmp_path / "pair"
     assert (tmp_path / "pair" / "figures" / "energies.png").exists()
     monkeypatch.setenv("HOME", str(tmp_path))
@@ -139,7 +139,7 @@ def test_ranks(tiny, tmp_path):
 def test_an_interrupted_run_goes_on(tiny, tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(mpi.StopRequest, "wanted", lambda self: True)
-        with pytest.raises(KeyboardInterrupt, match="resume=True goes on"):
+        with pytest.raises(KeyboardInterrupt, match="pass resume=True to continue"):
             gw.run("fcc-small", TINY, directory=tmp_path)
     assert gw.load(tmp_path)["end_reason"] == "interrupted"
     again = gw.run("fcc-small", TINY, directory=tmp_path, resume=True)
@@ -148,7 +148,7 @@ def test_an_interrupted_run_goes_on(tiny, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_a_refused_run_is_an_error(tmp_path, ranks):
-    with pytest.raises(gw.RunError, match="the energy balance was refused"):
+    with pytest.raises(gw.RunError, match="energy balance error too large"):
         gw.run("fcc-small", TINY, directory=tmp_path, run__timestep=2e-6, ranks=ranks)
     assert gw.load(tmp_path)["energy_balance_error"] > 1e-5
 
@@ -242,7 +242,7 @@ def test_a_case_of_python_is_checked_as_its_file_is(tmp_path):
         (lambda: gw.scan("restitution", jobs=0), "jobs: found 0, expected a whole number"),
         (
             lambda: gw.scan("restitution", executor="here"),
-            'executor: found "here", expected local or slurm',
+            'executor: found "here", expected one of local, slurm, pbs',
         ),
     ],
 )
@@ -257,7 +257,7 @@ def test_options_are_called_asin_python():
     assert in_python("x: --force replaces it, or choose another with -o") == (
         "x: force=True replaces it, or choose another with directory=..."
     )
-    command = "go on with  granwave run x/case.toml -o x --resume"
+    command = "resume with  granwave run x/case.toml -o x --resume"
     assert in_python(command) == command
 
 
@@ -287,5 +287,5 @@ def test_points_that_fail_are_reported(tmp_path, caplog):
         {"case": PAIR, "grid": {"run.timestep": [1e-8, 5e-6]}}, directory=tmp_path, jobs=1
     )
     assert scan.table["status"].tolist() == ["done", "failed"] and len(scan) == 1
-    assert "the energy balance was refused" in scan.table.loc[2, "reason"]
-    assert f"{tmp_path}: of 2 points 1 failed; table.reason tells why" in caplog.text
+    assert "energy balance error too large" in scan.table.loc[2, "reason"]
+    assert f"{tmp_path}: of 2 points 1 failed; table.reason gives the" in caplog.text

@@ -92,7 +92,7 @@ def test_a_result_that_names_a_study_runs_nothing(tmp_path, caplog):
     index = json.loads((scan / "scan.json").read_text())
     (scan / "scan.json").write_text(json.dumps(index | {"study": [str(study)]}))
     assert main(["report", str(scan), "-o", str(tmp_path / "report.md")]) == 0
-    assert not done.exists() and "reports load no code unasked" in caplog.text
+    assert not done.exists() and "reports load external code only on request" in caplog.text
     assert (
         main(["report", str(scan), "-o", str(tmp_path / "report.md"), "--study", str(study)]) == 0
     )

@@ -38,7 +38,7 @@ def test_each_run_by_force_keeps_the_one_before(here, capsys, caplog):
     assert run(2) == 2
     assert "--force moves the results to r.old first" in capsys.readouterr().err
     assert run(2, "--force") == 0
-    moved = f"{here / 'r'}: the results that were there are now in {here / 'r.old'}"
+    moved = f"{here / 'r'}: the previous results are now in {here / 'r.old'}"
     assert moved in caplog.messages
     Path("r.old3").write_text("a file of mine")
     assert run(3, "--force") == 0

@@ -77,7 +77,9 @@ def test_to_thread_and_a_failure(place: Path) -> None:
     found = asyncio.run(both())
     (failure,) = [one for one in found if isinstance(one, Exception)]
     assert isinstance(failure, InputError)
-    assert "is at work there" in str(failure) or "already holds results" in str(failure)
+    assert "in use by another run or scan" in str(failure) or "already holds results" in str(
+        failure
+    )
     assert untouched(place)
 
 

@@ -57,6 +57,7 @@ def do(place: Path, *words: str, **variables: str) -> str:
     return done.stdout
 
 
+@pytest.mark.validation
 @pytest.mark.needs_extension("pictures")
 def test_a_run_on_ranks_its_report_film_and_figures(place, tmp_path_factory):
     do(place, "run", "fcc-small", *TINY, "--np", "2", "-o", "out")

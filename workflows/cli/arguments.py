@@ -14,7 +14,7 @@ from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number
 
-BENCH_PARTS = ("styles", "sizes", "ranks", "study")
+BENCH_PARTS = ("styles", "lists", "sizes", "ranks", "study")
 _LARGEST_OVERLAP = 1e6  # over the overlap at first yield; the size of spheres limits it to some 1e4
 _SHORTEST, _LONGEST = POSSIBLE["m"]
 
@@ -30,7 +30,7 @@ def output_name(text: str) -> Path:
 def input_name(text: str) -> Path:
     """Return the path of a file or directory that is read."""
     if not text:
-        raise argparse.ArgumentTypeError('found the empty name "" (. is the present directory)')
+        raise argparse.ArgumentTypeError('found the empty name "" (. is the current directory)')
     return Path(text)
 
 

@@ -14,6 +14,7 @@ from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, nothing_made
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import added, load
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -23,10 +24,13 @@ from granwave.lammps_inputs.planning.impact_input import ImpactInput, inputs_of_
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
 from granwave.workflows.check_part import CheckPart, Rows, input_rows, input_values
+from granwave.workflows.cli.cluster_plan import ClusterPlan
 from granwave.workflows.cli.grain_file_values import grain_file_rows
 from granwave.workflows.cli.packing_picture import draw_packing
 from granwave.workflows.cli.plan_values import packing_values
+from granwave.workflows.cli.submission import ranks_of
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
+from granwave.workflows.cluster.profile import load_profile
 from granwave.workflows.file_kinds import file_kinds
 from granwave.workflows.solvers import GRANULAR, CaseKind, case_commands, solver_of
 
@@ -34,7 +38,7 @@ _GIB = 2**30
 _LOSS_ROWS = {
     "time_s": "time {:.4g} s",
     "dashpot": "dashpot {:.4g}",
-    "tangential": "along the surface {:.4g} times that along the normal",
+    "tangential": "tangential {:.4g} times the normal value",
 }
 _TIMES = {
     "static stage": "static",
@@ -49,6 +53,8 @@ def check(options: argparse.Namespace) -> int:
     checks = {kind.command: kind.check for kind in file_kinds() if kind.check}
     path = library.find_for(options.case, *case_commands(), *checks)
     if (command := library.verb_of(path)) in checks:
+        if options.profile:
+            raise InputError(f"--profile: {path} is no case of a run; leave it out")
         draw_packing(options.picture, None)
         return int(load(checks[command])(path, options))
     kind = solver_of(read_toml(path))
@@ -58,29 +64,27 @@ def check(options: argparse.Namespace) -> int:
     except PackingNotMadeError as error:
         return _not_made(error, as_json=options.json)
     assembled = kind.assemble(case)
-    expected = kind.cost(assembled, options.ranks, True)
+    cluster = _cluster_plan(kind, assembled, options)
+    expected = cluster.expected if cluster else kind.cost(assembled, options.ranks, True)
     parts = _parts(kind, assembled)
+    if cluster is not None:
+        parts.append(cluster.part())
     kind.check(case)
     draw_packing(options.picture, assembled)
 
     def afford() -> None:
-        kind.afford(case, expected, Path(case.name).absolute())
+        if cluster is None:
+            kind.afford(case, expected, Path(case.name).absolute())
 
     warnings = _warnings(expected)
+    if cluster is not None:
+        warnings += cluster.warnings()
     if options.json:
         warnings += warn_of_lacks(case.name, afford)
         values = _values(kind, assembled, expected, parts)
         print_json({"name": case.name, "command": kind.verb, **values, "warnings": warnings})
         return 0
-    if isinstance(expected, Plan):
-        inputs = inputs_of_packing(assembled)
-        rows = [row for part in parts for row in part.rows]
-        print(plan_table(assembled, expected, inputs, rows))
-    else:
-        print(_table_of_other(kind, assembled, case.name, expected, parts))
-    for part in parts:
-        for line in part.lines:
-            print(line)
+    print(_plan_text(kind, assembled, case.name, expected, parts))
     sys.stdout.flush()
     warn_of_lacks(case.name, afford)
     for warning in warnings:
@@ -88,12 +92,39 @@ def check(options: argparse.Namespace) -> int:
     return 0
 
 
+def _plan_text(
+    kind: CaseKind, assembled: Any, name: str, expected: Any, parts: Sequence[CheckPart]
+) -> str:
+    """Return the table of a plan, and the lines that extensions add."""
+    if isinstance(expected, Plan):
+        rows = [row for part in parts for row in part.rows]
+        text = plan_table(assembled, expected, inputs_of_packing(assembled), rows)
+    else:
+        text = _table_of_other(kind, assembled, name, expected, parts)
+    texts = [text]
+    for part in parts:
+        texts += part.lines
+    return "\n".join(texts)
+
+
+def _cluster_plan(
+    kind: CaseKind, assembled: Any, options: argparse.Namespace
+) -> ClusterPlan | None:
+    """Return the plan for the cluster of ``--profile``; None without one."""
+    if not options.profile:
+        return None
+    profile = load_profile(options.profile)
+    ranks = ranks_of(options, profile) if kind.parallel else 1
+    return ClusterPlan(profile, kind.cost(assembled, ranks, True), ranks)
+
+
 def _not_made(error: PackingNotMadeError, *, as_json: bool) -> int:
     """Show what the bed of a case would be, whose plan follows once it is made."""
+    (packing,) = error.packings
     if as_json:
-        print_json({"not_made": dict(error.rows)})
+        print_json({"not_made": dict(packing.rows)})
     else:
-        print(table(error.rows))
+        print(table(packing.rows))
     return 0
 
 
@@ -183,19 +214,17 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
         f"{values['packing_mass_kg']:.4g} kg, {values['packing_height_m']:.4g} m high, {across} m wide",
     )
     if (struck := values["struck"]) is not None:
-        aside = (
-            f"{struck['aside_m']:.3g} m beside the middle of the top" if struck["aside_m"] else ""
-        )
+        aside = f"{struck['aside_m']:.3g} m from the middle of the top" if struck["aside_m"] else ""
         below = f"{struck['below_m']:.3g} m below the top" if struck["below_m"] else ""
         yield (
-            "struck",
+            "impacted",
             ", ".join(filter(None, [f"sphere {struck['sphere']}", struck["where"], aside, below])),
         )
     if (found := values["coordination"]) is not None:
         numbers = ", ".join(
             f"{number} on {n} grain{'s' * (n > 1)}" for number, n in found["grains"].items()
         )
-        yield "contacts of a grain", f"{found['mean']:.3g} in the mean: {numbers}"
+        yield "contacts per grain", f"{found['mean']:.3g} on average: {numbers}"
     yield from _contact_rows(values["contacts_found"])
     yield "precompression", _static(case)
     yield from rows
@@ -209,12 +238,12 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
             f"{schedule.first_timestep:.4g} s at first, {schedule.largest_timestep:.4g} s at most: "
         )
         timestep += f"energy balance to {schedule.energy_tolerance:g} of the input"
-        steps = f"{schedule.n_steps // schedule.first_step} if all were as long as the first"
+        steps = f"{schedule.n_steps // schedule.first_step} if all steps had the first length"
     at_most = "at most " if schedule.block_steps else ""  # such a run ends by itself
     yield "timestep", timestep
     yield (
         "",
-        f"set by {plan.limit.cause}; a contact alone would allow {plan.allowed:.2g} s"
+        f"limited by {plan.limit.cause}; contacts would allow {plan.allowed:.2g} s"
         if plan.limit
         else "",
     )
@@ -233,14 +262,14 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
     yield "expected time", f"about {usual}: {longer}"
     yield "", f"at most {most}" if at_most and most != usual else ""
     yield "static stage", static_stage_note([times]) if times.most_static > times.static else ""
-    yield "output", "a file from each rank (output.parts)" if values["output_in_parts"] else ""
+    yield "output", "one file per rank (output.parts)" if values["output_in_parts"] else ""
     if held := values["held_by_first_rank"]:
         yield "held by the first rank", f"all sites at once, for {' and '.join(held)}"
     overlap = f"up to {plan.peak_overlap:.3g} m, {plan.peak_overlap_radius:.3g} R*"
     if plan.peak_overlap_yield is not None:
-        overlap += f", {plan.peak_overlap_yield:.3g} of that at first yield"
+        overlap += f", {plan.peak_overlap_yield:.3g} of the overlap at first yield"
     if values["peak_overlap_beyond_law"]:
-        overlap += " - beyond 0.2 R*, where the contact law ends"
+        overlap += " - beyond 0.2 R*, the limit of the contact law"
     yield "largest overlap", overlap
     if (rate := values["rate"]) is not None:
         first = rate["factor_at_yield"]
@@ -249,7 +278,7 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
         yield "yield strength", f"times {first:.4g} {at}"
     for name, size in (values["loss"] or {}).items():
         yield "loss", _LOSS_ROWS[name].format(size)
-    yield "outermost yield", _outermost_yield(plan.zone)
+    yield "plastic zone", _plastic_zone(plan.zone)
     yield from (("no peak reduction", reason) for reason in values["nulls"].values())
 
 
@@ -258,9 +287,9 @@ def _contact_rows(found: Mapping[str, Any] | None) -> Rows:
     if found is None:
         return
     within = f"{found['n_within']} pairs within {found['tolerance_m']:.3g} m"
-    last = f"last place of the file: {found['last_place_m']:.3g} m"
+    last = f"last digit of the file: {found['last_place_m']:.3g} m"
     beyond = (
-        f"{found['n_beyond']} overlap by more, the largest by {found['largest_overlap_m']:.3g} m"
+        f"{found['n_beyond']} have a larger overlap, at most {found['largest_overlap_m']:.3g} m"
     )
     yield "touching in the file", f"{within} ({last}); {beyond}"
     way = found["way"]
@@ -273,15 +302,15 @@ def _memory_of_ranks(plan: Plan) -> str:
     """Return the memory of each rank; empty for a single one."""
     if plan.n_ranks == 1:
         return ""
-    first = f": first rank, which puts the results together, {plan.first_rank / _GIB:.2f}"
+    first = f": first rank, which collects the results, {plan.first_rank / _GIB:.2f}"
     other = f"{plan.other_rank / _GIB:.2f}"
     if plan.n_analysing == plan.n_ranks:
         return f"{first}, each other {other}"
     n_others = plan.n_analysing - 1
-    idle = f"each rank that takes no part in the analysis {plan.idle_rank / _GIB:.2f}"
+    idle = f"each rank without analysis {plan.idle_rank / _GIB:.2f}"
     if not n_others:
         return f"{first}, {idle}"
-    return f"{first}, each of {n_others} others that analyse with it {other}, {idle}"
+    return f"{first}, each of the {n_others} other analysis ranks {other}, {idle}"
 
 
 def _is_bound(case: Case) -> bool:
@@ -301,13 +330,13 @@ def _static(case: Case) -> str:
         "" if stage.pressure is None else f"{stage.pressure:.4g} Pa on the free faces",
         "" if stage.force is None else f"{stage.force:.4g} N on each grain of the top",
         *stage.rule.words(stage),
-        "overlaps at the start press" if stage.takes_overlaps else "",
+        "initial overlaps exert force" if stage.takes_overlaps else "",
     ]
     return "; ".join(filter(None, parts))
 
 
-def _outermost_yield(zone: ExpectedZone | None) -> str:
-    """Return an estimate of the outermost yield; empty if there is none."""
+def _plastic_zone(zone: ExpectedZone | None) -> str:
+    """Return an estimate of the size of the plastic zone; empty if there is none."""
     if zone is None:
         return ""
     if "sides" not in zone.room and zone.reaches:
@@ -327,16 +356,16 @@ def expected_cut(zone: ExpectedZone | None) -> str:
     """
     if zone is None or "sides" not in zone.room:
         return ""
-    parts = [
-        f"{verb} {' and '.join(f'the {name}, {zone.room[name]:.2g} m away' for name in names)}"
-        for names, verb in ((zone.reaches, "is expected to reach"), (zone.may_reach, "may reach"))
-        if names
-    ]
+    parts = []
+    for names, verb in ((zone.reaches, "is expected to reach"), (zone.may_reach, "may reach")):
+        if names:
+            edges = [f"the {name}, {zone.room[name]:.2g} m away" for name in names]
+            parts.append(f"{verb} {' and '.join(edges)}")
     if not parts:
         return ""
     return (
-        f"packing.size: the plastic zone {', and '.join(parts)}; its outermost yield is then cut there, and "
-        "zone_cut in summary.json says so. Make the packing larger to have it whole"
+        f"packing.size: the plastic zone {', and '.join(parts)}. The boundary limits the zone, "
+        "and zone_cut in summary.json lists it. Use a larger packing to contain the zone"
     )
 
 
@@ -346,4 +375,7 @@ def static_stage_note(times: Sequence[WallTime], jobs: float = 1.0) -> str:
     """
     counted = sum(time.static for time in times) / jobs
     most = sum(time.most_static for time in times) / jobs
-    return f"counted with {duration(counted)}, but cannot be known where there is disorder: up to {duration(most)}"
+    return (
+        f"estimated as {duration(counted)}, but unpredictable in a disordered packing: up to "
+        f"{duration(most)}"
+    )

@@ -113,7 +113,7 @@ def flag(name: str, what: str, **settings: Any) -> Option:
     return Option((name,), {"action": "store_true", "help": what, **settings})
 
 
-def directory(what: str = "where everything goes (default: ./NAME)", **settings: Any) -> Option:
+def directory(what: str = "directory of the results (default: ./NAME)", **settings: Any) -> Option:
     """Make the option of a directory of results, ``options.directory``."""
     return option(
         "-o", dest="directory", type=read.output_name, metavar="DIR", help=what, **settings
@@ -173,34 +173,59 @@ RANKS = option(
     metavar="N",
     help="number of MPI ranks (default: 1)",
 )
-NO_FIGURES = flag("--no-figures", "leave the figures out", dest="figures", action="store_false")
-FORCE = flag("--force", "move what is there to DIR.old (DIR.old2, ...), and begin anew")
-RESUME_OR_FORCE = [flag("--resume", "go on with what is there"), FORCE]
+NO_FIGURES = flag("--no-figures", "make no figures", dest="figures", action="store_false")
+FORCE = flag(
+    "--force", "move existing results to DIR.old (DIR.old2, ...) and restart from the beginning"
+)
+RESUME_OR_FORCE = [flag("--resume", "continue with existing results"), FORCE]
+SUBMIT = option(
+    "--submit",
+    nargs="?",
+    const=True,
+    type=read.input_name,
+    metavar="PROFILE",
+    help="run it as jobs on a cluster described by PROFILE (default: a standard Slurm)",
+)
+PRINT = flag("--print", "with --submit: print the script of the (first) job, and submit nothing")
+CHAIN = option(
+    "--chain",
+    type=read.positive,
+    metavar="N",
+    help="with --submit: N jobs, each of which continues from the checkpoint of the previous one",
+)
 
 # ----------------------------------------------------------------------- options of figures
 
 THROUGH = option(
-    "--through", metavar="X,Y,Z", help="a point of that plane, m (default: struck sphere)"
+    "--through", metavar="X,Y,Z", help="a point of the plane, m (default: the impacted sphere)"
 )
 #: Keys of ``[figures]`` that have an option.
 FIGURE_KEYS = {
     "plane": option(
         "--plane", metavar="x|y|z|X,Y,Z",
-        help="normal of a plane of your own through the struck sphere; its figures end in _section",
+        help="normal of an additional plane through the impacted sphere; the names of its figures "
+            "end in _section",
+    ),
+    "depths": option(
+        "--depths", metavar="METRES,...",
+        help="depths of the figure force_at_depths, below the struck sphere",
     ),
     "colour_map": option(
-        "--colour-map", metavar="NAME", help="colour map of matplotlib, for all figures that have one"
+        "--colour-map", metavar="NAME", help="matplotlib colour map of all figures that use one"
     ),
     "force_limits": option(
-        "--force-limits", metavar="LOW,HIGH", help="ends of the colour scale of forces, in the unit of the figure"
+        "--force-limits", metavar="LOW,HIGH", help="limits of the colour scale of forces, in the "
+            "unit of the figure"
     ),
     "dissipation_limits": option(
         "--dissipation-limits", metavar="LOW,HIGH",
-        help="ends of the colour scale of dissipation, over the energy input",
+        help="limits of the colour scale of dissipation, relative to the energy input",
     ),
-    "width": option("--width", metavar="METRES", help="width of a figure of one column (default: 0.08636)"),
+    "width": option("--width", metavar="METRES", help="width of a single-column figure, m "
+        "(default: 0.08636)"),
     "formats": option(
-        "--formats", metavar="NAME,...", help="files besides PNG and CSV: pdf, svg, pdf,svg or none (default: pdf)"
+        "--formats", metavar="NAME,...", help="formats in addition to PNG and CSV: pdf, svg, "
+            "pdf,svg or none (default: pdf)"
     ),
 }  # fmt: skip
 

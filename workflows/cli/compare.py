@@ -10,6 +10,9 @@ from granwave.workflows.cli.results import as_wrong_input
 from granwave.workflows.cli.terminal import columns
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from granwave.analysis.document.model import Cell
     from granwave.analysis.reports.comparison.comparison import Comparison
 
 _MOST_VALUES = 12  # rows at the terminal
@@ -68,19 +71,18 @@ def _differences(comparison: Comparison) -> str:
 
 def _misfits(comparison: Comparison) -> list[str]:
     """Return a table of the differences from each measured curve."""
+    from granwave.analysis.reports.comparison.blocks import misfit_tables
+
     tables: list[str] = []
-    for name, curve in comparison.measured.items():
-        rows = [[f"{name} from {curve.source}", "rms", "over peak", "peak"]]
-        for run, difference in comparison.deviations(name).items():
-            if difference is None:
-                rows.append([run.name, "no common range", "", ""])
-                continue
-            relative = f"{100 * difference.relative_rms:.3g} %"
-            peak = f"{100 * difference.peak_difference:+.3g} %"
-            rows.append([run.name, f"{difference.rms:.4g}", relative, peak])
-        rows += [[run.name, why, "", ""] for run, why in comparison.data(name).lacking.items()]
-        tables.append(columns(rows, left=(0,)))
+    for table in misfit_tables(comparison):
+        heads = [table.caption, *(column.heading for column in table.columns[1:])]
+        rows = [_texts(row) for row in table.rows]
+        tables.append(columns([heads, *rows], left=(0,)))
     return tables
+
+
+def _texts(row: Sequence[Cell]) -> list[str]:
+    return [cell.text for cell in row]
 
 
 def _cut(text: str) -> str:

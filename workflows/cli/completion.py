@@ -187,12 +187,16 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ("show", "name"): _names(
         lambda _: [*library.names(library.CASES), *library.names(library.SCANS)]
     ),
+    ("quantities", "name"): _names(
+        lambda _: [entry.name for entry in entries() if "*" not in entry.name]
+    ),
     ("keys", "table"): _names(_tables),
     ("report", "study"): _names(lambda _: STUDIES),
     ("compare", "quantities"): _names(
         lambda _: [entry.name for entry in entries() if "*" not in entry.name]
     ),
     ("figures", "only"): _names(lambda _: figure_names()),
+    ("figures", "names"): _names(lambda _: figure_names()),
     ("export", "to"): _names(lambda _: export_names()),
     ("bench", "parts"): _names(lambda _: BENCH_PARTS),
 }

@@ -63,9 +63,9 @@ def _check_law(options: argparse.Namespace, output: Path) -> None:
     published = options.variant not in (None, "continuous")
     takes_rate = contact_law.yields and "rate_sensitivity" in contact_law.parameters
     other = (
-        "takes all velocities: leave out --restitution"
+        "applies to all velocities: remove --restitution"
         if rate
-        else "matters to none: give --rate-sensitivity"
+        else "has no effect: add --rate-sensitivity"
     )
     for wrong, fault in (
         (
@@ -74,16 +74,18 @@ def _check_law(options: argparse.Namespace, output: Path) -> None:
         ),
         (
             not output.absolute().parent.is_dir(),
-            f"-o {output}: there is no directory {output.absolute().parent}",
+            f"-o {output}: no such directory: {output.absolute().parent}",
         ),
         (not are_radii(options.radius), RADII),
         (
             options.restitution and not contact_law.yields,
-            f"--restitution: a contact of law {options.law} gives all back; choose another --law",
+            f"--restitution: a contact of law {options.law} returns all energy; choose another "
+            "--law",
         ),
         (
             rate and not takes_rate,
-            f"--rate-sensitivity: found with law {options.law}, which knows no strain rate",
+            f"--rate-sensitivity: found with law {options.law}, which does not depend on the "
+            "strain rate",
         ),
         (
             rate and published,
@@ -116,7 +118,7 @@ def _parameters(options: argparse.Namespace) -> dict[str, dict[str, Any]]:
         elif parameter.optional:
             flag = name.replace("_", "-")
             laws = " or ".join(laws_with(parameter))
-            raise InputError(f"--{flag}: found with law {options.law}; it belongs to {laws}")
+            raise InputError(f"--{flag}: found with law {options.law}; it applies only to {laws}")
     return parameters
 
 
@@ -149,10 +151,11 @@ def _cohesion(options: argparse.Namespace) -> Cohesion | None:
         ) from None
     if kind == "jkr" and LAWS[options.law].yields:
         raise InputError(
-            f"--cohesion: found jkr with law {options.law}; it is of elastic spheres: take --law hertz, or dmt"
+            f"--cohesion: found jkr with law {options.law}, but is a law of elastic spheres: use "
+            "--law hertz, or dmt"
         )
     if options.restitution:
-        raise InputError("--cohesion: expected without --restitution")
+        raise InputError("--cohesion: cannot be combined with --restitution")
     return found
 
 

@@ -32,6 +32,7 @@ from granwave.workflows.cli.terminal import (
     line_of,
     print_json,
 )
+from granwave.workflows.cluster.profile import load_profile
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.run.launchers import (
@@ -41,7 +42,6 @@ from granwave.workflows.run.launchers import (
     start_fault,
 )
 from granwave.workflows.run.record import versions
-from granwave.workflows.scanning.slurm import load_profile
 
 _DECK = """\
 units si
@@ -119,14 +119,14 @@ def doctor(options: argparse.Namespace) -> int:
         state = ok if finding.works else coloured("FAIL", RED, sys.stdout)
         print(f"{state}  {finding.part}: {finding.found}")
         if not finding.works:
-            print(f"      mend: {finding.remedy}")
+            print(f"      fix: {finding.remedy}")
     for extension in found:
         state = coloured("lack", YELLOW, sys.stdout) if extension.missing else ok
         title = f"{extension.title} ({extension.distribution})"
         print(f"{state}  extension {extension.name}: {title}")
         if extension.missing:
             packages = ", ".join(extension.missing)
-            print(f"      some of it needs {packages}: {extension.remedy}")
+            print(f"      some features require {packages}: {extension.remedy}")
     return 0 if works else 1
 
 
@@ -167,16 +167,19 @@ def examine(profile: Path | None = None) -> list[Finding]:
     )  # only the shell knows if it is
     return [
         Finding("versions", not missing, listed,
-                "pip install granwave again, into a virtual environment"),
+                "reinstall granwave with pip in a virtual environment"),
         Finding("plugin", path.is_file(), f"{path}, built for LAMMPS {plugins.lammps_release()}",
-                "install granwave again: a wheel needs no compiler, the sources (pip install .) need g++"),
-        Finding("LAMMPS release", wrong is None, wrong or "the one that the plugin was built for", wrong or ""),
+                "reinstall granwave: a wheel requires no compiler, the sources (pip install .) "
+                "require g++"),
+        Finding("LAMMPS release", wrong is None, wrong or "the release for which the plugin was "
+            "built", wrong or ""),
         _attempt("lammps module", [*mpi.PYTHON, "-c", script], "loads the plugin and runs",
-                 "use a virtual environment: mpi4py looks for the environment's libmpi only there"),
+                 "use a virtual environment: only there mpi4py finds the libmpi of the "
+                 "environment"),
         _python_module(),
         _command(),
         _ranks(),
-        Finding("tab completion", True, f"to switch it on: {to_switch_on}"),
+        Finding("tab completion", True, f"to enable it: {to_switch_on}"),
         *([] if profile is None else _cluster(profile)),
     ]  # fmt: skip
 
@@ -185,7 +188,7 @@ def _python_module() -> Finding:
     return _attempt(
         "from lammps import lammps",
         [*mpi.PYTHON, "-c", _IN_PYTHON],
-        "loads its MPI library and the plugin by itself",
+        "loads its MPI library and the plugin automatically",
         "in your own scripts, write `from mpi4py import MPI` above `from lammps import lammps`",
     )
 
@@ -202,7 +205,7 @@ def _command() -> Finding:
         deck.write_text(_DECK, encoding="ascii")
         command = [found, "-in", str(deck), "-log", "none", "-screen", "none"]
         remedy = f"export LAMMPS_PLUGIN_PATH={plugins.directory()}"
-        return _attempt("lmp command", command, f"{found} finds the plugin by itself", remedy)
+        return _attempt("lmp command", command, f"{found} finds the plugin automatically", remedy)
 
 
 def _ranks() -> Finding:
@@ -220,14 +223,12 @@ def _ranks() -> Finding:
         "sys.exit(n != 2 and f'found {n} rank(s)')"
     )
     command = [launcher, "-n", "2", *mpi.PYTHON, "-m", "mpi4py", "-c", script]
-    remedy = (
-        "take mpiexec and mpi4py of one MPI library, and unset variables that the line above names"
-    )
-    return _attempt("MPI ranks", command, f"two ranks by {launcher}", remedy)
+    remedy = "use mpiexec and mpi4py of the same MPI library, and unset the variables listed above"
+    return _attempt("MPI ranks", command, f"two ranks with {launcher}", remedy)
 
 
 def _cluster(path: Path) -> list[Finding]:
-    """Check what the profile of a cluster names: Slurm's commands, and the launcher of ranks."""
+    """Check what the profile of a cluster names: commands of its scheduler, and the launcher."""
     try:
         profile = load_profile(path)
     except InputError as error:
@@ -236,7 +237,7 @@ def _cluster(path: Path) -> list[Finding]:
                 "profile",
                 False,
                 "; ".join(map(line_of, error.items)),
-                "granwave keys slurm explains the keys",
+                "granwave keys cluster lists the keys",
             )
         ]
     found = [Finding("profile", True, f"{path}")]
@@ -244,9 +245,9 @@ def _cluster(path: Path) -> list[Finding]:
     if before:
         command = ["bash", "-c", f"set -e\n{before}"]
         found.append(
-            _attempt("commands of before", command, "run", "correct before in the profile")
+            _attempt("commands of before", command, "run", "correct the key before in the profile")
         )
-    for name in dict.fromkeys(("sbatch", "scancel", profile.status)):
+    for name in profile.queue.programs:
         command = ["bash", "-c", f"command -v {shlex.quote(name)}"]
         found.append(
             _attempt(
@@ -256,11 +257,16 @@ def _cluster(path: Path) -> list[Finding]:
                 "run on a login node of the cluster",
             )
         )
-    for name in shlex.split(profile.launcher)[:1]:
+    for name in profile.launcher_command[:1]:
         command = ["bash", "-c", f"{before}\ncommand -v {shlex.quote(name)}"]
         where = "found (launcher of the profile, after the commands of `before`)"
         found.append(
-            _attempt(f"{name} command", command, where, "correct launcher or before in the profile")
+            _attempt(
+                f"{name} command",
+                command,
+                where,
+                "correct the keys launcher or before in the profile",
+            )
         )
     return found
 
@@ -291,7 +297,10 @@ def _attempt(part: str, command: list[str], success: str, remedy: str) -> Findin
         lines = output.read().decode("utf-8", "replace").splitlines()
     if any(_NOT_STARTED in line for line in lines):
         return Finding(
-            part, False, start_fault(mpi.alone()), "let MPI start, as the line above says"
+            part,
+            False,
+            start_fault(mpi.alone()),
+            "fix the start of MPI, as the line above explains",
         )
     return Finding(part, False, _fault_in(lines) or f"exit status {status}", remedy)
 

@@ -69,7 +69,7 @@ def grain_file_rows(values: Mapping[str, Any] | None) -> Iterator[tuple[str, str
     if values["density_kg_m3"] is not None:
         low, high = values["density_kg_m3"]
         shown = f"{low:.4g}" if high - low <= _SAME * high else f"{low:.4g} to {high:.4g}"
-        yield "density in the file", f"{shown} kg/m^3; those of the materials count"
+        yield "density in the file", f"{shown} kg/m^3; the densities of the materials are used"
     if values["largest_speed_m_s"]:
         yield "velocities", f"up to {values['largest_speed_m_s']:.4g} m/s in the file"
     n_overlapping = values["n_overlapping"]
@@ -84,7 +84,7 @@ def _sizes(values: Mapping[str, Any]) -> str:
     if high - low <= _SAME * high:
         return f"{high:.6g} m"
     mean = values["mean_diameter_m"]
-    return f"{low:.6g} m to {high:.6g} m, {mean:.6g} m in the mean"
+    return f"{low:.6g} m to {high:.6g} m, {mean:.6g} m on average"
 
 
 def _counts(counts: Mapping[str, int], before: str = "") -> str:

@@ -8,8 +8,8 @@ from __future__ import annotations
 from granwave.lammps_inputs.case.case import CaseHead, case_tables
 from granwave.lammps_inputs.case.contact import Pair
 from granwave.lammps_inputs.case.made_packing import packing_makers
+from granwave.workflows.cluster.profile import Profile, SlurmProfile
 from granwave.workflows.scanning.header import RanksBySize, ScanHeader
-from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 
 #: Tables of a file by heading: dataclass and description.
@@ -31,7 +31,7 @@ def case_sections() -> Sections:
 def scan_sections() -> Sections:
     """Return the tables of a scan file."""
     return {
-        "": (ScanHeader, "top-level keys and the tables of what varies"),
+        "": (ScanHeader, "top-level keys and the tables of varied keys"),
         "[ranks]": (RanksBySize, ""),
     }
 
@@ -43,4 +43,7 @@ def suite_sections() -> Sections:
 
 def profile_sections() -> Sections:
     """Return the tables of a profile of a cluster."""
-    return {"[slurm]": (Profile, "how the cluster is used; every key may be left out")}
+    return {
+        "[cluster]": (Profile, "use of the cluster; all keys are optional"),
+        "[slurm]": (SlurmProfile, "the same for Slurm only; all keys are optional"),
+    }

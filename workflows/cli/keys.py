@@ -155,7 +155,8 @@ def overview() -> str:
         ]
         parts.append("\n".join([title, *rows]))
     parts.append(
-        "granwave keys TABLE lists the keys of a table, TABLE.KEY one of them, WORD those in which it stands."
+        "granwave keys TABLE lists the keys of a table, TABLE.KEY shows one key, and WORD finds "
+        "the keys that contain it."
     )
     return "\n\n".join(parts)
 
@@ -228,7 +229,7 @@ def _with_contact(pair: KeyTable) -> KeyTable:
     """Return the table ``[[pair]]`` with the keys that it has in common with ``[contact]``."""
     contact = _of_section(pair.file, CONTACT, case_sections()[CONTACT][0])
     of_contact = (key for key in contact.keys if key.name not in _NOT_OF_A_PAIR)
-    taken = (dataclasses.replace(key, default="that of [contact]") for key in of_contact)
+    taken = (dataclasses.replace(key, default="value of [contact]") for key in of_contact)
     return dataclasses.replace(pair, keys=(*pair.keys, *taken))
 
 
@@ -258,7 +259,7 @@ def _usual(usual: Usual) -> str:
     of_unit = f" {usual.unit}" if usual.unit else ""
     text = f"usual: {plain(usual.low)} to {plain(usual.high)}{of_unit}"
     if usual.beyond == 1:
-        return f"{text}; others give a warning"
+        return f"{text}; other values give a warning"
     return (
         f"{text}; below, and above {plain(usual.high * usual.beyond)}{of_unit}, a warning is given"
     )
@@ -290,7 +291,10 @@ def _examples() -> dict[str, dict[str, dict[str, Any]]]:
 
 def _hint(wanted: str) -> str:
     names = list(dict.fromkeys(table.name for table in tables()))
-    vocabulary = [f"{table.name}.{key.name}" for table in tables() for key in table.keys]
+    vocabulary = []
+    for table in tables():
+        for key in table.keys:
+            vocabulary.append(f"{table.name}.{key.name}")
     same = list(dict.fromkeys(key for key in vocabulary if wanted and key.endswith(f".{wanted}")))
     near = same or difflib.get_close_matches(
         wanted.lower(), [*names, *vocabulary], n=1, cutoff=0.75

@@ -145,9 +145,7 @@ def _report_file(error: OSError, words: Sequence[str]) -> int:
             error.filename is not None and os.path.abspath(os.fsdecode(error.filename)) in named
         )
     except OSError:
-        return _report(
-            ["the working directory does not exist any more; change to another"], WRONG_INPUT
-        )
+        return _report(["the working directory no longer exists; change to another"], WRONG_INPUT)
     # errors of writing name their file, see `granwave.lammps_inputs.files`
     name = error.filename or ("standard output" if error.errno in DISK_IS_FULL else "a file")
     shown = str(name) if len(str(name)) <= _LONGEST_SHOWN else f"{str(name)[:_LONGEST_SHOWN]}..."

@@ -50,7 +50,8 @@ def cases(options: argparse.Namespace) -> int:
         print("\n".join(line if len(line) <= most else f"{line[: most - 1]}…" for line in lines))
     if briefly:
         print(
-            "granwave cases WORD tells what those with this word are, --all what each is; granwave show NAME prints one"
+            "granwave cases WORD describes the cases and scans with this word, --all describes "
+            "all; granwave show NAME prints a file"
         )
     return 0
 
@@ -65,9 +66,14 @@ def keys(options: argparse.Namespace) -> int:
     """Execute ``granwave keys``."""
     from granwave.workflows.cli.json_schema import schema_of
     from granwave.workflows.cli.keys import as_text, find, overview, tables
+    from granwave.workflows.cli.quantity_texts import is_quantity, quantity_text
 
     if options.schema:
         print(json.dumps(schema_of(options.schema), indent=1))
+        return 0
+    name = " ".join(options.table)
+    if is_quantity(name) and not options.json:
+        print(quantity_text(name))
         return 0
     found = find(*options.table) if options.table else None
     if options.json:
@@ -77,17 +83,26 @@ def keys(options: argparse.Namespace) -> int:
     return 0
 
 
+def quantities(options: argparse.Namespace) -> int:
+    """Execute ``granwave quantities``."""
+    from granwave.workflows.cli.quantity_texts import all_quantities, quantity_text
+
+    print(quantity_text(options.name) if options.name else all_quantities())
+    return 0
+
+
 def bench(options: argparse.Namespace) -> int:
     """Execute ``granwave bench``."""
     from granwave.workflows.bench import bench as run_bench
+    from granwave.workflows.bench_lists import compare_lists
 
     if options.json and not options.json.absolute().parent.is_dir():
         raise InputError(
-            f"--json {options.json}: there is no directory {options.json.absolute().parent}"
+            f"--json {options.json}: no such directory: {options.json.absolute().parent}"
         )
     if options.json:
         refuse_other_file(options.json, rb'"triad_GB_per_s"')
-    results = run_bench(options.parts, options.repeats)
+    results = run_bench(options.parts, options.repeats, {"lists": compare_lists})
     if options.json:
         replace_text(options.json, json.dumps(results, indent=2) + "\n")
     return 0

@@ -21,7 +21,7 @@ def draw_packing(path: Path | None, assembled: Any) -> None:
         return
     if not isinstance(assembled, Assembly):
         raise InputError(
-            "--picture: found no packing, expected a case of granwave run; leave it out"
+            "--picture: this case has no packing; remove the option, or use a case of granwave run"
         )
     # takes longer to load than most checks
     from granwave.analysis.figures.packing_sketch import write_packing

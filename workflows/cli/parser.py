@@ -20,6 +20,7 @@ from granwave.workflows.cli import arguments as read
 from granwave.workflows.cli.arguments import BENCH_PARTS
 from granwave.workflows.cli.commands import (
     CASE,
+    CHAIN,
     CONTACTS,
     FIGURE_KEYS,
     FIND,
@@ -27,12 +28,14 @@ from granwave.workflows.cli.commands import (
     LOOK,
     NO_FIGURES,
     PACKAGE,
+    PRINT,
     RANKS,
     RESUME_OR_FORCE,
     RUN,
     RUN_OR_SCAN,
     RUNNING,
     SET,
+    SUBMIT,
     Command,
     Option,
     as_json,
@@ -45,6 +48,7 @@ from granwave.workflows.cli.commands import (
     radii,
 )
 from granwave.workflows.cli.terminal import BOLD, RED, SHELLS, coloured
+from granwave.workflows.cluster.schedulers import SCHEDULERS
 from granwave.workflows.file_kinds import file_kinds
 
 WRONG_INPUT = 2  # exit status
@@ -67,7 +71,7 @@ def _compare() -> Command:
     return Command(
         "compare",
         LOOK,
-        "what differs most between runs: a sentence, tables, a page, figures",
+        "compare runs: largest differences, tables, a page, figures",
         "granwave.workflows.cli.compare:compare",
         (
             option(
@@ -75,7 +79,7 @@ def _compare() -> Command:
                 nargs="+",
                 type=read.input_name,
                 metavar="DIR",
-                help="directories of runs, and of scans for all their points",
+                help="directories of runs, and of scans (all their points)",
             ),
             option(
                 "--quantity",
@@ -90,22 +94,23 @@ def _compare() -> Command:
                 "--measured",
                 type=read.input_name,
                 metavar="FILE.csv",
-                help="a measured curve: two columns, units in their names, as time_us, force_N",
+                help="a measured curve: two columns with units in their names, such as time_us, "
+                "force_N",
             ),
             option(
                 "--as",
                 dest="measured_as",
                 default="bottom_force",
                 metavar="NAME",
-                help="figure that the measured curve lies over: bottom_force (default), "
-                "peak_force_depth or fronts",
+                help="figure with the measured curve: bottom_force (default), peak_force_depth or "
+                "fronts",
             ),
             option(
                 "--shift",
                 type=read.finite,
                 default=0.0,
                 metavar="X",
-                help="add X, s or m, to the times or lengths that were measured",
+                help="add X (s or m) to the measured times or lengths",
             ),
             option(
                 "--scale",
@@ -127,107 +132,146 @@ def _core() -> tuple[Command, ...]:
     """Return the commands of the core."""
     files = [kind.name for kind in file_kinds()]
     return (
-        Command("cases", FIND, "the studies that come with the package", "granwave.workflows.cli.package:cases", (
-            option("words", nargs="*", metavar="WORD", help="list only those whose name or title has all these words"),
-            flag("--all", "list all, with what each is"),
+        Command("cases", FIND, "list the built-in cases and "
+            "scans", "granwave.workflows.cli.package:cases", (
+            option("words", nargs="*", metavar="WORD", help="list only entries whose name or "
+                "title contains all these words"),
+            flag("--all", "list all, with descriptions"),
             as_json("the list"),
         )),
-        Command("show", FIND, "an editable copy of a built-in study, on stdout", "granwave.workflows.cli.package:show", (
+        Command("show", FIND, "print an editable copy of a built-in case or "
+            "scan", "granwave.workflows.cli.package:show", (
             option("name", metavar="NAME", help="name of a built-in case or scan"),
         )),
-        Command("keys", FIND, "keys of all files: unit, default, accepted values, example", "granwave.workflows.cli.package:keys", (
-            option("table", nargs="*", metavar="TABLE", help="a table, as packing; a key, as packing.diameter; or words "
-                    "of keys or descriptions (default: a list)"),
+        Command("keys", FIND, "list the keys of all files: unit, default, accepted values, "
+            "example", "granwave.workflows.cli.package:keys", (
+            option("table", nargs="*", metavar="TABLE", help="a table, such as packing; a key, "
+                "such as packing.diameter; or words of keys or descriptions (default: a list)"),
             [as_json("the tables and their keys"),
              option("--schema", choices=files, metavar="FILE",
-                     help=f"print the JSON Schema of a kind of files, for editors: {', '.join(files)}")],
+                     help="print the JSON Schema of a kind of file, for editors: "
+                         f"{', '.join(files)}")],
         )),
-        Command("check", FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "granwave.workflows.cli.check:check", (
+        Command("quantities", FIND, "list the values of summary.json: label, unit, meaning",
+                "granwave.workflows.cli.package:quantities", (
+            option("name", nargs="?", metavar="NAME",
+                   help="a value, such as zone_depth_90_m (default: a list)"),
+        )),
+        Command("check", FIND, "check a case and estimate size, memory, disk, timestep, time, "
+            "overlap", "granwave.workflows.cli.check:check", (
             CASE, SET, RANKS,
             option("--picture", type=read.output_name, metavar="FILE.png",
-                   help="draw the packing from the side and from above, .png or .pdf; both are written, with its grains as .csv"),
+                   help="draw the packing from the side and from above (.png or .pdf; both are written, and the grains as .csv)"),
+            option("--profile", type=read.input_name, metavar="FILE",
+                    help="plan for this cluster instead of this machine: nodes, ranks, time, memory"),
             as_json("the plan"),
         )),
-        Command("run", RUNNING, "run a case: deck, LAMMPS, analysis, figures", "granwave.workflows.cli.running:run", (
+        Command("run", RUNNING, "run a case: input script, LAMMPS, analysis, "
+            "figures", "granwave.workflows.cli.running:run", (
             CASE, SET, directory(), RANKS,
             option("--checkpoint", type=read.seconds, default=60.0, metavar="SECONDS",
                     help="wall time between checkpoints (default: 60)"),
-            NO_FIGURES, as_json("the summary"), RESUME_OR_FORCE,
+            NO_FIGURES, SUBMIT, CHAIN, PRINT, as_json("the summary"), RESUME_OR_FORCE,
         )),
-        Command("scan", RUNNING, "run a case many times with some keys varied; table, figures and report", "granwave.workflows.cli.scan:scan", (
+        Command("scan", RUNNING, "run a case repeatedly with varied keys; table, figures and "
+            "report", "granwave.workflows.cli.scan:scan", (
             option("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan"),
             SET, directory(),
-            option("--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"),
+            option("--executor", default="local", metavar="local|SCHEDULER",
+                    help=f"where to run the points: local (default), or a scheduler: {', '.join(SCHEDULERS)}"),
             option("--profile", type=read.input_name, metavar="FILE",
-                    help="how to use the cluster: partition, account, time, ..."),
+                    help="profile of the cluster: partition, account, time, ..."),
+            SUBMIT, PRINT,
             option("--jobs", type=read.positive, metavar="N",
                     help="jobs at once (default: the cores of this machine; 100 on a cluster)"),
-            flag("--plan", "say what the scan would be, and run nothing"),
-            as_json("the plan, or at the end all points and their values,"), RESUME_OR_FORCE,
+            flag("--plan", "print the plan of the scan without running it"),
+            as_json("the plan, or all points and their values at the end,"), RESUME_OR_FORCE,
         )),
-        Command("write", RUNNING, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave", "granwave.workflows.cli.running:write", (
-            CASE, SET, directory("where the deck goes; required", required=True), FORCE,
+        Command("write", RUNNING, "write only the LAMMPS input; run it with lmp -in "
+            "in.granwave", "granwave.workflows.cli.running:write", (
+            CASE, SET, directory("directory of the LAMMPS input; required", required=True), FORCE,
         )),
-        Command("analyse", RUNNING, "once more from the dumps: result.h5, figures, summary.json", "granwave.workflows.cli.running:analyse", (
+        Command("analyse", RUNNING, "repeat the analysis of the dumps: result.h5, figures, "
+            "summary.json", "granwave.workflows.cli.running:analyse", (
             RUN, RANKS, NO_FIGURES, as_json("the summary"),
         )),
-        Command("report", LOOK, "a page that compares any number of runs and scans", "granwave.workflows.cli.results:report", (
+        Command("report", LOOK, "write a report of any number of runs and "
+            "scans", "granwave.workflows.cli.results:report", (
             option("directories", nargs="+", type=read.input_name, metavar="DIR", help="directories of runs and scans"),
             output("a file that ends in .html, .pdf or .md (default: report.html)", default=Path("report.html")),
             option("--study", action="append", default=[], metavar="NAME|FILE.py",
-                    help="a study to make of all runs, by name or in a file of yours, beside those that scan and suite "
-                    "files name; may be repeated"),
+                    help="a study of all runs, by name or as a Python file, in addition to the "
+                        "studies of scan and suite files; may be repeated"),
         )),
         _compare(),
-        Command("figures", LOOK, "draw the figures of a run again, all or some", "granwave.workflows.cli.results:figures", (
+        Command("figures", LOOK, "redraw all or some figures of a "
+            "run", "granwave.workflows.cli.results:figures", (
             RUN,
+            option("names", nargs="*", metavar="NAME",
+                    help="names of figures (default: the figures selected in the case, or the "
+                        "main figures)"),
             option("--only", type=read.words, metavar="NAME,...",
-                    help="names of figures (default: those of the case, or all)"),
+                   help="names of figures, separated by commas"),
+            flag("--all", "all applicable figures"),
             *figure_options(*FIGURE_KEYS),
         )),
-        Command("export", LOOK, "the results for other programs: ParaView, pandas, xarray, OVITO", "granwave.workflows.cli.results:export", (
+        Command("export", LOOK, "export results to other programs: ParaView, pandas, xarray, "
+            "OVITO", "granwave.workflows.cli.results:export", (
             RUN_OR_SCAN, option("--to", required=True, metavar="FORMAT", help=f"one of {', '.join(export_names())}"),
-            output("where to (default: DIR/export)", "DIR"),
+            option("--only", type=read.words, metavar="NAME,...",
+                    help="tables of a run to export to csv, such as contacts,energy (default: "
+                        "all)"),
+            output("directory or file of the export (default: DIR/export)", "DIR"),
         )),
-        Command("law", CONTACTS, "force-overlap curves of a contact: a plot or a table", "granwave.workflows.cli.contacts:law", (
-            materials("one or two: a name, or FILE.toml:NAME (default: brass)"),
-            radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
+        Command("law", CONTACTS, "plot or tabulate force-overlap curves of a "
+            "contact", "granwave.workflows.cli.contacts:law", (
+            materials("one or two materials: a name, or FILE.toml:NAME (default: brass)"),
+            radii("one or two radii, m; the second may be inf, a plane (default: 0.005)"),
             option("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)"),
             *(_law_parameter(p) for p in PARAMETERS.values() if set(laws_with(p)) & set(LAWS)),
             option("--cohesion", nargs=2, metavar=("KIND", "W"), help="jkr or dmt, and the work of adhesion, J/m^2"),
             option("--max-overlap", type=read.overlap, default=200.0, metavar="A",
-                    help="largest overlap, in units of that at first yield (default: 200)"),
+                    help="largest overlap, in units of the overlap at first yield (default: 200)"),
             option("--velocity", type=read.speed, default=0.0, metavar="V",
-                    help="approach velocity, m/s, with --rate-sensitivity (default: slow)"),
-            flag("--restitution", "coefficient of restitution against velocity instead, of two spheres and of a sphere "
-                  "and a rigid wall"),
+                    help="approach velocity, m/s, with --rate-sensitivity (default: quasi-static)"),
+            flag("--restitution", "plot the coefficient of restitution against velocity instead, "
+                "for two spheres and for a sphere on a rigid wall"),
             output("a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)"),
         )),
-        Command("doctor", PACKAGE, "versions, plugin, MPI: what works and how to mend what does not", "granwave.workflows.cli.doctor:doctor", (
+        Command("doctor", PACKAGE, "check the installation (versions, plugin, MPI) and suggest "
+            "fixes", "granwave.workflows.cli.doctor:doctor", (
             option("--profile", type=read.input_name, metavar="FILE",
                     help="also check the profile of a cluster, on its login node"),
             as_json("the findings"),
         )),
-        Command("selftest", PACKAGE, "known answers, plugin, MPI and restart, computed on this machine: run it first",
+        Command("selftest", PACKAGE, "verify the installation: reference values, plugin, MPI and "
+            "restart",
                 "granwave.workflows.cli.selftest:selftest", (
             option("--np", dest="ranks", type=read.positive, default=2, metavar="N",
-                    help="MPI ranks that must give the numbers of one (default: 2; 1 leaves that out)"),
+                    help="number of MPI ranks to compare with a single rank (default: 2; 1 skips "
+                        "this check)"),
             option("--profile", type=read.input_name, metavar="FILE",
-                    help="profile of a cluster, whose launcher starts the ranks (default: mpiexec)"),
+                    help="profile of a cluster; its launcher starts the ranks (default: mpiexec)"),
             as_json("the checks"),
         )),
-        Command("bench", PACKAGE, "speed beside LAMMPS's own granular styles, on this machine", "granwave.workflows.cli.package:bench", (
-            option("--json", type=read.output_name, metavar="FILE", help="write the results there too"),
-            option("--repeats", type=read.positive, default=5, metavar="N", help="timings of each (default: 5)"),
+        Command("bench", PACKAGE, "compare the speed with the granular styles of LAMMPS on this "
+            "machine", "granwave.workflows.cli.package:bench", (
+            option("--json", type=read.output_name, metavar="FILE", help="also write the results "
+                "to this file"),
+            option("--repeats", type=read.positive, default=5, metavar="N", help="timings of each "
+                "style (default: 5)"),
             [option("--parts", type=read.bench_parts, default=BENCH_PARTS, metavar="PART,...",
-                     help=f"what to measure: {', '.join(BENCH_PARTS)} (default: all, some ten minutes)"),
+                     help=f"parts to measure: {', '.join(BENCH_PARTS)} (default: all, about ten "
+                         "minutes)"),
              option("--styles-only", action="store_const", const=("styles",), dest="parts",
                      help="the same as --parts styles")],
         )),
-        Command("completion", PACKAGE, "code that switches on tab completion in a shell", "granwave.workflows.cli.completion:completion", (
+        Command("completion", PACKAGE, "print code that enables tab completion in a "
+            "shell", "granwave.workflows.cli.completion:completion", (
             option("shell", choices=SHELLS, help="the shell: bash, zsh or fish"),
         )),
-        Command(_HELP, PACKAGE, "this list, or the options of a command", "granwave.workflows.cli.package:show_help"),
+        Command(_HELP, PACKAGE, "show this list, or the options of a "
+            "command", "granwave.workflows.cli.package:show_help"),
     )  # fmt: skip
 
 
@@ -317,7 +361,7 @@ class _Parser(argparse.ArgumentParser):
         elif message.startswith("unrecognized arguments: "):
             message += _meant(message.split()[2].partition("=")[0])
         message = message.removeprefix("argument ")
-        help_text = "" if "found " in message else f"; {self.prog} --help tells more"
+        help_text = "" if "found " in message else f"; see {self.prog} --help"
         self.exit(
             WRONG_INPUT,
             f"{coloured('granwave:', RED, sys.stderr)} {printable(' '.join(message.split()))}{help_text}\n",

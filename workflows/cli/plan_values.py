@@ -134,7 +134,7 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
     coordination = None
     rate = None
     held = {
-        "unlike or missing spheres": not assembly.sites.uniform,
+        "dissimilar or missing spheres": not assembly.sites.uniform,
         "strikers": bool(assembly.strikers),
     }
     # a restitution that is asked for is found

@@ -36,7 +36,7 @@ def as_wrong_input() -> Iterator[None]:
         raise InputError(str(error)) from None
 
 
-def existing(directory: Path, expected: str = "run a case into it first") -> Path:
+def existing(directory: Path, expected: str = "run a case in this directory first") -> Path:
     """Return a directory; raise InputError if there is none."""
     if not directory.is_dir():
         raise InputError(f"{directory}: no such directory; {expected}")
@@ -56,9 +56,9 @@ def export(options: argparse.Namespace) -> int:
     from granwave.analysis.exports.export import export as export_directory
 
     output = options.output or options.directory / EXPORT_DIRECTORY
-    existing(options.directory, "expected that of a run or a scan")
+    existing(options.directory, "expected the directory of a run or a scan")
     with held(ResultDirectory(results_directory(output))):
-        placed = export_directory(options.directory, options.to, options.output)
+        placed = export_directory(options.directory, options.to, options.output, options.only or ())
     for path in placed:
         print(path)
     return 0
@@ -66,20 +66,14 @@ def export(options: argparse.Namespace) -> int:
 
 def figures(options: argparse.Namespace) -> int:
     """Execute ``granwave figures``."""
-    from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
+    from granwave.analysis.figures.side_by_side import helpers, number_expected
 
-    wanted = options.only
-    if unknown := [name for name in wanted or () if name not in figure_names()]:
-        hint = (
-            did_you_mean(unknown[0], figure_names())
-            or f", expected some of {', '.join(figure_names())}"
-        )
-        raise InputError(f"--only: found {unknown[0]}{hint}")
+    wanted = _names_of_figures(options)
     results = ResultDirectory(existing(options.directory))
     with (
         held(results, way=""),
         as_wrong_input(),
-        helpers(len(wanted) if wanted else USUAL_FIGURES) as others,
+        helpers(number_expected(Figures(all=options.all), wanted)) as others,
     ):
         # loaded while the helpers load them too
         from granwave.analysis.figures.run_figures import draw_figures
@@ -88,11 +82,14 @@ def figures(options: argparse.Namespace) -> int:
 
         with Result(results) as result:
             changed = apply_options(options, result.figure_options)
+        if options.all:
+            changed = dataclasses.replace(changed, all=True, only=())
         if changed.plane is None and (
             cut := [name for name in wanted or () if name.endswith("_section")]
         ):
             raise InputError(
-                f"--only: {', '.join(cut)}: needs a plane; give --plane x, or figures.plane of the case"
+                f"--only: {', '.join(cut)}: requires a plane; set --plane x, or figures.plane of "
+                "the case"
             )
         drawn = draw_figures(results, names=wanted, helpers=others, options=changed)
     for path in drawn:
@@ -100,11 +97,33 @@ def figures(options: argparse.Namespace) -> int:
     failed = FigureFolder(results).not_drawn()
     if failed.keys() & set(wanted or failed):
         return 1
+    if options.all:
+        return 0
     if left := [name for name in wanted or () if name not in {path.stem for path in drawn}]:
         raise InputError(
-            f"--only: {', '.join(left)}: does not apply to this run, which has nothing of the kind"
+            f"--only: {', '.join(left)}: does not apply to this run, which has no such data"
         )
     return 0
+
+
+def _names_of_figures(options: argparse.Namespace) -> tuple[str, ...] | None:
+    """Return the names of the figures that the command line asks for; None if it names none.
+
+    Raises
+    ------
+    InputError
+        There is no figure of a name, or names come together with ``--all``.
+    """
+    names = (*options.names, *(options.only or ()))
+    unknown = [name for name in names if name not in figure_names()]
+    if unknown:
+        expected = f", expected some of {', '.join(figure_names())}"
+        hint = did_you_mean(unknown[0], figure_names()) or expected
+        where = "--only: " if unknown[0] in (options.only or ()) else ""
+        raise InputError(f"{where}found {unknown[0]}{hint}")
+    if names and options.all:
+        raise InputError("--all: draws all figures; remove it, or the names of figures")
+    return tuple(dict.fromkeys(names)) or None
 
 
 # ---------------------------------------------------------------------- options of figures
@@ -136,7 +155,7 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
                 text = f"{text} and {through}"
             faults.append(f"{option}: found {text}, expected {_in_words(name, error.expected)}")
     if options.through is not None and options.plane is None:
-        faults.append("--through: it is a point of the plane of --plane, which is not given")
+        faults.append("--through: requires --plane, whose point it sets")
     if faults:
         raise InputError(faults)
     return dataclasses.replace(given, **changes)
@@ -147,6 +166,8 @@ def _value(name: str, text: str, through: str | None) -> Any:
     if name == "formats":
         return [] if text == "none" else text.split(",")
     value = _toml(text) if name != "colour_map" else text
+    if name == "depths" and not isinstance(value, list):
+        return [value]
     if name == "plane" and isinstance(value, list):
         value = {"normal": value}
     if name == "plane" and through is not None:
@@ -168,7 +189,12 @@ def _toml(text: str) -> Any:
 def _in_words(name: str, expected: str) -> str:
     """Return what a key expects, as the command line writes it."""
     if name == "plane" and expected != NO_NORMAL:
-        return "x, y, z, or the three numbers of a normal, as 1,1,0; --through takes three numbers in m"
+        return (
+            "x, y, z, or the three components of a normal, such as 1,1,0; --through requires "
+            "three numbers in m"
+        )
     if name.endswith("limits"):
-        return f"{expected}, as 0.1,100"
+        return f"{expected}, such as 0.1,100"
+    if name == "depths":
+        return "depths above 0 in m, such as 0.02,0.05"
     return expected

@@ -25,6 +25,7 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, RUN, SUMMARY_FILE
 from granwave.workflows import library
 from granwave.workflows.cli.results import as_wrong_input, existing
+from granwave.workflows.cli.submission import refuse_without_submit, submit_run
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import RunDirectory, decide, held, run_files
@@ -34,6 +35,9 @@ _SMALL_DECK = 1e7  # bytes; smaller ones are written whole or not at all without
 
 def run(options: argparse.Namespace) -> int:
     """Execute ``granwave run``."""
+    if options.submit is not None:
+        return submit_run(options)
+    refuse_without_submit(options)
     starts_ranks = options.ranks > 1 and not mpi.launched()
     if starts_ranks:
         mpi.check_cores(options.ranks)
@@ -47,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     if starts_ranks:
         decide(assembly, RunDirectory(directory), n_ranks=options.ranks, **how)
         words = _without_ranks(options.given)
-        return mpi.launch(options.ranks, words, remedy="go on with --resume")
+        return mpi.launch(options.ranks, words, remedy="continue with --resume")
 
     from granwave.workflows.run.driver import (
         run_assembly,
@@ -65,28 +69,29 @@ def run(options: argparse.Namespace) -> int:
         warn_of_zone(summary)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
-                f"{beyond} contacts were pressed beyond 0.2 R*, where the contact law ends; "
-                "figures draw a ring around them"
+                f"{beyond} contacts were pressed beyond 0.2 R*, the limit of the contact law; "
+                "figures mark them with a ring"
             )
         if outcome.state == record.INTERRUPTED:
             print(
-                "granwave: stopped before its end; the same command with --resume goes on",
+                "granwave: interrupted; run the same command with --resume to continue",
                 file=sys.stderr,
             )
         if outcome.state == record.REFUSED:
             error = summary.get("energy_balance_error")
             misses = (
-                "it is not a number" if error is None else f"it misses by {error:.1e} of the input"
+                "it is not a number" if error is None else f"its error is {error:.1e} of the input"
             )
             automatic = case.run.timestep == "auto"
             mend = (
-                "give run.energy_tolerance a smaller value"
+                "set run.energy_tolerance to a smaller value"
                 if automatic
-                else "leave out run.timestep"
+                else "remove run.timestep"
             )
             print(
-                f"granwave: the energy balance was refused: {misses}; what was computed is kept. Expected at most "
-                f"{case.run.accepted_balance_error:g}: {mend}, and run it again with --force",
+                f"granwave: energy balance error too large: {misses}; the results are kept. "
+                f"Expected at most {case.run.accepted_balance_error:g}: {mend}, and run it again "
+                "with --force",
                 file=sys.stderr,
             )
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
@@ -119,7 +124,7 @@ def write(options: argparse.Namespace) -> int:
     results.check(force=options.force)
     needed = expected_deck(assembly)
     if needed > _SMALL_DECK:
-        check_disk(results.path, needed, what="the deck", remedy="make the packing smaller")
+        check_disk(results.path, needed, what="the deck", remedy="use a smaller packing")
     with held(results, mpi.world()):
         results.refuse_other_kind(RUN)
         if not options.force:
@@ -149,7 +154,7 @@ def analyse(options: argparse.Namespace) -> int:
     if options.ranks > 1 and not mpi.launched():
         mpi.check_cores(options.ranks)
         return mpi.launch(
-            options.ranks, _without_ranks(options.given), remedy="what LAMMPS wrote is as it was"
+            options.ranks, _without_ranks(options.given), remedy="the output of LAMMPS is unchanged"
         )
     comm = mpi.world() if mpi.launched() else None
     results = ResultDirectory(directory)
@@ -161,7 +166,8 @@ def analyse(options: argparse.Namespace) -> int:
         results.clear_scratch([RESULT_FILE])
         if results.restore_case():
             print(
-                f"granwave: {directory / CASE_FILE}: written again as it was run", file=sys.stderr
+                f"granwave: {directory / CASE_FILE}: restored to the version of the run",
+                file=sys.stderr,
             )
         with as_wrong_input():
             return analyse_directory(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -14,6 +15,7 @@ from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_o
 from granwave.analysis.quantities import Quantity, quantity, scan_columns
 from granwave.analysis.scans.keys import means_of
 from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
+from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, nothing_made
 from granwave.lammps_inputs.case.schema import did_you_mean
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
@@ -21,15 +23,17 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.check import expected_cut, static_stage_note, table
+from granwave.workflows.cli.submission import profile_of
 from granwave.workflows.cli.terminal import columns, in_shell, print_json
+from granwave.workflows.cluster.profile import Profile, check_executor, load_profile
 from granwave.workflows.scanning.batches import Machine, slowness_of
 from granwave.workflows.scanning.directory import check_points, decide, points_left
 from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
-from granwave.workflows.scanning.engine import EXECUTORS, LOCAL
+from granwave.workflows.scanning.engine import EXECUTORS, LOCAL, request_of
 from granwave.workflows.scanning.scan_file import Scan, ScanPoint, load_scan
-from granwave.workflows.scanning.slurm import Profile, load_profile
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
+_GIB = 2**30
 _WORTH_MEASURING = 20.0  # s; for a longer expected time the speed of this machine is measured first
 _PLANNED = 1000  # points that a plan is made of, taken at random: 5 to 20 s
 _MOST_ROWS = 40
@@ -40,15 +44,44 @@ def scan(options: argparse.Namespace) -> int:
     """Run a scan or suite; return the exit status."""
     profile = _executor(options)
     try:
-        return _plan_and_run(options, profile, options.jobs or default_jobs(profile))
+        making = nothing_made() if options.plan else contextlib.nullcontext()
+        with making:
+            return _plan_and_run(options, profile, options.jobs or default_jobs(profile))
+    except PackingNotMadeError as error:
+        return _not_made(options.scan, error, as_json=options.json)
     except BrokenPipeError:
         raise  # the reader of the plan has closed it
     except OSError as error:  # usually a full disk
         place = error.filename or options.directory or options.scan
         reason = error.strerror or error
         raise RunError(
-            f"{place}: {reason}; mend that, then the same command with --resume goes on"
+            f"{place}: {reason}; fix this, then run the same command with --resume to continue"
         ) from error
+
+
+def _not_made(name: str, error: PackingNotMadeError, *, as_json: bool) -> int:
+    """Show what the packings of a scan would cost, whose plan follows once they are made."""
+    time = sum(packing.time for packing in error.packings)
+    memory = max(packing.memory for packing in error.packings)
+    if as_json:
+        values = {
+            "n_packings": len(error.packings),
+            "wall_time_s": time,
+            "memory_bytes": memory,
+            "files": [str(packing.file) for packing in error.packings],
+        }
+        print_json({"not_made": values})
+        return 0
+    rows = [
+        ("scan", name),
+        ("packings to generate", f"{len(error.packings)}, each stored for all points that use it"),
+        ("time to generate them", f"about {duration(time)} on one core, in sequence"),
+        ("memory", f"about {memory / _GIB:.2f} GiB while they are generated"),
+        ("made by", f"granwave scan {name}, before its first point"),
+        ("the points", "are planned once their packings are generated"),
+    ]
+    print(table(rows))
+    return 0
 
 
 def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
@@ -61,7 +94,8 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
         )
     elif options.overrides:
         raise InputError(
-            f"--set: {options.scan} is a suite of scans, which have different cases; set keys in its scan files"
+            f"--set: {options.scan} is a suite of scans with different cases; set keys in its "
+            "scan files"
         )
     else:
         found = load_suite(options.scan, here=here)
@@ -81,6 +115,8 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
         if isinstance(found, Scan)
         else {directory / part.name: part for part in found.scans}
     )
+    if options.print:
+        return _print_scripts(parts, profile, jobs, fresh=options.force)
     slowness = {}
     plans = []
     for place, part in parts.items():
@@ -137,17 +173,33 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
     return _status(stopped, outcomes)
 
 
+def _print_scripts(
+    parts: Mapping[Path, Scan], profile: Profile | None, jobs: int, *, fresh: bool
+) -> int:
+    """Print the script of the first job of each scan; return the exit status."""
+    if profile is None:
+        raise InputError("--print: is for --submit; leave it out, or add --submit PROFILE")
+    machine = Machine(jobs, profile)
+    for place, part in parts.items():
+        batches = machine.batches(points_left(part, place, fresh=fresh), "batch")
+        if batches:
+            request = request_of(profile, batches[0], part.name, place.absolute())
+            print(profile.script(request), end="")
+    return 0
+
+
 def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
     """Say what is left to do; returns the exit status."""
     if stopped == STOPPED:
         print(
-            "granwave: stopped before its end; the same command with --resume goes on",
+            "granwave: interrupted; run the same command with --resume to continue",
             file=sys.stderr,
         )
         return 130
     if stopped:
         print(
-            f"granwave: {stopped}; make room, then the same command with --resume goes on",
+            f"granwave: {stopped}; free disk space, then run the same command with --resume to "
+            "continue",
             file=sys.stderr,
         )
         return 1
@@ -167,22 +219,36 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
             if len(reasons) == 1:
                 shared = f" ({in_shell(' '.join(reasons.pop().split()))})"
             print(f"granwave: {left} of the points{shared}; the reasons are in "
-                  f"{outcome.directory / 'scan.csv'}; the same command with --resume tries them again",
+                f"{outcome.directory / 'scan.csv'}; the same command with --resume runs them again",
                   file=sys.stderr)  # fmt: skip
     return 0 if all(outcome.complete for outcome in outcomes) else 1
 
 
 def _executor(options: argparse.Namespace) -> Profile | None:
+    if options.submit is not None:
+        if options.executor != LOCAL or options.profile:
+            raise InputError(
+                "--submit: cannot be combined with --executor or --profile; remove them"
+            )
+        profile = profile_of(options.submit)
+        options.executor = profile.scheduler
+        return profile
+    if options.print:
+        raise InputError("--print: is for --submit; leave it out, or add --submit PROFILE")
     if options.executor not in EXECUTORS:
         hint = did_you_mean(options.executor, EXECUTORS)
         raise InputError(
-            f"--executor: found {options.executor}, expected {' or '.join(EXECUTORS)}{hint}"
+            f"--executor: found {options.executor}, expected one of {', '.join(EXECUTORS)}{hint}"
         )
     if options.executor == LOCAL:
         if options.profile:
-            raise InputError("--profile: is for --executor slurm; leave it out, or choose that")
+            raise InputError("--profile: requires --executor slurm; add it, or remove --profile")
         return None
-    return load_profile(options.profile) if options.profile else Profile()
+    if not options.profile:
+        return Profile(scheduler=options.executor)
+    profile = load_profile(options.profile)
+    check_executor(profile, options.executor, options.profile)
+    return profile
 
 
 def plan_values(
@@ -222,7 +288,7 @@ def plan_text(
     jobs = values["jobs"]
     counts = f"{scan.n_points}"
     if scan.scale > 1:
-        counts += f", planned from {len(scan.points)} of them, taken at random; a run checks all"
+        counts += f", planned from {len(scan.points)} random points; a run checks all"
     if len(points) < len(scan.points):
         counts += f", {len(points)} of them different"
     if len(left) < len(points):
@@ -235,9 +301,9 @@ def plan_text(
     zones = [p.plan.zone for p in points if isinstance(p.plan, Plan) and p.plan.zone]
     cut = sum(bool(zone.reaches and expected_cut(zone)) for zone in zones)
     static = static_stage_note(unknown, jobs / (slowness or 1.0)) if unknown else ""
-    reaches = (
-        f"expected to reach a bound of the packing in {cut} of {len(points)} points" if cut else ""
-    )
+    reaches = ""
+    if cut:
+        reaches = f"expected to reach a boundary of the packing in {cut} of {len(points)} points"
     return table(
         [
             ("scan", scan.name),
@@ -302,13 +368,14 @@ def outcome_text(outcome: ScanOutcome) -> str:
     marks = [mark_of(point.summary) for point in points]
     for mark, label in LABELS.items():
         if count := marks.count(mark):
-            text += f"plastic zone: {label} in {count} of {len(points)} points, which figures and report mark\n\n"
+            text += (
+                f"plastic zone: {label} in {count} of {len(points)} points, as marked in "
+                "figures and report\n\n"
+            )
     counts = ", ".join(f"{getattr(outcome, name)} {name}" for name in ("done", "failed", "missing"))
-    there = (
-        "table, figures and report.html"
-        if (outcome.directory / "report.html").exists()
-        else "the table"
-    )
+    there = "the table"
+    if (outcome.directory / "report.html").exists():
+        there = "table, figures and report.html"
     return f"{text}{counts}; {there} in {outcome.directory}"
 
 

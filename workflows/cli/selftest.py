@@ -17,7 +17,6 @@ import contextlib
 import dataclasses
 import math
 import os
-import shlex
 import sys
 import threading
 import time
@@ -38,12 +37,12 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, RESULT_FILE
 from granwave.workflows.cli.doctor import examine
 from granwave.workflows.cli.terminal import BOLD, GREEN, RED, coloured, in_shell, print_json
+from granwave.workflows.cluster.profile import load_profile
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import RunDirectory
 from granwave.workflows.run.driver import run_case
 from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.run.leftovers import scratch_directory
-from granwave.workflows.scanning.slurm import load_profile
 
 _BRASS = {
     "youngs_modulus": 115e9,
@@ -76,9 +75,14 @@ _FIELDS = ("spheres", "contacts", "wall_contacts", "particles")  # groups of res
 _OF_THE_CLOCK = ("wall_time_s", "sphere_steps_per_s", "energy_balance_error")
 _LOOK = 0.002  # s between looks for the first steps of a run
 _WIDTHS = (32, 16, 16, 0)  # characters of the columns
-_WRONG = "numbers of this installation are wrong: do not use it; report this table with the output of granwave doctor"
-_NO_RANKS = "work on one rank until granwave run two-spheres --np {} does; its message tells why"
-_NO_RESUME = "do without --resume here; granwave run two-spheres tells if runs work at all"
+_WRONG = (
+    "results of this installation are wrong; do not use it, and report this table with the "
+    "output of granwave doctor"
+)
+_NO_RANKS = (
+    "use one rank until granwave run two-spheres --np {} works; its message gives the reason"
+)
+_NO_RESUME = "do not use --resume here; granwave run two-spheres shows whether runs work"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,8 +107,10 @@ def selftest(options: argparse.Namespace) -> int:
         It is itself started on ranks, or the profile is wrong.
     """
     if mpi.launched():
-        raise InputError("selftest: found a launcher of ranks, expected none: --np N starts them")
-    launcher = shlex.split(load_profile(options.profile).launcher) if options.profile else []
+        raise InputError(
+            "selftest: started by an MPI launcher; start it without one, and set --np N"
+        )
+    launcher = load_profile(options.profile).launcher_command if options.profile else []
     begin = time.monotonic()
     checks = []
     if not options.json:
@@ -127,7 +133,7 @@ def selftest(options: argparse.Namespace) -> int:
         return 1 if failed else 0
     print(f"\n{len(checks) - len(failed)} of {len(checks)} are as expected, in {seconds:.0f} s")
     for check in failed:
-        print(f"{coloured('mend', RED, sys.stdout)}  {check.what}: {check.remedy}")
+        print(f"{coloured('fix', RED, sys.stdout)}  {check.what}: {check.remedy}")
     return 1 if failed else 0
 
 
@@ -165,7 +171,7 @@ def _all(scratch: Path, ranks: int, launcher: Sequence[str]) -> Iterator[Check]:
             "computed",
             "not run",
             False,
-            "mend what stands before, and run this again",
+            "fix the failed checks above, then run this again",
         )
         return
     yield from _attempt("two spheres, Hertz", _WRONG, partial(_hertz, scratch))
@@ -194,7 +200,7 @@ def _run(
         case_from_dict({"name": name, **tables}), scratch / name, figures=False, **options
     )
     if outcome.state == record.REFUSED:
-        raise RunError("the energy balance was refused")
+        raise RunError("energy balance error too large")
     return outcome.directory, outcome.summary
 
 
@@ -303,8 +309,8 @@ def _ranks(scratch: Path, ranks: int, launcher: Sequence[str]) -> list[Check]:
     one = _fields(alone)
     several = _fields(there)
     same = sum(name in several and several[name] == content for name, content in one.items())
-    what = f"{ranks} ranks: fields as of one rank"
-    remedy = "results depend on the number of ranks here: use one, and report this table"
+    what = f"{ranks} ranks: fields as on one rank"
+    remedy = "results depend on the number of ranks: use one rank, and report this table"
     return [
         Check(
             f"{ranks} ranks: at work",
@@ -366,8 +372,8 @@ def _resumed(scratch: Path) -> list[Check]:
     return [
         Check(
             what,
-            f"{len(values)} as of one go",
-            f"{same} as of one go",
+            f"{len(values)} as uninterrupted",
+            f"{same} as uninterrupted",
             same == len(values),
             _NO_RESUME,
         )

@@ -40,10 +40,12 @@ from granwave.lammps_inputs.run_directory import (
     SUMMARY_FILE,
 )
 from granwave.workflows.cli.main import main as granwave
+from granwave.workflows.cluster.scheduler import JOB_VARIABLE
+from granwave.workflows.cluster.schedulers import scheduler
 from granwave.workflows.run import forks, mpi, record
 from granwave.workflows.run.directory import RunDirectory
 from granwave.workflows.scanning import layout
-from granwave.workflows.scanning.slurm import end_of
+from granwave.workflows.scanning.queue import end_of
 from granwave.workflows.solvers import GRANULAR, solver_of
 
 _POLL = 0.5  # s
@@ -141,10 +143,10 @@ class _Worker:
             before >= layout.MOST_ATTEMPTS and not ended
         ):  # the last worker was killed before it recorded the failure
             job = seen.get("job", "")
-            reason = seen.get("reason") or (end_of(self.directory, job) if job else "")
+            reason = seen.get("reason") or self._end_of(job)
             reason = (
                 reason
-                or "its job was killed; was the machine out of memory, or the time limit too short?"
+                or "its job was killed, possibly because memory or the time limit was exceeded"
             )
             layout.change_state(
                 self.directory, point["id"], state=layout.FAILED, reason=reason, asked=job
@@ -156,7 +158,7 @@ class _Worker:
             "pid": os.getpid(),
             "started": time.time(),
         }
-        note |= {"case": case_digest(point["case"]), "job": os.environ.get("SLURM_JOB_ID", "")}
+        note |= {"case": case_digest(point["case"]), "job": os.environ.get(JOB_VARIABLE, "")}
         layout.write_state(place, state=layout.RUNNING, **note)
         log_begins = (place / POINT_LOG).stat().st_size if (place / POINT_LOG).exists() else 0
         begin = time.monotonic()
@@ -178,6 +180,11 @@ class _Worker:
             layout.write_state(
                 place, state=layout.FAILED if final else layout.INTERRUPTED, reason=reason, **note
             )
+
+    def _end_of(self, job: str) -> str:
+        """Return why the scheduler ended a job; empty on this machine."""
+        name = self.batch.get("scheduler", "")
+        return end_of(self.directory, job, scheduler(name)) if job and name else ""
 
     def _room(self, point: dict[str, Any]) -> bool:
         free = free_space(self.directory)
@@ -218,8 +225,8 @@ class _Worker:
     def _launch(self, words: Sequence[str], stop: Path, log: int) -> int:
         stop.unlink(missing_ok=True)
         self.rank_stop = stop
-        command = mpi.command(self.batch["ranks"], words, self.batch["launcher"])
-        launcher = self.batch["launcher"]
+        launcher = self.batch.get("launcher", [])
+        command = mpi.command(self.batch["ranks"], words, launcher)
         ranks = mpi.start(command, self.batch["ranks"], stop, log, log, launcher=launcher)
         if self.stopping.is_set():
             self.stop()
@@ -267,11 +274,14 @@ def _reason(status: int, log: Path, begin: int) -> str:
             return errors[-1]
         died = [match[1] for line in lines if (match := _RANK_DIED.search(line))]
         if died:
-            return f"a rank died: {died[-1]}; was the machine out of memory?"
+            return f"a rank died: {died[-1]}; the machine may be out of memory"
         if lines and status > 0:
             return lines[-1]
     if status < 0:
-        return f"killed by signal {-status} ({signal.strsignal(-status)}); was the machine out of memory?"
+        return (
+            f"killed by signal {-status} ({signal.strsignal(-status)}); the machine may be out "
+            "of memory"
+        )
     return f"ended with status {status}"
 
 

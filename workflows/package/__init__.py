@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from granwave import measures, theory
     from granwave.extensions.design.python import Designs, design
     from granwave.extensions.inference.python import InferredForces, infer
+    from granwave.extensions.inference.relaxation import stress_history
     from granwave.extensions.waves.python import bands, modes, transmission
     from granwave.workflows.python.api import (
         Case,
@@ -78,6 +79,7 @@ if TYPE_CHECKING:
         "modes",
         "run",
         "scan",
+        "stress_history",
         "style",
         "theory",
         "transmission",

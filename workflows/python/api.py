@@ -80,7 +80,7 @@ logger = logging.getLogger(__name__)
 
 #: Classes that are loaded when they are asked for, with the drawing library.
 _ON_DEMAND = {"Comparison": "granwave.analysis.reports.comparison.comparison:Comparison"}
-_STOPPED = "{}: stopped before its end; resume=True goes on"
+_STOPPED = "{}: interrupted; pass resume=True to continue"
 
 
 def public_names() -> list[str]:
@@ -222,7 +222,8 @@ def run(
             raise KeyboardInterrupt(_STOPPED.format(place))
         if state == record.REFUSED:
             raise RunError(
-                f"{place}: the energy balance was refused; what was computed is kept, granwave.load shows it"
+                f"{place}: energy balance error too large; the results are kept, load them with "
+                "granwave.load"
             )
         loaded = Run(place)
     if mpi.is_first() and (
@@ -280,9 +281,10 @@ def scan(
     progress
         Show a bar on a terminal or in a notebook.
     executor
-        ``local`` or ``slurm``.
+        ``local``, or the scheduler of a cluster: ``slurm``, ``pbs``, ``torque``, ``lsf``, ``sge``,
+        ``moab`` or ``flux``.
     profile
-        File that tells how to use the cluster, for ``slurm``.
+        Profile file of the cluster.
 
     Returns
     -------
@@ -293,33 +295,42 @@ def scan(
     ------
     InputError
         The scan or one of its points is wrong, the directory holds results or another scan, or
-        there is no Slurm. Nothing was run.
+        there is no such scheduler. Nothing was run.
     RunError
         No job could start a point, or the disk is full.
     KeyboardInterrupt
         The scan was interrupted; ``resume=True`` continues it.
     """
+    from granwave.workflows.cluster.profile import check_executor, load_profile
     from granwave.workflows.scanning.driver import STOPPED, run_scan
     from granwave.workflows.scanning.engine import EXECUTORS, LOCAL
-    from granwave.workflows.scanning.slurm import load_profile
 
     with words_of_python():
         if executor not in EXECUTORS:
-            raise InputError(f"executor: found {show(executor)}, expected {' or '.join(EXECUTORS)}")
+            expected = ", ".join(EXECUTORS)
+            raise InputError(f"executor: found {show(executor)}, expected one of {expected}")
         found = read_scan(source, given_changes(changes, keys), here=executor == LOCAL)
         place = results_directory(found.name if directory is None else home(directory))
         if jobs is not None and (not isinstance(jobs, int) or isinstance(jobs, bool) or jobs < 1):
             raise InputError(f"jobs: found {show(jobs)}, expected a whole number from 1 up")
-        cluster = load_profile(profile) if profile is not None else None
+        cluster = None
+        if profile is not None and executor != LOCAL:
+            cluster = load_profile(profile)
+            check_executor(cluster, executor, profile)
         how = {"resume": resume, "force": force, "progress": progress}
         outcome = run_scan(found, place, executor=executor, profile=cluster, jobs=jobs, **how)
         if outcome.stopped == STOPPED:
             raise KeyboardInterrupt(_STOPPED.format(place))
         if outcome.stopped:
-            raise RunError(f"{place}: {outcome.stopped}; make room, then resume=True goes on")
+            raise RunError(
+                f"{place}: {outcome.stopped}; free disk space, then pass resume=True to continue"
+            )
         for count, what in ((outcome.failed, "failed"), (outcome.missing, "missing")):
             if count:
-                text = "%s: of %d points %d %s; table.reason tells why, resume=True tries again"
+                text = (
+                    "%s: of %d points %d %s; table.reason gives the reason, resume=True runs "
+                    "them again"
+                )
                 logger.warning(text, place, len(found.distinct), count, what)
         return ScanRuns(place)
 
@@ -361,15 +372,14 @@ def compare(
         A directory is no result, there are fewer than two runs, a name is unknown, or a file cannot
         be read.
     """
-    from granwave.analysis.reports.comparison.comparison import compare_runs
+    from granwave.analysis.reports.comparison.comparison import compare_inputs
     from granwave.analysis.reports.inputs import read_inputs
 
     with words_of_python():
         places = [run if isinstance(run, str | Path) else run.directory for run in runs]
         names = [quantities] if isinstance(quantities, str) else list(quantities)
-        inputs = read_inputs(places, Path.cwd(), repeated=True)
-        balanced = [run for run in inputs.results() if run.has_balance]
-        return compare_runs(balanced, names, measured, measured_as, shift=shift, scale=scale)
+        inputs = read_inputs(places, Path.cwd(), repeated=True, skip_unfinished=True)
+        return compare_inputs(inputs, names, measured, measured_as, shift=shift, scale=scale)
 
 
 def _run_on_ranks(
@@ -409,7 +419,7 @@ def _run_on_ranks(
         raise KeyboardInterrupt(_STOPPED.format(place))
     errors = mpi.errors_in(lines)
     if status == 2:
-        raise InputError(errors or f"{place}: the ranks refused their input")
+        raise InputError(errors or f"{place}: the ranks rejected their input")
     state = results.read_record()
     if status and (state is None or state.state not in (record.REFUSED, record.INTERRUPTED)):
         reason = errors[-1] if errors else f"the ranks ended with status {status}"

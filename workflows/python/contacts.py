@@ -203,8 +203,7 @@ def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **option
     low = np.zeros_like(wanted)
     high = np.full_like(wanted, _LARGEST)
     if (contact.loading_force(high) < wanted).any():
-        raise InputError(f"contact: force: found {show(float(wanted.max()))}, expected one that an overlap below "
-                         f"{_LARGEST:g} m gives (N)")  # fmt: skip
+        raise InputError(f"contact: force: found {show(float(wanted.max()))}, expected a force reached below an overlap of {_LARGEST:g} m (N)")  # fmt: skip
     middle = high / 2
     while ((low < middle) & (middle < high)).any():
         above = contact.loading_force(middle) >= wanted
@@ -261,11 +260,13 @@ def _at(
         now, peak = np.broadcast_arrays(now, peak)
     except ValueError:
         raise InputError(
-            f"contact: peak_overlap: found the shape {peak.shape}, expected that of overlap, {now.shape}"
+            f"contact: peak_overlap: found the shape {peak.shape}, expected the shape of overlap, "
+            f"{now.shape}"
         ) from None
     if (peak < now).any():
         raise InputError(
-            "contact: peak_overlap: found one below the overlap, expected the largest overlap so far (m)"
+            "contact: peak_overlap: found a value below the overlap, expected the largest overlap "
+            "so far (m)"
         )
     _warn_beyond(contact, law, peak)
     return contact, now, peak
@@ -293,7 +294,7 @@ def _warn_beyond(contact: ContactLaw, law: str, overlap: NDArray[np.float64]) ->
         return
     _warned.add((law, limit))
     logger.warning(
-        "law %s: an overlap of %.9g m is beyond %.9g m, up to which it describes this contact",
+        "law %s: an overlap of %.9g m is beyond %.9g m, the limit of the law for this contact",
         law,
         largest,
         limit,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_ways import KEEP, KEY, RELAX
+from granwave.lammps_inputs.case.contact_ways import DAMPED, KEEP, KEY, RELAX, RELAXATION
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.contact.static_load import FORCE_TOLERANCE, force_of_contact
 from granwave.lammps_inputs.deck.deck import box_of
@@ -94,35 +94,52 @@ class Balance:
 LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
 
 _NOT_CONFINED = "the packing is not confined: "
-_PERIODIC = 'take boundary.sides = "periodic"'
+_PERIODIC = 'use boundary.sides = "periodic"'
 _UNIFORM = ', or precompression.kind = "uniform"'
 _GUIDED = (
-    'hold the outer grains with [[hold]], guide a row that buckles with [[guide]] (free = "z")'
+    'hold the outer grains with [[hold]], or guide a chain that buckles with [[guide]] (free = "z")'
 )
 _NEAR_BALANCE = (
-    f', or take {KEY} = "{RELAX.name}": it starts at a balance that Newton\'s method finds, and '
-    "lets grains move"
+    f', or use {KEY} = "{RELAX.name}", which starts from an equilibrium found by Newton\'s '
+    "method and lets grains move"
+)
+_HELD_BY_FRICTION = (
+    f', or take {KEY} = "{RELAX.name}" with packing.{RELAXATION} = "{DAMPED}", which keeps the '
+    "friction of the case on the way to balance"
 )
 _BORNE = (
     "hold the outer grains with [[hold]], or press on the top with precompression.force and "
     'boundary.bottom = "wall"'
 )
-_AS_FOUND = f', or take {KEY} = "{KEEP.name}", which seeks no balance'
-_PILE = " (without friction a pile spreads, also between walls, and a sphere beside a vacancy may lose its hold)"
-_SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
+_AS_FOUND = f', or use {KEY} = "{KEEP.name}", which skips the static stage'
+_PILE = (
+    " (without friction a pile spreads, even between walls, and a sphere next to a vacancy "
+    "may lose its support)"
+)
+_MOVING = "some grains still roll or swing: contact.rolling (0.01) stops grains that roll"
+_SUPPORT = "; or the bottom moved: use a stiffer boundary.bottom"
 
 
 def _advice(case: Case) -> str:
     """Return advice on keys that confine a packing of this kind."""
     rule = case.packing.rule
+    if case.settles_damped:
+        return f"{_MOVING}{_AS_FOUND}"
     if case.packing.grains is not None and case.packing.cell is None:
-        remedy = _GUIDED + (_AS_FOUND if case.may_rearrange else _NEAR_BALANCE)
+        remedy = _GUIDED + _other_way(case)
     elif rule.is_lattice and not rule.has_faces:
         remedy = _PERIODIC
     else:
         remedy = _PERIODIC + _UNIFORM
     support = _SUPPORT if case.boundary.bottom_support is not None else ""
     return f"{_NOT_CONFINED}{remedy}{_PILE}{support}"
+
+
+def _other_way(case: Case) -> str:
+    """Return the way of ``packing.contacts`` to take instead of that of a case."""
+    if case.contact.friction > 0 and case.packing.relaxation != DAMPED:
+        return _HELD_BY_FRICTION
+    return _AS_FOUND if case.may_rearrange else _NEAR_BALANCE
 
 
 def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
@@ -146,9 +163,8 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
     if not case.seeks_balance:
         return found
     advice = _advice(case)
-    moved, limit = (
-        length / case.packing.diameter for length in (found["displacement"], largest_move(assembly))
-    )
+    moved = found["displacement"] / case.packing.diameter
+    limit = largest_move(assembly) / case.packing.diameter
     if not moved <= limit:
         raise RunError(
             f"precompression: a sphere moved by {moved:.2g} diameters, expected at most {limit:.2g}; {advice}"
@@ -161,17 +177,18 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
         )
     if not _relative_net_force(assembly, found) <= LARGEST_RESIDUAL:
         raise RunError(
-            f"precompression: no balance after {found['iterations']:.0f} iterations: a net force of "
-            f"{found['residual']:.1e} of the largest contact force is left, expected at most {LARGEST_RESIDUAL:.0e}; "
-            f"{advice}"
+            f"precompression: no equilibrium after {found['iterations']:.0f} iterations: a net "
+            f"force of {found['residual']:.1e} of the largest contact force remains, expected at "
+            f"most {LARGEST_RESIDUAL:.0e}; {advice}"
         )
     for name, asked in (case.precompression.presses if case.precompression else {}).items():
         force = found[f"force_{name}"]
         if not abs(force / asked - 1) <= FORCE_TOLERANCE:
             raise RunError(
-                f"precompression: the {name} walls bear {force:.6g} N after the static stage, expected {asked:.6g} N: "
-                "their distance is found with elastic contacts, and under this force some yield, or the walls press "
-                f"on nothing; take a smaller {name}_force, or give the distance {name}"
+                f"precompression: the {name} walls carry {force:.6g} N after the static stage, "
+                f"expected {asked:.6g} N: their distance is computed with elastic contacts, but "
+                "some contacts yield under this force, or the walls touch nothing; use a smaller "
+                f"{name}_force, or set the distance {name}"
             )
     return found
 
@@ -261,9 +278,9 @@ def warn_of_strikers(assembly: Assembly, centres: Mapping[int, NDArray[np.float6
             continue
         where = f"{gap:.3g} m clear of" if gap > 0 else f"{-gap:.3g} m deep in"
         _LOG.warning(
-            "%s: striker %d touched sphere %d, which the static stage moved; it begins %s it: "
-            "start from a packing in balance, whose grains keep their places (packing.relaxation = "
-            '"damped" keeps the friction)',
+            "%s: striker %d touched sphere %d, which moved in the static stage; the striker now "
+            "starts %s it: use a packing in equilibrium, whose grains do not move "
+            '(packing.relaxation = "damped" keeps the friction)',
             assembly.case.name,
             striker - assembly.lattice.n_spheres,
             touched,

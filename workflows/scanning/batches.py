@@ -24,11 +24,11 @@ from granwave.lammps_inputs.files import available_memory, replace_text
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.cost import seconds_per_step
 from granwave.lammps_inputs.planning.plan import Plan
+from granwave.workflows.cluster.profile import Profile
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import open_engine
 from granwave.workflows.run.leftovers import scratch_directory
 from granwave.workflows.scanning.scan_file import ScanPoint
-from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.solvers import GRANULAR
 
 _LOCAL_START = 1.0  # s, start of a job on this machine: Python, libraries
@@ -61,6 +61,10 @@ class Batch:
     wall_time: float
     longest: float
 
+    def memory_on(self, nodes: int) -> float:
+        """Return the expected memory on the fullest of a number of nodes, bytes."""
+        return max(memory_on_node(point.plan, self.ranks, nodes) for point in self.points)
+
     def write(self, path: Path, **settings: Any) -> None:
         """Write the input of the worker."""
         points = [
@@ -73,6 +77,22 @@ class Batch:
             for point in self.points
         ]
         replace_text(path, json.dumps({"points": points, "ranks": self.ranks, **settings}))
+
+
+def memory_on_node(plan: Any, ranks: int, nodes: int) -> float:
+    """Return the expected memory on the node of the first rank, the fullest, bytes.
+
+    Parameters
+    ----------
+    plan
+        Plan of the run; one that is not of a packing has its memory on one node.
+    """
+    if nodes == 1 or not isinstance(plan, Plan):
+        return float(plan.memory)
+    here = -(-ranks // nodes)
+    analysing = min(here, plan.n_analysing)
+    others = (analysing - 1) * plan.other_rank
+    return plan.first_rank + others + (here - analysing) * plan.idle_rank
 
 
 @dataclasses.dataclass(frozen=True)

@@ -19,7 +19,9 @@ from granwave.lammps_inputs.errors import InputError, InputFault, raise_all
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_WORK, is_scan
-from granwave.workflows.scanning import layout, slurm
+from granwave.workflows.cluster.scheduler import Scheduler
+from granwave.workflows.scanning import layout
+from granwave.workflows.scanning.queue import jobs_of
 from granwave.workflows.scanning.scan_file import Scan, ScanPoint
 
 
@@ -125,13 +127,14 @@ def decide(scan: Scan, results: ResultDirectory, *, resume: bool, force: bool) -
     check_points(scan, results, force=force)
 
 
-def prepare(scan: Scan, results: ResultDirectory, *, on_cluster: bool) -> None:
+def prepare(scan: Scan, results: ResultDirectory, scheduler: Scheduler | None) -> None:
     """Write the index of a scan, and open the points that are damaged, failed or were killed.
 
     Parameters
     ----------
-    on_cluster
-        Points of jobs that an earlier start left there stay as they are.
+    scheduler
+        Scheduler of the cluster, None for this machine: points of jobs that an earlier start left
+        there stay as they are.
     """
     results.claim(layout.files(scan.distinct), kind=SCAN)
     directory = results.path
@@ -140,9 +143,10 @@ def prepare(scan: Scan, results: ResultDirectory, *, on_cluster: bool) -> None:
     (directory / layout.STOP).unlink(missing_ok=True)
     replace_text(directory / SCAN_FILE, scan.text)
     replace_text(directory / SCAN_INDEX, json.dumps(scan.index(), indent=1) + "\n")
-    adopted = (
-        {name for job in slurm.jobs_of(directory) for name in job.points} if on_cluster else set()
-    )
+    adopted: set[str] = set()
+    if scheduler is not None:
+        for job in jobs_of(directory, scheduler):
+            adopted |= set(job.points)
     for point in scan.distinct:
         in_work = point in adopted or ResultDirectory(layout.unfinished(directory, point)).busy()
         if not in_work and (fault := layout.fault(directory, point)):

@@ -19,14 +19,15 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
+from granwave.workflows.cluster.profile import Profile
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
-from granwave.workflows.scanning import layout, slurm
+from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.batches import Machine, Outlook
 from granwave.workflows.scanning.directory import decide, prepare
-from granwave.workflows.scanning.engine import SLURM, Jobs, LocalJobs, SlurmJobs, launcher_of
+from granwave.workflows.scanning.engine import LOCAL, ClusterJobs, Jobs, LocalJobs
+from granwave.workflows.scanning.queue import jobs_of, note_ended, note_refused
 from granwave.workflows.scanning.scan_file import Scan, ScanPoint
-from granwave.workflows.scanning.slurm import Profile, note_ended, note_refused
 
 logger = logging.getLogger(__name__)
 
@@ -91,9 +92,9 @@ def run_scan(
     directory
         Directory of the results.
     executor
-        ``local`` or ``slurm``.
+        ``local``, or the scheduler of a cluster, as ``slurm``.
     profile
-        Profile of the cluster, for ``slurm``.
+        Profile of the cluster.
     jobs
         Number of cores of this machine, or of simultaneous jobs on the cluster.
     resume
@@ -108,22 +109,22 @@ def run_scan(
     Raises
     ------
     InputError
-        The directory holds results or another scan, or is in use; or there is no Slurm. Nothing was
-        run.
+        The directory holds results or another scan, or is in use; or there is no such scheduler.
+        Nothing was run.
     RunError
         No job could start a point.
     """
     results = ResultDirectory(results_directory(directory))
-    if executor == SLURM:
-        slurm.check_slurm()
-        profile = profile or Profile()
-    else:
+    if executor == LOCAL:
         profile = None
+    else:
+        profile = profile or Profile(scheduler=executor)
+        profile.queue.check(f"--executor {executor}", ", or take --executor local")
     with held(results), Interrupts() as stop:
         decide(scan, results, resume=resume, force=force)
         if force:
             results.make_room(force=True)
-        prepare(scan, results, on_cluster=profile is not None)
+        prepare(scan, results, profile.queue if profile is not None else None)
         machine = Machine(jobs or default_jobs(profile), profile, slowness)
         run = _ScanRun(scan, results, machine, stop, show=progress)
         run.work()
@@ -175,9 +176,7 @@ class _ScanRun:
             for number in range(_MOST_ROUNDS):
                 # no point runs twice: an earlier start of this scan may have left jobs on the
                 # cluster
-                while (
-                    self.machine.profile and not self.stop.count and slurm.jobs_of(self.directory)
-                ):
+                while not self.stop.count and self._has_jobs():
                     self._look("jobs of an earlier start go on")
                     time.sleep(_QUEUE_POLL)
                 self._update_points()
@@ -193,16 +192,14 @@ class _ScanRun:
             _draw(self.result)
             publish(self.results, self.scan.study)
 
-    def _round(self, points: Sequence[ScanPoint], prefix: str) -> None:
-        batches = self.machine.batches(points, prefix)
+    def _has_jobs(self) -> bool:
+        """Return True if jobs of this scan are in the queue of a cluster."""
         profile = self.machine.profile
+        return profile is not None and bool(jobs_of(self.directory, profile.queue))
+
+    def _round(self, points: Sequence[ScanPoint], prefix: str) -> None:
+        jobs = self._jobs(points, prefix)
         stop = self.directory / layout.STOP
-        for batch in batches:
-            path = self.directory / layout.BATCHES / f"{batch.id}.json"
-            batch.write(path, figures=self.scan.figures, launcher=launcher_of(profile, batch))
-        jobs: Jobs = LocalJobs(self.directory, batches, self.machine.jobs)
-        if profile:
-            jobs = SlurmJobs(self.directory, batches, self.machine.jobs, profile, self.scan.name)
         before = self._states(points)
         try:
             jobs.running()
@@ -227,15 +224,33 @@ class _ScanRun:
         if stop.exists() and not self.stop.count:
             self.stopped = stop.read_text(encoding="utf-8") or "the disk is full"
         if not self.stopped and not self.stop.count:
-            refused = [point.id for batch in jobs.waiting for point in batch.points]
+            refused = []
+            for batch in jobs.waiting:
+                for point in batch.points:
+                    refused.append(point.id)
             if not refused and self._states(points) == before:
                 raise RunError(
                     f"no job has started a point; their logs are in {self.directory / layout.LOGS}"
                 )
-            note_refused(self.directory, refused, jobs.refusal)
-            if profile:
-                note_ended(self.directory, [point.id for point in points])
+            if (profile := self.machine.profile) is not None:
+                note_refused(self.directory, refused, jobs.refusal, profile.queue)
+                note_ended(self.directory, [point.id for point in points], profile.queue)
         self._update_points()
+
+    def _jobs(self, points: Sequence[ScanPoint], prefix: str) -> Jobs:
+        """Write the batches of points; return their jobs, none of which has started."""
+        batches = self.machine.batches(points, prefix)
+        profile = self.machine.profile
+        for batch in batches:
+            path = self.directory / layout.BATCHES / f"{batch.id}.json"
+            cluster: dict[str, Any] = {}
+            if profile is not None:
+                cluster["launcher"] = profile.launcher_words(batch.ranks)
+                cluster["scheduler"] = profile.scheduler
+            batch.write(path, figures=self.scan.figures, **cluster)
+        if profile is None:
+            return LocalJobs(self.directory, batches, self.machine.jobs)
+        return ClusterJobs(self.directory, batches, self.machine.jobs, profile, self.scan.name)
 
     def _states(self, points: Sequence[ScanPoint]) -> list[tuple[bool, dict[str, Any]]]:
         return [

@@ -1,5 +1,5 @@
-"""Jobs of a scan, one for each batch: processes on this machine, or jobs of Slurm; as many at once
-as have room.
+"""Jobs of a scan, one for each batch: processes on this machine, or jobs of the scheduler of a
+cluster; as many at once as have room.
 """
 
 from __future__ import annotations
@@ -7,8 +7,6 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-import re
-import shlex
 import signal
 import subprocess
 import sys
@@ -18,22 +16,23 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.errors import RunError
-from granwave.lammps_inputs.files import available_memory
+from granwave.lammps_inputs.files import available_memory, replace_text
+from granwave.workflows.cluster.profile import Profile
+from granwave.workflows.cluster.scheduler import JobRequest
+from granwave.workflows.cluster.schedulers import SCHEDULERS
 from granwave.workflows.run import mpi
-from granwave.workflows.scanning import layout, slurm
+from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.batches import Batch
-from granwave.workflows.scanning.slurm import Profile
+from granwave.workflows.scanning.queue import jobs_of, note_submitted, warn_of_pending
 
 LOCAL = "local"
-SLURM = "slurm"
-EXECUTORS = (LOCAL, SLURM)
+EXECUTORS = (LOCAL, *SCHEDULERS)
 # s between checks of processes, and of the queue
 _POLL = 0.3
 _QUEUE_POLL = 2.0
 _PATIENCE = 60.0  # s that running jobs have to stop after a request
-_LEAST_MINUTES = 10  # shortest default time limit
-_LEFT_ALONE = 30  # s that ranks may go on after one has died
-_WARNING = 90  # s before the time limit at which points write checkpoints
+_SCRIPT = "script.sh"  # of the jobs of a batch, beside their logs
+_SETTINGS = {"OMP_NUM_THREADS": "1", mpi.SAFE_PATH: "1"}  # environment variables of all jobs
 
 
 class Jobs:
@@ -136,9 +135,9 @@ class LocalJobs(Jobs):
             )  # fmt: skip
 
 
-class SlurmJobs(Jobs):
-    """Jobs of Slurm, so many at once, by the profile of a cluster; ``name`` is the name of the
-    scan.
+class ClusterJobs(Jobs):
+    """Jobs of the scheduler of a cluster, so many at once, by the profile; ``name`` is the name of
+    the scan.
     """
 
     def __init__(
@@ -147,9 +146,11 @@ class SlurmJobs(Jobs):
         super().__init__(directory, batches)
         self._at_once = at_once
         self._profile = profile
+        self._queue = profile.queue
         self._name = name
         self._asked = -math.inf  # time of the last look at the queue
         self._reported: set[str] = set()  # reasons of pending jobs
+        self._submitted: dict[str, float] = {}  # times, by id
 
     def running(self) -> bool:
         """Do so for all jobs at once, from time to time; return the answer of the last time in
@@ -162,21 +163,27 @@ class SlurmJobs(Jobs):
 
     def stop(self, in_haste: Callable[[], bool]) -> None:
         """Take pending jobs back, and wait for the others; then cancel them."""
-        slurm.cancel([job for job in slurm.jobs_of(self.directory) if job.pending])
+        self._queue.cancel(job.id for job in jobs_of(self.directory, self._queue) if job.pending)
         patience = time.monotonic() + _PATIENCE
-        while jobs := slurm.jobs_of(self.directory):
+        while jobs := jobs_of(self.directory, self._queue):
             if time.monotonic() > patience or in_haste():
-                return slurm.cancel(jobs)
+                self._queue.cancel(job.id for job in jobs)
+                return
             time.sleep(_QUEUE_POLL)
 
     def _ended(self) -> list[Any]:
         if not self._live:
             return []
         try:
-            slurm.warn_of_pending(self.directory, self._name, self._reported)
-            return list(slurm.ended(self._live, self._profile.status))
+            warn_of_pending(self._live, self._queue, self._name, self._reported)
+            unended = self._queue.queue()
         except RunError:  # unknown
             return []
+        return [job for job in self._live if job not in unended and not self._is_new(job)]
+
+    def _is_new(self, job: str) -> bool:
+        """Return True for a job that the scheduler may not list so far."""
+        return time.monotonic() < self._submitted[job] + self._queue.listed_after
 
     def _has_room(self, batch: Batch) -> bool:
         return len(self._live) < self._at_once and not self.refusal
@@ -184,60 +191,31 @@ class SlurmJobs(Jobs):
     def _start(self, batch: Batch) -> Any:
         logs = self.directory / layout.LOGS / batch.id
         logs.mkdir(exist_ok=True)
-        command, script = submission(self._profile, batch, self._name)
-        environment = {
-            name: value for name, value in _environment().items() if not name.startswith("SLURM_")
-        }
+        script = self._profile.script(request_of(self._profile, batch, self._name, self.directory))
+        replace_text(logs / _SCRIPT, script)
         try:
-            return (
-                slurm.ask(command, input=script, env=environment, cwd=self.directory)
-                .strip()
-                .partition(";")[0]
-            )
+            job = self._queue.submit(script, self.directory)
         except RunError as error:
             if not self._live:  # otherwise there may be a limit, and room later
-                lines = str(error).removeprefix("sbatch failed: ").split("sbatch: error: ")
-                self.refusal = "; ".join(
-                    dict.fromkeys(filter(None, (line.strip(" .") for line in lines)))
-                )
+                self.refusal = self._queue.refusal(error)
             return None
+        note_submitted(self.directory, job, batch.id)
+        self._submitted[job] = time.monotonic()
+        return job
 
 
-def submission(profile: Profile, batch: Batch, name: str) -> tuple[list[str], str]:
-    """Return the command that submits a batch of the scan ``name`` to Slurm, and the script that it
-    reads.
-    """
-    minutes = profile.time or max(
-        _LEAST_MINUTES, math.ceil(max(3 * batch.wall_time, batch.longest) / 60)
+def request_of(profile: Profile, batch: Batch, name: str, directory: Path) -> JobRequest:
+    """Return the request of the job of a batch of the scan ``name`` in a directory."""
+    variables = [f"{key}={value}" for key, value in _SETTINGS.items()]
+    return profile.request(
+        f"granwave-{name}",
+        ["env", *variables, *_worker(batch)],
+        ranks=batch.ranks,
+        minutes=profile.minutes(batch.wall_time, batch.longest),
+        memory=batch.memory_on(profile.nodes_of(batch.ranks)),
+        logs=f"{layout.LOGS}/{batch.id}",
+        directory=directory,
     )
-    given = {"partition": profile.partition, "account": profile.account}
-    if batch.ranks > 1:
-        given["nodes"] = str(_nodes_of(profile, batch))
-    command = [
-        "sbatch", "--parsable", "--export=ALL", f"--comment={slurm.COMMENT}{batch.id}",
-        f"--job-name=granwave-{re.sub(r'[^A-Za-z0-9]', '', name)}", f"--output={layout.LOGS}/{batch.id}/%j.log",
-        *(f"--{option}={value}" for option, value in given.items() if value),
-        f"--ntasks={batch.ranks}", f"--time={minutes}", f"--mem={profile.memory or math.ceil(batch.memory / 1e6)}",
-        # before the limit, to the job steps and not to the shell, which would end at once
-        f"--signal=TERM@{min(_WARNING, minutes * 60 // 3)}", *shlex.split(profile.options),
-    ]  # fmt: skip
-    step = [] if batch.ranks > 1 else ["srun", "--ntasks=1", "--cpu-bind=q"]
-    return (
-        command,
-        f"#!/bin/bash\nset -euo pipefail\n{profile.before}\nexec {shlex.join([*step, *_worker(batch)])}\n",
-    )
-
-
-def launcher_of(profile: Profile | None, batch: Batch) -> list[str]:
-    """Return the command that starts the ranks of a point; empty for the usual one of this machine."""
-    words = profile.launcher.split() if profile else []
-    if profile and words[0] == "srun":
-        words += [f"--wait={_LEFT_ALONE}", "-N", str(_nodes_of(profile, batch))]
-    return words
-
-
-def _nodes_of(profile: Profile, batch: Batch) -> int:
-    return min(profile.nodes, batch.ranks)
 
 
 def _worker(batch: Batch) -> list[str]:
@@ -251,4 +229,4 @@ def _worker(batch: Batch) -> list[str]:
 
 
 def _environment() -> dict[str, str]:
-    return {**mpi.alone(), "OMP_NUM_THREADS": "1", mpi.SAFE_PATH: "1"}
+    return {**mpi.alone(), **_SETTINGS}

@@ -84,22 +84,24 @@ class ScanHeader:
     case: str = schema.text("a built-in study or a case file")
     ranks: RanksBySize = schema.typed("MPI ranks of a point", _RANKS, default=_ONE_RANK)
     replicates: int = count(
-        "runs of each point in which something is random, with seeds 1 to n", default=1
+        "number of runs of each point with random quantities, with seeds 1 to n", default=1
     )
-    figures: bool = schema.choice("figures of every point too", (False, True), default=False)
+    figures: bool = schema.choice(
+        "also make the figures of every point", (False, True), default=False
+    )
     study: tuple[str, ...] = schema.typed(
-        "study, or list of studies, that the report makes of the scan", STUDIES_TYPE, default=()
+        "study, or list of studies, in the report of the scan", STUDIES_TYPE, default=()
     )
 
     FURTHER_KEYS: ClassVar[dict[str, Any]] = {
-        "set": schema.typed("values that hold for all points", TABLE_OF_KEYS, default=None),
+        "set": schema.typed("values for all points", TABLE_OF_KEYS, default=None),
         "grid": schema.typed(
-            "values of which every combination is a point",
+            "lists of values; every combination is a point",
             schema.OtherType(expected=_LISTS, kinds=("object",)),
             default=None,
         ),
         "zip": schema.typed(
-            "tables [[zip]] of values that vary together, beside the grid",
+            "tables [[zip]] of values that vary together, in addition to the grid",
             schema.OtherType(expected=f"{_LISTS}, equally long", kinds=("array", "object")),
             default=None,
         ),
@@ -127,7 +129,7 @@ def _values_of(value: Any) -> list[Any]:
             raise ValidationError("at least one value")
         return value
     if not isinstance(value, Mapping):
-        raise ValidationError(f"{expected}; a value that holds for all points belongs under [set]")
+        raise ValidationError(f"{expected}; a value for all points belongs in [set]")
     if len(value) != 1 or not set(value) <= set(_SHAPES):
         raise ValidationError(expected)
     ((shape, limits),) = value.items()
@@ -146,7 +148,7 @@ def _values_of(value: Any) -> list[Any]:
         raise ValidationError(f"{expected} with positive numbers")
     span = last - first if shape == "linear" else last / first
     if not math.isfinite(span) or (shape == "log" and not span):
-        raise ValidationError(f"{expected} with numbers that are closer to each other")
+        raise ValidationError(f"{expected} with a smaller range of numbers")
     shares = [k / (count - 1) for k in range(1, count - 1)]
     inner = [first + share * span if shape == "linear" else first * span**share for share in shares]
     # 14 digits, so that 0.3 in a range equals 0.3 in a list, and gives the same point
@@ -187,7 +189,7 @@ def variations_of(
         errors.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
     keys = [key for axis in axes for key in axis[0]]
     for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
-        errors.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
+        errors.add(key, "varies twice; keep it in only one of [grid] and [[zip]]")
     count = ((math.prod(map(len, axes)) if axes else 0) + len(single)) * (
         header.replicates if header else 1
     )

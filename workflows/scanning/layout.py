@@ -34,6 +34,7 @@ DRIVER = "GRANWAVE_SCAN_DRIVER"
 BATCHES = f"{SCAN_WORK}/batches"
 DONE = f"{SCAN_WORK}/done"
 LOGS = f"{SCAN_WORK}/logs"
+SUBMITTED = f"{SCAN_WORK}/logs/submitted.txt"  # jobs of a cluster: id and batch in each line
 STOP = f"{SCAN_WORK}/stop"  # file whose existence asks all workers to stop; its text is the reason
 _FILES = (SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT, STUDY_ROWS)
 
@@ -120,7 +121,8 @@ def _move(place: Path, target: Path) -> None:
             target.rmdir()
     if os.path.lexists(target):
         raise InputError(
-            f"{target}: holds files that granwave did not write; move them away, then resume=True"
+            f"{target}: contains files that granwave did not write; move them elsewhere, then use "
+            "resume=True"
         )
     target.parent.mkdir(exist_ok=True)
     os.replace(place, target)
@@ -137,8 +139,12 @@ def seconds(directory: Path, point: str) -> float | None:
 
 
 def write_state(place: Path, **record: Any) -> None:
-    """Replace the record of a point, all or nothing; raises InputError where somebody else's file
-    is in its place.
+    """Replace the record of a point in one step.
+
+    Raises
+    ------
+    InputError
+        The file that it would replace was not written by granwave.
     """
     place.mkdir(parents=True, exist_ok=True)
     ResultDirectory(place).claim(POINT_FILES)

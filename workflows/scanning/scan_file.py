@@ -13,7 +13,7 @@ import hashlib
 import json
 import logging
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.scans.result import SEED, Scalar
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.case import Case, case_keys
+from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, PackingToMake, is_made
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
 from granwave.lammps_inputs.errors import InputError, InputFault, fault_of
@@ -269,19 +270,14 @@ def _build(
     if header.replicates > 1:
         if SEED in varied:
             raise InputError(
-                f"{path}: {SEED}: varies twice; leave out replicates, which are seeds from 1 on"
+                f"{path}: {SEED}: varies twice; remove replicates, which are seeds from 1 on"
             )
         varied = (*varied, SEED)
     _check_fixed(path, fixed, varied, changes)
     if template is None:
         template = _template_of(path, header)
-    kind = solver_of(template)
-
-    def read(values: Mapping[str, Any]) -> AnyCase:
-        data = _with(template, {**fixed, **values}, path, changes)
-        return kind.read(data, path, overridden=changes)
-
-    points = _points_of(path, header, kind, read, variations, varied, here=here)
+    reader = _PointReader(path, template, fixed, changes, solver_of(template))
+    points = _points_of(header, reader, variations, varied, here=here)
     return Scan(
         name=header.name,
         case_name=str(template["name"]),
@@ -325,11 +321,42 @@ def _template_of(path: Path, header: ScanHeader) -> Mapping[str, Any]:
     return {"name": base.stem, **read_toml(base)}
 
 
+@dataclasses.dataclass(frozen=True)
+class _PointReader:
+    """Reader of the cases of points.
+
+    Attributes
+    ----------
+    path
+        Scan file.
+    template
+        Tables of the case that the scan varies.
+    fixed
+        Keys that are the same for all points.
+    changes
+        Keys of ``fixed`` that were changed by the user of the scan file.
+    kind
+        Kind of the cases.
+    """
+
+    path: Path
+    template: Mapping[str, Any]
+    fixed: Mapping[str, Any]
+    changes: Mapping[str, Any]
+    kind: CaseKind
+
+    def tables(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the tables of the case with these values."""
+        return _with(self.template, {**self.fixed, **values}, self.path, self.changes)
+
+    def read(self, values: Mapping[str, Any]) -> AnyCase:
+        """Read the case with these values."""
+        return self.kind.read(self.tables(values), self.path, overridden=self.changes)
+
+
 def _points_of(
-    path: Path,
     header: ScanHeader,
-    kind: CaseKind,
-    read: Callable[[Mapping[str, Any]], AnyCase],
+    reader: _PointReader,
     variations: Sequence[Mapping[str, Any]],
     varied: Sequence[str],
     *,
@@ -341,8 +368,13 @@ def _points_of(
     ------
     InputError
         Points are wrong; the message has a line for each of them.
+    PackingNotMadeError
+        Packings of points are not made, and this is within `nothing_made`.
     """
+    path = reader.path
+    kind = reader.kind
     points: list[ScanPoint] = []
+    to_make: dict[Path, PackingToMake] = {}
     errors: list[tuple[int, Mapping[str, Any], list[InputFault]]] = []
     progress = Progress(len(variations), f"{header.name}: points", enabled=len(variations) > _MANY)
     fresh = each_warning_once()  # many points would repeat them
@@ -351,35 +383,54 @@ def _points_of(
         at_end.callback(_LOG.removeFilter, fresh)
         for n, values in enumerate(variations, start=1):
             try:
-                for replicate in _replicates(header, values, read):
-                    case = read(replicate)
+                for replicate in _replicates(header, values, reader):
+                    case = _read_or_note(reader, replicate, to_make)
+                    if case is None:
+                        continue
                     points.append(_point(len(points) + 1, replicate, case, kind, header, varied))
                     if here:
                         kind.afford(case, points[-1].plan, None)
             except InputError as error:
                 errors.append((n, values, error.items))
             progress.update(n, "checked")
-    if header.replicates > 1 and len(points) == len(variations):
+    if header.replicates > 1 and not to_make and len(points) == len(variations):
         _LOG.warning(
-            "%s: replicates: nothing is random in these packings, so that each is run once", path
+            "%s: replicates: these packings have no random quantities, so each is run once", path
         )
     if errors:
         raise InputError(_faults_of(path, errors, len(variations)))
+    if to_make:
+        raise PackingNotMadeError(
+            f"{path}: packings of its points that are not generated yet: {len(to_make)}",
+            list(to_make.values()),
+        )
     return points
 
 
+def _read_or_note(
+    reader: _PointReader, values: Mapping[str, Any], to_make: dict[Path, PackingToMake]
+) -> AnyCase | None:
+    """Return a case; None if its packing is not made, which is added to ``to_make``."""
+    try:
+        return reader.read(values)
+    except PackingNotMadeError as error:
+        to_make.update({packing.file: packing for packing in error.packings})
+        return None
+
+
 def _replicates(
-    header: ScanHeader,
-    values: Mapping[str, Any],
-    read: Callable[[Mapping[str, Any]], AnyCase],
+    header: ScanHeader, values: Mapping[str, Any], reader: _PointReader
 ) -> list[Mapping[str, Any]]:
     """Return the values of a point with each of its seeds; itself if nothing is random."""
     if header.replicates <= 1:
         return [values]
-    case = read(values)
-    if not isinstance(case, Case):
-        return [values]
-    n_seeds = header.replicates if is_random(case) else 1
+    n_seeds = header.replicates
+    if not is_made(reader.tables(values)):
+        case = reader.read(values)
+        if not isinstance(case, Case):
+            return [values]
+        if not is_random(case):
+            n_seeds = 1
     return [{**values, SEED: seed} for seed in range(1, n_seeds + 1)]
 
 

@@ -16,6 +16,7 @@ from typing import Any
 
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, PackingToMake
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, Mismatch, fault_of
@@ -48,13 +49,13 @@ class SuiteFile:
 
     name: str = schema.typed("name of the suite", schema.PLAIN_NAME, default="")
     scans: tuple[str, ...] = schema.typed(
-        "built-in scans, or scan files as seen from this file", _STUDIES
+        "built-in scans, or scan files (paths relative to this file)", _STUDIES
     )
     cases: tuple[str, ...] = schema.typed(
-        "built-in studies, or case files as seen from this file", _STUDIES, default=()
+        "built-in cases, or case files (paths relative to this file)", _STUDIES, default=()
     )
     study: tuple[str, ...] = schema.typed(
-        "study, or list of studies, of all its runs", STUDIES_TYPE, default=()
+        "study, or list of studies, of all runs", STUDIES_TYPE, default=()
     )
 
 
@@ -103,6 +104,8 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     ------
     InputError
         The file or any of its scans is wrong; the message lists all faults.
+    PackingNotMadeError
+        Packings of its scans are not made, and this is within `nothing_made`.
     """
     path = find_scan(file)
     data = read_toml(path)
@@ -112,6 +115,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     if header is None or errors.items:
         raise InputError(errors.items)
     scans: list[Scan] = []
+    to_make: dict[Path, PackingToMake] = {}
     for key, entry in [(_SCANS, entry) for entry in header.scans] + [
         ("cases", entry) for entry in header.cases
     ]:
@@ -120,6 +124,8 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
                 scans.append(load_scan(find_scan(entry, path.parent), here=here))
             else:
                 scans.append(scan_of_case(entry, path, here=here))
+        except PackingNotMadeError as error:
+            to_make.update({packing.file: packing for packing in error.packings})
         except InputError as error:
             known = f"{entry}: " if key == _SCANS else f"{path}: case: {entry}: "
             errors.extend(
@@ -130,10 +136,17 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     for twice in sorted({name for name in names if names.count(name) > 1}):
         errors.add(
             _SCANS,
-            Mismatch(f"two scans of the name {twice}", "different names: each has its directory"),
+            Mismatch(
+                f"two scans of the name {twice}", "different names, since each is a directory"
+            ),
         )
     if errors.items:
         raise InputError(errors.items)
+    if to_make:
+        raise PackingNotMadeError(
+            f"{path}: packings of its scans that are not made yet: {len(to_make)}",
+            list(to_make.values()),
+        )
     return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"), studies)
 
 

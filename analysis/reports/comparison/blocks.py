@@ -21,21 +21,38 @@ from granwave.analysis.document.model import (
     value_cell,
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.figures import FIGURES
-from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.comparison.measured import Deviation, relative_text
+from granwave.analysis.reports.comparison.subjects import (
+    MOST_SIDE_BY_SIDE,
+    ComparedRun,
+    names_with_cases,
+)
 from granwave.analysis.reports.comparison.values import ComparedValue, factor
 from granwave.analysis.reports.figures import picture_of
 
-_MOST_SIDE_BY_SIDE = 6  # runs with a column each
 _MOST_VALUES = 10  # rows of the table of values
 _MOST_OPEN = 12  # rows of the table of keys that is not folded
-_OF_VALUES = "Results that differ most"
-_OF_CASES = "What differs in the cases"
-_OF_NUMERICS = "What differs in how the runs were followed"
+_OF_VALUES = "Largest differences of results"
+_OF_CASES = "Differences between the cases"
+_OF_NUMERICS = "Differences in output and run control"
 _QUANTITY = TableColumn("Quantity", key=True)
 _UNIT = TableColumn("Unit", key=True)
+#: Columns of the table of differences from a measured curve, after the run.
+MISFIT_HEADS = (
+    "rms",
+    "rms / measured peak",
+    "Peak in the range",
+    "at",
+    "Difference of the peaks",
+    "Points",
+)
+_TIMES = 10.0  # relative difference from which on it is given as a ratio
+_NO_RANGE = "no common range"
+_NO_CELLS = ("",) * (len(MISFIT_HEADS) - 1)
 
 
 def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[Block]:
@@ -64,7 +81,7 @@ def value_table(comparison: Comparison) -> DocumentTable:
     values = comparison.values
     if not comparison.quantities:
         values = values[:_MOST_VALUES]
-    if len(comparison.runs) > _MOST_SIDE_BY_SIDE:
+    if len(comparison.runs) > MOST_SIDE_BY_SIDE:
         return _ranges(comparison.runs, values)
     heads = [TableColumn(run.name, numeric=True) for run in comparison.runs]
     rows = [(*_head(value), *map(value_cell, value.values), _ratio(value)) for value in values]
@@ -75,11 +92,12 @@ def value_table(comparison: Comparison) -> DocumentTable:
 
 def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> DocumentTable:
     """Return smallest and largest value of all runs, with the runs that have them."""
+    names = names_with_cases(runs)
     rows: list[tuple[Cell, ...]] = []
     for value in values:
         named = [
-            (number, run.name)
-            for number, run in zip(value.values, runs, strict=True)
+            (number, name)
+            for number, name in zip(value.values, names, strict=True)
             if number is not None
         ]
         if not named:
@@ -142,7 +160,7 @@ def _case_table(
 ) -> DocumentTable:
     """Return a row for each key; of many runs a row for each run."""
     names = [run.name for run in runs]
-    if len(runs) <= _MOST_SIDE_BY_SIDE:
+    if len(runs) <= MOST_SIDE_BY_SIDE:
         texts = [(row.what, *row.values) for row in rows]
         return text_table(caption, ("Key", *names), texts)
     columns = [row.values for row in rows]
@@ -150,26 +168,46 @@ def _case_table(
     return text_table(caption, ("Run", *(row.what for row in rows)), texts)
 
 
-def misfit_tables(comparison: Comparison) -> list[Block]:
+def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
     """Return the differences from measured curves, a table each."""
-    blocks: list[Block] = []
+    blocks: list[DocumentTable] = []
     for name, curve in comparison.measured.items():
-        rows: list[tuple[str, ...]] = []
-        for run, difference in comparison.deviations(name).items():
-            if difference is None:
-                rows.append((run.name, "no common range", "", "", ""))
-                continue
-            rms = f"{difference.rms:.4g}"
-            relative = f"{100 * difference.relative_rms:.3g} %"
-            peak = percent(100 * difference.peak_difference)
-            rows.append((run.name, rms, relative, peak, str(difference.n_points)))
-        for run, why in comparison.data(name).lacking.items():
-            rows.append((run.name, why, "", "", ""))
         units = FIGURES[name].units
-        rms_head = f"rms ({units[1]})" if units is not None else "rms"
-        heads = ("Run", rms_head, "rms over the measured peak", "Difference of the peaks", "Points")
-        blocks.append(text_table(f"Difference from {curve.source}", heads, rows))
+        assert units is not None  # else no curve can lie over it
+        x_unit, y_unit = units
+        peak = quantity_in(curve.peak, y_unit)
+        place = quantity_in(curve.peak_at, x_unit)
+        own = ("measured", "", "", peak, place, "", str(len(curve.x)))
+        rows: list[tuple[str, ...]] = [own]
+        for run, difference in comparison.deviations(name).items():
+            cells: tuple[str, ...] = (_NO_RANGE, *_NO_CELLS)
+            if difference is not None:
+                cells = misfit_cells(difference, units)
+            rows.append((run.name, *cells))
+        for run, why in comparison.data(name).lacking.items():
+            rows.append((run.name, why, *_NO_CELLS))
+        blocks.append(text_table(f"Difference from {curve.source}", ("Run", *MISFIT_HEADS), rows))
     return blocks
+
+
+def misfit_cells(difference: Deviation, units: tuple[str, str]) -> tuple[str, ...]:
+    """Return the difference from a measured curve in words, below the `MISFIT_HEADS`."""
+    x_unit, y_unit = units
+    return (
+        quantity_in(difference.rms, y_unit),
+        relative_text(difference.relative_rms).removesuffix(" of"),
+        quantity_in(difference.peak, y_unit),
+        quantity_in(difference.peak_at, x_unit),
+        _peak_text(difference.peak_difference),
+        str(difference.n_points),
+    )
+
+
+def _peak_text(difference: float) -> str:
+    """Return the relative difference of the peaks in words; a large one as their ratio."""
+    if difference < _TIMES:
+        return percent(100 * difference)
+    return f"{1 + difference:.3g} times"
 
 
 def _pictures(comparison: Comparison) -> list[Block]:

@@ -8,14 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     LackingError,
+    comparable_keys,
     is_physical,
-    keys_of_all,
     value_text,
 )
-from granwave.analysis.reports.setting import differing, quantity_in
+from granwave.analysis.reports.setting import differing
 from granwave.lammps_inputs.errors import GranwaveError
 
 _SAME = 1e-12  # relative difference of diameters that are equal
@@ -59,12 +60,12 @@ class _Grains:
 
 
 def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
-    """Return what differs in the cases, physics first; grains after the keys."""
+    """Return the differences between cases: kinds, physical keys, grains, then numerical keys."""
     with_case = [run.run for run in runs if run.run.case]
     keys = differing(with_case) if len(with_case) > 1 else []
     rows = _kind_rows(runs)
-    if rows:  # keys of one kind alone say nothing
-        keys = keys_of_all(keys, with_case)
+    if rows:  # keys that a kind alone has say nothing of other kinds
+        keys = comparable_keys(keys, with_case)
     own = [key for key in keys if is_physical(key)]
     rest = [key for key in keys if not is_physical(key)]
     is_moved = any(key.startswith(_OF_PACKING) for key in own)

@@ -9,15 +9,23 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
 from granwave.analysis.reports.comparison.figures import FIGURES, FigureData, read_figure
 from granwave.analysis.reports.comparison.measured import (
     Deviation,
     MeasuredCurve,
+    closest_sentence,
     deviation,
+    outside_notes,
     read_measured,
 )
-from granwave.analysis.reports.comparison.subjects import ComparedRun, compared_runs
+from granwave.analysis.reports.comparison.subjects import (
+    ComparedRun,
+    by_reason,
+    compared_runs,
+    names_in_words,
+)
 from granwave.analysis.reports.comparison.values import (
     ComparedValue,
     compared_values,
@@ -25,8 +33,8 @@ from granwave.analysis.reports.comparison.values import (
     sentence,
     unknown_values,
 )
+from granwave.analysis.reports.inputs import ReportInputs
 from granwave.analysis.reports.kinds import ReportRun
-from granwave.analysis.reports.setting import quantity_in
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.own_files import AnyPath
 
@@ -53,6 +61,8 @@ class Comparison:
         Measured curve by the name of the figure that it lies over; empty without one.
     quantities
         Names that were asked for: of values and of figures; empty for all.
+    left_out
+        Messages about unfinished runs without a summary, which are not compared.
     """
 
     def __init__(
@@ -60,10 +70,12 @@ class Comparison:
         runs: Sequence[ComparedRun],
         quantities: Sequence[str] = (),
         measured: Mapping[str, MeasuredCurve] | None = None,
+        left_out: Sequence[str] = (),
     ) -> None:
         self.runs = tuple(runs)
         self.quantities = tuple(quantities)
         self.measured = dict(measured or {})
+        self.left_out = tuple(left_out)
         self._drawn: dict[str, Drawing | NotDrawn | None] = {}
         self._data: dict[str, FigureData] = {}
 
@@ -89,12 +101,20 @@ class Comparison:
 
     @cached_property
     def sentence(self) -> str:
-        """The values that differ most, in a sentence."""
+        """The values that differ most, in a sentence; of one run the misfit to a measurement."""
+        is_alone = len(self.runs) < _LEAST_RUNS
+        measured = [
+            closest_sentence(curve, self._named_deviations(name), _units_of(name), alone=is_alone)
+            for name, curve in self.measured.items()
+        ]
+        if is_alone:
+            return " ".join(measured)
         if not self.differs:
-            names = [run.name for run in self.runs]
-            listed = f"{', '.join(names[:-1])} and {names[-1]}"
-            return f"Nothing differs: cases and results of {listed} are equal."
-        return sentence(self.values or compared_values(self.runs), self.runs)
+            listed = names_in_words([run.name for run in self.runs])
+            first = f"Nothing differs: cases and results of {listed} are equal."
+        else:
+            first = sentence(self.values or compared_values(self.runs), self.runs)
+        return " ".join([first, *measured])
 
     @property
     def table(self) -> pandas.DataFrame:
@@ -163,8 +183,7 @@ class Comparison:
         if name in self.measured:
             parts.append(self._measured_words(name))
         if data.lacking:
-            reasons = [f"{run.name} ({why})" for run, why in data.lacking.items()]
-            parts.append(f"Not drawn: {'; '.join(reasons)}.")
+            parts.append(f"Not drawn: {by_reason(data.lacking)}.")
         return " ".join(filter(None, parts))
 
     def _measured_words(self, name: str) -> str:
@@ -209,7 +228,9 @@ class Comparison:
         if axes is None:
             lacking = self.data(name).lacking
             reasons = [f"{run.name}: {why}" for run, why in lacking.items()]
-            why = "; ".join(reasons) or "the runs do not differ in it, or share no grains"
+            why = "; ".join(reasons) or (
+                "the runs do not differ in this quantity, or share no grains"
+            )
             raise MissingDataError(f"comparison: figure {name} does not apply ({why})")
         return axes
 
@@ -225,10 +246,19 @@ class Comparison:
             for run, data in self.data(name).present.items()
         }
 
+    def _named_deviations(self, name: str) -> dict[str, Deviation]:
+        """Return the differences from a measured curve by the names of the runs that cover it."""
+        return {
+            run.name: difference
+            for run, difference in self.deviations(name).items()
+            if difference is not None
+        }
+
     @property
     def misfits(self) -> pandas.DataFrame:
         """Difference of each run from the measured curve: rms, rms over the measured peak, relative
-        difference of the peaks, and number of points; empty without a measured curve.
+        difference of the peaks, number of points, and peak of the run in the measured range with
+        its place; empty without a measured curve.
         """
         import pandas
 
@@ -243,18 +273,25 @@ class Comparison:
 
     @property
     def notes(self) -> list[str]:
-        """Sentences on runs that ended early, and on runs that no figure shows."""
+        """Sentences on runs that are left out, that ended early, or that no figure shows."""
         early = [f"{run.name} ({run.unfinished})" for run in self.runs if run.unfinished]
-        notes: list[str] = []
+        notes = [f"Left out: {message}." for message in self.left_out]
         if early:
             listed = ", ".join(early)
-            notes.append(f"Not finished, compared up to where it came: {listed}.")
+            notes.append(f"Unfinished, compared up to the last output: {listed}.")
         notes += self._unlike_ends()
+        for name, curve in self.measured.items():
+            notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
+        return notes + self._undrawn()
+
+    def _undrawn(self) -> list[str]:
+        """Return a sentence on the runs that are in no figure; nothing if there is none."""
+        undrawn: dict[ComparedRun, str] = {}
         for run in self.runs:
             reasons = [self.data(name).lacking.get(run) for name in self.wanted_figures]
-            if reasons and all(reasons):
-                notes.append(f"In no figure: {run.name} ({reasons[0]}).")
-        return notes
+            if reasons and reasons[0] and all(reasons):
+                undrawn[run] = reasons[0]
+        return [f"In no figure: {by_reason(undrawn)}."] if undrawn else []
 
     def _unlike_ends(self) -> list[str]:
         """Return a sentence on runs that end at different times; nothing if they do not."""
@@ -264,9 +301,11 @@ class Comparison:
         texts = [f"{name} at {quantity_in(end, 's')}" for name, end in ends.items()]
         listed = ", ".join(texts)
         if len(texts) > _MOST_LISTED:
-            order = sorted(range(len(texts)), key=lambda n: list(ends.values())[n])
-            listed = f"from {texts[order[0]]} to {texts[order[-1]]}"
-        return [f"Runs end at different times, and so do their sums over time: {listed}."]
+            names = sorted(ends, key=lambda name: ends[name])
+            earliest = texts[list(ends).index(names[0])]
+            latest = texts[list(ends).index(names[-1])]
+            listed = f"from {earliest} to {latest}"
+        return [f"Runs end at different times, so their integrals over time differ: {listed}."]
 
     def __repr__(self) -> str:
         lines = [self.sentence, *self.notes, "", self.table.to_string(na_rep="")]
@@ -285,6 +324,7 @@ def compare_runs(
     *,
     shift: float = 0.0,
     scale: float = 1.0,
+    left_out: Sequence[str] = (),
 ) -> Comparison:
     """Compare runs.
 
@@ -300,6 +340,8 @@ def compare_runs(
         Figure that it lies over.
     shift, scale
         What is added to its times or lengths, s or m, and the factor of its values.
+    left_out
+        Messages about unfinished runs without a summary.
 
     Raises
     ------
@@ -311,6 +353,7 @@ def compare_runs(
     if len(runs) < _LEAST_RUNS and measured is None:
         labels = ", ".join(run.label for run in runs) or "none"
         errors.append(f"found {len(runs)} run ({labels}), expected two or more to compare")
+        errors += left_out
     compared = compared_runs(runs)
     names = [name for name in quantities if name not in FIGURES]
     errors += unknown_values(names, compared, tuple(FIGURES))
@@ -322,7 +365,29 @@ def compare_runs(
             errors += error.items
     if errors:
         raise InputError(errors)
-    return Comparison(compared, quantities, curves)
+    return Comparison(compared, quantities, curves, left_out)
+
+
+def compare_inputs(
+    inputs: ReportInputs,
+    quantities: Sequence[str] = (),
+    measured: AnyPath | None = None,
+    measured_as: str = BOTTOM_FORCE,
+    *,
+    shift: float = 0.0,
+    scale: float = 1.0,
+) -> Comparison:
+    """Compare the runs of directories that were read, arguments and errors as of `compare_runs`."""
+    runs = [run for run in inputs.results() if run.has_balance]
+    return compare_runs(
+        runs,
+        quantities,
+        measured,
+        measured_as,
+        shift=shift,
+        scale=scale,
+        left_out=inputs.left_out,
+    )
 
 
 def _measured_curve(path: Any, name: str, shift: float, scale: float) -> MeasuredCurve:
@@ -330,8 +395,17 @@ def _measured_curve(path: Any, name: str, shift: float, scale: float) -> Measure
     if units is None:
         names = names_for_measured()
         hint = did_you_mean(name, names) or f"expected {', '.join(names)}"
-        raise InputError(f"--as: found {name}, which no measured curve can lie over; {hint}")
+        raise InputError(
+            f"--as: found {name}, which cannot be compared with a measured curve; {hint}"
+        )
     return read_measured(path, units, shift=shift, scale=scale)
+
+
+def _units_of(name: str) -> tuple[str, str]:
+    """Return the SI units of a figure over which a measured curve can lie."""
+    units = FIGURES[name].units
+    assert units is not None  # `_measured_curve` refuses others
+    return units
 
 
 def names_for_measured() -> Collection[str]:

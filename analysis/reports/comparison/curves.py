@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.force_decay import PowerDecay, power_decay
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
 from granwave.analysis.measures.signals import Array
@@ -23,10 +24,7 @@ from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 FORMS = ("kinetic", "elastic", "dissipated")  # of energy, in the order of their panels
-_LEAST_FIT = 4  # layers of a fit of the decay
 _LEAST_SHARE = 1e-4  # of the largest peak force: layers that a wave reached
-_TOP = 0.5  # diameters below the struck sphere, above which layers are left out of the fit
-_DEGREES = 2  # constants of the fit
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,40 +33,6 @@ class SampledCurve:
 
     x: Array
     y: Array
-
-
-@dataclass(frozen=True)
-class PowerDecay:
-    """Decay of the peak force with depth, as a power of it: ``F = F_D (z/D)^-exponent``.
-
-    Attributes
-    ----------
-    exponent, error
-        The exponent and its standard error.
-    force
-        Of the fit at a depth of one diameter, N.
-    diameter
-        m.
-    misfit
-        Root mean square of ``ln(F / fit)``.
-    first, last
-        Depths of the first and the last layer of the fit, m.
-    n_layers
-        Number of its layers.
-    """
-
-    exponent: float
-    error: float
-    force: float
-    diameter: float
-    misfit: float
-    first: float
-    last: float
-    n_layers: int
-
-    def __call__(self, depth: Array) -> Array:
-        """Return forces at depths, (n,), m: (n,), N."""
-        return np.asarray(self.force * (depth / self.diameter) ** -self.exponent)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +77,7 @@ def force_at_bottom(run: ComparedRun) -> SampledCurve:
     with run.opened() as result:
         record = reached(result)
         if record is None:
-            raise LackingError("it has no bottom that records a force")
+            raise LackingError("the force on its bottom is not recorded")
         return SampledCurve(record.time, record.force)
 
 
@@ -128,7 +92,7 @@ def energy_shares(run: ComparedRun) -> dict[str, SampledCurve]:
         raise LackingError(f"{RESULT_FILE} has no energies") from None
     is_whole = all(np.shape(values) == time.shape == given.shape for values in columns.values())
     if not is_whole or not len(time) or not given[-1] > 0:
-        raise LackingError("no energy was put in, or its record is damaged")
+        raise LackingError("the energy input is zero, or its record is damaged")
     return {form: SampledCurve(time, values / given[-1]) for form, values in columns.items()}
 
 
@@ -155,48 +119,11 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
         largest = np.array([force[layer == n].max() for n in range(len(mean))])
         median = np.array([np.median(force[layer == n]) for n in range(len(mean))])
     if len(mean) < 2 or not largest.any():
-        raise LackingError("no force goes through two layers")
+        raise LackingError("no force reaches two layers")
     shown = largest > _LEAST_SHARE * largest.max()
     depth = mean[shown]
     largest = largest[shown]
     return PeaksByDepth(depth, largest, median[shown], power_decay(depth, largest, diameter))
-
-
-def power_decay(depth: Array, force: Array, diameter: float) -> PowerDecay | None:
-    """Fit forces by a power of the depth, by least squares in their logarithms.
-
-    Layers within half a diameter of the struck sphere, where the load acts, are left out, and the
-    last one, which the bottom loads.
-
-    Parameters
-    ----------
-    depth, force
-        Of the layers: (n_layers,), m and N.
-    diameter
-        Of the spheres, nominal, m.
-
-    Returns
-    -------
-    PowerDecay or None
-        None with fewer than four layers.
-    """
-    below = np.flatnonzero(depth > _TOP * diameter)[:-1]
-    if len(below) < _LEAST_FIT:
-        return None
-    x = np.log(depth[below] / diameter)
-    y = np.log(force[below])
-    about = x - x.mean()
-    spread = float(about @ about)
-    slope = float(about @ y) / spread
-    start = float(y.mean() - slope * x.mean())
-    residual = y - start - slope * x
-    squares = float(residual @ residual)
-    error = np.sqrt(squares / (len(x) - _DEGREES) / spread)
-    misfit = np.sqrt(squares / len(x))
-    ends = (float(depth[below[0]]), float(depth[below[-1]]))
-    return PowerDecay(
-        -slope, float(error), float(np.exp(start)), diameter, float(misfit), *ends, len(x)
-    )
 
 
 def dissipation_by_depth(run: ComparedRun) -> SampledCurve:
@@ -206,7 +133,7 @@ def dissipation_by_depth(run: ComparedRun) -> SampledCurve:
         lost = np.bincount(layer, result["spheres/dissipated_energy"], minlength=len(mean))
         given = result.energy_input
     if not given > 0 or not np.any(lost > 0):
-        raise LackingError("it dissipated nothing")
+        raise LackingError("it dissipated no energy")
     return SampledCurve(mean, lost / given)
 
 

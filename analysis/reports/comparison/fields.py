@@ -148,7 +148,7 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
         columns |= _columns(run, first, "peak_force_difference_N", change)
     mappable = ScalarMappable(norm, colormaps[BOTH_SIDES_MAP])
     bar = figure.colorbar(mappable, ax=panels, location="bottom", aspect=28, shrink=0.9)
-    bar.set_label(f"Peak force less that of {reference.label} (N)")
+    bar.set_label(f"Peak force minus {reference.label} (N)")
     bar.set_ticks(_ticks(largest))
     bar.minorticks_off()
     return Drawing(figure, columns)

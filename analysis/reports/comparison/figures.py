@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -9,16 +10,16 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
 
 from granwave.analysis.figures.series import (
     COLOURS,
     against_time,
     column_name,
     label,
-    legend_outside,
     panels,
 )
-from granwave.analysis.figures.style import WIDTH, Drawing, NotDrawn, attempt
+from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
@@ -42,22 +43,29 @@ from granwave.analysis.reports.comparison.fields import (
     force_field,
 )
 from granwave.analysis.reports.comparison.measured import MeasuredCurve
-from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+from granwave.analysis.reports.comparison.subjects import (
+    MOST_CURVES,
+    ComparedRun,
+    LackingError,
+    spread_first,
+)
 
-MOST_CURVES = 12
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
 _LINES = ("-", "--")
 _MICRO = 1e6
 _MILLI = 1e3
 _KILO = 1e3
 _DECADES = 1e-4  # lowest over highest value of a logarithmic axis
-_PER_ROW = 2  # entries in a row of the legend of one column
+_FONT = 7  # of legends, points
+_LETTER = 0.054  # width of a letter of a legend, inches
+_HANDLE = 0.45  # width of its line and gaps, inches
+_ROW = 0.15  # height of a row of a legend, inches
+_FREE_ROWS = 2  # rows of a legend for which a figure has room
 _THIN = 0.9  # points
 _NOTHING = 1e-9  # of the input: energy that is rounding
 _POINTS_OF_FIT = 30
 _ROOM_ABOVE = 1.06  # upper end of a linear axis over the largest value
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
-_LONG_LABEL = 26  # characters of a label that takes a row of the legend alone
 
 
 @dataclass(frozen=True)
@@ -111,41 +119,56 @@ class FigureData:
 
 
 def read_figure(figure: ComparisonFigure, runs: Sequence[ComparedRun]) -> FigureData:
-    """Read what a figure needs of each run; runs beyond its largest number are named, too."""
-    data = FigureData()
-    for run in runs:
-        if len(data.present) == figure.most:
-            data.lacking[run] = f"only {figure.most} runs are drawn"
+    """Read what a figure needs of each run.
+
+    Of more runs than it can show, those that are spread evenly over their order are taken first;
+    the others are named.
+    """
+    present: dict[ComparedRun, Any] = {}
+    lacking: dict[ComparedRun, str] = {}
+    for place in spread_first(len(runs), figure.most):
+        run = runs[place]
+        if len(present) == figure.most:
+            lacking[run] = f"only {figure.most} runs are drawn"
             continue
         try:
             curve = attempt(f"a figure of {run.name}", partial(figure.read, run))
         except LackingError as error:
-            data.lacking[run] = str(error)
+            lacking[run] = str(error)
             continue
         if isinstance(curve, NotDrawn):
-            data.lacking[run] = curve.reason
+            lacking[run] = curve.reason
         else:
-            data.present[run] = curve
-    return data
+            present[run] = curve
+    return FigureData(
+        {run: present[run] for run in runs if run in present},
+        {run: lacking[run] for run in runs if run in lacking},
+    )
 
 
 def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
-    """Return colour and line of each run."""
+    """Return colour and line of each run, which are the same in all figures of a comparison."""
     return {
         run: {
-            "color": COLOURS[n % len(COLOURS)],
-            "linestyle": _LINES[n // len(COLOURS) % len(_LINES)],
+            "color": COLOURS[run.look % len(COLOURS)],
+            "linestyle": _LINES[run.look // len(COLOURS) % len(_LINES)],
             "linewidth": _THIN,
             "label": run.label.replace("$", r"\$").lstrip("_") or "run",
         }
-        for n, run in enumerate(runs)
+        for run in runs
     }
 
 
-def _legend(figure: Any, width: float = WIDTH) -> None:
-    longest = max(len(text.get_label()) for text in figure.axes[0].lines)
-    per_row = 1 if longest > _LONG_LABEL else _PER_ROW
-    legend_outside(figure, per_row * round(width / WIDTH), fontsize=7)
+def _legend(figure: MatplotlibFigure) -> None:
+    """Put the legend of the lines of the first panel above a figure, which grows by its rows."""
+    axes = figure.axes[0]
+    lines = [line for line in axes.lines if not str(line.get_label()).startswith("_")]
+    longest = max(len(str(line.get_label())) for line in lines)
+    width, height = figure.get_size_inches()
+    n_columns = max(1, int(width / (_HANDLE + _LETTER * longest)))
+    n_rows = math.ceil(len(lines) / n_columns)
+    figure.set_size_inches(width, height + _ROW * max(0, n_rows - _FREE_ROWS))
+    figure.legend(handles=lines, loc="outside upper center", ncols=n_columns, fontsize=_FONT)
 
 
 def _end_of_time(axes: Axes, ends: Sequence[float]) -> None:
@@ -272,7 +295,7 @@ def draw_peaks(
         left.set_title("largest of the layer")
         label(right, "Depth (mm)", title="median of the layer")
         _log_if_wide(right)
-    _legend_of(figure, left, _PER_ROW * (1 + has_layers))
+    _legend(figure)
     return Drawing(figure, columns)
 
 
@@ -283,12 +306,6 @@ def _log_if_wide(axes: Axes) -> None:
         axes.set_yscale("log")
     else:
         axes.set_ylim(0, _ROOM_ABOVE * values.max())
-
-
-def _legend_of(figure: Any, axes: Axes, ncols: int) -> None:
-    """Put the legend of the labelled lines of axes above a figure."""
-    lines = [line for line in axes.lines if not str(line.get_label()).startswith("_")]
-    figure.legend(handles=lines, loc="outside upper center", ncols=ncols, fontsize=7)
 
 
 def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
@@ -302,9 +319,15 @@ def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
         for run, fit in fits
     ]
     return (
-        "Dotted: the largest force as a power of the depth, F ~ z^-n, fitted between the struck "
-        f"and the last layer; n and its standard error: {'; '.join(parts)}."
+        "Dotted: power law of the largest force, F ~ z^-n, fitted between the impacted and the "
+        f"last layer; n and its standard error: {'; '.join(parts)}.{_without_fit(peaks)}"
     )
+
+
+def _without_fit(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on the runs without a fit of the decay; empty if there is none."""
+    names = [run.name for run, curves in peaks.items() if curves.decay is None]
+    return f" Too few layers for a fit: {', '.join(names)}." if names else ""
 
 
 def draw_dissipation(
@@ -404,7 +427,7 @@ def _itself(curve: SampledCurve) -> SampledCurve:
 #: Figures by their names, which ``--as`` and ``--quantity`` take, in their order.
 FIGURES: dict[str, ComparisonFigure] = {
     "bottom_force": ComparisonFigure(
-        "Force on the bottom in time", force_at_bottom, draw_bottom_force,
+        "Force on the bottom against time", force_at_bottom, draw_bottom_force,
         units=("s", "N"), curve=_itself,
     ),
     "peak_force_depth": ComparisonFigure(
@@ -412,15 +435,15 @@ FIGURES: dict[str, ComparisonFigure] = {
         draw_peaks, units=("m", "N"), notes=decay_notes, curve=_largest,
     ),
     "energies": ComparisonFigure(
-        "Kinetic, elastic and dissipated energy over the input in time", energy_shares,
+        "Kinetic, elastic and dissipated energy against time, relative to the input", energy_shares,
         draw_energies,
-        look="Where a curve is level, its impact is over.",
+        look="Once a curve is constant, the impact is over.",
     ),
     "dissipation_depth": ComparisonFigure(
-        "Dissipation by layer over the input", dissipation_by_depth, draw_dissipation,
+        "Dissipation by layer, relative to the input", dissipation_by_depth, draw_dissipation,
     ),
     "zone_growth": ComparisonFigure(
-        "Growth of the plastic zone: yielded spheres, and depth of the deepest", growth,
+        "Growth of the plastic zone: number and largest depth of yielded spheres", growth,
         draw_growth,
     ),
     "fronts": ComparisonFigure(
@@ -428,11 +451,11 @@ FIGURES: dict[str, ComparisonFigure] = {
         notes=speed_notes, curve=_itself,
     ),
     "peak_force_field": ComparisonFigure(
-        "Peak force on a section through the impact axis, on one colour scale", force_field,
+        "Peak force on a section through the impact axis, on a common colour scale", force_field,
         draw_field_panels, most=MOST_PANELS,
     ),
     "peak_force_difference": ComparisonFigure(
-        "Difference of the peak force where grains correspond", force_field,
+        "Difference of the peak force of corresponding grains", force_field,
         draw_field_difference, notes=difference_notes, most=MOST_PANELS,
     ),
 }  # fmt: skip

@@ -1,25 +1,29 @@
 """A measured curve next to those of runs, and its difference from each.
 
 The curve is a table of text with a column of times or lengths and one of forces or other values,
-each with its unit in its name: ``time_us, force_kN`` or ``t (ms); F (N)``. It is shifted and scaled
-only where that is asked for.
+each with its unit in its name, ``time_us, force_kN`` or ``t (ms); F (N)``, or in the row below the
+names, as oscilloscopes write it. It is shifted and scaled only where that is asked for.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import SampledCurve
+from granwave.analysis.reports.sentences import share
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_user_text
-from granwave.lammps_inputs.tables.text_table import TextTable, read_text_table
-from granwave.lammps_inputs.tables.units import LENGTH_UNITS, in_si, split_unit
+from granwave.lammps_inputs.tables.layout import is_number
+from granwave.lammps_inputs.tables.text_table import TextTable, read_text_table, table_of
+from granwave.lammps_inputs.tables.units import LENGTH_UNITS, in_si, split_unit, unit_of
 
 #: Units of the columns of a measured curve, by the SI unit: powers of ten.
 UNITS: dict[str, dict[str, int]] = {
@@ -31,6 +35,8 @@ UNITS: dict[str, dict[str, int]] = {
 _JOINED = re.compile(r"(.+)_([a-zA-Zµμ]+)")  # ``time_us``
 _SPELLINGS = {"µs": "us", "μs": "us"}
 _LEAST_POINTS = 2
+_TIMES = 10.0  # ratio from which on it is given as a factor
+_MOST_LISTED = 4  # runs that a sentence lists
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +69,11 @@ class MeasuredCurve:
         """Largest value."""
         return float(self.y.max())
 
+    @property
+    def peak_at(self) -> float:
+        """Time or length of the largest value, s or m."""
+        return float(self.x[self.y.argmax()])
+
 
 @dataclass(frozen=True)
 class Deviation:
@@ -78,12 +89,22 @@ class Deviation:
         Largest value of the run over the largest measured one, less 1, in that range.
     n_points
         Number of measured points within the curve of the run.
+    peak
+        Largest value of the run in the measured range.
+    peak_at
+        Its time or length, s or m.
+    outside_at
+        Time or length of the largest value of the whole run, where that lies outside the measured
+        range; None: it lies inside.
     """
 
     rms: float
     relative_rms: float
     peak_difference: float
     n_points: int
+    peak: float
+    peak_at: float
+    outside_at: float | None = None
 
 
 def read_measured(
@@ -110,7 +131,7 @@ def read_measured(
     source = str(path)
     text = read_user_text(Path(path), "table of a measured curve")
     try:
-        table = read_text_table(text)
+        table = _with_units(read_text_table(text))
         numbers = _columns(table, units, source)
         x, y = (_values(table, column, power) for column, power in numbers)
     except ValueError as error:
@@ -136,10 +157,117 @@ def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
     difference = np.interp(measured.x[inside], curve.x, curve.y) - measured.y[inside]
     rms = float(np.sqrt(np.mean(difference**2)))
     size = float(np.abs(measured.y).max())
-    own = curve.y[(curve.x >= low) & (curve.x <= high)]
     peak = float(measured.y[inside].max())
-    largest = float(own.max()) if len(own) else float(np.interp(low, curve.x, curve.y))
-    return Deviation(rms, rms / size, largest / peak - 1 if peak else np.nan, int(inside.sum()))
+    own = _within(curve, low, high)
+    first = int(own.y.argmax())
+    largest = float(own.y[first])
+    place = int(curve.y.argmax())
+    is_outside = not low <= curve.x[place] <= high and curve.y[place] > largest
+    return Deviation(
+        rms,
+        rms / size,
+        largest / peak - 1 if peak else np.nan,
+        int(inside.sum()),
+        peak=largest,
+        peak_at=float(own.x[first]),
+        outside_at=float(curve.x[place]) if is_outside else None,
+    )
+
+
+def closest_sentence(
+    measured: MeasuredCurve,
+    deviations: Mapping[str, Deviation],
+    units: tuple[str, str],
+    *,
+    alone: bool,
+) -> str:
+    """Return a sentence on the run that is closest to a measured curve.
+
+    Parameters
+    ----------
+    deviations
+        By the names of the runs that have a common range with the curve.
+    units
+        SI units of the curve.
+    alone
+        True if there is one run only.
+    """
+    if not deviations:
+        return f"No run has a common range with {measured.source}."
+    x_unit, y_unit = units
+    name = min(deviations, key=lambda other: deviations[other].rms)
+    closest = deviations[name]
+    size = relative_text(closest.relative_rms)
+    rms = f"{quantity_in(closest.rms, y_unit)} rms, {size} the measured peak"
+    own = f"{quantity_in(closest.peak, y_unit)} at {quantity_in(closest.peak_at, x_unit)}"
+    other = f"{quantity_in(measured.peak, y_unit)} at {quantity_in(measured.peak_at, x_unit)}"
+    peaks = f"its peak in the measured range is {own}, the measured peak {other}"
+    if alone:
+        return f"{name} differs from {measured.source} by {rms}; {peaks}."
+    return f"Closest to {measured.source} is {name}, with a difference of {rms}; {peaks}."
+
+
+def relative_text(ratio: float) -> str:
+    """Return a ratio in words: ``12 % of``, or ``27.2 times`` where it is large."""
+    return f"{share(ratio)} of" if ratio < _TIMES else f"{ratio:.3g} times"
+
+
+def outside_notes(
+    measured: MeasuredCurve, deviations: Mapping[str, Deviation], units: tuple[str, str]
+) -> list[str]:
+    """Return a sentence on runs whose largest value lies outside a measured range, if any does.
+
+    Parameters
+    ----------
+    deviations, units
+        As of `closest_sentence`.
+    """
+    x_unit = units[0]
+    places = [
+        f"{name} at {quantity_in(difference.outside_at, x_unit)}"
+        for name, difference in deviations.items()
+        if difference.outside_at is not None
+    ]
+    if not places:
+        return []
+    left = len(places) - _MOST_LISTED
+    more = f" and {left} more" if left > 0 else ""
+    ends = [quantity_in(float(end), x_unit) for end in (measured.x[0], measured.x[-1])]
+    return [
+        f"Largest values outside the range of {measured.source}, {' to '.join(ends)}: "
+        f"{', '.join(places[:_MOST_LISTED])}{more}. Shift the measured curve if its zero "
+        "is another one."
+    ]
+
+
+def _within(curve: SampledCurve, low: float, high: float) -> SampledCurve:
+    """Return the part of a curve in a range; its interpolated start where no sample is inside."""
+    inside = (curve.x >= low) & (curve.x <= high)
+    if inside.any():
+        return SampledCurve(curve.x[inside], curve.y[inside])
+    return SampledCurve(np.array([low]), np.interp([low], curve.x, curve.y))
+
+
+def _with_units(table: TextTable) -> TextTable:
+    """Return a table whose row of units below the names, if it has one, is part of the names."""
+    units = list(table.units)
+    if not units and table.heads and len(table.layout.rows) > _LEAST_POINTS:
+        units = [_SPELLINGS.get(unit, unit) for unit in map(unit_of, table.layout.cells(1))]
+        if not _are_units(units):
+            return table
+        start = len(table.layout.rows) - len(table) + 1
+        table = table_of(table.layout, table.heads, table.head_line, start=start)
+    if not units:
+        return table
+    names = zip(table.heads, units, strict=True)
+    table.heads = [f"{name} ({unit})" if unit else name for name, unit in names]
+    return table
+
+
+def _are_units(cells: Sequence[str]) -> bool:
+    """Return True for cells of units, of which some may be empty or unknown, but not all."""
+    symbols = {symbol for symbol in chain.from_iterable(UNITS.values()) if symbol not in ("", "1")}
+    return any(cell in symbols for cell in cells) and not any(map(is_number, cells))
 
 
 def _values(table: TextTable, column: int, power: int) -> Array:

@@ -13,7 +13,7 @@ from granwave.analysis.figures.style import OWN_PICTURES, Drawing, save, style
 from granwave.analysis.reports.comparison.comparison import (
     BOTTOM_FORCE,
     Comparison,
-    compare_runs,
+    compare_inputs,
 )
 from granwave.analysis.reports.comparison.figures import FIGURES
 from granwave.analysis.reports.inputs import ReportInputs, read_inputs
@@ -62,9 +62,10 @@ def write_comparison(
     errors += _other_figures(folder)
     inputs: ReportInputs | None = None
     try:
-        inputs = read_inputs(directories, output.parent, repeated=True)
-        runs = [run for run in inputs.results() if run.has_balance]
-        comparison = compare_runs(runs, quantities, measured, measured_as, shift=shift, scale=scale)
+        inputs = read_inputs(directories, output.parent, repeated=True, skip_unfinished=True)
+        comparison = compare_inputs(
+            inputs, quantities, measured, measured_as, shift=shift, scale=scale
+        )
     except InputError as error:
         raise InputError([*errors, *error.items]) from None
     if errors:
@@ -85,7 +86,8 @@ def _other_figures(folder: Path) -> list[str | InputFault]:
     """Return messages for files of others that have the name of a figure."""
     if folder.exists() and not folder.is_dir():
         return [
-            f"{folder}: is a file, but the figures go to a directory of that name; move it away"
+            f"{folder}: is a file, but the figures require a directory of this name; move it "
+            "elsewhere"
         ]
     if not folder.exists():
         return []
@@ -96,7 +98,7 @@ def _other_figures(folder: Path) -> list[str | InputFault]:
                 errors += _refusal(folder / f"{name}{suffix}", OWN_PICTURES[suffix])
         table = folder / f"{name}{_TABLE}"
         if table.exists() and not table.with_suffix(".png").exists():
-            errors.append(f"{table}: was not written by granwave; move it away")
+            errors.append(f"{table}: was not written by granwave; move it elsewhere")
     return errors
 
 

@@ -7,23 +7,31 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from granwave.analysis.document.model import show
+import numpy as np
+
+from granwave.analysis.document.model import named, show
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.formatting.values import as_label, unit_in_cases
 from granwave.analysis.reports.kinds import ReportRun
-from granwave.analysis.reports.setting import differing, quantity_in
+from granwave.analysis.reports.setting import differing
 from granwave.analysis.result.not_a_run import UNFINISHED
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
+MOST_SIDE_BY_SIDE = 6  # runs with a column each in a table
+MOST_CURVES = 12  # runs in a figure of curves
 _NO_PHYSICS = ("run.", "output.", "figures.", "sensor")  # keys that no label shows
 _MATERIAL = "material.name"
+_NONE_AT_ZERO = ("contact.initial_overlap",)  # keys whose value 0 says that there is none
 _OF_MATERIAL = "material."
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
 _KILO = 1e3
+_MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
+_LEAST_RANGE = 3  # runs in a row that are named by the first and the last
 
 
 class LackingError(GranwaveError, ValueError):
@@ -40,10 +48,16 @@ class ComparedRun:
         The run, as a report reads it.
     label
         Its label in figures: its name and what differs in its case.
+    number
+        Its place among the runs, from 0.
+    look
+        Number of its colour and line, from 0, which are the same in all figures.
     """
 
     run: ReportRun
     label: str
+    number: int
+    look: int
 
     @property
     def name(self) -> str:
@@ -72,7 +86,7 @@ class ComparedRun:
         except MissingOutputError:
             raise LackingError(f"it has no {RESULT_FILE}") from None
         except OutputFormatError:
-            raise LackingError(f"its {RESULT_FILE} lacks it, or is damaged") from None
+            raise LackingError(f"its {RESULT_FILE} does not contain it, or is damaged") from None
         except GranwaveError as error:
             if isinstance(error, LackingError):
                 raise
@@ -102,7 +116,69 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
             number += 1
             unique = f"{label} ({number})"
         labels.append(unique)
-    return [ComparedRun(run, label) for run, label in zip(runs, labels, strict=True)]
+    drawn_first = sorted(spread_first(len(runs), MOST_CURVES)[:MOST_CURVES])
+    others = [place for place in range(len(runs)) if place not in drawn_first]
+    looks = {place: look for look, place in enumerate([*drawn_first, *others])}
+    numbered = enumerate(zip(runs, labels, strict=True))
+    return [ComparedRun(run, label, number, looks[number]) for number, (run, label) in numbered]
+
+
+def spread_first(n_runs: int, most: int) -> list[int]:
+    """Return the places of runs, ``most`` that are evenly spread from first to last before others.
+
+    Parameters
+    ----------
+    n_runs
+        Number of runs.
+    most
+        Largest number of runs that a figure shows.
+    """
+    if n_runs <= most:
+        return list(range(n_runs))
+    places = np.linspace(0, n_runs - 1, most).round().astype(int).tolist()
+    others = [place for place in range(n_runs) if place not in places]
+    return [*places, *others]
+
+
+def names_with_cases(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return the names of runs; of more than a table shows side by side with their cases."""
+    if len(runs) > MOST_SIDE_BY_SIDE:
+        return [run.label for run in runs]
+    return [run.name for run in runs]
+
+
+def names_in_words(names: Sequence[str]) -> str:
+    """Return names in a sentence; of many the first and the last."""
+    if len(names) > _MOST_LISTED:
+        return f"{names[0]} to {names[-1]} ({len(names)} runs)"
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def by_reason(lacking: Mapping[ComparedRun, str]) -> str:
+    """Return runs with the reasons for which they lack a curve, each reason once.
+
+    Runs that follow one another are a range: ``a, b #3 to b #9 (only 12 runs are drawn)``.
+    """
+    groups: dict[str, list[ComparedRun]] = {}
+    for run, why in lacking.items():
+        groups.setdefault(why, []).append(run)
+    return "; ".join(f"{ranges_of(runs)} ({why})" for why, runs in groups.items())
+
+
+def ranges_of(runs: Sequence[ComparedRun]) -> str:
+    """Return the names of runs, of three or more that follow one another the first and the last."""
+    groups: list[list[ComparedRun]] = []
+    for run in sorted(runs, key=lambda run: run.number):
+        if groups and run.number == groups[-1][-1].number + 1:
+            groups[-1].append(run)
+        else:
+            groups.append([run])
+    parts: list[str] = []
+    for group in groups:
+        names = [run.name for run in group]
+        is_range = len(names) >= _LEAST_RANGE
+        parts += [f"{names[0]} to {names[-1]}"] if is_range else names
+    return named(parts, len(parts))
 
 
 def physical_keys(runs: Sequence[ReportRun]) -> list[str]:
@@ -113,10 +189,12 @@ def physical_keys(runs: Sequence[ReportRun]) -> list[str]:
     return [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
 
 
-def keys_of_all(keys: Sequence[str], runs: Sequence[ReportRun]) -> list[str]:
-    """Return the keys that every case has."""
-    shared = set(keys).intersection(*(run.case for run in runs))
-    return [key for key in keys if key in shared]
+def comparable_keys(keys: Sequence[str], runs: Sequence[ReportRun]) -> list[str]:
+    """Return the keys that every case has, and those that differ between runs of one kind."""
+    shown = set(keys).intersection(*(run.case for run in runs))
+    for kind in {run.kind for run in runs}:
+        shown |= set(differing([run for run in runs if run.kind is kind]))
+    return [key for key in keys if key in shown]
 
 
 def is_physical(key: str) -> bool:
@@ -127,7 +205,8 @@ def is_physical(key: str) -> bool:
 def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> str:
     """Return the value of a key of a case in words: ``10 m/s``, ``12 x 12 x 8``, ``steel``."""
     value = case.get(key)
-    if value is None or value == "":
+    is_none = value == 0 and key in _NONE_AT_ZERO
+    if value is None or value == "" or is_none:
         return missing
     if isinstance(value, list | tuple) and all(isinstance(part, int) for part in value):
         return " x ".join(map(str, value))
@@ -152,8 +231,8 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     """Return what differs in the case of each run, in a few words."""
     with_case = [run for run in runs if run.case]
     keys = physical_keys(with_case) if len(with_case) > 1 else []
-    if len({run.kind for run in runs}) > 1:  # keys of one kind alone say nothing
-        keys = keys_of_all(keys, with_case)
+    if len({run.kind for run in runs}) > 1:
+        keys = comparable_keys(keys, with_case)
     keys = keys[:_MOST_KEYS]
     texts: list[str] = []
     for run in runs:

@@ -8,12 +8,15 @@ from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, unit_of_value
 from granwave.analysis.errors import did_you_mean
-from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.numbers import plain, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantities, report_columns
-from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.comparison.subjects import (
+    ComparedRun,
+    names_in_words,
+    names_with_cases,
+)
 from granwave.analysis.reports.sentences import share
-from granwave.analysis.reports.setting import quantity_in
 
 #: Values that are no result of the run: what was put in, how it was computed, and how well.
 _NO_OUTCOME = (
@@ -27,6 +30,7 @@ _NO_OUTCOME = (
 #: Values that kinds of runs do not share, or define in another way.
 _OF_ONE_KIND = (
     "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "peak_force_N",
+    "impactor_velocity_m_s",
 )  # fmt: skip
 #: Beginnings of the names of values that say much the same; a sentence has one of each.
 _FAMILIES = (
@@ -127,8 +131,9 @@ def unknown_values(
     for name in names:
         if name in present:
             continue
-        is_known = name in quantities()
-        what = "is a number in none of these runs" if is_known else "is no value of summary.json"
+        what = "is not a value of summary.json"
+        if name in quantities():
+            what = "is not a number in any of these runs"
         hint = did_you_mean(name, [*present, *figures])
         more = hint or f"expected a name of summary.json, or of {', '.join(figures)}"
         faults.append(f"--quantity: found {name}, which {what}; {more}")
@@ -146,10 +151,9 @@ def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> st
     Of values that say much the same the first is taken.
     """
     different = differing_values(value for value in values if None not in value.values)
-    names = [run.name for run in runs]
     if not different:
-        listed = f"{', '.join(names[:-1])} and {names[-1]}"
-        return f"No result differs between {listed}."
+        return f"No result differs between {names_in_words([run.name for run in runs])}."
+    names = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
     for value in different:

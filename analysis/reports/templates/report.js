@@ -51,6 +51,19 @@ for (const frame of document.querySelectorAll(".frame")) {
   });
 }
 
+// The rows of a long table that hold all the words of its filter.
+for (const field of document.querySelectorAll("input.filter")) {
+  const rows = Array.from(field.parentElement.querySelector("tbody").rows);
+  field.hidden = false;
+  field.addEventListener("input", () => {
+    const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+    for (const row of rows) {
+      const text = row.textContent.toLowerCase();
+      row.hidden = !words.every((word) => text.includes(word));
+    }
+  });
+}
+
 // A click on a figure enlarges it; another, or Escape, closes it.
 const enlarged = document.getElementById("enlarged");
 for (const picture of document.querySelectorAll("img.enlarges")) {

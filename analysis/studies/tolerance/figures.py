@@ -54,12 +54,12 @@ def pictures(packing: PackingRuns) -> Iterator[Picture]:
     for axis in packing.axes:
         drawing = _against(packing, axis)
         if drawing:
-            content = "nothing is random here"
+            content = "no random quantity"
             if any(packing.random(setting) for setting in _settings_along(packing, axis)):
                 content = "means, 95 % confidence bands, and single runs as dots"
             seen = (
-                "An imperfection matters from where a band leaves the value at 0, which is the "
-                "ideal packing's"
+                "An imperfection matters where the band departs from the value at 0, the ideal "
+                "packing"
             )
             caption = f"Against {axis.words}: {content}{packing.suffix}. {seen}"
             yield Picture(f"_{axis.name}", caption, drawing)
@@ -67,17 +67,17 @@ def pictures(packing: PackingRuns) -> Iterator[Picture]:
         drawing = _left_of_ideal(packing, across, up)
         if drawing:
             caption = (
-                f"{across.heading} and {up.words} together, in per cent of the ideal packing's"
-                f"{packing.suffix}. Numbers that change along rows and columns alike tell that "
-                "both imperfections matter"
+                f"{across.heading} and {up.words} combined, in per cent of the ideal "
+                f"packing{packing.suffix}. If values change along both rows and columns, both "
+                "imperfections matter"
             )
             yield Picture(f"_{across.name}_{up.name}", caption, drawing)
     drawing = _convergence(packing)
     if drawing:
         caption = (
-            "Confidence of the mean of the first n seeds, and what the scatter of all of them "
-            f"makes of n{packing.suffix}. Where the curves have fallen to the precision that is "
-            "wanted, there are seeds enough"
+            "Confidence interval of the mean of the first n seeds, and its estimate from the "
+            f"scatter of all seeds{packing.suffix}. Once the curves have decreased to the "
+            "required precision, the number of seeds is sufficient"
         )
         yield Picture("_seeds", caption, drawing)
 
@@ -183,7 +183,7 @@ def _left_of_ideal(
         shares = _per_cent_of_ideal(packing, quantity, settings)
         ends = (0.0, max(100.0, float(np.nanmax(shares))))
         shares_by_row = shares.reshape(len(columns), len(rows)).T
-        numbered_map(axes, shares_by_row, ends, "% of the ideal packing's", names, ".0f")
+        numbered_map(axes, shares_by_row, ends, "% of the ideal packing", names, ".0f")
         axes.set(xlabel=across.title + not_to_scale(columns), title=quantity.heading)
         table[f"{quantity.name}_over_ideal"] = shares / 100
     grid[0].set_ylabel(up.title + not_to_scale(rows))

@@ -30,11 +30,11 @@ _KEPT_HEADINGS = (
     "Imperfection",
     "Quantity",
     "Ideal",
-    "Largest tried",
+    "Largest value in the scan",
     "There",
-    "Of the ideal's",
+    "Relative to ideal",
     "Seeds",
-    "Kept up to",
+    "Retained up to",
     "With confidence up to",
 )
 _ALIKE_HEADINGS = ("Imperfection", "Quantity", "From", "To", "At")
@@ -58,13 +58,13 @@ def tables(packing: PackingRuns) -> Iterator[DocumentTable]:
     kept = list(_kept(packing))
     if kept:
         caption = (
-            f"How large each imperfection may be for {100 * KEPT:.0f} % of the ideal packing's "
+            f"How large each imperfection may be for {100 * KEPT:.0f} % of the ideal packing "
             f"performance or more: a force of at most {100 / KEPT:.0f} %"
         )
         yield _of_texts(packing, caption, _KEPT_HEADINGS, kept)
     alike = list(_alike(packing))
     if alike:
-        caption = "Neighbouring settings whose means may be equal, with the seeds there are"
+        caption = "Neighbouring settings whose means do not differ significantly"
         yield _of_texts(packing, caption, _ALIKE_HEADINGS, alike)
 
 
@@ -116,7 +116,7 @@ def _shares_of_ideal(packing: PackingRuns) -> Columns:
     for quantity in packing.shown(PERFORMANCE):
         shares = packing.over_ideal(quantity)
         if shares and packing.left(quantity):
-            columns[quantity.heading, "% of the ideal's"] = {
+            columns[quantity.heading, "% of ideal"] = {
                 setting: _share_cell(share) for setting, share in shares.items()
             }
     return columns
@@ -129,7 +129,7 @@ def _seeds(packing: PackingRuns, setting: Setting) -> str:
 def _share_cell(share: statistics.Estimate) -> Cell:
     ideal = statistics.exactly(1.0)
     alike = not share.exact and statistics.differ_significantly(ideal, share) is False
-    remark = ", not to be told from it" if alike else ""
+    remark = ", not significantly different" if alike else ""
     return Cell(with_interval(share.over(0.01)) + remark, 100 * share.mean)
 
 
@@ -171,7 +171,7 @@ def _largest_kept(
     lows = {x: share.low for x, share in shares.items() if math.isfinite(share.half_width)}
     largest = statistics.crossing(list(shares), [share.mean for share in shares.values()], KEPT)
     confident = statistics.crossing(list(lows), list(lows.values()), KEPT)
-    text = "every value tried"
+    text = "all values in the scan"
     if largest is not None:
         tried = [axis.of(setting) for setting in along]
         after = bisect.bisect_right(tried, largest)

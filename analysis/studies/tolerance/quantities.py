@@ -90,14 +90,14 @@ VACANCIES = ToleranceQuantity(
 AXES = (SCATTER, FRICTION, VACANCIES)
 
 FORCE = ToleranceQuantity("wall_peak_force_N", "peak force on the bottom", "N", better="less")
-DISSIPATED = ToleranceQuantity(
-    "dissipated_fraction", "dissipated share of the energy", better="more"
-)
+DISSIPATED = ToleranceQuantity("dissipated_fraction", "dissipated fraction", better="more")
 REDUCTION = ToleranceQuantity(
-    "peak_reduction", "peak force without the packing over that with it", better="more"
+    "peak_reduction", "peak force without packing / with packing", better="more"
 )
-BY_YIELDING = ToleranceQuantity("plastic_fraction", "share dissipated by yielding", better="more")
-BY_FRICTION = ToleranceQuantity("friction_fraction", "share dissipated by friction")
+BY_YIELDING = ToleranceQuantity(
+    "plastic_fraction", "fraction dissipated by yielding", better="more"
+)
+BY_FRICTION = ToleranceQuantity("friction_fraction", "fraction dissipated by friction")
 YIELDED_CONTACTS = ToleranceQuantity("n_plastic_contacts", "yielded contacts")
 YIELDED_SPHERES = ToleranceQuantity("n_plastic_spheres", "yielded spheres")
 PLASTIC_VOLUME = ToleranceQuantity("plastic_zone_volume_m3", "plastic volume", "cm³", 1e-6)

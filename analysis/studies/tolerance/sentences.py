@@ -16,9 +16,9 @@ from granwave.analysis.studies.tolerance.runs import PackingRuns, imperfections
 
 TEXT = (
     "Means over the seeds and their 95 % confidence intervals (Student). Values without an "
-    "interval are of packings in which nothing is random, or of a single seed. With a diameter "
-    "scatter, diameters lie between the nominal one and so much less. A lower peak force and a "
-    "larger dissipated share protect better."
+    "interval belong to packings without random quantities, or to a single seed. With a diameter "
+    "scatter, diameters lie between the nominal diameter minus this value and the nominal "
+    "diameter. A lower peak force and a larger dissipated fraction protect better."
 )
 _LATE = 0.05  # of a run
 
@@ -50,8 +50,8 @@ def verdict(packing: PackingRuns) -> Iterator[str]:
         short += sum(_cut_short(run) for run in runs)
     if short:
         yield (
-            f"In {short} runs the force on the bottom was largest at their very end, so that it "
-            "may have grown on: follow them longer (run.end_time)."
+            f"In {short} runs the force on the bottom was largest at the end of the run and may "
+            "still increase: use a later run.end_time."
         )
 
 
@@ -61,8 +61,8 @@ def missing(packing: PackingRuns, undone: Sequence[Mapping[str, Any]]) -> Iterat
     asked = any(_is_ideal(present._asdict(), labels) for labels in undone)
     if IDEAL not in packing.runs and asked:
         yield (
-            "The ideal packing (no scatter, no friction) has not finished, so that it cannot be "
-            "said how much of its performance is left."
+            "The ideal packing (no scatter, no friction) has not finished, so the retained "
+            "performance is unknown."
         )
 
 

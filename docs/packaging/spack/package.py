@@ -38,6 +38,8 @@ class PyGranwave(PythonPackage):
         depends_on("py-markupsafe@2:")
         depends_on("py-tomli-w@1:")
         depends_on("py-tqdm@4.66:")
+        depends_on("py-pysqa@1.1:1")
+        depends_on("py-defusedxml@0.7:")
         depends_on("py-argcomplete@3.5:")
 
     def setup_build_environment(self, env):

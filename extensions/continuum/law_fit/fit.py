@@ -127,7 +127,7 @@ class Fit(FittedLaw):
             return []
         spread = self.uncertainty[ZERO] * _MICRO
         readings = f"Readings of the overlap less {self.zero * _MICRO:.6g} +- {spread:.2g} um"
-        return [f"{readings}: the zero was fitted, too."]
+        return [f"{readings}: the zero was also fitted."]
 
 
 def fit_law(
@@ -174,7 +174,7 @@ def fit_law(
         other = _with_zero(curve, materials, radii, free, fit_yield=fit_yield)
         if other is not None and _worst(other) < _BETTER * _worst(fit):
             _LOG.warning(
-                "%s: the fit is off by %.3g %% rms in its worst part; %s",
+                "%s: the rms error of the fit is %.3g %% in its worst part; %s",
                 curve.source,
                 _worst(fit),
                 _zero_said(other),
@@ -212,7 +212,7 @@ def _fit(
     if np.count_nonzero(rows) < len(names) + _FEWEST:
         raise InputError(
             f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, expected at "
-            f"least {len(names) + _FEWEST} to fit {len(names)} values; hold some with --free"
+            f"least {len(names) + _FEWEST} to fit {len(names)} values; fix some with --free"
         )
     problem = _Problem(curve, rows, materials, radii, first, names)
     bounds = problem.bounds
@@ -224,7 +224,7 @@ def _fit(
         law = problem.law(x, checked=True)
     except ValueError as error:
         raise InputError(
-            f"{curve.source}: the constants that fit best make {error}; hold some with --free"
+            f"{curve.source}: the best-fit constants give {error}; fix some with --free"
         ) from None
     at_bound = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
     rho = neighbour_correlation(problem.residuals(x)[:-1], curve.branch[rows])
@@ -273,8 +273,8 @@ def _zero_said(fit: Fit) -> str:
     zero = fit.zero * _MICRO
     spread = fit.uncertainty[ZERO] * _MICRO
     return (
-        f"with the zero of the overlap at {zero:.4g} +- {spread:.2g} um it is off by "
-        f"{_worst(fit):.3g} %: fit the zero, too (--fit-zero)"
+        f"with the zero of the overlap at {zero:.4g} +- {spread:.2g} um its error is "
+        f"{_worst(fit):.3g} %: also fit the zero (--fit-zero)"
     )
 
 
@@ -423,13 +423,13 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
     if largest > min(radii):
         raise InputError(
             f"{curve.source}: overlap_m: found {largest:g} m, more than the radius {min(radii):g} "
-            "m; are the overlaps in m, and is --radius right?"
+            "m; check that the overlaps are in m, and check --radius"
         )
     if largest <= law.yield_overlap:
         raise InputError(
-            f"{curve.source}: overlap_m: the largest, {largest:g} m, does not pass first yield at "
-            f"{law.yield_overlap:.4g} m, below which the constants do nothing; are --material and "
-            "--radius right?"
+            f"{curve.source}: overlap_m: the largest, {largest:g} m, is below first yield at "
+            f"{law.yield_overlap:.4g} m, where the constants have no effect; check --material and "
+            "--radius"
         )
     beyond = loading & (curve.overlap > law.yield_overlap)
     if np.count_nonzero(beyond) < _FEWEST:
@@ -440,8 +440,9 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
     ratio = float(np.median(curve.force[beyond] / law.loading_force(curve.overlap[beyond])))
     if not 1 / _UNIT_ERROR < ratio < _UNIT_ERROR:
         raise InputError(
-            f"{curve.source}: force_N: the forces are {ratio:.3g} times those of the published "
-            "law; are they in N, the overlaps in m, and are --material and --radius right?"
+            f"{curve.source}: force_N: the forces are {ratio:.3g} times the forces of the "
+            "published law; check that forces are in N and overlaps in m, and check --material "
+            "and --radius"
         )
 
 
@@ -472,13 +473,14 @@ def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
         names += of_unloading[: turns + 1]
     reasons = {
         "area_": f"fewer than {_FEWEST} rows of loading lie beyond {switch:g} times the overlap of first yield",
-        "residual_": f"the curve is unloaded from {turns} overlap{'' if turns == 1 else 's'} only, and three tell all",
-        "unloading_": "the curve has no unloading",
+        "residual_": f"the curve is unloaded from {turns} overlap{'' if turns == 1 else 's'} "
+        "only; at least three are required",
+        "unloading_": "the curve has no unloading branch",
     }
     others = [name for name in LAW_CONSTANTS if name not in names]
     for part, reason in reasons.items():
         _warn_of_fixed(curve, [name for name in others if name.startswith(part)], reason)
-    reason = f"each constant needs a row beyond first yield, and {_FEWEST} more are needed"
+    reason = f"each constant requires a row beyond first yield, plus {_FEWEST} more"
     _warn_of_fixed(curve, names[most:], reason)
     return [name for name in LAW_CONSTANTS if name in names[:most]]
 
@@ -523,7 +525,7 @@ def _misfit(curve: Curve, law: ContactLaw) -> DataFrame:
     peak = curve.peak / law.yield_overlap  # on loading the overlap
     branches = {
         "": ("loading beyond it", curve.loading),
-        "from ": ("un- and reloading", ~curve.loading & bearing(curve)),
+        "from ": ("unloading and reloading", ~curve.loading & bearing(curve)),
     }
     parts = {"loading below first yield": curve.loading & (peak <= 1) & (peak > 0)}
     for word, (title, own) in branches.items():

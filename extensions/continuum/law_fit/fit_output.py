@@ -119,9 +119,8 @@ def fit_toml(fit: FittedLaw) -> str:
     diameter = 2 * min(fit.radii)
     lines = [
         f"# Elasto-plastic contact law fitted to {Path(fit.source).name} ({fit.n_rows} rows).",
-        "# Copy [contact] and [material] into a case of your own and run it: granwave run "
-        "case.toml",
-        "# This file is a case too, two such spheres: granwave run fit.toml",
+        "# Copy [contact] and [material] into your case, and run it: granwave run case.toml",
+        "# This file is also a case, with two such spheres: granwave run fit.toml",
         *(
             f"# off by {part.rms_percent:.3g} % rms, {part.largest_percent:.3g} % at most: "
             f"{part.part}"
@@ -132,8 +131,8 @@ def fit_toml(fit: FittedLaw) -> str:
     lines += [f"# {note}" for note in fit.notes]
     if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:
         lines.append(
-            "# The curve is of two materials: [material] below is the softer; --pair A B writes "
-            "the law between both."
+            "# The curve belongs to two materials: [material] below is the softer; --pair A B "
+            "writes the law for the pair."
         )
     lines += ["", 'name = "fitted"', "", "[contact]", *_law_lines(fit), "", ""]
     tables = {
@@ -157,9 +156,8 @@ def pair_toml(fit: FittedLaw, materials: Sequence[str]) -> str:
     """
     softer = fit.softer_material
     lines = [
-        f"# Elasto-plastic contact law fitted to {Path(fit.source).name}; for the end of a case.",
-        f"# It goes with a yield strength of {softer.yield_strength:g} Pa of the softer of the "
-        "two.",
+        f"# Elasto-plastic contact law fitted to {Path(fit.source).name}; append it to a case.",
+        f"# It requires a yield strength of {softer.yield_strength:g} Pa of the softer material.",
         "[[pair]]",
         f"materials = {json.dumps(list(materials))}",
         *_law_lines(fit),
@@ -208,7 +206,7 @@ def fit_drawing(fit: Fit) -> Drawing:
             )
     for rows, colour, label in (
         (loading, BLUE, "loading"),
-        (~loading & bearing(curve), ORANGE, "un- and reloading"),
+        (~loading & bearing(curve), ORANGE, "unloading and reloading"),
     ):
         if rows.any():
             below.plot(overlap[rows], off[rows], ".", color=colour, ms=2, label=label)

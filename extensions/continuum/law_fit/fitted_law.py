@@ -92,7 +92,7 @@ class FittedLaw:
         if name not in self.uncertainty:
             return "held"
         if name in self.at_bound:
-            return "not determined: at the bound of the search"
+            return "not determined: at the limit of the search"
         return "not determined: uncertainty exceeds it" if self.undetermined(name) else "fitted"
 
     @property
@@ -103,4 +103,4 @@ class FittedLaw:
     @property
     def scale(self) -> str:
         """Sentence on first yield, by which parts of the measurements are told apart."""
-        return f"overlaps in units of that at first yield, {self.law.yield_overlap:.4g} m"
+        return f"overlaps in units of the overlap at first yield, {self.law.yield_overlap:.4g} m"

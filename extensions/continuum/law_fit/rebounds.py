@@ -79,7 +79,7 @@ def read_rebounds(path: Path) -> Rebounds:
     velocity = _column(path, lines, tables, velocities[0], _is_velocity, errors)
     ratio = _column(path, lines, tables, RESTITUTION, _is_ratio, errors)
     if errors:
-        more = [f"{path}: and {len(errors) - _FAULTS} more"] * (len(errors) > _FAULTS)
+        more = [f"{path}: {len(errors) - _FAULTS} more errors"] * (len(errors) > _FAULTS)
         raise InputError(errors[:_FAULTS] + more)
     return rebounds_of(_VELOCITIES[velocities[0]] * velocity, ratio, str(path))
 
@@ -93,8 +93,8 @@ def _refuse_several(path: Path, tables: list[dict[str, str]]) -> None:
     if len(contacts) > 1:
         listed = ", ".join(contacts)
         raise InputError(
-            f"{path}: contact: found {len(contacts)} contacts ({listed}), expected one: keep the "
-            "rows of the bodies of --material and --radius"
+            f"{path}: contact: found {len(contacts)} contacts ({listed}), expected one: keep only "
+            "the rows for the bodies of --material and --radius"
         )
 
 

@@ -81,11 +81,11 @@ class RestitutionFit(FittedLaw):
             return super().state(name)
         spread = self.told[name]
         if not math.isfinite(spread):
-            return "held: not determined by restitution"
+            return "fixed: not determined by restitution"
         percent = f"{float(f'{100 * spread:.2g}'):g} %"
         if spread <= _TOLD:
-            return f"held: --free {name} would determine it to {percent}"
-        return f"held: not determined by restitution (+- {percent})"
+            return f"fixed: --free {name} would determine it to {percent}"
+        return f"fixed: not determined by restitution (+- {percent})"
 
     @property
     def scale(self) -> str:
@@ -129,7 +129,7 @@ def fit_restitution(
         law = problem.law(x, checked=True)
     except ValueError as error:
         raise InputError(
-            f"{rebounds.source}: the constants that fit best make {error}; free fewer with --free"
+            f"{rebounds.source}: the best-fit constants give {error}; fit fewer with --free"
         ) from None
     residuals = problem.residuals(x)
     rho = neighbour_correlation(residuals, np.full(residuals.size, "", dtype=np.str_))
@@ -329,7 +329,7 @@ def _refuse_rates(materials: Sequence[Material]) -> None:
         if solid.rate_sensitivity:
             raise InputError(
                 f"material {solid.name}: rate_sensitivity: found {solid.rate_sensitivity:g}, but "
-                "restitution is fitted with a yield strength for all rates; take it out"
+                "restitution is fitted with a rate-independent yield strength; take it out"
             )
 
 
@@ -341,11 +341,9 @@ def _misfit(rebounds: Rebounds, mass: float, law: ContactLaw, published: Contact
     rows = []
     for part, chosen in (("impacts without yield", ~yields), ("impacts beyond it", yields)):
         if chosen.any():
-            errors = [
-                number
-                for values in (off[chosen], other[chosen])
-                for number in (float(np.sqrt(np.mean(values**2))), float(values.max()))
-            ]
+            errors: list[float] = []
+            for values in (off[chosen], other[chosen]):
+                errors.extend((float(np.sqrt(np.mean(values**2))), float(values.max())))
             rows.append((part, int(np.count_nonzero(chosen)), *errors))
     columns = [
         "part",
@@ -367,7 +365,8 @@ def _warn(fit: RestitutionFit) -> None:
     beyond = overlap > _END_OF_FIT * fit.law.effective_radius
     if beyond.any():
         _LOG.warning(
-            "%s: %d impacts, from %.4g m/s on, press the contact beyond %g R*, where the law ends",
+            "%s: %d impacts, from %.4g m/s on, compress the contact beyond %g R*, the limit of "
+            "the law",
             fit.source,
             np.count_nonzero(beyond),
             rebounds.velocity[beyond].min(),
@@ -375,8 +374,8 @@ def _warn(fit: RestitutionFit) -> None:
         )
     if fit.undetermined(YIELD):
         _LOG.warning(
-            "%s: the yield strength is not determined: expected impacts that lose energy by "
-            "yielding, at rising velocities",
+            "%s: the yield strength is not determined: expected impacts that dissipate energy by "
+            "yielding, at increasing velocities",
             fit.source,
         )
     elastic = overlap <= fit.law.yield_overlap
@@ -385,8 +384,9 @@ def _warn(fit: RestitutionFit) -> None:
     scatter = 1.4826 * float(np.median(np.abs(residuals - np.median(residuals))))
     if lost.size >= _ENOUGH and lost.mean() > _SURE * scatter / math.sqrt(lost.size):
         _LOG.warning(
-            "%s: impacts too slow to yield rebound with %.3f of their velocity, not 1: the contact "
-            "has a loss of another kind (contact.loss), which raises the error of the fit",
+            "%s: impacts too slow to yield rebound with %.3f of their velocity, not 1: the "
+            "contact has another source of dissipation (contact.loss), which increases the error "
+            "of the fit",
             fit.source,
             1 - lost.mean(),
         )

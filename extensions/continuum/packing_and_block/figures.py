@@ -69,6 +69,10 @@ def look(n: int, *, lines: bool = True) -> dict[str, Any]:
     return appearance | {"markerfacecolor": "none", "linestyle": "none", "markersize": 5}
 
 
+_LETTERS = 120  # of a legend across two panels
+_GAP = 9  # letters that the mark and the gaps of an entry take
+
+
 def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Drawing:
     """Draw the dissipated fraction against input energy, in J and normalised."""
     figure, *row = panels(2.6, 2, sharey=True)
@@ -82,7 +86,8 @@ def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Draw
         if scale == "linear":
             axes.set_xlim(left=0)
     label(row[0], y=FRACTION, ylim=(0, max(1.0, 1.05 * max(columns["dissipated_fraction"]))))
-    legend_outside(figure, 2, fontsize=7, columnspacing=1.0)
+    per_row = max(1, _LETTERS // (_GAP + max(map(len, curves))))
+    legend_outside(figure, per_row, fontsize=7, columnspacing=1.0)
     return Drawing(figure, columns)
 
 

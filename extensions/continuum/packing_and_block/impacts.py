@@ -96,6 +96,14 @@ class Impacts:
         return self.granular[self.granular["shape"].isin(self.reference["shape"])]
 
     @property
+    def other_substances(self) -> DataFrame:
+        """Granular runs on the packing of the reference that are not in it: of other materials or
+        diameters, or with other loading areas.
+        """
+        alike = self.like_reference
+        return alike[~alike["label"].isin(self.reference["label"])]
+
+    @property
     def other_packings(self) -> DataFrame:
         """Granular runs on packings of another kind, size or boundary than the reference's."""
         runs = self.granular
@@ -162,13 +170,22 @@ def substances(runs: DataFrame, reference: DataFrame) -> Curves:
     """The reference, and runs of each other substance by energy; with their names."""
     first = reference.iloc[0]
     others = runs[runs.substance != first.substance].groupby("substance", sort=False)
-    return {"reference": reference} | {
+    name = f"reference ({first.material})" if first.material else "reference"
+    return {name: reference} | {
         differences(first, group.iloc[0]): rising(group, "energy_J") for _, group in others
     }
 
 
 def differences(first: pd.Series, other: pd.Series) -> str:
-    """Label of another substance by what differs, for a legend: such as "modulus 230 GPa"."""
+    """Label of another substance by what differs, for a legend: such as "modulus 230 GPa".
+
+    Materials with different names are distinguished by these.
+    """
+    if first.material and other.material and first.material != other.material:
+        word, size, unit = _DIFFERENCES["diameter"]
+        is_alike = first.diameter == other.diameter
+        more = "" if is_alike else f", {word} {other.diameter / size:.4g} {unit}"
+        return f"{other.material}{more}"
     texts = [
         f"{word} {other[key] / size:.4g} {unit}".rstrip()
         for key, (word, size, unit) in _DIFFERENCES.items()

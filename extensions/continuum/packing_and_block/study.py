@@ -47,9 +47,14 @@ TITLE = "Comparison"
 _ELSEWHERE = (
     "Impacts on ideal packings are compared here; all other runs are in the tables above and below"
 )
+_REFERENCE_ONLY = (
+    "The quadratic law, the peak force against impulse and the front are those of the reference; "
+    "not in them"
+)
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
 _GRANULAR_LISTED = 6  # largest number of packings in the table
+_OTHERS_LISTED = 24  # largest number of impacts with other materials, diameters or loading areas
 _FIT_REMARK = (
     "D2 is 0.5 where fast impacts lose all that they bring: {:.3g} to {:.3g} of the input in the "
     "fitted runs. A constant whose standard deviation is as large as itself is undetermined."
@@ -178,6 +183,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Packings and blocks side by side, then each of them, with notes."""
     rows = [
         *_rows_per_mass(_dissipating(impacts.reference, _GRANULAR_LISTED)),
+        *_rows_per_mass(impacts.other_substances[:_OTHERS_LISTED]),
         *_rows_per_mass(impacts.other_packings),
         *_rows_per_mass(impacts.continuum_reference),
     ]
@@ -199,6 +205,10 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     if len(impacts.reference):
         yield from _of_packings(impacts)
     yield from figures.tables(impacts)
+    others = impacts.granular[~impacts.granular["label"].isin(impacts.reference["label"])]
+    if len(impacts.reference) and len(others):
+        names = named(others["label"].tolist())
+        yield Note(f"{_REFERENCE_ONLY}: {names}.")
     if len(impacts.continuum):
         yield from _of_blocks(impacts)
 
@@ -233,7 +243,7 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
         energy / mass,
         1e-6 * (energy / bulk),
     )
-    return run.label, Cell(zone.what_of(run.what, run.packing)), *values
+    return run.label, Cell(zone.what_of(run.what, run.packing, run.material)), *values
 
 
 def _rows_per_mass(runs: DataFrame) -> Iterator[tuple[Any, ...]]:

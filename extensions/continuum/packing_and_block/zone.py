@@ -102,8 +102,8 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     for side in zones(impacts).values():
         rows += side.to_dict("records")
     shown = {id(zone["run"]) for zone in rows}
-    others = _sizes("packing", impacts.other_packings).to_dict("records")
-    rows += [zone for zone in others if id(zone["run"]) not in shown]
+    others = _sizes("packing", concat([impacts.other_substances, impacts.other_packings]))
+    rows += [zone for zone in others.to_dict("records") if id(zone["run"]) not in shown]
     if not rows:
         return
     columns = (
@@ -133,9 +133,16 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         yield Note(f"{text} {_influence_of_bounds(impacts, 'continuum')}", "note")
 
 
-def what_of(what: str, packing: str) -> str:
-    """Return the kind of a run for a row of a table: ``granular, fcc 24 x 24 x 12``."""
-    return f"{what}, {packing}" if packing else what
+def what_of(what: str, packing: str, material: object) -> str:
+    """Return the kind of a run for a row of a table: ``granular, fcc 24 x 24 x 12, brass``.
+
+    Parameters
+    ----------
+    material
+        Its name; anything but a text where it has none.
+    """
+    parts = [what, packing, material if isinstance(material, str) else ""]
+    return ", ".join(filter(None, parts))
 
 
 def _comparable(impacts: Impacts) -> DataFrame:
@@ -244,7 +251,7 @@ def _columns() -> list[str]:
 def _row(zone: dict[str, Any]) -> Iterator[Cell]:
     summary = zone["run"].summary
     tone: Tone = "note" if zone["mark"] else ""
-    what = Cell(what_of(zone["what"], zone["packing"]))
+    what = Cell(what_of(zone["what"], zone["packing"], zone["material"]))
     yield from (value_cell(zone["label"]), what, value_cell(zone["energy"]))
     for name in _SIZES:
         for column in (*(f"{name}_{share}" for share in SHARES), f"outermost_{name}"):

@@ -62,22 +62,22 @@ class PunchRunSettings:
     """``[run]``: end time, mesh, timestep and snapshots."""
 
     end_time: float | Literal["auto"] = positive_or_auto(
-        "when the run ends; auto: when the punch has left and 10 us add less than 1e-4 of the "
-        "input to dissipation",
+        "end of the run; auto: when the punch has left and dissipation grows by less than 1e-4 of "
+        "the energy input in 10 us",
         TIME,
     )
     elements: int = count(
-        "about how many elements the mesh has",
+        "approximate number of elements of the mesh",
         at_least=100,
         at_most=1_000_000_000,
         default=ELEMENTS,
     )
     timestep: float | Literal["auto"] = positive_or_auto(
-        "auto: just below the limit of stability", INTERVAL
+        "auto: just below the stability limit", INTERVAL
     )
     edge_size: float | Literal["auto"] = positive_or_auto(
-        "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 "
-        "and a punch of 10 mm)",
+        "width of the elements at the punch's edge; auto: derived from elements (32 um for 62500 "
+        "elements and a punch of 10 mm)",
         Usual("m", 1e-9, 0.1, ("mm", "um")),
     )
     frame_interval: float = number(
@@ -166,7 +166,7 @@ def _check_material(material: Material, errors: ErrorList) -> None:
     if material.yield_strength is None:
         errors.add(
             "material.yield_strength",
-            "missing; a continuum case needs it: give a number in Pa",
+            "missing; a continuum case requires it: set a number (Pa)",
         )
     for key, what in (("hardening", "harden"), ("rate_sensitivity", "depend on the rate")):
         value = getattr(material, key)
@@ -180,14 +180,14 @@ def _check_punch(
 ) -> None:
     """Check the energy of a punch, and its size compared with the block and the elements."""
     radius = punch.diameter / 2
-    narrow = f"expected at most the punch's radius, {radius:g} m"
+    narrow = f"expected at most the radius of the punch, {radius:g} m"
     if not 0 < punch.energy < math.inf:
         errors.add(
             "punch",
             Mismatch(
                 f"{punch.mass:g} kg at {punch.velocity:g} m/s, an energy of {punch.energy:g} J as "
                 "a number",
-                remedy="are they in SI units?",
+                remedy="check that they are in SI units",
             ),
         )
     if punch.taper > radius:
@@ -198,7 +198,7 @@ def _check_punch(
             Mismatch(
                 f"{punch.diameter:g} m",
                 f"less than block.diameter, {block.diameter:g} m",
-                "make the punch narrower or the block wider",
+                "use a narrower punch or a wider block",
             ),
         )
     if run is not None and not isinstance(run.edge_size, str) and run.edge_size > radius:

@@ -48,7 +48,8 @@ class ContinuumResult(ElementResult):
 
     def __init__(self, directory: str | Path) -> None:
         super().__init__(directory)
-        self.r, self.z = np.unique(self["nodes"][:, 0]), np.unique(self["nodes"][:, 1])
+        self.r = np.unique(self["nodes"][:, 0])
+        self.z = np.unique(self["nodes"][:, 1])
 
     def grid(self, values: NDArray) -> NDArray:
         """Return the values of the elements as an array (n_z, n_r)."""

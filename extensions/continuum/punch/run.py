@@ -249,15 +249,15 @@ class BlockRun(ElementRun):
         return (
             "strains are not small: 1 % of the plastic zone exceeds "
             f"{summary['plastic_zone_strain']:.2f}, the largest is "
-            f"{summary['largest_strain']:.2f}; expected below {LARGE_STRAIN:g}. The solution is "
-            "one of small strains: lower punch.velocity or punch.mass to trust it"
+            f"{summary['largest_strain']:.2f}; expected below {LARGE_STRAIN:g}. The solution "
+            "assumes small strains: use a lower punch.velocity or punch.mass"
         )
 
     def refusal(self) -> tuple[str, str]:
         return (
             f"{100 * self.balance_error:.3g} % of the input at {1e6 * self.rows[-1]['time']:.4g} "
             f"us, at most {100 * TOLERANCE:g} %",
-            'Take run.timestep = "auto" or a smaller one, or more run.elements',
+            'Use run.timestep = "auto" or a smaller value, or more run.elements',
         )
 
 

@@ -38,7 +38,7 @@ class Partner:
 
     radius: float = number("radius of the sphere", DIAMETER, above=0)
     material: Material = material_field(
-        "material of the second sphere; that of the case by default"
+        "material of the second sphere; default: the material of the case"
     )
 
 
@@ -46,25 +46,28 @@ class Partner:
 class SphereContactRunSettings:
     """``[run]``: largest overlap, unloadings, mesh and speed."""
 
-    max_overlap: float = number("largest overlap, over R*", at_least=1e-6, at_most=1.0, default=0.2)
+    max_overlap: float = number("largest overlap / R*", at_least=1e-6, at_most=1.0, default=0.2)
     unloadings: int = count(
-        "unload-reload cycles, the last from the largest overlap",
+        "number of unload-reload cycles; the last starts at the largest overlap",
         at_least=0,
         at_most=1000,
         default=10,
     )
     elements: int = count(
-        "about how many elements the mesh has, both spheres together",
+        "approximate number of elements of the meshof both spheres",
         at_least=100,
         at_most=1_000_000_000,
         default=6000,
     )
     speed: float = number(
-        "1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0
+        "loading speed; 1: default; 0.5: half the speed, twice the steps",
+        above=0,
+        at_most=10,
+        default=1.0,
     )
     velocity: float = number(
-        "velocity of approach and of separation, m/s, that gives strain rates to a material with "
-        "rate_sensitivity; inertia is left out; 0: slow",
+        "velocity of approach and of separation, m/s, which defines strain rates for a material "
+        "with rate_sensitivity; inertia is neglected; 0: quasi-static",
         at_least=0,
         default=0.0,
     )

@@ -43,7 +43,7 @@ _RANGES = ("1-10", "10-100", "100-inf")  # ranges of the overlap relative to fir
 _OTHER = "elastoplastic"
 _KINDS = {
     "equal": "equal spheres", "rigid": "sphere on a rigid flat", "radii": "other radii",
-    "unlike": "unlike materials", "held": "held out of the fit",
+    "unlike": "dissimilar materials", "held": "excluded from the fit",
 }  # fmt: skip
 _MARGIN = 1.5  # error bars divided by the largest error of fitted contacts
 _ROUNDED = 0.001  # digits of error bars
@@ -345,7 +345,7 @@ def draw(contacts: list[Measured], constants: Mapping[str, float] | None, path: 
             axes.plot(overlap, 100 * error, ".", markersize=2, label=label)
         axes.axhspan(-3, 3, color="0.85", zorder=0)
         axes.set(
-            title=name, xscale="log", ylim=(-80, 80), xlabel="overlap over that at first yield"
+            title=name, xscale="log", ylim=(-80, 80), xlabel="overlap / overlap at first yield"
         )
     panels[0].set_ylabel("force over finite elements - 1 (%)")
     panels[1].legend()

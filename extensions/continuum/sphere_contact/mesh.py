@@ -180,7 +180,7 @@ def plan(case: SphereContactCase) -> ElementPlan:
     if not n_steps <= MOST_STEPS:
         raise InputError(
             f"{case.name}: run.speed: found {case.run.speed:g}, which takes {n_steps:.3g} steps, "
-            f"expected at most {MOST_STEPS:g}; make it faster"
+            f"expected at most {MOST_STEPS:g}; use a higher speed"
         )
     return ElementPlan(
         name=case.name,

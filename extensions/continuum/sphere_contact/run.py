@@ -152,7 +152,8 @@ class ContactRun(ElementRun):
         self.total = self._place(case.max_overlap)
 
     def integrate(self, report: Callable[[], None] = lambda: None) -> None:
-        self._report, peaks = report, self.case.peaks
+        self._report = report
+        peaks = self.case.peaks
         try:
             self._enter(LOADING, 0)
             for cycle, peak in enumerate(peaks, start=1):
@@ -326,7 +327,7 @@ class ContactRun(ElementRun):
             return ""
         return (
             f"not quasi-static: the kinetic energy reaches {summary['kinetic_share_max']:.2g} of "
-            f"the internal energy, expected at most {_MOST_KINETIC:g}; take a smaller run.speed"
+            f"the internal energy, expected at most {_MOST_KINETIC:g}; use a smaller run.speed"
         )
 
     def refusal(self) -> tuple[str, str]:
@@ -334,7 +335,7 @@ class ContactRun(ElementRun):
         return (
             f"{100 * abs(last['balance'] / last['work']):.3g} % of the work of the faces at an "
             f"overlap of {last['overlap']:.4g} m, at most {100 * TOLERANCE:g} %",
-            "Take a smaller run.speed or run.max_overlap, or more run.elements",
+            "Use a smaller run.speed or run.max_overlap, or more run.elements",
         )
 
 

@@ -114,7 +114,7 @@ def load_problem(
     statistic, ranges, replicates = _uncertainty(tables["uncertainty"], errors)
     for key, count in Counter(variable.key for variable in variables).items():
         is_twice = count > 1 or key in ranges or key in fixed
-        fault = "is given twice, expected it in one table alone"
+        fault = "is given twice; give it in only one table"
         errors.check((is_twice, f"variables.{key}", fault))
     if errors.items or header is None or search is None:
         raise InputError(errors.items)
@@ -152,9 +152,7 @@ def _base(
         file = library.find_for(header.base, GRANULAR.verb, directory=path.parent)
         base = {"name": file.stem, **read_toml(file)}
         if solver_of(base) is not GRANULAR:
-            raise InputError(
-                f"{header.base}: is a continuum case, expected one that granwave run takes"
-            )
+            raise InputError(f"{header.base}: is a continuum case, expected a case of granwave run")
         written = list(_of_set(table, base))
         fixed = dict(written)
         _refuse_twice("set", written, errors)
@@ -262,7 +260,7 @@ def _warn_of_refused_values(
             except InputError as error:
                 fault = str(error.items[0].outside(source))
                 refused[show(value), fault].append(variable.key)
-    text = "%s: variables.%s%s: %s alone is refused: %s"
+    text = "%s: variables.%s%s: %s is rejected even without other changes: %s"
     for (shown, fault), keys in refused.items():
         others = f" and {len(keys) - 1} more" if len(keys) > 1 else ""
         _LOG.warning(text, source, keys[0], others, shown, fault)
@@ -284,7 +282,7 @@ def _is_key(table: str, key: str, errors: ErrorList) -> bool:
     is_known = generic in names or any(
         "." in name and generic.startswith(f"{name}.") for name in names
     )
-    fault = f"is no key of a case{did_you_mean(generic, names)}; granwave keys lists them"
+    fault = f"is not a key of a case{did_you_mean(generic, names)}; granwave keys lists them"
     return errors.check_first((not is_known, f"{table}.{key}", fault))
 
 
@@ -340,14 +338,18 @@ def _layers_fit(
     resized = {"packing.size", "packing.diameter"} & {name.removesuffix(".2") for name in others}
     is_range = isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))
     return errors.check_first(
-        (resized, key, Mismatch("beside packing.size or packing.diameter", "these in the base")),
+        (
+            resized,
+            key,
+            Mismatch("together with packing.size or packing.diameter", "these keys in the base"),
+        ),
         (packing.grains is not None, key, Mismatch(kind, "a base with layers")),
         (
             unknown or table.keys().isdisjoint(_OF_LAYERS),
             key,
             Mismatch(
                 show(value),
-                '{materials = ["steel", "ptfe"]} or {diameters = [0.4, 1.0]} (over '
+                '{materials = ["steel", "ptfe"]} or {diameters = [0.4, 1.0]} (relative to '
                 "packing.diameter), or both",
             ),
         ),
@@ -356,8 +358,8 @@ def _layers_fit(
             f"{key}.tied",
             Mismatch(
                 show(tied),
-                "{period = 2}, every other layer alike, or {groups = 3}, three "
-                "blocks of layers; free if left out",
+                "{period = 2}, alternating layers, or {groups = 3}, three blocks of layers; "
+                "default: all layers independent",
             ),
         ),
         (
@@ -394,7 +396,7 @@ def _limits(tables: Any, errors: ErrorList) -> tuple[DesignLimit, ...]:
     if not isinstance(tables, Mapping):
         errors.add(
             "limits",
-            Mismatch(show(tables), "a table of values and their largest allowed ones"),
+            Mismatch(show(tables), "a table of values and their upper limits"),
         )
         return ()
     for name, value in tables.items():
@@ -402,7 +404,7 @@ def _limits(tables: Any, errors: ErrorList) -> tuple[DesignLimit, ...]:
             near = did_you_mean(name, value_names())
             errors.add(
                 f"limits.{name}",
-                f"is no value of summary.json, and none of {', '.join(KNOWN_BEFORE)}{near}",
+                f"is not a value of summary.json, nor one of {', '.join(KNOWN_BEFORE)}{near}",
             )
             continue
         try:
@@ -433,7 +435,7 @@ def _objectives(
         return ()
     names = [*table.minimise, *table.maximise]
     if not 1 <= len(names) <= 2 or len(set(names)) < len(names):
-        expected = "one, or two different ones, under minimise or maximise"
+        expected = "one value, or two different values, in minimise or maximise"
         errors.add("objective", Mismatch(f"{len(names)} values", expected))
     objectives = [Objective(name, 1) for name in table.minimise]
     objectives += [Objective(name, -1) for name in table.maximise]
@@ -501,7 +503,7 @@ def _samples(
     random = _may_be_random(problem, ranges)
     if not random and not varied:
         _LOG.warning(
-            "%s: uncertainty: nothing is random in these packings, so that each is run once",
+            "%s: uncertainty: these packings have no random quantities, so each is run once",
             problem.path,
         )
         replicates = 1

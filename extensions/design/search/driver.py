@@ -146,7 +146,9 @@ class _Search:
         for design in study.designs:
             if self._has_lost_runs(design):
                 logger.warning(
-                    "%s: runs of design %d are gone; it is run again", problem.name, design.number
+                    "%s: runs of design %d are missing; they are repeated",
+                    problem.name,
+                    design.number,
                 )
                 design.state = RUNNING
                 design.reason = ""
@@ -253,7 +255,7 @@ class _Search:
         if run["stopped"] < _MOST_STOPPED:
             self.queue.appendleft((design, n))
         else:
-            self._end(design, FAILED, "its run was stopped from elsewhere")
+            self._end(design, FAILED, "its run was stopped externally")
 
     def _show_progress(self) -> None:
         """Show the best objectives, and how many designs were refused or have failed."""
@@ -271,7 +273,7 @@ class _Search:
             self._end(design, FAILED, ended.reason)
         elif self._has_passed(design, n, ended) and self._has_values(design, ended):
             if self._is_lost(design):
-                self._end(design, PRUNED, "its first runs are far beyond the best design")
+                self._end(design, PRUNED, "its first runs are much worse than the best design")
             else:
                 self._complete(design)
 
@@ -296,7 +298,7 @@ class _Search:
             self.queue.appendleft((design, n))
             return False
         if not guards.has_come(force):
-            reason = "the force on the target still rises, or has not come, after"
+            reason = "the force on the target still rises, or has not arrived, after"
             self._end(design, REFUSED, f"{reason} {time[-1]:.3g} s")
             return False
         run["note"] = (
@@ -444,8 +446,8 @@ class _Search:
                 break
         else:
             logger.warning(
-                "%s: ends after %d designs: %d more, one after the other, are beyond the limits, "
-                "or are no packings",
+                "%s: ends after %d designs: the next %d designs are all beyond the limits, or are "
+                "not valid packings",
                 problem.name,
                 study.n_evaluated,
                 MOST_REFUSED,

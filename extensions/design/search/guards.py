@@ -153,7 +153,7 @@ def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict
     yield "finer", "half the error of the energy balance, or half the timestep", finer
     if "diameter" in packing and not packing.get("diameter_scatter"):
         scatter = {"packing.diameter_scatter": _TOLERANCE * packing["diameter"]}
-        yield "tolerance", "diameters that scatter by 0.05 %", scatter
+        yield "tolerance", "a diameter scatter of 0.05 %", scatter
     if random:
         yield "seed", "another seed", {"packing.seed": packing.get("seed", 1) + 1000}
     plate = bottom.get("plate") if isinstance(bottom, dict) else None
@@ -209,7 +209,7 @@ def finding_of(
     """Compare the objectives of a further run with the run of the best design."""
     changes, text = _compared(problem, before, after)
     if not changes:
-        return GuardOutcome(name, what, f"{what}: gives no value", warning=True)
+        return GuardOutcome(name, what, f"{what}: no value", warning=True)
     notable = any(abs(change) > NOTABLE for change in changes.values())
     for limit in problem.limits:
         if limit.name not in KNOWN_BEFORE and limit.name in after:
@@ -242,7 +242,10 @@ def of_neighbours(
             text = f"{comparison} (design {tried.number})"
         yield GuardOutcome(f"neighbour-{n}", what, f"{what}: {text}", changes)
     if left and problem.search.guards:
-        text = f"next to the best, {len(left)} not run that may be better: {', '.join(left[:5])}"
+        text = (
+            f"{len(left)} neighbours of the best design were not run and may be better: "
+            f"{', '.join(left[:5])}"
+        )
         yield GuardOutcome("neighbours", "neighbours", text, warning=True)
 
 
@@ -260,8 +263,8 @@ def _moves(
     after = best.objectives[name]
     change = after / before - 1 if before else 0.0
     text = (
-        f"the best design was found next to that of the search: {name} {before:.4g} of design "
-        f"{start.number} became {after:.4g}"
+        f"the best design is a neighbour of the design from the search: {name} {before:.4g} of "
+        f"design {start.number} became {after:.4g}"
     )
     yield GuardOutcome("moved", "moves to neighbours", text, {name: change}, abs(change) > NOTABLE)
 
@@ -278,19 +281,19 @@ def findings_without_runs(
         if end:
             text = (
                 f"{variable.key} = {show(value)} is at the {end} end of its range: a wider range "
-                "may hold better"
+                "may contain better designs"
             )
             yield GuardOutcome("edge", variable.key, text, warning=True)
     beyond = summary.get("contacts_beyond_law")
     if beyond:
-        text = f"{beyond} contacts are pressed beyond the range of the contact law"
+        text = f"{beyond} contacts exceed the range of the contact law"
         yield GuardOutcome("law", "overlaps", text, warning=True)
     yield from _kinetic_energy_at_end(problem, best, summary)
     series = target_force(place)
     if series is not None:
         fraction = late_impulse(*series)
         text = (
-            f"{100 * fraction:.0f} % of the impulse on the target comes in the last tenth of the "
+            f"{100 * fraction:.0f} % of the impulse on the target occurs in the last tenth of the "
             "run"
         )
         yield GuardOutcome("impulse", "impulse", text, warning=fraction > _STILL)
@@ -311,8 +314,8 @@ def _kinetic_energy_at_end(
     comes_to_rest = case.contact.yields and not case.packing.rule.is_chain
     fraction = kinetic / energy_input
     text = (
-        f"{100 * fraction:.0f} % of the energy is kinetic at the end: beads that rattle or fly "
-        "off, or a target that moves"
+        f"{100 * fraction:.0f} % of the energy is kinetic at the end: rattling or ejected beads, "
+        "or a moving target"
     )
     warning = fraction > _MOVING and comes_to_rest
     yield GuardOutcome("flight", "energy in free flight", text, warning=warning)

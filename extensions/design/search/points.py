@@ -161,7 +161,7 @@ class Points:
             return Ended(name, {}, "", True, seconds)
         if status == 0:
             return Ended(name, results.summary(), "", False, seconds)
-        reason = "the energy balance did not close"
+        reason = "energy balance error too large"
         if state is None or state.state != record.REFUSED:
             lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
             last = lines[-1].removeprefix("granwave: ") if lines else f"ended with status {status}"

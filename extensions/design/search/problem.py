@@ -62,12 +62,12 @@ class DesignHeader:
     """Top-level keys of a design file."""
 
     name: str = schema.typed("name of the search", schema.PLAIN_NAME, default="")
-    base: str = schema.text("the case that is varied: a built-in study or a case file")
+    base: str = schema.text("base case of the search: a built-in case or a case file")
 
     FURTHER_KEYS: ClassVar[dict[str, Any]] = {
-        "set": schema.typed("values that hold for all designs", TABLE_OF_KEYS, default=None),
+        "set": schema.typed("values for all designs", TABLE_OF_KEYS, default=None),
         "variables": schema.typed(
-            "what may vary: places in lists from 0, replace.ID.KEY of grains, layers",
+            "variables: positions in lists from 0, replace.ID.KEY of grains, layers",
             schema.OtherType(
                 expected="for each key a list of choices, or {low = ..., high = ...} with log, "
                 "integer or step",
@@ -75,11 +75,10 @@ class DesignHeader:
             ),
         ),
         "limits": schema.typed(
-            "what a design must keep to: mass_kg, height_m, width_m, n_spheres, "
-            "smallest_diameter_m, yielded_share, kinetic_share, overlap_over_radius, or a value of "
-            "summary.json",
+            "limits of a design: mass_kg, height_m, width_m, n_spheres, smallest_diameter_m, "
+            "yielded_share, kinetic_share, overlap_over_radius, or a value of summary.json",
             schema.OtherType(
-                expected="for each value the largest allowed one, or {low = ..., high = ...}",
+                expected="for each value its upper limit, or {low = ..., high = ...}",
                 kinds=("object",),
             ),
             default=None,
@@ -108,11 +107,11 @@ _NAMES = schema.ListType(
 class ObjectiveTable:
     """``[objective]``: values to minimise and maximise; two values in all make a Pareto front."""
 
-    minimise: tuple[str, ...] = schema.typed("values that are to be small", _NAMES, default=())
-    maximise: tuple[str, ...] = schema.typed("values that are to be large", _NAMES, default=())
+    minimise: tuple[str, ...] = schema.typed("values to minimise", _NAMES, default=())
+    maximise: tuple[str, ...] = schema.typed("values to maximise", _NAMES, default=())
 
 
-_STATISTIC_FORM = '"mean", "worst", or a share such as 0.9, of runs that are at least as good'
+_STATISTIC_FORM = '"mean", "worst", or a fraction of runs that are at least as good, such as 0.9'
 _STATISTIC = schema.EitherType(
     types=(
         schema.ChoiceType(("mean", "worst")),
@@ -129,14 +128,16 @@ class UncertaintyTable:
     drawn from ranges.
     """
 
-    replicates: int = schema.count("runs of each design", default=3, at_most=1000)
-    statistic: str | float = schema.typed("objective made of the runs", _STATISTIC, default="mean")
+    replicates: int = schema.count("number of runs of each design", default=3, at_most=1000)
+    statistic: str | float = schema.typed(
+        "combination of the runs into the objective", _STATISTIC, default="mean"
+    )
 
     FURTHER_KEYS: ClassVar[dict[str, Any]] = {
         "velocity": schema.typed(
             "range of load.velocity; any key of a case likewise", _RANGE, default=None
         ),
-        "tolerance": schema.typed("the same of packing.diameter_scatter, m", _RANGE, default=None),
+        "tolerance": schema.typed("range of packing.diameter_scatter, m", _RANGE, default=None),
     }
 
 
@@ -145,7 +146,7 @@ class SearchTable:
     """``[search]``: extent and method of the search."""
 
     evaluations: int = schema.count(
-        "designs that are run; refused ones do not count", default=60, at_most=100_000
+        "number of designs to run; rejected designs do not count", default=60, at_most=100_000
     )
     seed: int = schema.count("seed of the search", at_least=0, default=1)
     sampler: str = schema.choice(
@@ -154,19 +155,19 @@ class SearchTable:
         default="model",
     )
     guards: bool = schema.choice(
-        "checks of the best design by further runs, and moves to better designs next to it",
+        "check the best design by further runs, and move to better neighbouring designs",
         (True, False),
         default=True,
     )
     neighbours: int = schema.count(
-        "designs next to the best that are run after the evaluations, at most",
+        "largest number of neighbours of the best design that are run after the evaluations",
         default=40,
         at_least=0,
         at_most=100_000,
     )
     tolerance: float | str = schema.number(
-        "run.energy_tolerance until the best tenth is run again with that of the case; "
-        "auto: 3e-5 where a run takes seconds, else that of the case",
+        "run.energy_tolerance of the search; the best tenth is run again with the tolerance of "
+        "the case; auto: 3e-5 if a run takes seconds, otherwise the tolerance of the case",
         above=0,
         at_most=1e-3,
         word="auto",
@@ -176,16 +177,16 @@ class SearchTable:
 
 #: Tables of a design file: class and description.
 DESIGN_TABLES: dict[str, tuple[type, str]] = {
-    "": (DesignHeader, "top-level keys, what may vary, and limits"),
+    "": (DesignHeader, "top-level keys, variables and limits"),
     "[objective]": (
         ObjectiveTable,
-        "what the best design has; two values in all make a Pareto front",
+        "objective of the search; two values give a Pareto front",
     ),
     "[uncertainty]": (
         UncertaintyTable,
         "several runs of each design, with other seeds and keys drawn from ranges",
     ),
-    "[search]": (SearchTable, "how long and how the search goes"),
+    "[search]": (SearchTable, "length and method of the search"),
 }
 
 
@@ -415,7 +416,7 @@ def _set(table: Any, path: Sequence[str], value: Any) -> None:
     if isinstance(table, list):
         if not ids_of(name, single=True) or int(name) >= len(table):
             raise ValidationError(
-                f"found a list of {len(table)} in the case, expected a place from 0 to "
+                f"found a list of {len(table)} in the case, expected a position from 0 to "
                 f"{len(table) - 1}"
             )
         place = int(name)

@@ -235,7 +235,7 @@ class DesignStudy:
             directory = f"{POINTS}/{names(design.number, self.problem.samples)[0]}"
         reasons = [design.reason]
         if design.next_to:
-            reasons.append(f"next to design {design.next_to}, tried after the search")
+            reasons.append(f"neighbour of design {design.next_to}, run after the search")
         reasons += design.notes
         row |= {
             "number": design.number,
@@ -272,7 +272,7 @@ def first_design(study: DesignStudy) -> None:
     nearest = min(near, key=lambda design: max(design.margins.values()))
     choice = ", ".join(f"{key} = {value}" for key, value in nearest.values.items())
     raise InputError(
-        f"{place}: limits: no design meets them, of {MOST_REFUSED} drawn or all that there are; "
+        f"{place}: limits: none of {MOST_REFUSED} random designs, or of all designs, meets them; "
         f"the nearest is {choice}: {nearest.reason}; widen the limits or the ranges"
     )
 
@@ -308,8 +308,8 @@ def read_study(problem: DesignProblem, directory: Path) -> DesignStudy:
         exhausted = int(content.get("exhausted", 0))
     except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError(
-            f"{path}: is damaged, so that the search cannot go on; force=True begins it again, or "
-            "put the file back"
+            f"{path}: is damaged, so the search cannot continue; restore the file, or use "
+            "force=True to restart from the beginning"
         ) from None
     differences = [
         f"{name} was {_shown(before)}, is {_shown(now)}"

@@ -57,7 +57,7 @@ NAMED_WALLS: dict[int, dict[str, tuple[int, int]]] = {
     },
 }
 _WALL_FORM = (
-    "walls by name: the place (m) of left, right, floor, top (in space also front, back), or "
+    "walls by name: the position (m) of left, right, floor, top (in space also front, back), or "
     "{point = [x, y], normal = [nx, ny]} under any name"
 )
 _NOISE_FORM = "a table of standard deviations above 0: strain, stress (Pa), acceleration (m/s^2), angular_acceleration"
@@ -95,14 +95,15 @@ class WallsType(ValueType):
         if not _WALL_NAME.fullmatch(name):
             raise ValidationError(
                 "names of walls of letters, digits, _ and -, the first a letter (found "
-                f"{show(name)}): in tables of forces a number is the id of a grain"
+                f"{show(name)}), since a number is the id of a grain in tables of forces"
             )
         point = _VECTOR.read(value["point"])
         normal = _VECTOR.read(value["normal"])
         size = math.hypot(*normal)
         refuse_if(
             len(point) != len(normal) or not size,
-            f"{_WALL_FORM}; point and normal with as many numbers, the normal not zero",
+            f"{_WALL_FORM}; point and normal with the same number of components, the normal not "
+            "zero",
         )
         return point, tuple(component / size for component in normal)
 
@@ -169,10 +170,10 @@ class GrainMaterial:
 
     density: float = number("mass density", DENSITY, above=0)
     poisson_ratio: float = number(
-        "Poisson's ratio; of no use with measured stresses", above=-1, below=0.5, default=0.0
+        "Poisson's ratio; not used with measured stresses", above=-1, below=0.5, default=0.0
     )
     youngs_modulus: float | None = number(
-        "Young's modulus; may be left out with measured stresses, and if infer.modulus finds it",
+        "Young's modulus; optional with measured stresses, and if infer.modulus determines it",
         YOUNGS_MODULUS,
         above=0,
         default=None,
@@ -184,19 +185,19 @@ class Infer:
     """``[infer]``: measurement of the grains, and unknowns of the inference."""
 
     state: Literal["plane-stress", "plane-strain", "space"] = choice(
-        "how strains give stresses: of cylinders whose faces are free (plane-stress) or held "
-        "(plane-strain), or of spheres (space)",
+        "relation of strains and stresses: cylinders with free faces (plane-stress) or fixed "
+        "faces (plane-strain), or spheres (space)",
         STATES,
         default="plane-stress",
     )
     friction: float = number(
-        "coefficient of friction between grains; rather too large than too small",
+        "coefficient of friction between grains; an overestimate is safer than an underestimate",
         FRICTION,
         at_least=0,
         at_most=1e4,
     )
     wall_friction: float | None = number(
-        "coefficient of friction of the walls; that of the grains by default",
+        "coefficient of friction of the walls; default: the coefficient of the grains",
         FRICTION,
         at_least=0,
         at_most=1e4,
@@ -206,8 +207,8 @@ class Infer:
         "length of the cylinders; 1: forces are per metre of length", LENGTH, above=0, default=1.0
     )
     contact_tolerance: float = number(
-        "gap over the sum of the radii up to which two grains may touch: the error of measured "
-        "places",
+        "largest gap of possible contacts, relative to the sum of the radii: the error of "
+        "measured positions",
         at_least=0,
         at_most=0.5,
         default=1e-3,
@@ -219,17 +220,17 @@ class Infer:
         "acceleration of gravity", _GRAVITY, unit="m/s^2", default=()
     )
     noise: Noise | None = typed(
-        "standard deviations of what was measured", NoiseType(), default=None
+        "standard deviations of the measured values", NoiseType(), default=None
     )
     weights: Weights | None = choice(  # noqa: RUF009
         "weights of the equations: equal, each by its own standard deviation (white), or with the "
-        "correlation of the stress components that strains give (correlated); by default white if "
-        "noise is given, else equal",
+        "correlation of the stress components that strains give (correlated); default: white if "
+        "noise is given, otherwise equal",
         WEIGHTS,
         default=None,
     )
     modulus: str = choice(
-        "Young's modulus: given, or found from the accelerations", (GIVEN, FIND), default=GIVEN
+        "Young's modulus: given, or determined from the accelerations", (GIVEN, FIND), default=GIVEN
     )
     repetitions: int = count(
         "repetitions with noise, for standard errors; 0: none",
@@ -238,24 +239,26 @@ class Infer:
         default=30,
     )
     ridge: float = number(
-        "weight of small forces over that of the equations, where these leave forces undetermined",
+        "weight of the regularisation to small forces, relative to the equations, if these do not "
+        "determine all forces",
         at_least=0,
         at_most=1.0,
         default=0.0,
     )
     frame_rate: float | None = number(
-        "frames per second of a series whose rows have a frame in place of a time",
+        "frames per second of a series whose rows have a frame number instead of a time",
         "Hz",
         above=0,
         default=None,
     )
     window: int = typed(
-        "frames that a parabola is fitted to for accelerations of a series; 3: second differences",
+        "number of frames in the parabolic fit for accelerations of a series; 3: second "
+        "differences",
         _WINDOW,
         default=3,
     )
     time: float | None = number(
-        "instant of a series, the frame nearest to it; by default all", TIME, default=None
+        "instant of a series (the nearest frame is used); default: all", TIME, default=None
     )
     seed: int = count("seed of the noise of repetitions", at_least=0, default=1)
 
@@ -386,14 +389,15 @@ def _check(infer: Infer, errors: ErrorList) -> None:
         elif not isinstance(place, tuple) and name not in NAMED_WALLS[dimension]:
             errors.add(
                 f"infer.walls.{name}",
-                Mismatch(f"it in {infer.state}", 'it with state = "space" alone'),
+                Mismatch(f"this key in {infer.state}", 'this key only with state = "space"'),
             )
     for first, second in (("left", "right"), ("floor", "top"), ("front", "back")):
         low = walls.get(first)
         high = walls.get(second)
         if isinstance(low, float) and isinstance(high, float) and low >= high:
             errors.add(
-                f"infer.walls.{first}", Mismatch(f"{low:g} m", f"it below {second}, {high:g} m")
+                f"infer.walls.{first}",
+                Mismatch(f"{low:g} m", f"a value below {second}, {high:g} m"),
             )
     if infer.gravity and len(infer.gravity) != dimension:
         errors.add(

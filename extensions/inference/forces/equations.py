@@ -290,8 +290,8 @@ def refuse_undetermined(equations: Equations, friction: Array, ridge: float) -> 
         raise InputError(
             f"{fault}: {n_equations} equations of rank {rank} for {unknown} components of the "
             f"forces of {n_contacts} contacts; measure strains and accelerations of more grains, "
-            "lower infer.contact_tolerance, take infer.friction = 0 where it may be neglected, or "
-            "give infer.ridge, which takes the smallest forces that fit"
+            "lower infer.contact_tolerance, set infer.friction = 0 if it is negligible, or set "
+            "infer.ridge, which selects the smallest forces that fit"
         )
     return condition
 

@@ -229,8 +229,8 @@ def _weights(settings: Infer, *, is_complete: bool) -> Weights:
     may_whiten = is_complete or settings.finds_modulus
     if settings.weights in ("white", "correlated") and not may_whiten:
         raise InputError(
-            f'infer.weights: found "{settings.weights}" without the standard deviations that it '
-            "takes; expected infer.noise of all that was measured"
+            f'infer.weights: found "{settings.weights}" without standard deviations; expected '
+            "infer.noise for all measured quantities"
         )
     return settings.weights or ("white" if may_whiten else "equal")
 
@@ -251,16 +251,16 @@ def _refuse_misplaced(
         if behind.any():
             errors.append(
                 f"grain {_first_ids(grains.ids[behind])}: lies behind the wall {name}; check "
-                f"infer.walls.{name} and the places, both in m"
+                f"infer.walls.{name} and the positions, both in m"
             )
     if errors:
         raise InputError(errors)
     touched = contacts.touched(len(grains))
     if not touched.all():
         raise InputError(
-            f"grain {_first_ids(grains.ids[~touched])}: touches nothing: no grain or wall lies "
-            f"within a relative gap of {tolerance:g}; give the walls in infer.walls, raise "
-            "infer.contact_tolerance, or leave the row out"
+            f"grain {_first_ids(grains.ids[~touched])}: has no contact: no grain or wall lies "
+            f"within a relative gap of {tolerance:g}; define the walls in infer.walls, increase "
+            "infer.contact_tolerance, or remove the row"
         )
 
 

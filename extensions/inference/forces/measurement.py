@@ -163,7 +163,7 @@ def _numbers(path: str | Path, texts: pd.DataFrame, dimension: int) -> pd.DataFr
     values = texts.map(_number).astype(np.float64)
     errors = []
     for row, column in np.argwhere(~np.isfinite(values) & ~((texts == "") & may_be_empty)):
-        empty = "; leave cells empty where nothing was measured" if may_be_empty[column] else ""
+        empty = "; leave cells without a measurement empty" if may_be_empty[column] else ""
         text = show(texts.iloc[row, column])
         errors.append(
             f"{path}: line {texts.index[row]}: {texts.columns[column]}: found {text}, expected a "
@@ -195,22 +195,23 @@ def read_measurement(
     times = list(motion)
     if case.infer.time is not None:
         if not any(map(math.isfinite, times)):
-            raise InputError(f"{path}: found no column time_s or frame, which infer.time needs")
+            raise InputError(f"{path}: found no column time_s or frame, which infer.time requires")
         times = [times[int(np.argmin(np.abs(np.array(times) - case.infer.time)))]]
     frames = [table.grains(time, *motion[time]) for time in times]
     # all grains are stretched under the other sign convention
     what = "strains" if table.has("strain") else "stresses"
-    words = "contacts only push, so that grains are compressed, and compression is negative"
+    words = "contacts are compressive, and compression is negative"
     for time, grains in zip(times, frames, strict=True):
         mean = grains.stress[grains.has_stress, : case.dimension].sum(axis=1) / case.dimension
         if len(mean) and (mean > 0).all():
             raise InputError(
-                f"{path}: found {what} that stretch each of the {len(mean)} grains{_at(time)}: "
-                f"{words}; if it is positive in your table, change the sign of all components"
+                f"{path}: found {what} that are tensile in each of the {len(mean)} "
+                f"grains{_at(time)}: {words}; if compression is positive in your table, change "
+                "the sign of all components"
             )
         if mean.sum() > 0:
             table.notes.append(
-                f"most of the {what}{_at(time)} stretch the grains: {words}; are the signs right?"
+                f"most of the {what}{_at(time)} are tensile: {words}; check the signs"
             )
     return times, frames, table.notes
 
@@ -241,7 +242,8 @@ class _Table:
         if "frame" in self.columns:
             if case.infer.frame_rate is None:
                 raise InputError(
-                    f"{case.source}: infer.frame_rate: missing; the column frame of {path} needs it"
+                    f"{case.source}: infer.frame_rate: missing; the column frame of {path} "
+                    "requires it"
                 )
             times = self.each("frame") / case.infer.frame_rate
         ids = self.each("id")
@@ -251,7 +253,7 @@ class _Table:
         instants = pd.DataFrame({"time": times, "id": ids}).groupby("time", dropna=False)
         if len(instants) > 1 and "id" not in self.columns:
             raise InputError(
-                f"{path}: line {lines[0]}: lacks id, which tells the grains of a series apart"
+                f"{path}: line {lines[0]}: lacks id, which identifies the grains of a series"
             )
         errors: list[str] = []
         self.rows: dict[float, NDArray[np.int64]] = {}
@@ -285,8 +287,8 @@ class _Table:
                 yield (
                     f"{self.path}: line {last}: lies in the grain of line {first}: found a "
                     f"distance of {distance:.3g} m of centres with radii of {radius[a]:.3g} and "
-                    f"{radius[b]:.3g} m; expected other places or radii (in m), or one row for "
-                    "each grain"
+                    f"{radius[b]:.3g} m; check positions and radii (m), and that each grain has "
+                    "one row"
                 )
 
     def has(self, group: str) -> bool:
@@ -351,12 +353,12 @@ class _Table:
         )
         if self.has("strain") and not has_modulus:
             moving = self.has("acceleration") or not {"time_s", "frame"}.isdisjoint(self.columns)
-            reason = "since without accelerations nothing tells it"
+            reason = "since it cannot be determined without accelerations"
             if moving:
-                reason = 'or infer.modulus = "find", which finds it from the accelerations'
+                reason = 'or set infer.modulus = "find" to determine it from the accelerations'
             raise InputError(
-                f"{case.source}: material.youngs_modulus: missing; strains give forces only with a "
-                f"modulus: give it, {reason}"
+                f"{case.source}: material.youngs_modulus: missing; strains require a modulus: set "
+                f"it, {reason}"
             )
 
     def measured_motion(self) -> dict[float, tuple[Array, ...]]:
@@ -368,7 +370,7 @@ class _Table:
             acceleration = self.take("acceleration")
         else:
             acceleration = np.zeros((len(self.columns), self.case.dimension))
-            self.notes.append("no accelerations were measured: the grains are taken to be at rest")
+            self.notes.append("no measured accelerations: the grains are assumed to be at rest")
         still = np.where(np.isnan(acceleration).any(axis=1), math.nan, 0.0)[:, None].repeat(
             self.turns, axis=1
         )
@@ -379,7 +381,7 @@ class _Table:
         ):
             motions.append(self.take(group) if self.has(group) else still)
             if moving and not self.has(group):
-                self.notes.append(f"no {word} were measured: they are taken to be zero")
+                self.notes.append(f"no measured {word}: they are assumed to be zero")
         return {time: _rows_of(motions, rows) for time, rows in self.rows.items()}
 
     def differences(self) -> dict[float, tuple[Array, ...]]:
@@ -395,8 +397,8 @@ class _Table:
         if abs(steps[worst] - step) > _EVEN * step:
             raise InputError(
                 f"{path}: found {steps[worst]:.4g} s from {times[worst]:.6g} s to the next, "
-                f"elsewhere {step:.4g} s; accelerations by differences need all frames, evenly "
-                "spaced"
+                f"elsewhere {step:.4g} s; accelerations from differences require all frames at a "
+                "constant interval"
             )
         if len(times) < window:
             raise InputError(
@@ -408,7 +410,7 @@ class _Table:
             if ids_of_frame != ids[0]:
                 raise InputError(
                     f"{path}: the grains at {time:g} s are not those at {times[0]:g} s; expected "
-                    "all in all frames"
+                    "all grains in all frames"
                 )
         inner = slice(window // 2, len(times) - window // 2)
 
@@ -430,7 +432,7 @@ class _Table:
             rates = frames("spin")[inner]
             turning = slope(frames("spin"), 1)
         else:
-            self.notes.append("no rotations were measured: they are taken to be zero")
+            self.notes.append("no measured rotations: they are assumed to be zero")
         motions = zip(acceleration, rates, turning, strict=True)
         return dict(zip(list(self.rows)[inner], motions, strict=True))
 

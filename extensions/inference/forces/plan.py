@@ -75,10 +75,7 @@ def plan_experiment(
         The run cannot be measured, or its forces are not determined.
     """
     if position_noise and frame_rate is None:
-        raise InputError(
-            "--position-noise: found it without --frame-rate, which tells the frames that it falls "
-            "on"
-        )
+        raise InputError("--position-noise: requires --frame-rate, which defines the frames")
     with Result(source) as result:
         run = Snapshots(result)
         name = result.case.name
@@ -87,7 +84,7 @@ def plan_experiment(
     exact, true = run.state(number, settings.contact_tolerance)
     if not true.any():
         raise InputError(
-            f"{source}: bears no force at {run.times[number]:.4g} s; choose another --time"
+            f"{source}: has no forces at {run.times[number]:.4g} s; choose another --time"
         )
     exact = _with_compliance(run, exact, case, state)
     walls = run.walls(number)
@@ -96,7 +93,7 @@ def plan_experiment(
     n_lonely = int(np.count_nonzero(~rows))
     notes = []
     if n_lonely:
-        notes.append(f"{n_lonely} of {len(rows)} grains touch nothing and are left out")
+        notes.append(f"{n_lonely} of {len(rows)} grains have no contact and are excluded")
     camera = None if frame_rate is None else _Camera(frame_rate, position_noise)
     experiment = _Experiment(run, number, exact, rows, camera, np.random.default_rng(seed))
     levels = sorted(noise)

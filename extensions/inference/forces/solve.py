@@ -184,7 +184,7 @@ def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension:
     )
     solution = solver.solve()
     if str(solution.status) not in _SOLVED:
-        raise RunError(f"the conic solver did not find the forces: it ended as {solution.status}")
+        raise RunError(f"the conic solver did not converge (status {solution.status})")
     force = np.zeros(len(friction) * dimension)
     force[kept] = size * np.array(solution.x[:n_columns])
     return _onto(force.reshape(-1, dimension), friction)
@@ -222,13 +222,13 @@ def refuse_unknowable(grains: MeasuredGrains, equations: Equations) -> None:
     """Raise InputError if the modulus cannot be found: for measured stresses, or without motion."""
     if grains.compliance is None:
         raise InputError(
-            'infer.modulus: found "find" with measured stresses, which need no modulus; expected '
-            "strains"
+            'infer.modulus: found "find" with measured stresses, which require no modulus; '
+            "expected strains"
         )
     if not np.any(equations.motion_data):
         raise InputError(
-            'infer.modulus: found "find", but nothing to find it from: strains tell forces up to '
-            "a factor; expected accelerations other than zero (or a weight, infer.gravity), or "
+            'infer.modulus: found "find", but the data do not determine it: strains give forces '
+            "only up to a factor; expected nonzero accelerations (or gravity, infer.gravity), or "
             "material.youngs_modulus"
         )
 
@@ -267,9 +267,9 @@ def find_modulus(
         centre += float(grid[best])
     else:
         raise InputError(
-            'infer.modulus: found "find", but chi^2 falls to the end of the search: motion and '
-            "strains do not belong together; check the units of strains, accelerations and "
-            "density, or give material.youngs_modulus"
+            'infer.modulus: found "find", but chi^2 decreases to the end of the search: motion '
+            "and strains are inconsistent; check the units of strains, accelerations and density, "
+            "or set material.youngs_modulus"
         )
     low = centre + float(grid[best - 1])
     high = centre + float(grid[best + 1])

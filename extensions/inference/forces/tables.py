@@ -17,44 +17,54 @@ if TYPE_CHECKING:
 ENTRIES = (
     Quantity("name"),
     Quantity("kind"),
-    Quantity("measurement", meaning="File of the measured grains, or directory of the run."),
-    Quantity("state", meaning="How strains give stresses."),
+    Quantity("measurement", meaning="File of measured grains, or directory of the run."),
+    Quantity("state", meaning="Relation of strains and stresses."),
     Quantity("n_instants", "Instants"),
     Quantity("time_s", "Instant", "Null for a table without times."),
     Quantity("n_grains", "Grains"),
-    Quantity("n_contacts", "Candidate contacts", "Pairs, and grains at walls, that lie within the tolerance."),
-    Quantity("n_loaded_contacts", "Contacts that bear a force"),
+    Quantity("n_contacts", "Candidate contacts", "Pairs of grains, and grains at walls, within "
+        "the tolerance."),
+    Quantity("n_loaded_contacts", "Loaded contacts"),
     Quantity("n_significant_contacts", "Contacts with a force above two standard errors",
-             "Normal force; noise gives most candidates some force. Null without standard errors."),
+             "Number with a normal force above two standard errors; noise gives most candidates a "
+             "small force. Null without standard errors."),
     Quantity("n_equations", "Equations"),
     Quantity("n_unknowns", "Components of forces"),
     Quantity("condition_number", meaning="Ratio of the extreme singular values of the equations."),
-    Quantity("weights", meaning="How the equations are weighed: equal, white or correlated."),
+    Quantity("weights", meaning="Weights of the equations: equal, white or correlated."),
     Quantity("friction", "Coefficient of friction"),
     Quantity("largest_force_N", "Largest contact force"),
-    Quantity("mean_normal_force_N", "Mean normal force", "Of the contacts that bear a force."),
+    Quantity("mean_normal_force_N", "Mean normal force", "Over the loaded contacts."),
     Quantity("n_sliding_contacts", "Sliding contacts", "Tangential force within 0.1 % of friction times normal force."),
-    Quantity("residual_fraction", "Unexplained, of the data",
-             "Root of the sum of squares of the residuals over that of the data."),
-    Quantity("chi2_per_equation", "Chi squared for each free equation",
-             "Weighted squares of the residuals over their mean for the given noise, about the number of equations minus "
-             "that of free components of the forces (of a contact that slides one less): near 1 if noise and friction "
-             "are right; null without known noise."),
+    Quantity("residual_fraction", "Unexplained fraction of the data",
+             "Root of the sum of squares of the residuals, relative to the data."),
+    Quantity("chi2_per_equation", "Chi squared per degree of freedom",
+             "Weighted sum of squared residuals, divided by its expectation for the given noise "
+             "(about the number of equations minus the number of free force components; a sliding "
+             "contact has one less): near 1 if noise and friction are correct; null without known "
+             "noise."),
     Quantity("standard_error_fraction", "Standard error of the forces",
-             "Root of the sum of squares of the standard errors over that of the forces, from repeated noise."),
+             "Root of the sum of squares of the standard errors, relative to the forces, from "
+             "repetitions with noise."),
     Quantity("repetitions", meaning="Number of repetitions with noise."),
-    Quantity("youngs_modulus_Pa", "Young's modulus", "Given or found; of the first grain. Null for measured stresses."),
-    Quantity("youngs_modulus_error_Pa", "Standard error of Young's modulus", "Null if it was given."),
-    Quantity("true_force_error", "Error of the forces, of the true ones",
-             "Of measurements made of a run: root of the sum of squares of the errors over that of the true forces; "
-             "mean of all repetitions."),
+    Quantity("youngs_modulus_Pa", "Young's modulus", "Given or determined, for the first grain. "
+        "Null for measured stresses."),
+    Quantity("youngs_modulus_error_Pa", "Standard error of Young's modulus", "Null if the modulus "
+        "was given."),
+    Quantity("true_force_error", "Error of the forces relative to the true forces",
+             "For synthetic measurements of a run: root of the sum of squares of the errors, "
+             "relative to the true forces; mean over all repetitions."),
     Quantity("noise", "Noise of strains and accelerations",
-             "Of measurements made of a run: noise over the root mean square, or a list."),
-    Quantity("frame_rate_Hz", meaning="Of measurements made of a run: frames per second of the camera."),
-    Quantity("position_noise_m", meaning="Of measurements made of a run: error of measured places."),
+             "For synthetic measurements of a run: noise relative to the root mean square, or a "
+             "list."),
+    Quantity("frame_rate_Hz", meaning="For synthetic measurements of a run: frames per second of "
+        "the camera."),
+    Quantity("position_noise_m", meaning="For synthetic measurements of a run: error of measured "
+        "positions."),
     Quantity("acceleration_error", "Error of the accelerations",
-             "Of measurements made of a run: as that of the forces; by frames and errors of places."),
-    Quantity("notes", meaning="Assumptions where something was not measured."),
+             "For synthetic measurements of a run: defined as the error of the forces; due to "
+             "frame rate and position errors."),
+    Quantity("notes", meaning="Assumptions for quantities that were not measured."),
     Quantity("versions"),
 )  # fmt: skip
 QUANTITIES = {entry.name: entry for entry in ENTRIES}
@@ -158,7 +168,7 @@ def in_words(summary: Mapping[str, Any]) -> str:
     above = " above two standard errors" if significant else ""
     rows = [
         ("grains", shown("n_grains", "d")),
-        ("contacts", f"{shown('n_contacts', 'd')}, {shown(*counted)} of them bear a force{above}"),
+        ("contacts", f"{shown('n_contacts', 'd')}, {shown(*counted)} of them carry a force{above}"),
         (
             "equations",
             f"{shown('n_equations', 'd')} for {shown('n_unknowns', 'd')} unknowns, {summary['weights']} weights",
@@ -170,7 +180,13 @@ def in_words(summary: Mapping[str, Any]) -> str:
         rows.insert(0, ("instants", str(instants + 1)))
     modulus = shown("youngs_modulus_Pa", ".4g", 1e-6)
     for label, key, form, factor, words in (
-        ("chi^2", "chi2_per_equation", ".3g", 1, "{} for each free equation (1: as the noise)"),
+        (
+            "chi^2",
+            "chi2_per_equation",
+            ".3g",
+            1,
+            "{} per degree of freedom (1: consistent with the noise)",
+        ),
         (
             "standard error",
             "standard_error_fraction",
@@ -179,8 +195,8 @@ def in_words(summary: Mapping[str, Any]) -> str:
             "{} % of the forces, from {repetitions} repetitions",
         ),
         ("Young's modulus", "youngs_modulus_error_Pa", ".2g", 1e-6, "{modulus} +- {} MPa"),
-        ("accelerations", "acceleration_error", ".2g", 100, "off by {} %"),
-        ("forces", "true_force_error", ".2g", 100, "off by {} % of the true ones"),
+        ("accelerations", "acceleration_error", ".2g", 100, "error {} %"),
+        ("forces", "true_force_error", ".2g", 100, "error {} % of the true forces"),
     ):
         if text := shown(key, form, factor):
             rows.append((label, words.format(text, modulus=modulus, **summary)))

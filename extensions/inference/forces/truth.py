@@ -157,8 +157,7 @@ class Snapshots:
         if not inside.any():
             raise InputError(
                 f"{self.directory}: ends after {self.times[-1]:.3g} s, expected at least "
-                f"{2 * spare:.3g} s for three frames; take a faster camera, or a longer "
-                "run.end_time"
+                f"{2 * spare:.3g} s for three frames; use a faster camera, or a longer run.end_time"
             )
         totals = np.array([float(frame["force"].sum()) for frame in self.forces])
         return int(np.argmax(np.where(inside, totals, -1.0)))
@@ -235,8 +234,7 @@ class Snapshots:
         columns = candidates.get_indexer(pd.MultiIndex.from_arrays([i, j]))
         if (columns < 0).any():
             raise InputError(
-                f"{self.directory}: a pair that bears a force lies beyond infer.contact_tolerance; "
-                "raise it"
+                f"{self.directory}: a loaded pair lies beyond infer.contact_tolerance; increase it"
             )
         true[columns] = np.einsum("mij,mi->mj", contacts.basis[columns], vectors)
         sums = np.zeros_like(grains.position)
@@ -290,9 +288,9 @@ class Snapshots:
             )
             if rank < matrix.shape[1]:
                 raise InputError(
-                    f"{self.directory}: grain {self.ids[grain]} rubs at {len(own)} walls, whose "
-                    "forces its motion does not tell apart; choose another --time, or a packing "
-                    "without friction of its walls"
+                    f"{self.directory}: grain {self.ids[grain]} slides on {len(own)} walls, whose "
+                    "forces cannot be separated from its motion; choose another --time, or a "
+                    "packing with frictionless walls"
                 )
             true[own, TANGENTIAL] = solution.reshape(len(own), -1)
             left[grain] -= tangents @ solution
@@ -304,21 +302,20 @@ def _refuse_unseen(result: Result, directory: str) -> None:
     assembly = result.assembly
     if not result.case.output.contact_forces:
         raise InputError(
-            f"{directory}: its snapshots hold no contact forces; run the case again with "
+            f"{directory}: its snapshots contain no contact forces; run the case again with "
             "output.contact_forces=true"
         )
     hindrances = {
         "periodic sides": assembly.lattice.periodic,
         "bars": bool(assembly.bars),
         "clumps": bool(assembly.clumps),
-        "walls of regions": bool(assembly.case.wall),
+        "region walls": bool(assembly.case.wall),
         "a tube": any(wall.tube for wall in walls(assembly)),
     }
     for name, is_present in hindrances.items():
         if is_present:
             raise InputError(
-                f"{directory}: has {name}, expected grains between planes, as a camera would see "
-                "them"
+                f"{directory}: has {name}, expected grains between planes, as seen by a camera"
             )
 
 
@@ -328,7 +325,7 @@ def _shape_of_grains(assembly: Assembly, directory: str) -> Shape:
     cylinder = shapes.pop()
     if shapes or (cylinder is not None and 1.0 not in np.abs(cylinder.axis[1:])):
         raise InputError(
-            f"{directory}: has cylinders of several lengths or axes, or spheres too; expected "
+            f"{directory}: has cylinders of several lengths or axes, or also spheres; expected "
             "spheres, or cylinders of one length along y or z"
         )
     return cylinder

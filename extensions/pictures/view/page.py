@@ -44,6 +44,7 @@ _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval' blob:; worker-src blob:; style-src 'unsafe-inline'; "
     "img-src data: blob:; font-src data:; connect-src data: blob:; base-uri 'none'; form-action 'none'"
 )
+_VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'  # for phones
 _COMPRESSION = 6  # 9 takes three times as long and gains little
 
 
@@ -101,7 +102,7 @@ def write_view(
     if target.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"{target}: expected a name that ends in .html")
     if not target.absolute().parent.is_dir():
-        raise InputError(f"{target}: there is no directory {target.absolute().parent}")
+        raise InputError(f"{target}: no such directory: {target.absolute().parent}")
     with Result(results) as result:
         if path is not None:
             refuse_other_file(target, _OWN)
@@ -111,7 +112,7 @@ def write_view(
         rows = np.arange(result.n_spheres)
         if spheres is not None and len(rows) > spheres:
             distance = np.linalg.norm(result["spheres/position"] - result.origin, axis=1)
-            notes.append(f"the {spheres} {called} nearest to the struck one, of {len(rows)}")
+            notes.append(f"the {spheres} {called} nearest to the impacted sphere, of {len(rows)}")
             rows = np.sort(np.argsort(distance, kind="stable")[:spheres])
         n = len(instants.times)
         most = frames or max(_FEWEST_FRAMES, MOST_VALUES // max(1, len(rows)))
@@ -124,7 +125,8 @@ def write_view(
         note = f"shown: {', '.join(notes)}" if notes else ""
         if not found:
             raise InputError(
-                f"{result.case.name}: nothing moved and no contact bore a force; there is nothing to show"
+                f"{result.case.name}: nothing moved and no contact carried a force, so there is "
+                "nothing to show"
             )
         page = _page(plot_of(result, instants, rows, found, note), result.case.name)
     if path is None:
@@ -150,7 +152,7 @@ def _page(plot: k3d.Plot, name: str) -> str:
         count=1,
     )
     text = text.replace("<!doctype html>", f"<!doctype html>\n{mark}", 1)
-    text = text.replace(charset, f"{charset}\n    {policy}", 1)
+    text = text.replace(charset, f"{charset}\n    {_VIEWPORT}\n    {policy}", 1)
     title = html.escape(f"{name} - granwave")
     return re.sub(r"<title>.*?</title>", lambda _: f"<title>{title}</title>", text, count=1)
 

@@ -1,5 +1,8 @@
 // Panel of the page of a run, above that of k3d. `K3DInstance` is the plot; scene.py makes its customData.
 const run = K3DInstance.parameters.customData;
+const font = document.createElement('style');
+font.textContent = '.katex, .katex * { font-family: Verdana, "DejaVu Sans", sans-serif !important; }';
+document.head.append(font);  // numbers and names along the axes are set as mathematics otherwise
 const objects = Object.values(K3DInstance.getWorld().ObjectsListJson);
 const nearest = (time) => run.times.reduce((a, b) => (Math.abs(b - time) < Math.abs(a - time) ? b : a));
 const state = {
@@ -42,5 +45,20 @@ const place = panel.add(state, 'at', -1, 1).name('cut at (mm)').onChange(cut);
 const keep = panel.add(state, 'keep', ['far side', 'near side']).onChange(cut);
 chooseCut();
 K3DInstance.setTime(K3DInstance.parameters.time);
-K3DInstance.setCamera(run.camera);  // again, now that all is there: numbers along the axes are hidden otherwise
+if (innerWidth < run.phone_width) {
+    K3DInstance.gui.close();  // it would hide the packing
+    const places = { title: [0.01, 0.05], clock: [0.5, 0.14] };  // below the panel, and each other
+    objects.filter((one) => one.name in places).forEach((one) => {
+        const position = one.position.data || one.position;
+        [position[0], position[1]] = places[one.name];
+        K3DInstance.reload(one, null, true);
+    });
+}
+const narrow = Math.max(1, innerHeight / innerWidth);  // the field of view is that of the height
+const target = run.camera.slice(3, 6);
+const position = target.map((middle, n) => middle + narrow * (run.camera[n] - middle));
+const camera = [...position, ...run.camera.slice(3)];
+// again, now that all is there: numbers along the axes are hidden otherwise
+K3DInstance.setCamera(camera);
+setTimeout(() => { K3DInstance.setCamera(camera); K3DInstance.render(); }, 50);  // k3d sets its own after 10 ms
 K3DInstance.render();

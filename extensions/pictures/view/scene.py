@@ -39,6 +39,7 @@ from granwave.lammps_inputs.packing.walls import walls
 if TYPE_CHECKING:
     import k3d
 
+_ROUNDINGS = 3  # of the corner of the grid, as a longer extent may have a longer step
 _MOST_OF_A_CHAIN = 120  # instants of up to a thousand
 BLANK = "#a4a4a4"  # spheres below the scale; the lights of the page make it paler
 LEVELS = 100  # colours of a scale; steps of a twentieth of a decade, or finer
@@ -186,7 +187,7 @@ def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) 
     wanted: list[tuple[str, str, str, str, tuple[float, ...] | None]] = [
         (
             "contact force",
-            "Largest contact force, walls left out (N)",
+            "Contact force, largest of the sphere, excluding walls (N)",
             "contact_force",
             forces,
             in_newtons,
@@ -194,12 +195,18 @@ def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) 
         ("speed", "Speed (m/s)", "velocity", forces, None),
         (
             "peak force",
-            "Largest contact force so far, walls left out (N)",
+            "Peak force so far, excluding walls (N)",
             "peak_force",
             forces,
             in_newtons,
         ),
-        ("dissipated energy", "Dissipated so far (J)", "dissipated_energy", losses, in_joules),
+        (
+            "dissipated energy",
+            "Dissipated energy so far (J)",
+            "dissipated_energy",
+            losses,
+            in_joules,
+        ),
         ("elastic energy", "Elastic energy (J)", "elastic_energy", losses, None),
     ]
     found = []
@@ -228,6 +235,7 @@ _MILLI = 1e3
 _MICRO = 1e6
 _MOVES = 0.05  # diameters: spheres that move less stay in their places
 _STOP = 0.3  # diameters: spheres of the plane of a section stay
+_PHONE_WIDTH = 600  # pixels below which the panel is closed at first
 _FIELD_OF_VIEW = 40.0  # degrees
 _SECONDS = 8.0  # of playing from the start to the end
 _DOTS = 2  # pixels of a colour bar over those on the screen
@@ -258,9 +266,8 @@ def plot_of(
     place = _MILLI * (result["spheres/position"][rows] - result.origin)
     times = (_MICRO * instants.times).tolist()
     camera = _camera(result, place)
-    bounds = np.concatenate([place.min(axis=0), place.max(axis=0)])
     plot = k3d.plot(
-        axes=["x", "y", r"\text{depth}"],
+        axes=[r"\text{x}", r"\text{y}", r"\text{depth}"],
         camera_auto_fit=False,
         camera_fov=_FIELD_OF_VIEW,
         colorbar_object_id=0,
@@ -268,8 +275,8 @@ def plot_of(
         time_speed=max(times[-1] / _SECONDS, 1e-6),
         lighting=2.0,
         axes_helper=0.0,
-        grid_auto_fit=not result.assembly.bars,  # which are far longer than the chain
-        grid=(bounds + np.repeat([-1.0, 1.0], 3) * _MILLI * result.case.packing.diameter).tolist(),
+        grid_auto_fit=False,  # else numbers along the axes start at any millimetre
+        grid=round_grid(place, _MILLI * result.case.packing.diameter / 2).tolist(),
         name=result.case.name,
         antialias=1,
     )
@@ -295,7 +302,7 @@ def plot_of(
     ]
     lines += [
         html.escape(line)
-        for line in (note, in_grains("lengths in mm from the struck sphere", called))
+        for line in (note, in_grains("lengths in mm from the impacted sphere", called))
         if line
     ]
     corner = {"position": [0.005, 0.01], "reference_point": "lt", "size": 1.0}
@@ -304,7 +311,14 @@ def plot_of(
     plot.time = times[min(max(1, len(times) // 4), len(times) - 1)]
     plot.camera = camera
     names = [field.name for field in found]
-    plot.custom_data = {"fields": names, "cuts": cuts, "cut": cut, "times": times, "camera": camera}
+    plot.custom_data = {
+        "fields": names,
+        "cuts": cuts,
+        "cut": cut,
+        "times": times,
+        "camera": camera,
+        "phone_width": _PHONE_WIDTH,
+    }
     return plot
 
 
@@ -472,6 +486,35 @@ def _colour_bar(field: Field) -> str:
     encoded = base64.b64encode(stream.getvalue()).decode("ascii")
     width = round(96 * figure.get_figwidth() * 1.15)
     return f'<img alt="{html.escape(field.label)}" width="{width}" src="data:image/png;base64,{encoded}">'
+
+
+def round_grid(place: NDArray[np.float64], margin: float) -> NDArray[np.float64]:
+    """Return the lower and upper corner of the grid, from which k3d counts to round numbers.
+
+    k3d puts a number at every tenth of the power of ten above the largest extent, counted from the
+    lower corner, or at every fifth of this step along axes of up to two steps.
+
+    Parameters
+    ----------
+    place
+        Centres of the spheres, mm: (n, 3).
+    margin
+        Distance from the outermost centres, mm.
+
+    Returns
+    -------
+    ndarray
+        x, y and depth of the lower corner, and of the upper corner, mm: (6,).
+    """
+    lowest = place.min(axis=0) - margin
+    high = place.max(axis=0) + margin
+    low = lowest
+    for _ in range(_ROUNDINGS):
+        extent = high - low
+        step = 10 ** math.ceil(math.log10(extent.max())) / 10
+        steps = np.where(extent > 2 * step, step, step / 5)
+        low = np.floor(lowest / steps) * steps
+    return np.concatenate([low, high])
 
 
 def _camera(result: Result, place: NDArray[np.float64]) -> list[float]:

@@ -20,7 +20,7 @@ from granwave.extensions.waves.spectra.bands import (
     gaps,
     solve_bands,
 )
-from granwave.extensions.waves.spectra.defaults import POINTS
+from granwave.extensions.waves.spectra.defaults import LARGE, POINTS, POINTS_OF_LARGE
 from granwave.extensions.waves.spectra.states import State, cell_state
 from granwave.extensions.waves.spectra.stiffness import Stiffness, stiffness_of
 from granwave.extensions.waves.spectra.wave_vectors import ComplexBands, complex_bands, make_path
@@ -224,7 +224,7 @@ def band_structure(
     source: Assembly | FilePath | State,
     path: str = "",
     *,
-    points: int = POINTS,
+    points: int | None = None,
     n_bands: int | None = None,
     directions: str = "",
     plane: str = "",
@@ -238,7 +238,8 @@ def band_structure(
     path
         See `granwave.extensions.waves.spectra.wave_vectors`; empty for the standard path of the cell.
     points
-        Wave vectors of each stretch.
+        Wave vectors of each stretch; None: 61, or 16 of a cell with more than 150 degrees of
+        freedom.
     n_bands
         Number of bands; None: all bands of a small cell, 30 of a large cell.
     directions
@@ -261,7 +262,7 @@ def band_structure(
         raise InputError(
             f'--directions: found "{directions}", expected some of the letters x, y and z'
         )
-    if not 2 <= points <= _MOST_POINTS:
+    if points is not None and not 2 <= points <= _MOST_POINTS:
         raise InputError(f"--points: found {points}, expected 2 to {_MOST_POINTS} in each stretch")
     if plane and plane not in PLANES:
         raise InputError(f'--plane: found "{plane}", expected {", ".join(PLANES)}')
@@ -269,7 +270,8 @@ def band_structure(
     if directions:
         state = dataclasses.replace(state, network=state.network.turned_off(directions))
     stiffness = stiffness_of(state.network)
-    route = make_path(path, state.network.periods, points)
+    usual = POINTS if state.network.n_freedoms <= LARGE else POINTS_OF_LARGE
+    route = make_path(path, state.network.periods, points or usual)
     near_top = None
     if slab:
         depth = state.network.position[:, 2]
@@ -300,6 +302,6 @@ def _floppy(name: str, note: str) -> str:
     if ROLLING in note:
         cure = "contact.rolling, [[hold]] with rotation = true, contact.friction=0"
     return (
-        f"{name}: {note}; {cure}, or another --path makes it rigid, and --allow-floppy leaves "
-        "these modes blank"
+        f"{name}: {note}; use {cure}, or another --path to make it rigid, or --allow-floppy to "
+        "leave these modes blank"
     )

@@ -25,7 +25,7 @@ from granwave.lammps_inputs.statics.bodies import Array
 _ZERO = 1e-10  # omega^2 / largest omega^2 without stiffness
 _LONG = 1e-6  # |k| times the period of a uniform displacement
 _TURNING = 0.99  # fraction of the energy in rotations above which grains roll
-ROLLING = "like gears: they roll on each other, which friction does not resist"
+ROLLING = "like gears: they roll on each other without resistance from friction"
 _LEAST = 1e-6  # smallest gap / highest frequency: bands that only touch leave no gap
 ALL_UP_TO = 1500  # degrees of freedom up to which all modes are found
 _BINS = 120  # largest number of bins of the density of states of a small packing
@@ -33,7 +33,7 @@ _MOMENTS = 240  # Chebyshev moments of the density of states of a large packing
 _VECTORS = 12  # random vectors for these moments
 _SEED = 1
 _WORDS = {
-    place: f"along {name}" if place < 3 else f"turning about {name[1]}"
+    place: f"along {name}" if place < 3 else f"rotating about {name[1]}"
     for place, name in enumerate(FREEDOMS)
 }
 
@@ -170,9 +170,9 @@ def describe_floppy(bands: Bands) -> str:
         _, vectors = bands.stiffness.spectrum(bands.path.k[row : row + 1], bands.floppy.shape[1])
     loose = np.abs(vectors[0][:, bands.floppy[row]]) ** 2
     return (
-        f"the static state is not rigid: {counts[row]} of {bands.network.n_freedoms} modes meet no "
-        f"resistance at {bands.path.nearest(row)} (at {at} of {len(bands.path.k)} wave vectors "
-        f"there are some){growing(bands.square, bands.largest)}; "
+        f"the static state is not rigid: {counts[row]} of {bands.network.n_freedoms} modes have "
+        f"no stiffness at {bands.path.nearest(row)} (at {at} of {len(bands.path.k)} wave vectors "
+        f"there are such modes){growing(bands.square, bands.largest)}; "
         f"{who_moves(bands.network, loose.sum(axis=1))}"
     )
 
@@ -311,7 +311,7 @@ class Modes:
         loose = self.square <= _ZERO * self.largest
         share = (self.shape[:, loose] ** 2 * self.network.masses[:, None]).sum(axis=1)
         suffix = "" if self.complete or not loose.all() else " or more"
-        many = f"{self.n_floppy}{suffix} of {self.network.n_freedoms} modes meet no resistance"
+        many = f"{self.n_floppy}{suffix} of {self.network.n_freedoms} modes have no stiffness"
         return f"{many}{growing(self.square, self.largest)}; {who_moves(self.network, share)}"
 
 

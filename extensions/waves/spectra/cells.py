@@ -32,7 +32,7 @@ from granwave.lammps_inputs.statics.bodies import Array, Bodies, Ints
 from granwave.lammps_inputs.statics.packing_bodies import moving, packing_bodies, turns_about
 
 _ZZ = (2, 2)  # uniaxial strain along z
-_NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"
+_NO_GRAVITY = "gravity, which varies from layer to layer; use granwave modes for this packing"
 
 
 class UnitCell(NamedTuple):
@@ -106,16 +106,16 @@ def unit_cell(assembly: Assembly) -> UnitCell:
     lattice = assembly.lattice
     if assembly.bars:
         raise InputError(
-            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat"
+            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which is not periodic"
         )
     refuse_clumps(assembly)
     refuse_region_walls(case)
     if not isinstance(lattice, Lattice):
         if case.packing.cell is None:
             raise InputError(
-                f"{case.name}: packing.cell: missing; the grains of a file repeat if it gives the "
-                "vectors after which they do (extxyz: Lattice and pbc), or the case does: "
-                "packing.cell = [[0, 0, 0.01]]"
+                f"{case.name}: packing.cell: missing; the grains of a file require lattice "
+                "vectors, in the file (extxyz: Lattice and pbc) or in the case: packing.cell = "
+                "[[0, 0, 0.01]]"
             )
         return UnitCell(np.arange(lattice.n_spheres), np.array(case.packing.cell))
     if lattice.rule.is_chain:
@@ -135,14 +135,14 @@ def _cell_of_chain(assembly: Assembly, lattice: Lattice) -> UnitCell:
     if not assembly.sites.uniform:
         if not assembly.sites.present.all():
             raise InputError(
-                f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load"
+                f"{case.name}: packing.vacancies: found a chain with gaps, which cannot carry a load"
             )
         period = assembly.sites.period_of_chain(whole=endless) or n
         length = float(assembly.sites.nominal[:period].sum())
         if period == n and not endless:
             raise InputError(
-                f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain "
-                'that does; with boundary.bottom = "periodic" the whole chain is the unit cell'
+                f"{case.name}: packing: found {n} beads without a repeated sequence, expected a "
+                'periodic chain; with boundary.bottom = "periodic" the whole chain is the unit cell'
             )
     start = 0
     if holds_some(case):  # beads at the ends may be held, beads in the middle are not
@@ -157,8 +157,8 @@ def _cell_of_crystal(case: Case, lattice: Lattice) -> UnitCell:
     nx, ny, nz = lattice.shape
     if nz < n_spheres and not case.boundary.bottom_rule.repeats:
         raise InputError(
-            f"{case.name}: packing.size: found {nz} layers, expected at least {n_spheres}, those "
-            "of a unit cell"
+            f"{case.name}: packing.size: found {nz} layers, expected at least {n_spheres}, the "
+            "number of layers of a unit cell"
         )
     return UnitCell(np.arange(n_spheres) * nx * ny, vectors * lattice.diameter)
 
@@ -169,19 +169,19 @@ def _whole_packing(assembly: Assembly, lattice: Lattice) -> UnitCell:
     rule = lattice.rule
     repeats_sideways = "z" not in rule.axes and lattice.periodic
     if not case.boundary.bottom_rule.repeats and not repeats_sideways:
-        what = "spheres that differ, or vacancies"
+        what = "dissimilar spheres, or vacancies"
         if assembly.sites.uniform:
-            what = "grains that are held"
+            what = "fixed grains"
         raise InputError(
-            f"{case.name}: packing: found {what}, which repeat nowhere, expected a packing that "
-            'does; with boundary.sides = "periodic" and boundary.bottom = "periodic" the whole '
-            "packing is the unit cell, and with --slab it ends above and below"
+            f"{case.name}: packing: found {what}, which are not periodic, expected a periodic "
+            'packing; with boundary.sides = "periodic" and boundary.bottom = "periodic" the whole '
+            "packing is the unit cell, and --slab keeps its ends above and below"
         )
     nz = lattice.shape[2]
     if nz % rule.layer_period and "z" in rule.axes:
         raise InputError(
             f"{case.name}: packing.size: found {nz} layers, expected a multiple of "
-            f"{rule.layer_period} for an endless {lattice.kind}"
+            f"{rule.layer_period} for a periodic {lattice.kind}"
         )
     periods = np.diag([*lattice.lengths, nz * rule.layer_spacing * lattice.diameter])
     has_axis = [axis in rule.axes for axis in "xyz"]
@@ -209,9 +209,9 @@ def cell_bodies(assembly: Assembly) -> Bodies:
     stage = case.precompression
     if stage is None:
         raise InputError(
-            f"{case.name}: precompression: missing; contacts that only touch have no stiffness, so "
-            "that there are no waves of small amplitude: give a static load, such as "
-            '[precompression] kind = "uniaxial" with a force'
+            f"{case.name}: precompression: missing; contacts without force have no stiffness, so "
+            "small waves do not exist: add a static load, such as [precompression] kind = "
+            '"uniaxial" with a force'
         )
     if stage.rule.grows_with_depth:
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
@@ -222,8 +222,7 @@ def cell_bodies(assembly: Assembly) -> Bodies:
         if not names.issuperset(pressed):
             raise InputError(
                 f"{case.name}: precompression.{pressed[0].removesuffix('lo')}_force: found walls "
-                "across a direction in which the packing repeats; expected a direction in which "
-                "it ends"
+                "in a periodic direction, expected a direction in which the packing ends"
             )
     part = len(cell.rows) / np.count_nonzero(assembly.sites.present)
     bodies = dataclasses.replace(
@@ -245,7 +244,7 @@ def _refuse_overlaps(bodies: Bodies, name: str) -> None:
     if not bodies.laws.has_cylinders and 2 * largest - shortest > LARGEST * largest / 2:
         raise InputError(
             f"{name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with "
-            f"a diameter of {2 * largest:.3g} m, which its own image would lie in; give larger "
+            f"a diameter of {2 * largest:.3g} m, so it would overlap its own image; use larger "
             "periods (m)"
         )
     near = bodies.near(bodies.position, bodies.periods, 0.0)
@@ -258,8 +257,8 @@ def _refuse_overlaps(bodies: Bodies, name: str) -> None:
     of = "an image of " if near.image[worst].any() else ""
     raise InputError(
         f"{name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
-        f"{near.overlap[worst]:.3g} m, expected at most {LARGEST} R*; give larger periods (m), or "
-        "other places"
+        f"{near.overlap[worst]:.3g} m, expected at most {LARGEST} R*; use larger periods (m), or "
+        "other positions"
     )
 
 
@@ -294,22 +293,22 @@ def refuse_resistance(assembly: Assembly) -> None:
     if case.has_holder_friction:
         raise InputError(
             f"{case.name}: boundary.holder_friction: found {case.boundary.holder_friction:g}, "
-            "expected 0: friction of the holder keeps beads in place in small motions"
+            "expected 0: friction of the guide prevents small motions of the beads"
         )
     sites = assembly.sites
     for number in np.unique(sites.body[sites.present]).tolist():
         _, shape = sites.bodies[number]
         if shape is not None and case.has_friction and not turns_about(shape).any():
             raise InputError(
-                f"{case.name}: found cylinders along {show(list(shape.axis))} that turn by "
+                f"{case.name}: found cylinders along {show(list(shape.axis))} that rotate by "
                 "friction, expected an axis along x, y or z, or contact.friction = 0"
             )
     overlap = case.contact.initial_overlap
     regions = overlap if isinstance(overlap, tuple) else ()
     if isinstance(overlap, str) or any(limit.low or limit.high for limit in regions):
         raise InputError(
-            f"{case.name}: contact.initial_overlap: found dents that differ from place to "
-            "place; run the case, and give the directory of the run"
+            f"{case.name}: contact.initial_overlap: found non-uniform plastic indentations; run "
+            "the case, and use the directory of the run"
         )
 
 
@@ -342,20 +341,20 @@ def _fault_of_load(assembly: Assembly, stage: Precompression, cell: UnitCell) ->
     if stage.moves_walls:
         if force is not None and (not is_row or ends_along_z):
             return (
-                f"force: found {force:g} N beside walls on a packing that does not repeat along z "
-                "alone, expected one that does"
+                f"force: found {force:g} N together with walls, expected a packing that is "
+                "periodic only along z"
             )
         return ""
     if is_row and not uniaxial:
-        return f'kind: found {show(stage.kind)} for a row, expected "uniaxial"'
+        return f'kind: found {show(stage.kind)} for a chain, expected "uniaxial"'
     if uniaxial and ends_along_z:
         return 'kind: found "uniaxial", but the packing ends along z'
     if is_row and force is None:
-        return "pressure: found a pressure on a row, expected a force (N)"
+        return "pressure: found a pressure on a chain, expected a force (N)"
     is_file = not isinstance(assembly.lattice, Lattice)
     if uniaxial and not is_row and force is not None and is_file:
         return (
-            f"force: found {force:g} N on a packing that is endless across z, expected "
+            f"force: found {force:g} N on a packing that is infinite perpendicular to z, expected "
             "precompression.pressure (Pa)"
         )
     return ""

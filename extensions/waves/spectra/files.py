@@ -37,11 +37,9 @@ def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None
             for kind in file.keys() - {name.partition("/")[0] for name in tables}:
                 earlier |= _tables(file[kind])
     with new_hdf5(path) as file:
-        file.attrs["name"], file.attrs["kind"], file.attrs["case"] = (
-            state.name,
-            "spectra",
-            state.case.to_toml(),
-        )
+        file.attrs["name"] = state.name
+        file.attrs["kind"] = "spectra"
+        file.attrs["case"] = state.case.to_toml()
         file.attrs["versions"] = json.dumps(versions_of(()))
         for group, table in (earlier | dict(tables)).items():
             for name, (values, unit) in table.items():
@@ -71,8 +69,8 @@ def read_spectra(directory: Path, kind: str) -> tuple[dict[str, Any], Mapping[st
             return values, _tables(file[kind])
     except (OSError, ValueError, KeyError) as error:
         raise OutputFormatError(
-            f"{directory}: {kind}.json or {path.name} is missing or damaged ({error}); make them anew with  "
-            f"granwave {kind} CASE -o {directory} --force"
+            f"{directory}: {kind}.json or {path.name} is missing or damaged ({error}); recompute "
+            f"them with  granwave {kind} CASE -o {directory} --force"
         ) from None
 
 

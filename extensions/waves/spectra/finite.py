@@ -39,19 +39,19 @@ def refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
     refuse_region_walls(case)
     if assembly.bars:
         raise InputError(
-            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and "
-            "walls alone"
+            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected only grains "
+            "and walls"
         )
     if support is not None and not (damped and support.absorbs):
         raise InputError(
-            f"{case.name}: boundary.bottom: found a {support.kind} that moves; expected a bottom "
-            "that stays, or --end matched; granwave transmission takes a damper too"
+            f"{case.name}: boundary.bottom: found a {support.kind} that moves; expected a fixed "
+            "bottom, or --end matched; granwave transmission also accepts a damper"
         )
     if case.boundary.bottom_rule.repeats:
         raise InputError(
             f'{case.name}: boundary.bottom: found "periodic", expected an end ("wall", "fixed" or '
             '"free"); '
-            "granwave bands without --slab takes endless packings"
+            "granwave bands without --slab accepts infinite packings"
         )
     _refuse_loads(assembly)
 
@@ -64,13 +64,13 @@ def _refuse_loads(assembly: Assembly) -> None:
         return
     if stage.pressure is not None:
         raise InputError(
-            f"{case.name}: precompression.pressure: found for grains at places of their own, which "
-            "have no face; give a force, or find the bands of the endless packing"
+            f"{case.name}: precompression.pressure: found for grains at user-defined positions, "
+            "which have no face; set a force, or compute the bands of the infinite packing"
         )
     if stage.force is not None and not case.bears_along_z:
         raise InputError(
-            f"{case.name}: precompression.force: found a force on the top, which nothing bears; "
-            "hold a grain along z, give a boundary.bottom, or find the bands of the endless packing"
+            f"{case.name}: precompression.force: found a force on the top without a support; hold "
+            "a grain along z, set boundary.bottom, or compute the bands of the infinite packing"
         )
 
 
@@ -91,7 +91,7 @@ def refuse_moved(assembly: Assembly, bodies: Bodies, network: Network, position:
         raise RunError(
             f"{case.name}: precompression: a grain moves by {moved / case.packing.diameter:.2g} "
             f"diameters, expected at most {most / case.packing.diameter:.2g}: the packing "
-            "rearranges; confine it, or give a smaller load"
+            "rearranges; confine it, or use a smaller load"
         )
 
 
@@ -108,8 +108,8 @@ def refuse_pushed(assembly: Assembly, network: Network, position: Array) -> None
     if on_plate.any():
         force = float(network.supports.force[on_plate].sum())
         raise InputError(
-            f"{case.name}: load.kind: found a plate on which the packing presses with {force:.3g} "
-            "N before the impact, and which nothing holds; give another load"
+            f"{case.name}: load.kind: found a plate without support, on which the packing exerts "
+            f"{force:.3g} N before the impact; use another load"
         )
     column = len(position) < np.count_nonzero(assembly.sites.present)
     if column or not assembly.strikers:
@@ -130,6 +130,6 @@ def refuse_pushed(assembly: Assembly, network: Network, position: Array) -> None
         if overlap.max() > _PUSHED * deepest:
             raise InputError(
                 f"{case.name}: striker.{number + 1}: found a striker on which grain "
-                f"{assembly.ids[np.argmax(overlap)]} presses before the impact, and which nothing "
-                "holds; place it elsewhere, or give another load"
+                f"{assembly.ids[np.argmax(overlap)]} exerts a force before the impact, without "
+                "support; place it elsewhere, or use another load"
             )

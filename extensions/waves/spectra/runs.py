@@ -63,8 +63,8 @@ def as_left(result: Result) -> AsLeft:
     names = [f"prestage/moved_{name}" for name in (stage.presses if stage else ())]
     if missing := [name for name in names if name not in result]:
         raise InputError(
-            f"{result.case.name}: {missing[0]}: missing in the results, so that the places of the "
-            "walls are unknown; give the case"
+            f"{result.case.name}: {missing[0]}: missing in the results, so the positions of the "
+            "walls are unknown; use the case"
         )
     bodies = bodies.with_walls_in(float(result[name][-1]) for name in names)
     peaks = _peaks(result, bodies.ids)
@@ -124,7 +124,8 @@ def mean_cell(result: Result) -> MeanCell:
     cell = unit_cell(assembly)
     if not isinstance(assembly.lattice, Lattice):
         raise InputError(
-            f"{case.name}: found a run of grains of a file, which ends; give the case, for its cell"
+            f"{case.name}: found a run of grains of a file, which is finite; use the case, which "
+            "defines the cell"
         )
     left = as_left(result)
     bodies = left.bodies
@@ -162,7 +163,7 @@ def mean_cell(result: Result) -> MeanCell:
     table["peak"] = np.maximum(left.peaks(springs), overlap)
     cells = table[kept].groupby(keys)
     if not cells.ngroups:
-        raise InputError(f"{case.name}: found no contact inside the packing; give a larger one")
+        raise InputError(f"{case.name}: found no contact inside the packing; use a larger packing")
     mean = cells.mean().reset_index()
     spread = float(
         (table["overlap"] - cells["overlap"].transform("mean")).abs().max() / mean["overlap"].max()
@@ -170,8 +171,8 @@ def mean_cell(result: Result) -> MeanCell:
     if spread > _ALIKE:
         raise InputError(
             f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % "
-            f"inside the run, expected the same in every cell ({100 * _ALIKE:g} %); granwave modes "
-            "and granwave transmission take such a packing"
+            f"inside the run, expected equal overlaps in every cell (within {100 * _ALIKE:g} %); "
+            "use granwave modes or granwave transmission for this packing"
         )
     grains = wave_bodies(assembly).part(cell.rows, cell.periods)
     moves = grains.moves & moving(assembly.lattice.rule.axes or "xyz", case)
@@ -224,5 +225,6 @@ def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
         numbers = np.rint((position - origin) @ inverse).astype(np.int64)
         away = np.linalg.norm(position - origin - numbers @ cell.periods, axis=1)
         here = away < _INTEGER * size
-        which[here], place[here] = number, numbers[here]
+        which[here] = number
+        place[here] = numbers[here]
     return which, place

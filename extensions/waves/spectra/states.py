@@ -130,13 +130,13 @@ def _state(
     case = assembly.case
     if not len(network.contacts):
         raise InputError(
-            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without "
-            "load has no stiffness; give a static load that closes the contacts"
+            f"{case.name}: precompression: no contact carries a force, and an unloaded Hertzian "
+            "contact has no stiffness; use a static load that closes the contacts"
         )
     if not network.n_freedoms and len(network.left_out):
         raise InputError(
-            f"{case.name}: precompression: no grain that can move bears a force; give a static "
-            "load that closes their contacts"
+            f"{case.name}: precompression: no movable grain carries a force; use a static load "
+            "that closes their contacts"
         )
     return State(case.name, assembly, network, source, residual, periods, spread)
 
@@ -146,8 +146,8 @@ def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
     case = assembly.case
     if case.precompression is None:
         raise InputError(
-            f"{case.name}: precompression: missing; contacts that only touch have no stiffness: "
-            "give a static load"
+            f"{case.name}: precompression: missing; contacts without force have no stiffness: add "
+            "a static load"
         )
     relaxed = relax(bodies)
     network = _network(relaxed)
@@ -167,9 +167,8 @@ def _slab_state(source: Assembly | Path) -> State:
     bodies = whole(assembly)
     if not len(bodies.periods):
         raise InputError(
-            f"{case.name}: --slab: found a packing that does not repeat sideways, expected "
-            'boundary.sides = "periodic" '
-            "(of a lattice with layers, or of grains with packing.cell)"
+            f"{case.name}: --slab: found a packing without periodic sides, expected "
+            'boundary.sides = "periodic" (of a lattice with layers, or of grains with packing.cell)'
         )
     if isinstance(state, State):
         return state

@@ -30,7 +30,7 @@ DENSE_UP_TO = 600  # degrees of freedom up to which whole spectra are faster tha
 _FACTORISED_UP_TO = 3000  # degrees of freedom up to which factors fit the memory
 _PRECISION = 1e-9  # relative precision of Lanczos' method, which needs no factors
 _MOST_RESTARTS = 20_000  # largest number of its restarts
-_BATCH = 2**24  # numbers in the matrices that are solved at once
+_BATCH = 2**18  # numbers in the matrices that are solved at once; more of them leave the caches
 _BELOW = 1e-7  # shift below zero at which values are sought / largest omega^2
 
 
@@ -185,9 +185,7 @@ def stiffness_of(network: Network) -> Stiffness:
         Nothing in it can move.
     """
     if not network.n_freedoms:
-        raise InputError(
-            "found no grain that can move; take out [[hold]], or give other --directions"
-        )
+        raise InputError("found no grain that can move; remove [[hold]], or use other --directions")
     springs = network.contacts
     first, second = _strains(network)
     weights = [springs.stiffness, -springs.force / springs.distance, springs.tangential]

@@ -191,7 +191,7 @@ def _unknown_of(network: Network, grain: int, axis: str, option: str) -> int:
     """Return the number of the displacement of a grain along an axis."""
     unknown = int(network.numbers[_row(network, grain, option), "xyz".index(axis)])
     if unknown < 0:
-        raise InputError(f"{option}: grain {grain} is held along {axis}, expected one that moves")
+        raise InputError(f"{option}: grain {grain} is fixed along {axis}, expected a movable grain")
     return unknown
 
 
@@ -258,7 +258,7 @@ def _row(network: Network, grain: int, option: str) -> int:
         return int(rows[0])
     if grain in network.left_out:
         raise InputError(
-            f"{option}: grain {grain} bears no static load, so that no small wave reaches it"
+            f"{option}: grain {grain} carries no static load, so small waves do not reach it"
         )
     raise InputError(
         f"{option}: found {grain}, expected an id from {network.ids.min()} to {network.ids.max()}"
@@ -281,7 +281,7 @@ def _far(
     last = np.flatnonzero(away <= depth)
     if np.isin(_row(network, drive, "--drive"), last):
         raise InputError(
-            f"--end: the end reaches the drive, grain {drive}; give a longer packing or a thinner "
+            f"--end: the end reaches the drive, grain {drive}; use a longer packing or a thinner "
             "layer"
         )
     return last, 1 - away[last] / max(depth, 1e-300)
@@ -430,5 +430,5 @@ def _refuse_damped_resistance(case: Case) -> None:
             if resistance.coefficient and resistance.damping:
                 raise InputError(
                     f"{case.name}: contact.{name}.damping: found {resistance.damping:g}, expected "
-                    "0: only contact.loss is taken into account in a steady motion"
+                    "0: only contact.loss is included in a steady motion"
                 )

@@ -150,7 +150,7 @@ def make_path(text: str, periods: Array, points: int) -> Path:
             if np.array_equal(start, end):
                 where = show(name) if name else f"({_components(end)}) rad/m"
                 raise InputError(
-                    f"--path: found {where} twice in a row, expected points that differ"
+                    f"--path: found {where} twice in succession, expected different points"
                 )
             k += [start + share * (end - start) for share in np.linspace(0, 1, points)[1:]]
             corners.append((len(k) - 1, name))
@@ -174,8 +174,8 @@ def _refuse_outside(vector: Array, inside: Array) -> None:
     weights = np.abs(inside).sum(axis=0)
     axes = "".join(axis for axis, weight in zip("xyz", weights, strict=True) if weight > _OUTSIDE)
     raise InputError(
-        f"--path: found ({_components(vector)}) rad/m, but the packing repeats along {axes} alone; "
-        "expected wave vectors in the span of its periods"
+        f"--path: found ({_components(vector)}) rad/m, but the packing is periodic only along "
+        f"{axes}; expected wave vectors in the span of its periods"
     )
 
 
@@ -195,7 +195,7 @@ def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
         if unknown := [name for name in names if name not in special_points]:
             raise InputError(
                 f"--path: found the point {unknown[0]}, expected one of "
-                f"{', '.join(special_points)}, those of this cell; or {_FORM}"
+                f"{', '.join(special_points)} (the points of this cell), or {_FORM}"
             )
         stretches.append([(name, special_points[name]) for name in names])
     return stretches

@@ -1,6 +1,6 @@
 """``[load]``: the load on a packing, a class in a file of its own for each kind.
 
-    impact         initial velocity of the struck spheres
+    impact         initial velocity of the impacted spheres
     striker        velocities of the [[striker]]s only
     force          force on the struck spheres, or on the free end of the incident bar
     displacement   prescribed displacement of the struck spheres

@@ -63,7 +63,7 @@ class DisplacementLoad(DrivenLoad):
 
     @property
     def no_bare_target(self) -> str:
-        return "a prescribed displacement has no like load on the bare target"
+        return "a prescribed displacement has no equivalent load on the bare target"
 
     def check(self, names: Sequence[str], errors: ErrorList) -> None:
         super().check(names, errors)
@@ -71,7 +71,7 @@ class DisplacementLoad(DrivenLoad):
         if self.table:
             _, first = self.table[0]
         text = (
-            f"found {first:g} m at first, expected 0: a displacement counts from where the spheres "
-            f"rest at the start; subtract {first:g} from all its values"
+            f"found {first:g} m at the start, expected 0: a displacement is relative to the "
+            f"initial position of the spheres; subtract {first:g} from all its values"
         )
         errors.check((first, self.amplitude_key(names), text))

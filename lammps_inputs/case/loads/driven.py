@@ -59,39 +59,41 @@ class DrivenLoad(LoadOnSpheres):
     holds_last: ClassVar[bool]
 
     direction: Vector | None = schema.typed(
-        "direction of a force or displacement; [0, 0, 1], straight down, by default",
-        schema.vector_type(3, "[x, y, z], a vector of any length but 0", lambda *way: any(way)),
+        "direction of a force or displacement; default: [0, 0, 1], straight down",
+        schema.vector_type(3, "[x, y, z], a vector of any nonzero length", lambda *way: any(way)),
         default=None,
     )
     shape: str | None = schema.choice(
         "shape of the force or displacement in time", tuple(SHAPES), default=None
     )
     amplitude: float | None = schema.number(
-        "amplitude of the force on all struck spheres together, along load.direction; "
-        "of a displacement, in m; of noise its root mean square",
+        "amplitude of the total force (N) on the impacted spheres along load.direction, or of "
+        "their displacement (m); for noise, the root mean square",
         "N",
         units="N; m for a displacement",
         above=0,
         default=None,
     )
     duration: float | None = schema.number(
-        "duration of a half-sine, a rectangle, a rise and fall of the amplitude, a sweep or noise",
+        "duration of a half-sine, a rectangle, a rise and fall of the amplitude, a sweep, or noise",
         above=0,
         **_TIME,
     )
     frequency: float | None = schema.number(
-        "frequency of a harmonic load or a burst, first frequency of a sweep, lowest of noise",
+        "frequency of a harmonic load or a burst, first frequency of a sweep, lowest frequency of "
+        "noise",
         **_FREQUENCY,
     )
     last_frequency: float | None = schema.number(
-        "frequency at the end of a sweep, which may fall, or highest of noise", **_FREQUENCY
+        "frequency at the end of a sweep (may be below the first), or highest frequency of noise",
+        **_FREQUENCY,
     )
     cycles: float | None = schema.number(
-        "number of cycles of a burst under its window", at_least=1, at_most=1e6, default=None
+        "number of cycles of a burst within its window", at_least=1, at_most=1e6, default=None
     )
     ramp: float | None = schema.number(
-        "time over which a harmonic load, a sweep or noise rises; a sweep and noise also fall in "
-        "it; default 0 for a harmonic load, else a twentieth of the duration",
+        "rise time of a harmonic load, a sweep or noise, and fall time of a sweep or noise; "
+        "default: 0 for a harmonic load, otherwise a twentieth of the duration",
         at_least=0,
         **_TIME,
     )
@@ -248,10 +250,10 @@ class DrivenLoad(LoadOnSpheres):
         present = [name for name in SHAPE_KEYS if getattr(self, name) is not None]
         for name in needed:
             instead = " (or load.file)" if name == "table" else ""
-            text = f'missing; shape "{shape}" needs it{instead}'
+            text = f'missing; shape "{shape}" requires it{instead}'
             errors.check((name not in present, f"load.{name}", text))
         for name in present:
-            text = f'does not belong to shape "{shape}", which takes {", ".join(takes)}'
+            text = f'cannot be used with shape "{shape}", whose keys are {", ".join(takes)}'
             errors.check((name not in takes, f"load.{name}", text))
 
     def _check_band(self, shape: str, errors: ErrorList) -> None:
@@ -275,7 +277,7 @@ class DrivenLoad(LoadOnSpheres):
             (
                 not is_noise and duration * lowest < 1,
                 "load.duration",
-                Mismatch(f"{duration:g} s, less than a period at {lowest:g} Hz", "more"),
+                Mismatch(f"{duration:g} s, which is less than a period at {lowest:g} Hz", "more"),
             ),
             (
                 is_noise and first > last,

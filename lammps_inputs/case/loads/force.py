@@ -74,7 +74,7 @@ class ForceLoad(DrivenLoad):
     @property
     def no_bare_target(self) -> str:
         if self.oscillates:
-            return "the load oscillates: what a packing passes on of it is its transmission"
+            return "the load oscillates; see the transmission of the packing"
         if self.way[2] <= 0:
             return "the force does not push towards the target"
         return ""

@@ -13,7 +13,7 @@ class GrainsLoad(Load):
     """Velocities of the grains of ``packing.file`` only."""
 
     kind: ClassVar[str] = "grains"
-    means: ClassVar[str] = "the velocities of the grains of a file alone"
+    means: ClassVar[str] = "only the velocities of grains in a file"
     hits_one_place: ClassVar[bool] = False
     moves_grains: ClassVar[bool] = True
 

@@ -13,10 +13,10 @@ from granwave.lammps_inputs.case.loads.on_spheres import LoadOnSpheres
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ImpactLoad(LoadOnSpheres):
-    """Initial velocity of the struck spheres."""
+    """Initial velocity of the impacted spheres."""
 
     kind: ClassVar[str] = "impact"
-    means: ClassVar[str] = "velocity of the struck spheres"
+    means: ClassVar[str] = "velocity of the impacted spheres"
     gives_velocity: ClassVar[bool] = True
     strikes: ClassVar[bool] = True
 
@@ -29,7 +29,7 @@ class ImpactLoad(LoadOnSpheres):
         default=0.0,
     )
     spin: tuple[float, float, float] = schema.vector(
-        "angular velocity of the struck spheres at the start", hints.SPIN
+        "angular velocity of the impacted spheres at the start", hints.SPIN
     )
 
     def start_velocity(self, packing: LoadedPacking) -> Vector:
@@ -43,4 +43,4 @@ class ImpactLoad(LoadOnSpheres):
         return mass * self.velocity
 
     def sentence(self, n_strikers: int) -> str:
-        return f"{self.struck_spheres} struck at {self.velocity:g} m/s along +z."
+        return f"{self.struck_spheres} impacted at {self.velocity:g} m/s along +z."

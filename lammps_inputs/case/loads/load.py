@@ -102,7 +102,7 @@ class Wording(NamedTuple):
 def velocity_field() -> Any:
     """Make the key ``velocity`` of the loads that have one."""
     return schema.number(
-        "velocity of the struck spheres, or of the plate, into the packing",
+        "velocity of the impacted spheres, or of the plate, into the packing",
         hints.VELOCITY,
         above=0,
         default=DEFAULT_VELOCITY,
@@ -198,7 +198,7 @@ class Load(ABC):
 
     @property
     def spin(self) -> Vector:
-        """Angular velocity of the struck spheres at the start, rad/s."""
+        """Angular velocity of the impacted spheres at the start, rad/s."""
         return 0.0, 0.0, 0.0
 
     @property
@@ -281,7 +281,7 @@ class Load(ABC):
         """Return the ids of the struck spheres, the first one first."""
 
     def start_velocity(self, packing: LoadedPacking) -> Vector | None:
-        """Return the velocity of the struck spheres at the start, m/s; None if the load gives none
+        """Return the velocity of the impacted spheres at the start, m/s; None if there is none
         (see `gives_velocity`).
         """
         return None

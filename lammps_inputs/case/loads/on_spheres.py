@@ -19,9 +19,9 @@ class LoadOnSpheres(Load):
 
     hits_spheres: ClassVar[bool] = True
 
-    spheres: int = schema.choice("how many spheres are struck", (1, 3, 7), default=1)
+    spheres: int = schema.choice("number of impacted spheres", (1, 3, 7), default=1)
     index: tuple[int, ...] | None = schema.typed(
-        "ids of the struck spheres, instead of those at the centre of the top layer",
+        "ids of the impacted spheres; default: the spheres at the centre of the top layer",
         INDEX,
         default=None,
     )
@@ -48,7 +48,7 @@ class LoadOnSpheres(Load):
             (
                 index and "spheres" in names,
                 "load.index",
-                Mismatch("beside load.spheres", remedy="give one of them"),
+                Mismatch("together with load.spheres", remedy="specify only one of them"),
             ),
             (len(set(index)) < len(index), "load.index", twice),
         )

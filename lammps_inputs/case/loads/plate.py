@@ -26,7 +26,7 @@ from granwave.lammps_inputs.script_words import num
 # direction
 _OF_SHARE = 4.0
 _REBOUND = 2.0  # speed of a sphere that a heavy plate hits, over that of the plate
-_COVERS = "which covers the whole top"
+_COVERS = "since it covers the whole top"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -38,7 +38,7 @@ class PlateLoad(Load):
     excludes: ClassVar[Mapping[str, str]] = {"striker": _COVERS, "incident_bar": _COVERS}
     only_stage: ClassVar[tuple[str, str] | None] = (
         "walls",
-        "the plate is held while the walls move in, and would bear any other load",
+        "the plate is fixed while the walls move in, and would carry any other load",
     )
     hits_one_place: ClassVar[bool] = False
 
@@ -78,12 +78,12 @@ class PlateLoad(Load):
         return min(energy, max(_OF_SHARE * share, thrown))
 
     def sentence(self, n_strikers: int) -> str:
-        return f"struck by a rigid plate of {self.mass:g} kg at {self.velocity:g} m/s along +z."
+        return f"impacted by a rigid plate of {self.mass:g} kg at {self.velocity:g} m/s along +z."
 
     @property
     def no_bare_target(self) -> str:
         return (
-            'load.kind = "plate" strikes all grains of the top: there is no like load on the bare '
+            'load.kind = "plate" loads all grains of the top; it has no equivalent on the bare '
             "target"
         )
 
@@ -96,5 +96,5 @@ class PlateLoad(Load):
         return f"plate of {mass} kg at {write.number(velocity)} m/s"
 
     def check(self, names: Sequence[str], errors: ErrorList) -> None:
-        missing = "missing; a plate needs a mass, in kg"
+        missing = "missing; a plate requires a mass (kg)"
         errors.check((self.mass is None, "load.mass", missing))

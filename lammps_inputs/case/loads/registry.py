@@ -112,7 +112,8 @@ def _check_same(one: Field, other: Field, key: str, *loads: type[Load]) -> None:
     if not same:
         whose = " and ".join(f"{load.__name__} of {load.__module__}" for load in loads)
         raise InputError(
-            f"{key}: {whose} have a key of this name with another meaning or default; rename one"
+            f"{key}: {whose} define this key with different meanings or defaults; rename one of "
+            "them"
         )
 
 
@@ -153,7 +154,7 @@ def _check_keys(load: type[Load], names: Sequence[str], errors: ErrorList) -> No
     """Check that the keys of the table are those of the kind of load."""
     for name in names:
         kinds = [kind for kind, other in load_kinds().items() if name in load_keys(other)]
-        belongs = f"belongs to a load of kind {' or '.join(map(show, kinds))}"
+        belongs = f"applies only to loads of kind {' or '.join(map(show, kinds))}"
         text = f'{belongs}; found load.kind = "{load.kind}"'
         errors.check((load.kind not in kinds, f"load.{name}", text))
 
@@ -161,7 +162,9 @@ def _check_keys(load: type[Load], names: Sequence[str], errors: ErrorList) -> No
 def _with_points(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any] | None:
     """Return the table with the points of ``load.file`` as ``load.table``; None with a fault."""
     if "table" in table:
-        errors.add("load.file", Mismatch("beside load.table", remedy="give one of them"))
+        errors.add(
+            "load.file", Mismatch("together with load.table", remedy="specify only one of them")
+        )
         return None
     expected = "the path of a file of two columns, time and value"
     points = schema.read_named("load.file", table["file"], expected, read_points, errors)

@@ -56,7 +56,7 @@ SHAPE_KEYS = (
     "seed",
     "table",
 )
-_POINTS_FORM = "rows [time in s, value], at least two, times rising from 0 on"
+_POINTS_FORM = "at least two rows [time in s, value], with times that increase from 0"
 
 
 def _checked_points(points: Points) -> Points:

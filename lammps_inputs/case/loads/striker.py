@@ -15,7 +15,7 @@ class StrikerLoad(Load):
     """Velocities of the strikers only."""
 
     kind: ClassVar[str] = "striker"
-    means: ClassVar[str] = "the strikers alone"
+    means: ClassVar[str] = "only the strikers"
     strikes: ClassVar[bool] = True
 
     def struck(self, packing: LoadedPacking) -> tuple[int, ...]:
@@ -23,7 +23,7 @@ class StrikerLoad(Load):
 
     def sentence(self, n_strikers: int) -> str:
         spheres = f"{n_strikers} sphere{'s' if n_strikers > 1 else ''}"
-        return f"struck by {spheres} placed against it."
+        return f"impacted by {spheres} placed against it."
 
     @classmethod
     def phrase(cls, case: Mapping[str, Any], write: Wording) -> str:
@@ -31,4 +31,4 @@ class StrikerLoad(Load):
         if not isinstance(strikers, list) or not strikers:
             return "struck"
         fastest = max(math.hypot(*striker.get("velocity", ())) for striker in strikers)
-        return f"struck at {write.number(fastest)} m/s"
+        return f"impacted at {write.number(fastest)} m/s"

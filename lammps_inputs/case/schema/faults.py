@@ -118,7 +118,7 @@ class ErrorList:
         earlier: set[str] = set()
         for key, entry in entries.items():
             if entry.name in earlier:
-                self.add(f"{key}.name", Mismatch(f"{show(entry.name)} twice", "a name of its own"))
+                self.add(f"{key}.name", Mismatch(f"{show(entry.name)} twice", "a unique name"))
             earlier.add(entry.name)
 
     def check_size(self, key: str, value: Any, unit: str | Usual | None, shown: str) -> None:

@@ -262,7 +262,7 @@ def refuse_unknown(
         hint = hint_for(name, known, prefix, errors.vocabulary)
         errors.add_unknown(key, f"unknown key; {hint}")
     if rest := keys[shown:]:
-        errors.add_unknown(rest[0], f"unknown key, as are {len(rest) - 1} more that follow it")
+        errors.add_unknown(rest[0], f"unknown key, like {len(rest) - 1} more after it")
 
 
 def read_list(
@@ -310,6 +310,6 @@ def read_name(data: Mapping[str, Any], source: str | Path, errors: ErrorList) ->
     except ValidationError as error:
         expected = error.expected
         if "name" not in data:
-            expected += ", from the name of the file: give the case a name of its own"
+            expected += ", from the name of the file: set a name in the case"
         errors.add("name", Mismatch(show(name), expected))
         return str(name)

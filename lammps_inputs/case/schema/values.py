@@ -20,10 +20,13 @@ _LEAST = 2.3e-308  # magnitude, in messages
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
 NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to that of the steps
 LABEL_FORM = (
-    "a name that is not empty, without tabs, line breaks and other control characters, nor blanks "
-    "at its ends"
+    "a name that is not empty and contains no tabs, line breaks or other control characters, nor "
+    "spaces at its ends"
 )
-NAME_FORM = 'a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"'
+NAME_FORM = (
+    'a plain name that can be the name of a directory: without "/", not starting with '
+    '".", "-" or "~"'
+)
 _LONGEST_NAME = 200  # bytes; file systems allow 255, including suffixes
 
 Finish = Callable[[Any], Any]

@@ -67,6 +67,11 @@ class Contact:
         return values[np.abs(np.log(along / place)) < SMOOTH].mean()
 
     @property
+    def identical(self):
+        """True of two spheres of one material and radius, to which the figures of 2.1.2 belong."""
+        return self.like and self.ratio == 1
+
+    @property
     def share_of_softer(self):
         """Share of the energy of yielding that the sphere of the smaller yield strength takes."""
         r, z = self.fields["position"][self.fields["elements"]].transpose(2, 0, 1)
@@ -90,7 +95,7 @@ def of_loading(one):
     for chosen, span, remark in zip(((one.scaled >= 1) & ~deep, deep), spans, REMARKS, strict=True):
         over = 100 * one.over_law[chosen]
         for word, ours in (("least", over.min()), ("most", over.max())):
-            worst = one.like and abs(ours) == np.abs(over).max()
+            worst = one.identical and abs(ours) == np.abs(over).max()
             yield gw.Row(f"Finite elements over the law from {span}: {word}, {one.name}", "%", theory=0.0, digits=2,
                          source=math.copysign(6.0, ours) if worst else None, ours=ours, where="thesis 2.1.2",
                          remark=remark if worst else "")  # fmt: skip
@@ -137,5 +142,6 @@ def rows(runs):
                          where="thesis 3.1, Fig. 3.1", remark="The source: almost all.", digits=3)  # fmt: skip
     for one in found:
         for word, key, source in (("Smallest", "min", 1.30), ("Largest", "max", 1.42)):
-            yield gw.Row(f"{word} unloading exponent, {one.name}", source=source, digits=3, where="thesis 2.1",
+            printed = source if one.identical else None
+            yield gw.Row(f"{word} unloading exponent, {one.name}", source=printed, digits=3, where="thesis 2.1",
                          ours=one.run[f"unloading_exponent_{key}"])  # fmt: skip

@@ -35,10 +35,11 @@ def waves_of(runs):
     )
 
 
-def leading_wave(rows, velocity, struck, last):
+def leading_wave(rows, velocity, struck, last, motion=None):
     """Largest force of each contact of beads, N, and when, s: (n_rows, last); bead ``struck`` gets
-    a velocity, m/s.
+    a velocity, m/s. ``motion``: class of the window, if it is not `Window`.
     """
+    motion = motion or Window
     given = np.broadcast_to(np.asarray(velocity, dtype=float), rows.n.shape)
     force, time = np.full((2, len(given), last), np.nan)
     overlap = (MASS * given**2 / K_BEADS) ** 0.4 + rows.inward
@@ -50,7 +51,7 @@ def leading_wave(rows, velocity, struck, last):
         alike = step[order] <= 1.5 * step[order[0]]
         group = order[alike]
         order = order[~alike]
-        window = Window(rows.part(group), given[group], struck, last, step[group].min())
+        window = motion(rows.part(group), given[group], struck, last, step[group].min())
         window.follow()
         force[group], time[group] = window.force, window.time
     return force, time
@@ -120,28 +121,30 @@ class Window:
         push = K_BEADS * overlap * np.sqrt(overlap)
         higher = push > self.peak
         self.peak[higher], self.when[higher] = push[higher], now
-        across = self.ring + self.u
-        reach = (BEAD + self.small) / 2
-        square = across * across
         on_bead = np.zeros_like(self.z)
         on_bead[:, :-1] -= push
         on_bead[:, 1:] += push
         axial, outward = np.zeros((2, *self.u.shape))
         for offset, beads in ((BEAD / 2, slice(0, -1)), (-BEAD / 2, slice(1, None))):
             along = self.w - self.z[:, beads] + offset
-            apart = np.sqrt(along * along + square)
-            overlap = np.maximum(reach - apart, 0.0)
-            force = self.k_side * overlap * np.sqrt(overlap) / apart
-            along *= force
-            axial = axial + along
-            outward = outward + force * across
-            on_bead[:, beads] -= self.n * along
+            push_along, push_outward = self.side_forces(along)
+            axial = axial + push_along
+            outward = outward + push_outward
+            on_bead[:, beads] -= self.n * push_along
         overlap = np.maximum(self.u + self.shrinks, 0.0)
         outward -= self.k_wall * overlap * np.sqrt(overlap)
         overlap = np.maximum(-2 * self.chord * self.u, 0.0)
         outward += 2 * self.k_ring * self.chord * overlap * np.sqrt(overlap)
         on_bead[:, 0] = on_bead[:, -1] = 0.0
         return on_bead / MASS, axial / self.mass, outward / self.mass
+
+    def side_forces(self, along):
+        """Force of a bead on small spheres along the row and outward, N."""
+        across = self.ring + self.u
+        apart = np.sqrt(along * along + across * across)
+        overlap = np.maximum((BEAD + self.small) / 2 - apart, 0.0)
+        force = self.k_side * overlap * np.sqrt(overlap) / apart
+        return force * along, force * across
 
     def move_on(self):
         """Move windows whose crest comes near the end, and let rows go that are done; True if

@@ -1,63 +1,132 @@
 """Filter: decay over diameter and length of the cylinders (thesis Figs 7.2 and 7.3).
 
-Short rows of 126 spheres, sphere 20 struck at 1 m/s; cylinders half to twice as long as the spheres
-are wide, walls that just touch, and pressed. gamma and eta are the diameter and the length of the
-cylinders over the diameter of the spheres, a the approach of the walls over it. The decay is that
-of ln(peak force) per contact, through contacts 61 to 111.
+Rows of 160 spheres, sphere 20 struck at 1 m/s; walls that just touch the cylinders, and walls that
+press them. gamma and eta are the diameter and the length of the cylinders over the diameter of the
+spheres, a the approach of the walls over it. The decay is the slope of ln(peak force) over contacts
+61 to 111.
 """
 
-import math
+import dataclasses
 
 import numpy as np
-from filter_row import KILO, FilterRow, column
+from filter_row import KILO, FilterRow
 from matplotlib.figure import Figure
 
 import granwave as gw
 
 FIT = (61, 111)  # contacts
+LEAST = 100  # points of a map
+PRESSED = 8e-4  # approach of the walls, a
+COLOURS_END = {0.0: 7.0, PRESSED: 9.0}  # 1e-3 a contact, of Fig. 7.2
 RATIO = 10.0  # end of the colours of Fig. 7.3
+LOW_GAMMA = 0.6  # largest of the bands, which the source keeps to
+STEP = 0.5  # of the colours of a decay, 1e-3
+MARKS = 5  # of the colours of the ratio, on either side
+
+
+@dataclasses.dataclass(frozen=True)
+class Maps:
+    """Decay, 1e-3 a contact, by gamma and eta: an array (gammas, etas) for each approach."""
+
+    gammas: np.ndarray
+    etas: np.ndarray
+    decay: dict[float, np.ndarray]
+
+    @property
+    def low(self):
+        """Gammas of the bands, an array of booleans."""
+        return self.gammas <= LOW_GAMMA
+
+    @property
+    def ratio(self):
+        """Decay between pressing walls over the decay between touching ones."""
+        return self.decay[PRESSED] / self.decay[0.0]
+
+    def square(self, a):
+        """Decay of the cylinders that are as long as the spheres are wide, by gamma."""
+        return self.decay[a][:, np.argmin(abs(self.etas - 1.0))]
+
+    def misfit_of_mass(self, a):
+        """Return the rms difference between the decay of a cylinder of low gamma and the decay of
+        the one of eta = 1 of the same mass, over the rms deviation of these decays from their mean.
+        """
+        mass = self.gammas[:, None] ** 2 * self.etas
+        alike = np.interp(mass, self.gammas**2, self.square(a))
+        inside = self.low[:, None] & (mass >= self.gammas[0] ** 2)
+        misfit = np.std(self.decay[a][inside] - alike[inside])
+        return misfit / np.std(self.decay[a][inside])
 
 
 def select(runs):
-    """Decay, 1e-3, by a, eta and gamma, in rising order; none of a scan alone, whose a are all
-    alike.
-    """
-    rows = map(FilterRow, runs)
-    found = dict(sorted(((row.a, row.eta, row.gamma), KILO * row.decay(*FIT)) for row in rows))
-    return [found] if len({a for a, _, _ in found}) > 1 else []
+    """Maps of both approaches; none of a scan alone, whose approaches are all alike."""
+    rows = [FilterRow(run) for run in runs]
+    gammas = np.unique([row.gamma for row in rows])
+    etas = np.unique([row.eta for row in rows])
+    maps = {a: np.full((len(gammas), len(etas)), np.nan) for a in COLOURS_END}
+    for row in rows:
+        place = np.searchsorted(gammas, row.gamma), np.searchsorted(etas, row.eta)
+        if row.a in maps:
+            maps[row.a][place] = KILO * row.decay(*FIT)
+    whole = all(np.isfinite(decay).all() for decay in maps.values())
+    is_map = len(gammas) * len(etas) >= LEAST
+    return [Maps(gammas, etas, maps)] if whole and is_map else []
 
 
-def rows(decays):
-    # fmt: off
-    for (a, eta, gamma), decay in decays.items():
-        name = f"eta {eta:g}, gamma {gamma:g}, a = {a:g}"
-        yield gw.Row(f"Decay per contact, {name}", "1e-3", ours=decay, where="thesis Figs 7.2, 7.3", digits=3,
-                     remark="Short row, contacts 61 to 111.")
-        if a:
-            ratio = decay / decays[0.0, eta, gamma]
-            yield gw.Row(f"Decay over that at a = 0, within, {name}", source=math.copysign(RATIO, ratio), ours=ratio,
-                         where="thesis Fig. 7.3", remark="By the end of the colours. Short rows.", digits=2, bound=True)
-    # fmt: on
+def rows(maps):
+    for a, end in COLOURS_END.items():
+        within = maps.decay[a][maps.low]
+        whole = maps.decay[a].max()
+        yield gw.Row(
+            f"Largest decay per contact, gamma up to {LOW_GAMMA:g}, a = {a:g}, at most", "1e-3", end,
+            within.max(), "thesis Fig. 7.2", f"By the end of the colours. Whole map: {whole:.3g}.",
+            digits=3, bound=True,
+        )  # fmt: skip
+        reach = np.ptp(maps.square(a)[maps.low]) / np.ptp(within)
+        yield gw.Row(
+            f"Range of decays at eta = 1 over that of the map, gamma <= {LOW_GAMMA:g}, a = {a:g}",
+            source=1.0, ours=reach, where="thesis 7.1",
+            remark="The source: with eta = 1 a diameter gives any decay of the map.",
+            digits=2,
+        )  # fmt: skip
+        yield gw.Row(
+            f"Decay by the mass of the cylinder: misfit, gamma <= {LOW_GAMMA:g}, a = {a:g}",
+            ours=maps.misfit_of_mass(a), where="thesis Fig. 7.2",
+            remark="0 where the bands are lines of equal mass; 1 where the mass says nothing.",
+            digits=2,
+        )  # fmt: skip
+    beyond = np.mean(abs(maps.ratio) > RATIO)
+    yield gw.Row(
+        f"Share of the map where the ratio of the decays is beyond {RATIO:g}", ours=beyond,
+        where="thesis Fig. 7.3", digits=2,
+        remark="The ends of the colours. The touching row hardly decays there.",
+    )  # fmt: skip
 
 
-def pictures(decays):
-    data = {}
+def pictures(maps):
     figure = Figure((7, 2.8), layout="constrained")
-    approaches, etas = (sorted({key[k] for key in decays}) for k in (0, 1))
-    panels = figure.subplots(1, len(approaches), sharey=True)
-    for axes, at in zip(panels, approaches, strict=True):
-        for length, mark in zip(etas, "os^", strict=True):
-            points = [
-                (gamma**2 * eta, decay)
-                for (a, eta, gamma), decay in decays.items()
-                if (a, eta) == (at, length)
-            ]
-            mass, decay = np.array(points).T
-            axes.plot(mass, decay, f"{mark}-", markersize=4, label=rf"$\eta$ = {length:g}")
-            name = column(f"a = {at:g} eta {length:g}")
-            data |= {f"{name}_mass": mass, f"{name}_decay": 1e-3 * decay}
-        axes.set(xlabel=r"$\gamma^2 \eta$, as the mass of a cylinder", title=f"a = {at:g}")
-        axes.legend(fontsize=7)
-    panels[0].set(ylabel="Decay per contact (1e-3)")
-    caption = "Decay against the mass of the cylinders, for three lengths of these: the map of thesis Figs 7.2, 7.3"
+    panels = figure.subplots(1, len(maps.decay) + 1, sharey=True)
+    for axes, (a, decay) in zip(panels, maps.decay.items(), strict=False):
+        levels = np.arange(0.0, COLOURS_END[a] + STEP / 2, STEP)
+        drawn = axes.contourf(maps.gammas, maps.etas, decay.T, levels, extend="both")
+        marks = np.arange(COLOURS_END[a] + 1)
+        figure.colorbar(drawn, ax=axes, label="Decay per contact (1e-3)", ticks=marks)
+        axes.set(title=f"a = {a:g}")
+    levels = np.linspace(-RATIO, RATIO, 2 * MARKS + 1)
+    drawn = panels[-1].contourf(
+        maps.gammas, maps.etas, maps.ratio.T, levels, cmap="RdBu_r", extend="both"
+    )
+    figure.colorbar(drawn, ax=panels[-1], label="Ratio of the decays")
+    panels[-1].set(title="pressed over touching")
+    for axes in panels:
+        axes.set(xlabel=r"$\gamma$")
+    panels[0].set(ylabel=r"$\eta$")
+    gammas, etas = np.meshgrid(maps.gammas, maps.etas, indexing="ij")
+    data = {"gamma": gammas.ravel(), "eta": etas.ravel()}
+    data |= {
+        f"decay_{'pressed' if a else 'touching'}": 1e-3 * decay.ravel()
+        for a, decay in maps.decay.items()
+    }
+    caption = "Decay of the peak force per contact over diameter (gamma) and length (eta) of the "
+    caption += "cylinders, and its "
+    caption += "ratio: the maps of thesis Figs 7.2 and 7.3, over the same axes and colours"
     yield gw.Picture("filter_map", caption, figure, data)

@@ -45,7 +45,7 @@ def test_missing_library_is_named(run, tmp_path, monkeypatch, to, module):
 def test_formats_are_those_that_are_there(run, tmp_path, monkeypatch):
     assert names.export_names() == ("csv", "netcdf", "ovito", "vtp")
     monkeypatch.setattr(names, "added_by_name", lambda _: {})
-    with pytest.raises(InputError, match=r"--to vtp: no such form; expected one of csv, netcdf$"):
+    with pytest.raises(InputError, match=r"--to vtp: unknown format; expected one of csv, netcdf$"):
         export(run, "vtp", tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -109,3 +109,21 @@ def test_staging_that_is_left_undone_leaves_nothing(tmp_path):
         path_of("half").write_text("half")
         raise KeyboardInterrupt
     assert not list(tmp_path.iterdir())
+
+
+def test_some_tables_alone(run, scan, tmp_path):
+    """Tables of an earlier export stay; unknown names and other formats are refused."""
+    output = tmp_path / "out"
+    export(run, "csv", output, only=["energy"])
+    (placed,) = export(run, "csv", output, only=["contacts"])
+    assert placed.name == "contacts.csv"
+    assert (output / "energy.csv").exists() and not (output / "spheres.csv").exists()
+    for to, only, words in (
+        ("csv", ["contact"], "did you mean contacts"),
+        ("csv", ["chain"], "no such data"),
+        ("netcdf", ["contacts"], "use --to csv"),
+    ):
+        with pytest.raises(InputError, match=words):
+            export(run, to, output, only=only)
+    with pytest.raises(InputError, match="exported as a single table; remove --only"):
+        export(scan, "csv", output, only=["energy"])

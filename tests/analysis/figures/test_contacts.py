@@ -11,14 +11,15 @@ from matplotlib.collections import LineCollection, QuadMesh
 
 from granwave.analysis import Result, write_result
 from granwave.analysis.figures import contacts
-from granwave.analysis.figures import run_figures as module
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.measures.contact_forces import exponential_tail
-from granwave.lammps_inputs.case.run import FIGURES_ON_REQUEST, Figures, usual_figure_names
+from granwave.lammps_inputs.case.run import Figures, usual_figure_names
 from tests.helpers.made_up import synthetic
 
 DIAMETER = synthetic.DIAMETER
+
+OF_CONTACTS = ("contact_network", "force_distribution", "line_diagram")
 
 
 @pytest.fixture(scope="module")
@@ -45,20 +46,20 @@ def lines_of(drawing):
     return np.array(lines.get_linewidths()), np.array(lines.get_segments())
 
 
-def test_they_are_drawn_by_name_only(tmp_path, monkeypatch):
-    """And go when all usual figures are drawn."""
+def test_figures_drawn_by_name_stay(tmp_path, monkeypatch):
+    """They are drawn again with the usual ones, until ``figures.only`` names others."""
     monkeypatch.setenv(PROCESSES, "1")
     write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 2)))
     folder = tmp_path / "figures"
     png_only = Figures(formats=())
     draw_figures(tmp_path, names=("line_diagram",), options=png_only)
     assert {path.name for path in folder.iterdir()} == {"line_diagram.png", "line_diagram.csv"}
-    usual = usual_figure_names()
-    assert len(usual) == len(run_figures()) - len(FIGURES_ON_REQUEST)
-    assert not set(usual) & set(FIGURES_ON_REQUEST)
-    monkeypatch.setattr(module, "usual_figure_names", lambda: ("bottom_force",))  # one is enough
+    assert not set(usual_figure_names()) & set(OF_CONTACTS)
+    (folder / "line_diagram.png").write_bytes(b"")
     draw_figures(tmp_path, options=png_only)
-    assert {path.stem for path in folder.iterdir()} == {"bottom_force"}
+    usual = {"bottom_force", "energies", "peak_force_depth", "plastic_zone_size"}
+    assert {path.stem for path in folder.iterdir()} == {*usual, "line_diagram"}
+    assert (folder / "line_diagram.png").stat().st_size > 0
     draw_figures(tmp_path, options=replace(png_only, only=("contact_network",)))
     assert {path.stem for path in folder.iterdir()} == {"contact_network"}
 
@@ -66,7 +67,7 @@ def test_they_are_drawn_by_name_only(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        *(({"kind": kind, "size": (5, 5, 4)}, set(FIGURES_ON_REQUEST)) for kind in ("hcp", "bcc")),
+        *(({"kind": kind, "size": (5, 5, 4)}, set(OF_CONTACTS)) for kind in ("hcp", "bcc")),
         ({"kind": "chain", "size": 2}, {"contact_network", "line_diagram"}),
         ({"kind": "chain", "size": 12}, {"contact_network", "line_diagram"}),
         ({"kind": "square", "size": (5, 5)}, {"contact_network", "force_distribution"}),
@@ -78,7 +79,7 @@ def test_figures_that_apply(tmp_path, options, expected):
     layer that is struck across has no line.
     """
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(**options)))
-    assert {name for name in FIGURES_ON_REQUEST if drawn(tmp_path, name) is not None} == expected
+    assert {name for name in OF_CONTACTS if drawn(tmp_path, name) is not None} == expected
 
 
 def test_lines_are_as_thick_as_forces(run):
@@ -151,15 +152,26 @@ def test_distribution_of_exponential_forces(run, monkeypatch):
     assert "not exponential" not in text
 
 
-def test_distribution_of_equal_forces(run, monkeypatch):
-    """It is a line at the mean, and has no tail."""
+@pytest.mark.parametrize(
+    ("spread", "text"),
+    [(1e-9, "12 contacts, all with 20 N"), (0.01, "12 contacts, 20 N to 22.2 N")],
+)
+def test_forces_that_are_alike_are_a_band(run, monkeypatch, spread, text):
+    """The figure says that they have no distribution."""
     ids = np.arange(12)
-    state = contacts.ContactForces("static", 0.0, ids, ids, np.full(12, 20.0) * (1 + 1e-9 * ids))
+    state = contacts.ContactForces("static", 0.0, ids, ids, 20.0 * (1 + spread * ids))
     monkeypatch.setattr(contacts, "contact_forces", lambda result: [state])
     drawing = drawn(run, "force_distribution")
-    assert drawing.columns == {"static_mean_force_N": [pytest.approx(20.0)]}
-    texts = drawing.figure.axes[0].get_legend().get_texts()
-    assert [text.get_text() for text in texts] == ["static state: 12 contacts, all with 20 N"]
+    mean = 20.0 * (1 + 5.5 * spread)
+    assert drawing.columns == {
+        "static_mean_force_N": [pytest.approx(mean)],
+        "static_smallest_force_N": [pytest.approx(20.0)],
+        "static_largest_force_N": [pytest.approx(20.0 * (1 + 11 * spread))],
+    }
+    axes = drawing.figure.axes[0]
+    assert [line.get_text() for line in axes.get_legend().get_texts()] == [f"static state: {text}"]
+    assert "no distribution" in axes.texts[0].get_text()
+    assert not len(axes.get_yticks())
 
 
 def test_wide_forces_are_on_a_logarithmic_axis(run):

@@ -176,7 +176,7 @@ def test_helpers_end_with_an_error(several):
 def test_helpers_draw_once(several):
     with side_by_side.helpers(1) as others:
         assert list(others.draw((), never, ())) == []
-        with pytest.raises(ValueError, match="start others"):
+        with pytest.raises(ValueError, match="start new ones"):
             next(others.draw((), never, ()))
 
 

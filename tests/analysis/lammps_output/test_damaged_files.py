@@ -107,9 +107,9 @@ OF_ROWS: dict[str, tuple[Damage, str]] = {
     "other text": (lambda path: path.write_text("hello\nworld\n"), r"line 1|no names of columns"),
 }
 OF_DUMPS: dict[str, tuple[Damage, str]] = {
-    "cut": (cut(0.6), r"line \d+: snapshot \d+ is cut short; the file was cut"),
-    "cut in a header": (lambda path: path.write_text(path.read_text() + "ITEM: TIMES"), r"line \d+: snapshot \d+ is cut short"),
-    "a row missing": (without_last_but_one, r"snapshot \d+ is cut short"),
+    "cut": (cut(0.6), r"line \d+: snapshot \d+ is truncated; the file is truncated"),
+    "cut in a header": (lambda path: path.write_text(path.read_text() + "ITEM: TIMES"), r"line \d+: snapshot \d+ is truncated"),
+    "a row missing": (without_last_but_one, r"snapshot \d+ is truncated"),
     "unknown id": (word(-1, 0, "99999"), r"99999|that are not the"),
     "timestep": (word(1, 0, "abc"), r"line 2: found 'abc', expected the timestep, a whole number"),
     "number of rows": (word(3, 0, "-3"), r"line 4: found '-3', expected the number of rows"),
@@ -117,14 +117,14 @@ OF_DUMPS: dict[str, tuple[Damage, str]] = {
                                r"expected the header of snapshot|that are not the|lacks|found"),
     "box": (word(5, 0, "abc"), r"box of snapshot 0: found 'abc'"),
     "title": (edited(0, lambda _: ["ITEM:", "STEP"]), r"lacks its TIMESTEP"),
-    "no columns": (edited(8, lambda words: words[:2]), r"lacks the columns|found \d+ values, expected 0"),
+    "no columns": (edited(8, lambda words: words[:2]), r"has no columns|found \d+ values, expected 0"),
 }  # fmt: skip
 OF_TABLES: dict[str, tuple[Damage, str]] = {
-    "cut": (cut(0.6), r"ends at step \d+, the (run|ledger) at step \d+: the file was cut|found \d+ values"),
-    "a row missing": (without_last_but_one, r"lacks rows between the steps \d+ and \d+"),
-    "beyond the end": (word(-1, 0, "99999"), r"lacks rows between"),
+    "cut": (cut(0.6), r"ends at step \d+, the (run|energy balance) at step \d+: the file is truncated|found \d+ values"),
+    "a row missing": (without_last_but_one, r"has no rows between the steps \d+ and \d+"),
+    "beyond the end": (word(-1, 0, "99999"), r"has no rows between"),
     "column": (lambda path: path.write_text(re.sub(r"\b(dissipated|bottom|sphere_5_ux)\b", "other", path.read_text())),
-               r"lacks the columns"),
+               r"has no columns"),
 }  # fmt: skip
 
 
@@ -178,7 +178,7 @@ def test_what_lammps_wrote(plate, chain, tmp_path, file, name):
 @pytest.mark.parametrize("name", ["text", "one too many", "empty", "other text"])
 def test_the_data_file(plate, tmp_path, name):
     damage, message = OF_ROWS[name]
-    message = {"empty": "does not say", "other text": "does not say"}.get(name, message)
+    message = {"empty": "does not state", "other text": "does not state"}.get(name, message)
     refused(plate, tmp_path, "data.granwave", damage, message)
 
 
@@ -209,7 +209,7 @@ def test_snapshots_that_end_before_the_run(plate, tmp_path):
     refused(
         plate, tmp_path, "dumps/spheres.dump",
         lambda path: path.write_text(path.read_text()[: path.read_text().rindex("ITEM: TIMESTEP")]),
-        r"ends with the snapshot of step \d+, the run at step \d+: the file was cut",
+        r"ends with the snapshot of step \d+, the run at step \d+: the file is truncated",
     )  # fmt: skip
 
 
@@ -244,8 +244,8 @@ def replaced(name: str, make: Callable[[np.ndarray], Any]) -> Damage:
 
 OF_RESULTS: dict[str, tuple[Damage, str]] = {
     "cut": (cut(0.9), r"is damaged \(it was cut\)"),
-    "empty": (cut(0), r"is damaged \(it is no HDF5 file\)"),
-    "text": (lambda path: path.write_text("no"), r"is damaged \(it is no HDF5 file\)"),
+    "empty": (cut(0), r"is damaged \(it is not an HDF5 file\)"),
+    "text": (lambda path: path.write_text("no"), r"is damaged \(it is not an HDF5 file\)"),
     "no contacts": (changed(lambda file: file.pop("contacts")), r"is damaged \(it has no contacts/i\)"),
     "no trajectory": (changed(lambda file: file.pop("particles")), "is damaged"),
     "no spheres": (changed(lambda file: file.pop("spheres")), "has no /spheres"),
@@ -307,7 +307,7 @@ def test_summary_of_what_is_no_number(analysed, tmp_path, value):
     (run / "summary.json").write_text(f'{{"name": "a", "energy_input_J": {value}}}')
     with pytest.raises(
         InputError,
-        match=r"summary\.json: energy_input_J: found .*, expected a number; make it anew",
+        match=r"summary\.json: energy_input_J: found .*, expected a number; recreate it",
     ):
         write_report([run], tmp_path / "r.md")
 
@@ -326,7 +326,7 @@ def test_results_of_what_is_no_run(analysed, tmp_path):
     (tmp_path / "empty").mkdir()
     assert re.search(r"frist: no such directory; did you mean .*/first\?", said(tmp_path / "frist"))
     assert "there is no directory" in said(tmp_path / "nowhere" / "first")
-    assert "is no run, but holds some (first); give those" in said(tmp_path)
+    assert "is no run, but contains some (first); use these directories" in said(tmp_path)
     assert "is no run: it is empty" in said(tmp_path / "empty")
     assert re.search(
         r"case\.toml: is a file, expected the directory of a run; did you mean .*first\?",
@@ -339,7 +339,7 @@ def test_results_of_what_is_no_run(analysed, tmp_path):
     (tmp_path / "first" / "result.h5").unlink()
     assert f"make it with  granwave analyse {tmp_path / 'first'}" in said(tmp_path / "first")
     (tmp_path / "first" / "run.json").write_text('{"state": "interrupted"}')
-    assert "is not finished (state interrupted); go on with  granwave run" in said(
+    assert "is not finished (state interrupted); resume with  granwave run" in said(
         tmp_path / "first"
     )
     (tmp_path / "first" / ".granwave").unlink()  # which says that it is a run
@@ -355,7 +355,7 @@ def test_result_of_a_scan(analysed, tmp_path):
         Result(tmp_path)
     shutil.copytree(analysed, tmp_path / "points" / "abc")
     with pytest.raises(
-        MissingOutputError, match=r"is a scan.*such as .*points/abc \(scan\.csv tells"
+        MissingOutputError, match=r"is a scan.*such as .*points/abc \(scan\.csv lists"
     ):
         Result(tmp_path)
     with pytest.raises(MissingOutputError, match="is a scan"):
@@ -387,7 +387,7 @@ SCRIPT = "in.granwave"
 
 @pytest.fixture
 def by_hand(tmp_path):
-    """A deck of a chain that LAMMPS was run on by hand."""
+    """A deck of a chain that contains a manual LAMMPS run."""
     synthetic.write_run(tmp_path, synthetic.make_case("chain", 6))
     (tmp_path / "run.json").unlink()
     return tmp_path
@@ -406,7 +406,7 @@ def test_an_edited_script_is_told(by_hand, caplog):
         assert analyse(by_hand, figures=False)["deck_changed"] == [SCRIPT]
     (message,) = (record.getMessage() for record in caplog.records)
     assert f"{path}: was changed after granwave wrote it" in message
-    assert "material, law, load, walls, timestep and lattice are those of case.toml" in message
+    assert "material, law, load, walls, timestep and lattice are read from case.toml" in message
 
 
 def test_positions_of_an_edited_data_file_are_used(by_hand, caplog):
@@ -417,7 +417,7 @@ def test_positions_of_an_edited_data_file_are_used(by_hand, caplog):
     path.write_text("\n".join(lines) + "\n")
     with caplog.at_level(logging.WARNING, "granwave"):
         assert analyse(by_hand, figures=False)["deck_changed"] == [DATA]
-    assert "positions, diameters and densities are those of the file" in caplog.text
+    assert "positions, diameters and densities are read from the file" in caplog.text
     assert "it is newer than the output of LAMMPS" in caplog.text
     with Result(by_hand) as result:
         assert np.max(result["spheres/position"][:, 2]) == 0.0501
@@ -442,7 +442,7 @@ def test_script_changed_after_a_run_is_told(by_hand, caplog):
         stream.write("# a note\n")
     with caplog.at_level(logging.WARNING, "granwave"):
         analyse(by_hand, figures=False)
-    assert "was changed after the run; the results are of what was run" in caplog.text
+    assert "was changed after the run; the results belong to the original file" in caplog.text
 
 
 def test_directories_without_digests(by_hand):

@@ -51,7 +51,7 @@ def test_frame_cut_short_is_dropped_with_a_warning(run, caplog, kept):
     last = text.rindex("ITEM: TIMESTEP")
     path.write_text(text[: last + int(kept * (len(text) - last))])
     assert [frame.step for frame in read_frames(run)] == [0, 250, 500]
-    assert "snapshot 3 is cut short" in caplog.text
+    assert "snapshot 3 is truncated" in caplog.text
 
 
 @pytest.mark.parametrize(
@@ -61,7 +61,7 @@ def test_header_cut_short_is_dropped(run, caplog, end):
     path = run / "dumps" / "spheres.dump"
     path.write_text(path.read_text() + end)
     assert len(list(read_frames(run))) == 4
-    assert "cut short" in caplog.text
+    assert "truncated" in caplog.text
 
 
 def test_number_cut_short_is_not_taken_for_another(run):
@@ -81,7 +81,7 @@ def test_snapshot_written_again_by_a_resumed_run_counts_once(run):
 def test_missing_column_is_named(run):
     path = run / "dumps" / "spheres.dump"
     path.write_text(path.read_text().replace(" uy ", " q "))
-    with pytest.raises(OutputFormatError, match=r"spheres\.dump.*lacks the columns uy"):
+    with pytest.raises(OutputFormatError, match=r"spheres\.dump.*has no columns uy"):
         list(read_frames(run))
 
 
@@ -212,10 +212,10 @@ def test_snapshot_cut_short(binary, caplog, kept):
     size = path.stat().st_size
     path.write_bytes(path.read_bytes()[: int((2 + kept) / 3 * size)])
     assert len(list(read_frames(binary))) == 2
-    assert "spheres.bin: snapshot 2 is cut short" in caplog.text
+    assert "spheres.bin: snapshot 2 is truncated" in caplog.text
     with pytest.raises(
         OutputFormatError,
-        match=r"byte \d+ \(snapshot 2\): snapshot 2 is cut short; the file was cut",
+        match=r"byte \d+ \(snapshot 2\): snapshot 2 is truncated; the file is truncated",
     ):
         analyse(binary, figures=False)
 
@@ -255,7 +255,7 @@ DAMAGES: dict[str, tuple[Callable[[bytearray], object], str]] = {
     "revision": (put(22, "i", 1), r"found byte order 1 and revision 1"),
     "step": (put(STEP, "q", -5), r"found step -5"),
     "rows": (put(ROWS, "q", -1), r"-1 rows"),
-    "more rows": (put(ROWS, "q", 1 << 60), r"is cut short"),
+    "more rows": (put(ROWS, "q", 1 << 60), r"is truncated"),
     "fewer rows": (put(ROWS, "q", 1), r"found more than 1 rows"),
     "box": (put(BOX, "d", float("nan")), r"the box is not finite"),
     "columns": (put(N_COLUMNS, "i", 3), r"3 columns \(id type"),
@@ -290,7 +290,7 @@ def test_damage(binary, name):
 def test_column_that_is_missing(binary):
     path = binary / "dumps" / "spheres.bin"
     path.write_bytes(path.read_bytes().replace(b" uy ", b" uq "))
-    with pytest.raises(OutputFormatError, match=r"spheres\.bin: snapshot 0 lacks the columns uy"):
+    with pytest.raises(OutputFormatError, match=r"spheres\.bin: snapshot 0 has no columns uy"):
         list(read_frames(binary))
 
 

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from granwave.analysis import Result, summarise, write_result
+from granwave.analysis.measures import force_decay as measured_decay
 from granwave.analysis.measures import impact as dissipation
+from granwave.analysis.measures.force_decay import (
+    ForceDecay,
+    PowerDecay,
+    exponential_of_depth,
+    force_decay,
+)
 from granwave.analysis.measures.geometry import layers, planes, preferred_directions, section
 from granwave.lammps_inputs import Lattice, struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -133,6 +141,38 @@ def test_peak_force_by_depth(result):
     assert len(depth) == 8
     assert np.allclose(np.diff(depth), 0.01 * np.sqrt(2 / 3), rtol=1e-5)
     assert force[0] == result["spheres/peak_force"].max() and np.all(np.diff(force) <= 0)
+
+
+def test_decay_of_exponential_forces():
+    """Rate and error are those of a linear regression of the logarithms."""
+    depth = 0.008 * np.arange(1, 9)
+    exact = exponential_of_depth(depth, 30.0 * np.exp(-55.0 * depth))
+    assert (exact.rate, exact.force) == pytest.approx((55.0, 30.0), rel=1e-12)
+    assert exact.error < 1e-10 and exact.misfit < 1e-12
+    force = 30.0 * np.exp(-55.0 * depth + np.random.default_rng(1).normal(0.0, 0.2, 8))
+    scattered = exponential_of_depth(depth, force)
+    twin = stats.linregress(depth, np.log(force))
+    assert (scattered.rate, scattered.error) == pytest.approx((-twin.slope, twin.stderr), rel=1e-10)
+    assert scattered(depth) == pytest.approx(np.exp(twin.intercept + twin.slope * depth), rel=1e-10)
+
+
+def test_decay_of_a_packing_is_the_better_law(result, monkeypatch):
+    """Neither the struck layer nor the deepest one is fitted; layers that still rise are not."""
+    depth, force = dissipation.peak_force_by_depth(result)
+    twins = {
+        ForceDecay: stats.linregress(depth[1:-1], np.log(force[1:-1])),
+        PowerDecay: stats.linregress(np.log(depth[1:-1]), np.log(force[1:-1])),
+    }
+    decay = force_decay(result)
+    better = max(twins, key=lambda law: twins[law].rvalue ** 2)
+    assert type(decay) is better
+    slope = decay.rate if better is ForceDecay else decay.exponent
+    assert (slope, decay.error) == pytest.approx(
+        (-twins[better].slope, twins[better].stderr), rel=1e-9
+    )
+    rising = np.arange(len(depth)) > 3
+    monkeypatch.setattr(measured_decay, "_still_rising", lambda *_: rising)
+    assert force_decay(result) is None
 
 
 def test_layers_of_a_packing_that_settled():

@@ -178,7 +178,7 @@ def test_yielded_contacts_and_those_that_dissipate_are_counted_apart(tmp_path):
     assert json.loads((tmp_path / "summary.json").read_text())["n_dissipating_spheres"] == n_spheres
 
 
-@pytest.mark.parametrize(("spheres", "zero"), [(1, "impact axis"), (3, "struck sphere")])
+@pytest.mark.parametrize(("spheres", "zero"), [(1, "impact axis"), (3, "impacted sphere")])
 def test_sections_say_from_where_distances_count(tmp_path, spheres, zero):
     analysed(tmp_path, size=(9, 9, 5), load={"spheres": spheres})
     with Result(tmp_path) as result:

@@ -13,6 +13,7 @@ from matplotlib.colors import to_hex
 
 from granwave.analysis.document.model import DocumentTable
 from granwave.analysis.figures.dissipation import draw_zone_size
+from granwave.analysis.figures.style import style
 from granwave.analysis.measures.zone_size import (
     LABELS,
     Mark,
@@ -53,6 +54,13 @@ SIZES = {
 }
 
 
+def sizes_of(n):
+    """Return the sizes of the zone of the n-th point, which is one per cent larger than the one
+    before.
+    """
+    return {name: value * (1 + 0.01 * n) for name, value in SIZES.items()}
+
+
 def make(size, kind="fcc", velocity=5.0, **tables):
     packing = {"kind": kind, "size": size, "diameter": 0.01}
     return case_from_dict(
@@ -80,8 +88,7 @@ def test_marks():
 def test_warnings_tell_what_and_what_to_do():
     cut = zone_warning({"name": "x"} | CUT)
     assert (
-        "reaches the bottom and the sides of the packing" in cut
-        and "a larger packing does without" in cut
+        "reaches the bottom and the sides of the packing" in cut and "Use a larger packing" in cut
     )
     wave = zone_warning(WAVE, "block")
     assert "1.8 %" in wave and "the sides" in wave and "20 us" in wave and "block" in wave
@@ -107,10 +114,10 @@ def test_terminal_tells_the_sizes_and_the_bounds():
     text = summary_table({"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | CUT)
     assert "depth 0.01, 0.018, 0.0198 m" in text
     assert "volume 1e-06, 1.8e-06, 1.98e-06 m3" in text
-    assert text.splitlines()[-1].split() == ["bounds", "that", "it", "reaches", "bottom,", "sides"]
+    assert text.splitlines()[-1].split() == ["reaches", "boundaries", "bottom,", "sides"]
     assert "none" in summary_table({"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | FREE)
     growing = summary_table({"name": "x", "plastic_zone_depth_m": 0.1, "zone_growing": ["depth"]})
-    assert growing.endswith("0.1 m, still moving out at the end")
+    assert growing.endswith("0.1 m, still growing at the end")
     hertz = dict.fromkeys([*SIZES, *CUT, "plastic_zone_radius_m"])
     assert summary_table({"name": "x"} | hertz) == "case  x"
 
@@ -198,7 +205,7 @@ def test_estimate_holds_for_a_run(tmp_path):
 def test_check_warns_of_a_packing_that_is_too_small(capfd):
     assert main(["check", "fcc-small", "--set", "packing.size=[8,8,4]"]) == 0
     told = capfd.readouterr()
-    assert "outermost yield" in told.out
+    assert "plastic zone" in told.out
     assert (
         "packing.size: the plastic zone is expected to reach the bottom" in told.err
         and "the sides" in told.err
@@ -210,7 +217,7 @@ def test_check_warns_of_a_packing_that_is_too_small(capfd):
 def test_plan_of_a_scan_counts_the_points_that_are_cut(capfd, tmp_path):
     assert main(["scan", "velocity-hcp", "--plan", "-o", str(tmp_path / "x")]) == 0
     assert (
-        "plastic zone   expected to reach a bound of the packing in 4 of 7 points"
+        "plastic zone   expected to reach a boundary of the packing in 4 of 7 points"
         in capfd.readouterr().out
     )
 
@@ -227,7 +234,7 @@ def test_run_says_that_its_zone_is_cut(capfd, tmp_path):
     ]
     assert main([*words, "--set", "run.end_time=1e-4"]) == 0
     told = capfd.readouterr()
-    assert re.search(r"bounds that it reaches +bottom, sides\n", told.out)
+    assert re.search(r"reaches boundaries +bottom, sides\n", told.out)
     assert "fcc-small: the plastic zone reaches the bottom and the sides" in told.err
 
 
@@ -236,15 +243,16 @@ def test_run_says_that_its_zone_is_cut(capfd, tmp_path):
 
 @pytest.fixture
 def scan(tmp_path):
-    """Scan of five velocities; the zone of the fourth reaches a boundary, a reflected wave returned
-    in the third.
+    """Scan of five velocities; the zone of the fourth reaches a boundary, a reflected wave came
+    back in the third.
     """
     write_scan(tmp_path, grid(load__velocity=[1, 2, 5, 10, 20]))
     result = ScanResult(tmp_path)
-    for point, changes in zip(result.points, (FREE, FREE, WAVE, CUT, {}), strict=True):
+    changes_of_points = (FREE, FREE, WAVE, CUT, {})
+    for n, (point, changes) in enumerate(zip(result.points, changes_of_points, strict=True)):
         path = point.directory / "summary.json"
         path.write_text(
-            json.dumps(json.loads(path.read_text()) | (SIZES | changes if changes else {}))
+            json.dumps(json.loads(path.read_text()) | (sizes_of(n) | changes if changes else {}))
         )
     return tmp_path
 
@@ -265,14 +273,16 @@ def test_figures_of_zones_have_open_marks(scan):
     columns = found["zone_depth_90_vs_load_velocity"].columns
     assert columns["zone_reaches_a_bound"].tolist() == [0, 0, 0, 1]
     assert columns["reflected_wave_came_back"].tolist() == [0, 0, 1, 0]
-    assert columns["zone_depth_90_over_diameter"].tolist() == pytest.approx([1.8] * 4)
+    assert columns["zone_depth_90_over_diameter"].tolist() == pytest.approx(
+        [1.8 * (1 + 0.01 * n) for n in range(4)]
+    )
 
 
 def test_bars_of_cut_zones_are_open(tmp_path):
     write_scan(tmp_path, grid(packing__kind=["fcc", "hcp"]))
-    for point, changes in zip(ScanResult(tmp_path).points, (FREE, CUT), strict=True):
-        path = point.directory / "summary.json"
-        path.write_text(json.dumps(json.loads(path.read_text()) | SIZES | changes))
+    for n, changes in enumerate((FREE, CUT)):
+        path = ScanResult(tmp_path).points[n].directory / "summary.json"
+        path.write_text(json.dumps(json.loads(path.read_text()) | sizes_of(n) | changes))
     figure = drawings(ScanResult(tmp_path))["zone_depth_90_vs_packing_kind"].figure
     assert [to_hex(bar.get_facecolor()) == "#ffffff" for bar in figure.axes[0].patches] == [
         False,
@@ -305,8 +315,22 @@ def test_figure_of_the_size_shows_what_lies_farther_out():
     )
     assert drawing.columns["depth_holding_m"] == [0.0, 1.0, 2.0]
     names = drawing.figure.axes[0].get_legend().get_texts()
-    assert "cut: bottom" in [name.get_text() for name in names]
+    assert "zone reaches the bottom" in [name.get_text() for name in names]
     assert draw_zone_size(0 * energy, {"depth": depth}, 1.0, "D", {}) is None
+
+
+def test_legend_of_the_size_leaves_room_for_the_curves():
+    """The five entries with both boundaries reached are no wider than the figure."""
+    depth = np.array([0.0, 1.0, 2.0, 3.0])
+    bounds = {"bottom": 3.0, "sides": 2.0}
+    distances = {"depth": depth, "radius": depth[::-1]}
+    with style():
+        drawing = draw_zone_size(np.array([50.0, 30.0, 4.0, 1.0]), distances, 1.0, "D", bounds)
+        assert drawing is not None
+        drawing.figure.canvas.draw()
+        axes = drawing.figure.axes[0]
+        assert axes.get_legend().get_window_extent().x0 >= 0
+        assert axes.bbox.width > 0.6 * drawing.figure.bbox.width
 
 
 def test_report_notes_marks_and_explains(tmp_path, scan):
@@ -315,14 +339,19 @@ def test_report_notes_marks_and_explains(tmp_path, scan):
     report = build([cut, whole, scan], tmp_path)
     told = [note.text for note in notes(report, "short")]
     assert any(
-        "reaches a bound" in text and "small (bottom, sides)" in text and "large" not in text
+        "reaches a boundary" in text and "small (bottom, sides)" in text and "large" not in text
         for text in told
     )
-    assert any("a wave could be back" in text and "1.8 %" in text for text in told)
+    assert any(
+        "a reflection from a boundary could return" in text and "1.8 %" in text for text in told
+    )
     rows = table(report, "results", "Runs")
-    assert [row["Bounds that the zone reaches"].text for row in rows] == ["bottom, sides", "none"]
-    assert [row["Zone of 90 %, depth"].tone for row in rows] == ["note", ""]
-    assert [row["Zone of 90 %, depth"].value for row in rows] == pytest.approx([0.018, 0.018])
+    assert [row["Boundaries reached by the plastic zone"].text for row in rows] == [
+        "bottom, sides",
+        "none",
+    ]
+    assert [row["Plastic zone, 90 % depth"].tone for row in rows] == ["note", ""]
+    assert [row["Plastic zone, 90 % depth"].value for row in rows] == pytest.approx([0.018, 0.018])
     explained = table(report, "results", "What these values mean")
     assert any(row["In summary.json"].text == "zone_depth_90_m" for row in explained)
     alone = build([scan], tmp_path)

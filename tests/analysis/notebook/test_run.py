@@ -241,7 +241,9 @@ def test_a_run_without_its_fields_still_has_values(directory, tmp_path):
 
 
 def test_wrong_directories(tmp_path, directory):
-    with pytest.raises(MissingOutputError, match=r"no such directory.*; expected that of a run"):
+    with pytest.raises(
+        MissingOutputError, match=r"no such directory.*; expected the directory of a run"
+    ):
         load(tmp_path / "none")
     with pytest.raises(MissingOutputError, match="it is empty"):
         load(tmp_path)
@@ -256,7 +258,7 @@ def test_wrong_directories(tmp_path, directory):
     with pytest.raises(MissingOutputError, match=r"summary\.json is missing: make it with"):
         load(broken)
     (broken / "summary.json").write_text("{")
-    with pytest.raises(OutputFormatError, match=r"summary\.json: is damaged: make it anew with"):
+    with pytest.raises(OutputFormatError, match=r"summary\.json: is damaged: recreate it with"):
         load(broken)
 
 

@@ -130,18 +130,18 @@ def test_one_run(tmp_path):
     report = build([run], tmp_path)
     text, shown = answer(report)
     assert text.startswith(
-        "87.3 % of the 2 J put in was dissipated. The largest force between two spheres was 696.8 N."
+        "87.3 % of the input energy of 2 J was dissipated. The largest force between two spheres was 696.8 N."
     )
     rows = {row[0].text: row for row in shown.table.rows}
     assert (
-        rows["Peak contact force, walls left out"][1].value == 696.84
-        and rows["Peak contact force, walls left out"][2].text == "N"
+        rows["Peak contact force, excluding walls"][1].value == 696.84
+        and rows["Peak contact force, excluding walls"][2].text == "N"
     )
     assert any(row[0].meaning for row in shown.table.rows)
     elastic = write_run(tmp_path / "elastic", energy_input_J=2.0, dissipated_fraction=0.0)
     text = answer(build([elastic], tmp_path))[0]
     assert not text.startswith("0 %")
-    assert "Nothing of the 2 J put in was dissipated." in text
+    assert "None of the input energy of 2 J was dissipated." in text
 
 
 def test_several_runs(tmp_path):
@@ -223,13 +223,16 @@ def test_scans_of_a_suite(tmp_path):
     assert report.title == "Report: all-of-it"
     blocks = report.sections[0].blocks
     (group,) = (block for block in blocks if isinstance(block, Group))
-    assert group.folded and group.title == "The other 4 scans, each by its main quantity"
+    assert group.folded and group.title == "Main quantity of the other 4 scans"
     said = [block.text for block in group.blocks if isinstance(block, Note)]
     assert [text.partition(":")[0] for text in said] == [f"Scan {name}" for name in names[1:]]
     text = write_report([tmp_path / "suite"], tmp_path / "suite" / "report.md").read_text(
         encoding="utf-8"
     )
-    assert text.startswith("# Report: all-of-it\n") and "### The other 4 scans" in text
+    assert (
+        text.startswith("# Report: all-of-it\n")
+        and "### Main quantity of the other 4 scans" in text
+    )
 
 
 def test_agreement_with_the_sources():
@@ -239,7 +242,8 @@ def test_agreement_with_the_sources():
     )
     (lead,) = leads([Study("study", "Study", "", rows)])
     assert (lead.text, lead.tone) == (
-        "Of 3 values that the sources give, ours are within 2 % for 1 and within 10 % for 2; the largest difference is 50 % "
+        "Of 3 values that the sources give, ours are within 2 % for 1 and within 10 % for 2; "
+        "the largest difference is 50 % "
         "(quantity 3).", "lead",
     )  # fmt: skip
     assert leads([Study("study", "Study", "", rows[3:])]) == ()
@@ -273,5 +277,5 @@ def test_a_run_that_ends_before_its_load_begins(tmp_path):
         zone_radius_90_m=0.0,
     )
     page = write_report([tmp_path / "late"], tmp_path / "late.md").read_text()
-    assert "No energy came in before the end: late." in page
+    assert "No energy input before the end: late." in page
     assert "90 % of the energy of yielding" not in page

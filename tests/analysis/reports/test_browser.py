@@ -137,9 +137,12 @@ def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
         browser.open((tmp_path / "report.html").as_uri(), 1200)
         gallery = browser.evaluate("document.querySelector('#figures .gallery').clientWidth")
         width = "document.querySelector('#figures img[alt^=\"{}\"]').clientWidth"
-        assert browser.evaluate(width.format("What reaches")) > 0.9 * gallery
+        assert browser.evaluate(width.format("Force and impulse on the target")) > 0.9 * gallery
         if not alone:
-            assert browser.evaluate(width.format("Velocity of the sphere")) < 0.5 * gallery
+            assert (
+                browser.evaluate(width.format("Velocity of the impacted or loaded sphere"))
+                < 0.5 * gallery
+            )
             tops = "[...document.querySelectorAll('#figures figure')].map((f) => f.offsetTop)"
             assert len(set(browser.evaluate(tops))) == 2
 
@@ -285,19 +288,19 @@ def test_all_faults_at_once_and_nothing_written(runs, tmp_path):
         runs[0] / "case.toml",
     ]
     errors = refused(given, tmp_path / "there" / "r.doc")
-    assert len(errors) == 9
+    assert len(errors) == 9, errors
     for part in (
         "found the suffix .doc, expected .html, .pdf or .md",
-        "there is no directory",
+        "does not exist; create it first",
         "nowhere: no such directory",
         "empty: is neither a run nor a scan: it is empty",
         "it holds notes.txt; expected summary.json or scan.json",
-        f"cannot be read (Expecting property name enclosed in double quotes: line 1 column 2 (char 1)); make it anew with  granwave analyse {runs[0]}",
+        f"cannot be read (Expecting property name enclosed in double quotes: line 1 column 2 (char 1)); recreate it with  granwave analyse {runs[0]}",
         f"a run without summary.json; make it with  granwave analyse {runs[1]}",
-        "but holds some (first, scan, second); give those",
+        "but contains some (first, scan, second); use these directories",
         "is a file, expected the directory",
     ):
-        assert any(part in fault for fault in errors), part
+        assert any(part in fault for fault in errors), (part, errors)
     assert sorted(tmp_path.rglob("*")) == before
 
 

@@ -10,17 +10,25 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.figures.style import Drawing, style
+from granwave.analysis.measures.force_decay import power_decay
 from granwave.analysis.reports.comparison.cases import ids_in_words
 from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
 from granwave.analysis.reports.comparison.curves import (
+    PeaksByDepth,
     SampledCurve,
     energy_shares,
     force_at_bottom,
-    power_decay,
 )
-from granwave.analysis.reports.comparison.measured import deviation, read_measured
+from granwave.analysis.reports.comparison.figures import decay_notes
+from granwave.analysis.reports.comparison.measured import (
+    closest_sentence,
+    deviation,
+    outside_notes,
+    read_measured,
+    relative_text,
+)
 from granwave.analysis.reports.comparison.page import figure_folder, write_comparison
-from granwave.analysis.reports.comparison.subjects import compared_runs
+from granwave.analysis.reports.comparison.subjects import compared_runs, value_text
 from granwave.analysis.reports.comparison.values import compared_values, sentence
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import ReportKind
@@ -28,6 +36,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
 from tests.helpers.made_up.synthetic_report import write_run
+
+pytestmark = pytest.mark.xdist_group("comparison of runs")  # its fixtures are made once
 
 SMALL = {"packing.size": [6, 6, 4], "run.end_time": 1e-4}
 CHAIN = {"packing.size": 8, "run.end_time": 1e-4}
@@ -141,7 +151,7 @@ def test_nothing_is_left_out_without_a_name(place):
     """Packing and chain: each figure names the run that it lacks, with the reason."""
     comparison = compared(place, "fcc", "chain")
     caption = comparison.caption("bottom_force")
-    assert "Not drawn: chain (it has no bottom that records a force)." in caption
+    assert "Not drawn: chain (the force on its bottom is not recorded)." in caption
     assert "Not drawn: chain (" in comparison.caption("peak_force_field")
     for name in comparison.wanted_figures:
         data = comparison.data(name)
@@ -191,11 +201,47 @@ def test_a_value_that_is_zero_everywhere_is_no_answer(tmp_path):
     assert "10 N (soft) and 25 N (hard), a ratio of 2.5" in sentence(values, subjects)
 
 
+def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsys):
+    killed = tmp_path / "killed"
+    killed.mkdir()
+    (killed / "case.toml").write_bytes((place / "fcc" / "case.toml").read_bytes())
+    (killed / "run.json").write_text('{"state": "running"}')
+    output = tmp_path / "page.html"
+    words = [str(place / "fcc"), str(killed), str(place / "hcp"), "-o", str(output)]
+    assert main(["compare", *words]) == 0
+    shown = capsys.readouterr().out
+    assert "Left out: " in shown and "the run is not finished (state running)" in shown
+    assert "Left out: " in output.read_text()
+    assert len(gw.compare([place / "fcc", killed, place / "hcp"]).runs) == 2
+    assert main(["compare", str(place / "fcc"), str(killed), "-o", str(output)]) == 2
+    message = capsys.readouterr().err
+    assert "expected two or more to compare" in message and "is not finished" in message
+
+
+def test_runs_without_a_fitted_decay_are_named(place):
+    runs = compared(place, "fcc", "chain").runs
+    depth = np.arange(1.0, 6.0)
+    fit = power_decay(depth, depth**-1.5, 1.0)
+    assert fit is not None
+    peaks = {
+        run: PeaksByDepth(depth, depth, depth, decay)
+        for run, decay in zip(runs, (None, fit), strict=True)
+    }
+    assert decay_notes(peaks).endswith("Too few layers for a fit: fcc.")
+    assert decay_notes({runs[0]: peaks[runs[0]]}) == ""
+
+
+def test_no_initial_indentation_is_none():
+    assert value_text("contact.initial_overlap", {"contact.initial_overlap": 0.0}) == "none"
+    assert value_text("contact.initial_overlap", {"contact.initial_overlap": 2e-6}) == "2 µm"
+    assert value_text("load.velocity", {"load.velocity": 0.0}) == "0 m/s"
+
+
 def test_an_unfinished_run_is_named(tmp_path):
     runs = [write_run(tmp_path / name, figures=False) for name in ("whole", "part")]
     (runs[1] / "run.json").write_text(json.dumps({"state": "interrupted", "attempts": []}))
     comparison = compare_runs(read_inputs(runs, tmp_path).runs)
-    assert any(note.startswith("Not finished") and "part (" in note for note in comparison.notes)
+    assert any(note.startswith("Unfinished") and "part (" in note for note in comparison.notes)
 
 
 @pytest.mark.parametrize("head", ["time_us,force_kN", "t (µs); F (kN)", "t [us]\tF [kN]"])
@@ -223,6 +269,32 @@ def test_shift_and_scale(tmp_path):
     assert deviation(measured, line).n_points == 1
     far = SampledCurve(np.array([5.0, 6.0]), np.zeros(2))
     assert deviation(measured, far) is None
+
+
+def test_units_below_the_names(tmp_path):
+    """As an oscilloscope writes them."""
+    file = tmp_path / "scope.csv"
+    file.write_text('# scope\n"Time","Ch1"\n"ms","kN"\n0,0\n1,5\n2,0\n')
+    measured = read_measured(file, ("s", "N"))
+    assert measured.x == pytest.approx([0, 1e-3, 2e-3])
+    assert (measured.peak, measured.peak_at) == (5e3, 1e-3)
+    assert measured.columns == ("Time (ms)", "Ch1 (kN)")
+
+
+def test_a_measured_curve_in_words(tmp_path):
+    """The distance, both peaks with their times, and a peak outside of the measured range."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_ms,force_N\n0,0\n1,10\n2,0\n")
+    measured = read_measured(file, ("s", "N"))
+    late = SampledCurve(np.array([0.0, 1e-3, 2e-3, 4e-3]), np.array([0.0, 9.0, 0.0, 80.0]))
+    difference = deviation(measured, late)
+    assert (difference.peak, difference.peak_at, difference.outside_at) == (9.0, 1e-3, 4e-3)
+    text = closest_sentence(measured, {"a": difference}, ("s", "N"), alone=True)
+    assert "577.4 mN rms, 5.77 % of the measured peak" in text
+    assert text.endswith("is 9 N at 1 ms, the measured peak 10 N at 1 ms.")
+    (note,) = outside_notes(measured, {"a": difference}, ("s", "N"))
+    assert "0 s to 2 ms: a at 4 ms." in note
+    assert relative_text(27.2) == "27.2 times"
 
 
 @pytest.mark.parametrize(

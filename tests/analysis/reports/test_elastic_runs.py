@@ -41,14 +41,14 @@ def test_two_elastic_runs_do_not_lead_with_zero(elastic, tmp_path):
     lead, values, *_ = blocks(build(elastic, tmp_path), "short")
     assert isinstance(lead, Note)
     assert lead.text == (
-        "The runs differ most in peak contact force, walls left out, 10 N (soft) and 25 N (hard), "
+        "The runs differ most in peak contact force, excluding walls, 10 N (soft) and 25 N (hard), "
         "a ratio of 2.5."
     )
     assert isinstance(values, DocumentTable)
     labels = [row[0].text for row in values.rows]
     assert "Dissipated fraction" not in labels
     assert "Yielded contacts" not in labels
-    assert "Peak contact force, walls included" in labels
+    assert "Peak contact force, including walls" in labels
 
 
 def test_the_figure_of_elastic_runs_is_not_empty(elastic, tmp_path):

@@ -38,11 +38,12 @@ def test_a_driven_row():
     )  # fmt: skip
     words = in_words(run)
     assert words.startswith(
-        "90 % of the 200 nJ put in was taken by absorbing spheres. 5 % of the 200 nJ put in was "
+        "90 % of the input energy of 200 nJ was absorbed by the absorbing boundary. 5 % of the "
+        "input energy of 200 nJ was "
     )
-    assert "50 % of the driven end's velocity, 400 µm/s, came through." in words
+    assert "50 % of the velocity of the driven end, 400 µm/s, was transmitted." in words
     assert labels(run)[0] == "Transmission"
-    assert not {"Peak reduction", "Struck sphere at the end"} & set(labels(run))
+    assert not {"Peak reduction", "Impacted sphere at the end"} & set(labels(run))
 
 
 def test_a_plate():
@@ -53,7 +54,9 @@ def test_a_plate():
         impactor_velocity_m_s=-3.0,
     )
     assert "The plate rebounds with 3.5 m/s." in in_words(run)
-    assert labels(run)[0] == "Plate at the end" and "Struck sphere at the end" not in labels(run)
+    assert labels(run)[
+        0
+    ] == "Plate velocity at the end" and "Impacted sphere at the end" not in labels(run)
 
 
 @pytest.mark.parametrize(
@@ -73,8 +76,9 @@ def test_a_target_comes_first():
         unprotected_ground_peak_force_N=219.9, target_peak_displacement_m=1.2e-5,
     )  # fmt: skip
     assert in_words(run).startswith(
-        "The target bore 1.192 kN, 43.2 % less than the 2.097 kN without the packing. The ground below it bore 239.4 N, "
-        "8.87 % more than the 219.9 N without the packing. 80 % of the 50 mJ"
+        "The peak force on the target was 1.192 kN, 43.2 % less than the 2.097 kN without the "
+        "packing. The peak force on the ground below it was 239.4 N, 8.87 % more than the 219.9 N "
+        "without the packing. 80 % of the input energy of 50 mJ"
     )
     assert labels(run)[:3] == [
         "Peak force on the bottom",
@@ -84,7 +88,7 @@ def test_a_target_comes_first():
     values = {row[0].text: (row[1].text, row[2].text) for row in value_rows(run).rows}
     assert values["Largest displacement of the target"] == ("0.012", "mm")
     on_a_wall = run_with({"boundary.bottom": "wall"}, wall_peak_force_N=10.0)
-    assert in_words(on_a_wall) == "The bottom bore 10 N."
+    assert in_words(on_a_wall) == "The peak force on the bottom was 10 N."
 
 
 def test_a_chain_says_speed_and_decay(monkeypatch):
@@ -96,8 +100,9 @@ def test_a_chain_says_speed_and_decay(monkeypatch):
         {"packing.kind": "chain"}, wave_speed_m_s=428.3, energy_input_J=2.0, dissipated_fraction=0.0
     )
     assert in_words(run) == (
-        "The wave ran at 428.3 m/s. Its peak force goes from 100 N in contact 1 to 9 N in contact 3. Nothing of the 2 J put "
-        "in was dissipated."
+        "The wave speed was 428.3 m/s. Its peak force decreases from 100 N in contact 1 to 9 N in "
+        "contact 3. None of the input energy of 2 J "
+        "was dissipated."
     )
     assert labels(run)[0] == "Wave speed"
 
@@ -106,7 +111,8 @@ def test_lines_and_sensors():
     names = {"a": 3.0, "b": 0.002, "c": 1.0}
     seen = {f"sensor_{name}_peak_velocity_m_s": value for name, value in names.items()}
     assert in_words(run_with(**seen, line_x_front_speed_m_s=700.0, line_x_decay_per_m=20.0)) == (
-        "Along the line x the front runs at 700 m/s. Its peak speed decays by 20 1/m. Sensors saw at most 3 m/s (a) and at "
+        "Along the line x the front speed is 700 m/s. Its peak speed decays by 20 1/m. Sensors "
+        "recorded at most 3 m/s (a) and at "
         "least 2 mm/s (b)."
     )
 
@@ -123,7 +129,7 @@ def test_symbols_are_defined_with_their_values(tmp_path):
         in note.text
     )
     assert f"alpha_y = {1e6 * law.yield_overlap:.4g} µm is" in note.text
-    assert "e_in = 50 mJ is the energy put in" in note.text
+    assert "e_in = 50 mJ is the energy input" in note.text
     elastic = write_run(
         tmp_path / "elastic", contact__law="hertz", energy_input_J=0.05, peak_force_N=700.0
     )

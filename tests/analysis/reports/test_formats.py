@@ -31,6 +31,9 @@ from granwave.analysis.reports.report import html_page, markdown, parts, write_r
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers.made_up.synthetic_report import blocks, build, nasty_inputs, write_inputs
 
+#: A section, a file beside the report, or a table in the page.
+LINK = r"#[a-z]+|[\w%./~-]+|data:text/csv;base64,[\w+/=]+"
+
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
@@ -44,6 +47,7 @@ def nasty(tmp_path_factory):
     return nasty_inputs(tmp_path_factory.mktemp("nasty"))
 
 
+@pytest.mark.validation
 def test_same_inputs_same_bytes(runs, tmp_path):
     """Reports are identical in another process and directory, with other hashes and files made in
     another order.
@@ -102,7 +106,7 @@ def test_html_escapes_everything(nasty, tmp_path):
     for tag, attributes in tags:
         assert not [name for name in attributes if name.startswith("on") or name == "style"], tag
         if tag == "a":
-            assert re.fullmatch(r"#[a-z]+|[\w%./~-]+", attributes["href"]), attributes["href"]
+            assert re.fullmatch(LINK, attributes["href"]), attributes["href"]
 
 
 def test_markdown_escapes_everything(nasty, tmp_path):
@@ -224,7 +228,7 @@ def test_pdf_without_its_library(runs, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "plutoprint", None)
     (tmp_path / "report.pdf").write_bytes(b"% report of granwave\n")
     with pytest.raises(
-        InputError, match=r"needs PlutoPrint.*pip install .granwave\[pdf\].*\.html and print that"
+        InputError, match=r"requires PlutoPrint.*pip install .granwave\[pdf\].*\.html and print it"
     ):
         write_report(runs, tmp_path / "new.pdf")
     assert not (tmp_path / "new.pdf").exists()
@@ -260,6 +264,15 @@ def test_markdown_has_the_same_content(runs, tmp_path):
     )
     assert text.count("![") == n_figures == len(list((tmp_path / "report_files").iterdir()))
     assert "the disk is full no space left" in text and "**failed**" in text
+
+
+def test_long_tables_have_a_filter_and_figures_their_data(runs, tmp_path):
+    text = write_report(runs, tmp_path / "report.html").read_text(encoding="utf-8")
+    tables = [part.partition("</table>")[0] for part in text.split('<div class="frame')[1:]]
+    n_rows = [part.partition("<tbody>")[2].count("<tr>") for part in tables]
+    assert ['class="filter"' in part for part in tables] == [rows > 20 for rows in n_rows]
+    assert any(rows > 20 for rows in n_rows)
+    assert 'href="data:text/csv;base64,' in text and 'download="' in text
 
 
 def test_html_headings_and_figures(runs, tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import pytest
@@ -55,7 +56,7 @@ def test_sections_and_order_of_the_inputs(both):
     slugs = [section.slug for section in report.sections]
     assert slugs == ["short", "comparison", "figures", "failures", "results", "balance", "inputs"]
     for directories in (inputs, inputs[::-1]):
-        rows = table(build(directories, inputs[0].parent), "inputs", "What this report is about")
+        rows = table(build(directories, inputs[0].parent), "inputs", "Contents of this report")
         assert [row["Name"].text for row in rows] == [path.name for path in directories]
     assert report.lead == (
         "2 runs and 1 scan with 6 of 8 points done: first (fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, ideal); second (fcc "
@@ -97,10 +98,10 @@ def test_scan_table_has_the_varied_keys_first_and_every_status(both):
     assert rows[0]["load.velocity"].value == 10.0
     summary = json.loads(next((scan / "points").glob("*/summary.json")).read_text())
     assert any(
-        row["Peak contact force, walls left out"].value == pytest.approx(summary["peak_force_N"])
+        row["Peak contact force, excluding walls"].value == pytest.approx(summary["peak_force_N"])
         for row in rows
     )
-    assert rows[2]["Peak contact force, walls left out"].text == ""  # for a failed point
+    assert rows[2]["Peak contact force, excluding walls"].text == ""  # for a failed point
 
 
 def test_failed_and_missing_points_say_why(both):
@@ -113,7 +114,7 @@ def test_failed_and_missing_points_say_why(both):
     )
     assert failed["Why"].text == "the disk is full\nno space left"
     assert failed["Directory"].text.startswith("scan/unfinished/")
-    assert (missing["#"].text, missing["Why"].text) == ("8", "not begun")
+    assert (missing["#"].text, missing["Why"].text) == ("8", "not started")
     assert notes(report, "short")[0].tone == "bad"
     assert any("1 of 8 points failed" in note.text for note in notes(report, "short"))
 
@@ -142,8 +143,8 @@ def test_scan_without_a_finished_point(tmp_path):
         (9e-7, "good", "good"),
         (2.1e-6, "good", "good"),
         (9.9e-6, "good", "good"),
-        (1.1e-5, "poor: above 1e-5", "bad"),
-        (float("nan"), "poor: above 1e-5", "bad"),
+        (1.1e-5, "too large: above 1e-5", "bad"),
+        (float("nan"), "too large: above 1e-5", "bad"),
         (None, "not known", "note"),
     ],
 )
@@ -157,11 +158,36 @@ def test_energy_balance(tmp_path, error, text, tone):
 
 
 @pytest.mark.parametrize(
+    ("error", "badge"),
+    [
+        (9e-7, ("energy balance closed", "good", "")),
+        (1.1e-5, ("energy balance open", "bad", "balance")),
+        (None, ("energy balance unknown", "note", "balance")),
+    ],
+)
+def test_badges_show_states_and_lead_to_their_sections(tmp_path, error, badge):
+    changes = {"energy_balance_error": error, "contacts_beyond_law": 3, "zone_cut": ["bottom"]}
+    run = write_run(tmp_path / "run", figures=False, **changes)
+    badges = [dataclasses.astuple(one) for one in build([run], tmp_path).badges]
+    assert badges == [
+        ("finished", "good", ""),
+        badge,
+        ("contacts beyond the law", "note", "balance"),
+        ("boundaries influence the plastic zone", "note", "results"),
+    ]
+
+
+def test_badges_of_several_runs_count(both):
+    texts = [badge.text for badge in both[1].badges]
+    assert "not finished: 2 of 10" in texts and "energy balance unknown: 6 of 8" in texts
+
+
+@pytest.mark.parametrize(
     ("error", "text", "tone"),
     [
         (9e-6, "good", "good"),
         (3e-4, "accepted: at most 0.001, run.energy_tolerance", "good"),
-        (2e-3, "poor: above 0.001", "bad"),
+        (2e-3, "too large: above 0.001", "bad"),
     ],
 )
 def test_the_accepted_error_is_that_of_the_run(tmp_path, error, text, tone):
@@ -183,9 +209,7 @@ def test_the_accepted_error_is_that_of_the_run(tmp_path, error, text, tone):
         (row,) = table(report, "balance", "Energies at the end, and the error of the balance")
         assert (row["Balance"].text, row["Balance"].tone) == (text, tone)
         assert row["Accepted error"].value == 1e-3
-        assert any("do not trust" in note.text for note in notes(report, "short")) == (
-            tone == "bad"
-        )
+        assert any("do not use" in note.text for note in notes(report, "short")) == (tone == "bad")
 
 
 def test_runs_of_other_accepted_errors_have_notes_of_their_own(tmp_path):
@@ -213,9 +237,11 @@ def test_contacts_beyond_the_law_and_a_refused_run_are_told(tmp_path):
     write_json(run / "run.json", {"state": "refused", "reason": "the balance missed by 3e-5"})
     report = build([run], tmp_path)
     texts = [note.text for note in notes(report, "short")]
-    assert any("beyond the law" in text and "run (refused) (3)" in text for text in texts)
+    assert any(
+        "beyond the range of the law" in text and "run (refused) (3)" in text for text in texts
+    )
     assert any("3e-5" in note.text and note.tone == "bad" for note in notes(report, "failures"))
-    assert table(report, "inputs", "What this report is about")[0]["Status"].text == "refused"
+    assert table(report, "inputs", "Contents of this report")[0]["Status"].text == "refused"
 
 
 @pytest.mark.parametrize(
@@ -228,7 +254,7 @@ def test_refused_runs_are_marked_and_not_compared(tmp_path, reason):
     report = build(runs, tmp_path)
     assert blocks(report, "short")[0].tone == "bad"  # before the comparison
     assert any(
-        "did not close: bad (refused)" in note.text and note.tone == "bad"
+        "energy balance error too large: bad (refused)" in note.text and note.tone == "bad"
         for note in notes(report, "short")
     )
 
@@ -243,7 +269,7 @@ def test_two_runs_side_by_side(runs, tmp_path):
     assert row["Difference"].value == pytest.approx(300.0) and row["Difference"].text == "+300 %"
     (shown,) = [block for block in blocks(report, "short") if isinstance(block, Gallery)][:1]
     assert shown.figures[0].caption.startswith(
-        "Kinetic, elastic and dissipated energy over the input in time."
+        "Kinetic, elastic and dissipated energy against time, relative to the input."
     )
     assert list(table(report, "results", "Runs")[0])[1] == "load.velocity"
 
@@ -319,7 +345,7 @@ def test_figures_in_a_fixed_order_made_small(both):
     assert [figure.alt for figure in gallery.figures] == [
         f"{name}: run first"
         for name in (
-            "Peak contact force, walls left out, principal plane",
+            "Peak contact force, excluding walls, principal plane",
             "Energies and the error of their balance",
             "Zebra",
         )

@@ -164,7 +164,7 @@ def test_shares_of_friction_are_shown_where_there_is_friction(tmp_path):
     first = write_run(tmp_path / "first", figures=False, **shares)
     second = write_run(tmp_path / "second", figures=False, **shares | {"friction_fraction": 0.2})
     assert (
-        "Share dissipated by friction"
+        "Fraction dissipated by friction"
         in table(build([first, second], tmp_path), "results", "Runs")[0]
     )
     third = write_run(tmp_path / "third", figures=False, **shares)
@@ -175,7 +175,7 @@ def test_shares_of_friction_are_shown_where_there_is_friction(tmp_path):
 
 @pytest.mark.parametrize(
     ("errors", "number"),
-    [([7.66e-5], "7.7e-5"), ([2.1e-5, 8e-5], "off by up to 8e-5"), ([math.nan], "infinite")],
+    [([7.66e-5], "7.7e-5"), ([2.1e-5, 8e-5], "up to 8e-5"), ([math.nan], "infinite")],
 )
 def test_a_balance_that_is_poor_is_told_with_numbers(tmp_path, errors, number):
     runs = [

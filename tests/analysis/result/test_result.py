@@ -169,7 +169,8 @@ def test_pairs_that_met_later_are_listed_from_a_threshold(run):
     dents = next(contacts_at_end(run).frames()).values
     for factor, listed in ((0.5, False), (2.0, True)):
         met = dents[0].copy()
-        met[:2], met[4] = (1, 144), factor * LISTED_FROM * 1e-6
+        met[:2] = (1, 144)
+        met[4] = factor * LISTED_FROM * 1e-6
         synthetic.write_local(run / "dumps" / "contacts.dump", np.concatenate([dents, [met]]))
         table = list_contacts(
             merge_dents(*contacts_at_end(run).frames()), dents[:, :2].astype(int), 1e-6

@@ -18,7 +18,7 @@ from granwave.analysis.figures.scales import plain_powers
 from granwave.analysis.figures.style import style
 from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.figures import draw_scan_figures, drawings
-from granwave.analysis.scans.keys import key_of
+from granwave.analysis.scans.keys import key_of, means_of
 from granwave.analysis.scans.result import ScanResult
 from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
 
@@ -181,6 +181,13 @@ def test_what_is_zero_everywhere_has_no_figure(tmp_path):
     }
 
 
+def change_summaries(directory, values_of):
+    """Change values of the summaries of a scan; the function returns them by labels of a point."""
+    for point in ScanResult(directory).points:
+        path = point.directory / "summary.json"
+        write_json(path, json.loads(path.read_text()) | values_of(point.labels))
+
+
 def rows_of(path):
     with open(path, encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
@@ -228,8 +235,68 @@ def test_run_times_that_follow_other_keys_are_no_abscissa(tmp_path):
     }
     assert names == {"load_velocity"}
     study = write_scan(tmp_path / "study", grid(run__end_time=[1e-3, 2e-3]))
-    index = json.loads((study / "scan.json").read_text())
-    write_json(study / "scan.json", index)
+    change_summaries(study, lambda labels: {"peak_force_N": 1e4 * labels["run.end_time"]})
     assert "peak_force_vs_run_end_time" in {
         path.stem for path in draw_scan_figures(study, pdf=False)
     }
+
+
+def restitution_scan(directory):
+    """Two spheres, and a sphere on a wall, at three velocities."""
+    points = []
+    for size, bottom in ((2, "free"), (1, "wall")):
+        points += grid(
+            load__velocity=[0.1, 1, 10],
+            packing__size=[size],
+            boundary__bottom=[bottom],
+            packing__kind=["chain"],
+        )
+    scan = write_scan(directory, points)
+
+    def values_of(labels):
+        force = 10.0 * labels["load.velocity"]
+        between = {2: force, 1: 0.0}[labels["packing.size"]]
+        spheres = {"n_plastic_spheres": 2 * (between > 1), "plastic_zone_depth_m": None}
+        return {"peak_force_N": between, "peak_force_with_walls_N": force} | spheres
+
+    change_summaries(scan, values_of)
+    return scan
+
+
+def test_keys_of_two_values_and_constant_quantities_have_no_axis(tmp_path):
+    """Only what changes along the velocity is drawn; of curves that step from zero to one value
+    nothing is.
+    """
+    names = {path.stem for path in draw_scan_figures(restitution_scan(tmp_path), pdf=False)}
+    assert {"peak_force_vs_load_velocity", "dissipated_fraction_vs_load_velocity"} <= names
+    assert not any("packing_size" in name or "map" in name for name in names)
+    assert "plastic_spheres_vs_load_velocity" not in names
+
+
+def test_a_sphere_on_a_wall_has_its_peak_force(tmp_path):
+    """Its contact is no contact between spheres; curves are named by sizes and bottoms."""
+    drawing = drawings(ScanResult(restitution_scan(tmp_path)))["peak_force_vs_load_velocity"]
+    force = np.array(drawing.columns["peak_force_over_yield_force"])
+    assert force[:3] == pytest.approx(force[3:])
+    assert "including walls" in drawing.figure.axes[0].get_ylabel()
+    labels = [text.get_text() for text in drawing.figure.legends[0].get_texts()]
+    assert labels == ["$N$ = 1, wall", "$N$ = 2, free"]
+    means = means_of(ScanResult(tmp_path))
+    assert means.figures["peak_force"] == "peak_force_with_walls_N"
+
+
+def test_a_quantity_that_its_scale_makes_constant_is_drawn_in_its_unit(tmp_path):
+    """Forces that follow the yield force exactly show how it grows with the diameter."""
+    scan = write_scan(tmp_path, grid(packing__diameter=[0.005, 0.01, 0.02]))
+    columns = drawings(ScanResult(scan))["peak_force_vs_packing_diameter"].columns
+    force = np.array(columns["peak_force_N"])
+    assert force[1:] / force[:-1] == pytest.approx(4.0)
+
+
+def test_points_of_categories_are_not_joined(tmp_path):
+    points = [
+        {"packing.kind": kind, "packing.size": f"[12, 12, {n}]"}
+        for kind, n in (("fcc", 10), ("hcp", 12), ("bcc", 14))
+    ]
+    figure = drawings(ScanResult(write_scan(tmp_path, points)))["peak_force_vs_packing_size"].figure
+    assert figure.axes[0].lines[0].get_linestyle() == "None"

@@ -225,7 +225,7 @@ def test_reader_for_xarray(tmp_path):
     write_scan(
         tmp_path / "bad", [*points, {"load.velocity": 9, "material": "brass", "run.end_time": 1.0}]
     )
-    with pytest.raises(ValueError, match="found 5 points at 5 places of a grid of 3 x 2"):
+    with pytest.raises(ValueError, match="found 5 points at 5 positions of a grid of 3 x 2"):
         read_scan(tmp_path / "bad").to_xarray()
 
 
@@ -323,13 +323,14 @@ def test_keys_varied_together_and_text_with_commas(tmp_path):
 
 
 def test_figures_of_a_grid_with_replicates(tmp_path):
-    points = grid(load__velocity=[1, 10], packing__diameter=[0.005, 0.01], packing__seed=[1, 2])
+    grid_of_three = {"load__velocity": [1, 3, 10], "packing__diameter": [0.005, 0.01, 0.02]}
+    points = grid(**grid_of_three, packing__seed=[1, 2])
     write_scan(tmp_path, points)
     names = stems(draw_scan_figures(tmp_path, pdf=False))
-    assert {"dissipated_fraction_map", "wave_speed_vs_packing_diameter"} <= names
+    assert {"dissipated_fraction_map", "wave_speed_vs_load_velocity"} <= names
     assert not any("seed" in name for name in names)
-    rows = rows_of(tmp_path / "figures" / "wave_speed_vs_packing_diameter.csv")
-    assert [float(row["packing.diameter_m"]) for row in rows] == [0.005, 0.01, 0.005, 0.01]
+    rows = rows_of(tmp_path / "figures" / "wave_speed_vs_load_velocity.csv")
+    assert [float(row["packing.diameter_m"]) for row in rows[::3]] == [0.005, 0.01, 0.02]
     speeds = [summary_of(case_of(point))["wave_speed_m_s"] for point in points[:2]]
     assert float(rows[0]["wave_speed_m_s"]) == pytest.approx(np.mean(speeds), rel=1e-9)
     assert float(rows[0]["standard_deviation"]) == pytest.approx(np.std(speeds, ddof=1), rel=1e-9)
@@ -514,7 +515,7 @@ def test_names_of_replaced_spheres():
         10.0,
         20.0,
     )
-    assert key_of("replace.1.index", [3, 4]).naming.label == "Place of replaced spheres"
+    assert key_of("replace.1.index", [3, 4]).naming.label == "Position of replaced spheres"
     assert key_of("replace.first", [1]).naming.label == "replace.first"
 
 

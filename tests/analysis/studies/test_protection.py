@@ -201,6 +201,7 @@ def test_studies_of_bottoms_and_heights(packings: Found, tmp_path: Path) -> None
     )
 
 
+@pytest.mark.validation
 def test_spectrum_follows_the_oscillator(tmp_path: Path) -> None:
     """Heavy plates below three elastic spheres do not change the force and respond to it as
     oscillators.

@@ -103,7 +103,7 @@ def square(**tables: Any) -> Case:
 def test_a_wall_cannot_cut_a_striker_of_a_chain() -> None:
     chain = {"kind": "chain", "size": 6, "diameter": 0.01905}
     with pytest.raises(
-        InputError, match=r"striker\.1: the wall at the bottom cuts through it, 0\.019"
+        InputError, match=r"striker\.1: the wall at the bottom overlaps it by 0\.019"
     ):
         case_from_dict(
             {"name": "chain", "material": STEEL, "packing": chain, "striker": [{"touches": 6}]}

@@ -41,7 +41,10 @@ from tests.helpers.made_up.synthetic_scan import case_of, grid, write_json, writ
 FORCE_IDEAL = 1332.0
 SHARE_IDEAL = 0.88
 TABLE = "Mean and 95 % confidence interval"
-KEPT = "How large each imperfection may be for 90 % of the ideal packing's performance or more: a force of at most 111 %"
+KEPT = (
+    "How large each imperfection may be for 90 % of the ideal packing performance or more: a "
+    "force of at most 111 %"
+)
 
 
 def summary_of(case: Case, **others: Any) -> dict[str, Any]:
@@ -191,12 +194,12 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     assert said[0].startswith("Peak force on the bottom, 1330 N in the ideal packing: from ")
     assert said[0].endswith(" (diameter scatter 0.01 µm).")
     assert said[1] == (
-        "Dissipated share of the energy, 0.88 in the ideal packing: from 0.704 (diameter scatter 10 µm) to 0.88 (ideal)."
+        "Dissipated fraction, 0.88 in the ideal packing: from 0.704 (diameter scatter 10 µm) to 0.88 (ideal)."
     )
     alike = table(
         report,
         "studies",
-        "Neighbouring settings whose means may be equal, with the seeds there are",
+        "Neighbouring settings whose means do not differ significantly",
     )
     texts = [
         [cell.text for cell in row.values()]
@@ -219,13 +222,13 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
         and " ± " in rows[2]["Peak force on the bottom"].text
     )
     against = table(report, "studies", "Against the ideal packing")
-    assert "not to be told from it" in against[1]["Peak force on the bottom"].text
+    assert "not significantly different" in against[1]["Peak force on the bottom"].text
     needed = [row["Seeds for the force to ± 10 %"].value for row in rows]
     assert needed[:2] == [None, None] and max(filter(None, needed)) == 5
     kept = table(report, "studies", KEPT)
     texts = [[cell.text for cell in row.values()] for row in kept]
     assert texts[0][:4] == ["Diameter scatter", "Peak force on the bottom", "1330 N", "10 µm"]
-    assert texts[0][4].startswith("41") and texts[0][7] == "every value tried"  # 1332/32 N
+    assert texts[0][4].startswith("41") and texts[0][7] == "all values in the scan"  # 1332/32 N
     assert texts[1][2:] == [
         "0.88",
         "10 µm",
@@ -251,7 +254,7 @@ def test_a_damaged_result_is_left_out(tmp_path: Path) -> None:
     (paths[-1] / "result.h5").write_bytes(b"no")
     (study,) = found_in(paths, tmp_path)
     assert [row[1].text for row in study.tables[0].rows] == ["not random", "2"]
-    assert "so studies and comparisons leave it out" in str(build(paths, tmp_path, "tolerance"))
+    assert "so studies and comparisons omit it" in str(build(paths, tmp_path, "tolerance"))
 
 
 def test_the_ideal_packing_is_missed_only_where_it_was_asked_for(tmp_path: Path) -> None:

@@ -77,10 +77,10 @@ def test_the_command_runs_and_its_summary_agrees(tmp_path, capsys):
     ("words", "reason"),
     [
         (["elastic-impact"], "the contacts do not yield"),
-        (["two-spheres"], "no block: a chain"),
+        (["two-spheres"], "not a block: a chain"),
         (["fcc-small", "--set", "packing.size=[1,1,6]"], "or too narrow"),
-        (["elastoplastic-pulse"], "impacts and strikers along z alone"),
-        (["fcc-small", *SMALL, "--set", "load.angle=30"], "impacts and strikers along z alone"),
+        (["elastoplastic-pulse"], "only for impacts and strikers along z"),
+        (["fcc-small", *SMALL, "--set", "load.angle=30"], "only for impacts and strikers along z"),
     ],
 )
 def test_where_there_is_none_it_says_why(words, reason, capsys):

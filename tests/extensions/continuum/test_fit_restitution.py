@@ -112,7 +112,7 @@ def test_what_restitution_does_not_tell_is_said():
     found = fit_restitution(noisy(1), [BRASS], [R])
     assert found.state(YIELD) == "fitted"
     assert "not determined by restitution (+-" in found.state("area_switch")
-    assert found.state("residual_slope").startswith("held: --free residual_slope would determine")
+    assert found.state("residual_slope").startswith("fixed: --free residual_slope would determine")
     both = fit_restitution(noisy(1), [BRASS], [R], ["area_switch"])
     assert both.undetermined("area_switch")
     # the spread that was foretold is that of the fit
@@ -130,7 +130,7 @@ def test_elastic_impacts_tell_no_yield_strength(caplog):
     assert found.undetermined(YIELD)
     assert "not determined" in found.state(YIELD)
     assert "the yield strength is not determined" in caplog.text
-    assert "loss of another kind" not in caplog.text
+    assert "another source of dissipation" not in caplog.text
 
 
 def test_a_loss_of_another_kind_is_named(caplog):
@@ -172,7 +172,7 @@ def test_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     assert fit(asked) == 0
     shown = capsys.readouterr().out
     assert "impacts yield from" in shown
-    assert "held: --free unloading_exponent would determine it to" in shown
+    assert "fixed: --free unloading_exponent would determine it to" in shown
     case = load_case(tmp_path / "out" / "fit.toml")
     assert case.material.yield_strength == pytest.approx(STRENGTH, rel=1e-3)
     assert sphere_contact(case).constants == LAW_CONSTANTS
@@ -216,7 +216,7 @@ def test_faults_are_named_up_to_five(tmp_path: Path):
     with pytest.raises(InputError) as refused:
         read_rebounds(tmp_path / "drops.csv")
     assert len(refused.value.errors) == 6
-    assert refused.value.errors[-1].endswith("and 3 more")
+    assert refused.value.errors[-1].endswith("3 more errors")
 
 
 def test_a_rate_sensitive_material_is_refused():

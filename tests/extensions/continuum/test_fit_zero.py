@@ -112,7 +112,9 @@ def test_readings_below_zero(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     table = {"overlap_um": 1e6 * curve.overlap, "force_N": curve.force}
     path = tmp_path / "gauge.csv"
     write_csv(table, path)
-    with pytest.raises(InputError, match=r"overlap_um: found -5, expected none below 0 .*zero"):
+    with pytest.raises(
+        InputError, match=r"overlap_um: found -5, expected no negative value .*zero"
+    ):
         fit(options(path, tmp_path / "out"))
     read = read_curve(path, any_zero=True)
     assert read.turns == pytest.approx([curve.overlap.max()])

@@ -116,7 +116,7 @@ def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> N
     labels = [row[0] for row in rows(impacts, "Dissipation per mass")]
     assert "other" in labels
     assert "other" in [row[0] for row in rows(impacts, "Plastic zone")]
-    assert "granular, hcp 8 x 8 x 6" in [row[1] for row in rows(impacts, "Plastic zone")]
+    assert "granular, hcp 8 x 8 x 6, brass" in [row[1] for row in rows(impacts, "Plastic zone")]
 
 
 def rows(impacts: Impacts, caption: str) -> list[list]:

@@ -27,11 +27,11 @@ def test_continuum_run_with_other_keys_and_nulls(tmp_path):
     }
     write_json(run / "summary.json", summary)
     report = build([run, write_run(tmp_path / "grains", figures=False)], tmp_path, "restitution")
-    first = table(report, "inputs", "What this report is about")[0]
+    first = table(report, "inputs", "Contents of this report")[0]
     assert first["What"].text == "continuum run"
     row = table(report, "balance", "Energies at the end, and the error of the balance")[0]
     assert (row["Balance"].text, row["Hourglass energy"].value) == ("good", 1e-3)
-    assert table(report, "results", "Runs")[0]["Peak contact force, walls left out"].value is None
+    assert table(report, "results", "Runs")[0]["Peak contact force, excluding walls"].value is None
     for suffix in ("html", "pdf", "md"):
         write_report([run], tmp_path / f"r.{suffix}")
 
@@ -41,4 +41,4 @@ def test_a_continuum_balance_has_its_own_limits(tmp_path):
     assert [note.tone for note in notes(build([run], tmp_path), "short")] == ["good"]
     worse = write_run(tmp_path / "worse", figures=False, n_elements=100, energy_balance_error=0.03)
     (note,) = [n for n in notes(build([run, worse], tmp_path), "short") if n.tone == "bad"]
-    assert "off by up to 0.03 of the input, more than 0.02): worse" in note.text
+    assert "(up to 0.03 of the input, more than 0.02): worse" in note.text

@@ -132,11 +132,11 @@ def test_limits_known_before_a_run(folder):
     [
         (
             {"limits": {"mass_kg": 1e-6}},
-            "no design meets them, of 200 drawn or all that there are; the nearest is",
+            "none of 200 random designs, or of all designs, meets them; the nearest is",
         ),
         (
             {"variables": {"packing.diametr": [0.01]}},
-            "is no key of a case; did you mean packing.diameter?",
+            "is not a key of a case; did you mean packing.diameter?",
         ),
         (
             {"variables": {"packing.diameter": {"low": 2.0, "high": 1.0}}},
@@ -147,7 +147,7 @@ def test_limits_known_before_a_run(folder):
         ({"objective": {"minimise": ["target_peak_force"]}}, "did you mean target_peak_force_N?"),
         ({"objective": {}}, "found 0 values, expected one"),
         ({"set": {"boundary.bottom": "free"}}, "target_peak_force_N: is null without a target"),
-        ({"limits": {"mass": 1.0}}, "limits.mass: is no value of summary.json"),
+        ({"limits": {"mass": 1.0}}, "limits.mass: is not a value of summary.json"),
         ({"limits": {"mass_kg": {"low": 2.0, "high": 1.0}}}, "a high that is not below the low"),
         ({"uncertainty": {"velocity": [3.0, 1.0]}}, "the largest not below the smallest"),
         ({"uncertainty": {"statistic": "median"}}, '"mean", "worst"'),
@@ -162,7 +162,7 @@ def test_limits_known_before_a_run(folder):
         ),
         (
             {"variables": {"layers": {"materials": MATERIALS}, "packing.size": [3, 4]}},
-            "found beside packing.size",
+            "found together with packing.size",
         ),
         (
             {"variables": {"layers": {"materials": MATERIALS, "tied": True}}},

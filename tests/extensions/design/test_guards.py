@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from granwave.extensions.design.report import range_under_checks
 from granwave.extensions.design.search.guards import (
     changes_of,
     finding_of,
@@ -54,7 +55,8 @@ def test_what_the_run_of_the_best_tells(folder, tmp_path):
 
     def warned(beyond, given, kinetic, force, diameter, note):
         with h5py.File(tmp_path / "result.h5", "w") as file:
-            file["walls/bottom/time"], file["walls/bottom/force"] = time_, force
+            file["walls/bottom/time"] = time_
+            file["walls/bottom/force"] = force
         summary = {
             "contacts_beyond_law": beyond,
             "energy_input_J": given,
@@ -81,7 +83,7 @@ def test_what_changes_by_more_than_five_per_cent_is_said_first(folder):
         (104.0, 0.9, False, "104 (+4.0 %)"),
         (94.0, 0.9, True, "94 (-6.0 %)"),
         (101.0, 1.1, True, "beyond a limit: wall_impulse_Ns 1.1, at most 1"),
-        (None, 0.9, True, "gives no value"),
+        (None, 0.9, True, "no value"),
     ):
         after = {"target_peak_force_N": force, "wall_impulse_Ns": impulse}
         found = finding_of("wider", "a wider packing", problem, before, after)
@@ -114,3 +116,15 @@ def test_passed_forces_and_late_impulses():
     assert not has_come(pulse[:450])
     assert not has_come(np.zeros(5))
     assert late_impulse(time_, np.ones_like(time_)) == pytest.approx(0.1, rel=0.02)
+
+
+def test_range_under_checks_is_of_further_runs_of_the_best_design():
+    """Neighbours are other designs; a further run that changes nothing leaves the value an end."""
+    changes = {"wider": -0.61, "longer": 0.0, "stiffer": 1.29, "neighbour-1": 7.0, "moved": -0.9}
+    name = "target_peak_force_N"
+    guards = [{"name": check, "changes": {name: change}} for check, change in changes.items()]
+    best = {"objective": {name: 100.0}, "guards": [*guards, {"name": "flight", "changes": {}}]}
+    assert range_under_checks(best, name) == "39 N to 229 N in its checks"
+    several = range_under_checks(best | {"runs": 3}, name)
+    assert several == "changed by -61 % to +129 % in its checks"
+    assert range_under_checks(best | {"guards": guards[3:]}, name) == ""

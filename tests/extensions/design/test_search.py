@@ -68,7 +68,13 @@ def search(space, loss, evaluations, seed, *, margin=None, guided=True):
     return known
 
 
-@pytest.mark.parametrize(("space", "loss"), [(BEADS, of_beads), (PACKINGS, of_packings)])
+@pytest.mark.parametrize(
+    ("space", "loss"),
+    [
+        (BEADS, of_beads),
+        pytest.param(PACKINGS, of_packings, marks=pytest.mark.validation),
+    ],
+)
 def test_small_spaces_are_solved_in_a_third_of_the_evaluations(space, loss):
     best = min(map(loss, space.all()))
     third = int(space.size) // 3
@@ -78,6 +84,7 @@ def test_small_spaces_are_solved_in_a_third_of_the_evaluations(space, loss):
     assert sum(solved) >= 7
 
 
+@pytest.mark.validation
 def test_better_than_random():
     guided, drawn = (
         [
@@ -130,7 +137,7 @@ def test_front():
 
 
 def test_values_that_are_to_be_large():
-    """Losses of values that are to be large are negative; their order stays in the logarithm."""
+    """Losses of values to maximise are negative; their order stays in the logarithm."""
     losses = np.array([[-5.0], [-1.0], [-20.0]])
     assert list(np.argsort(joined(losses))) == [2, 0, 1]
     found = search(RANGES, lambda values: -1 / of_ranges(values), 15, 1)

@@ -133,7 +133,7 @@ def test_a_series_is_differentiated(infer):
     assert json.loads(Path("infer/summary.json").read_text())["time_s"] == pytest.approx(2 / rate)
     gone = [row for row in rows if not row.startswith("3,")]
     status, _, err = infer(gone, "--force", case=case, header=header)
-    assert status == 2 and "evenly spaced" in err
+    assert status == 2 and "at a constant interval" in err
 
 
 GOOD = column(500.0)
@@ -149,7 +149,7 @@ BAD = {
     "radius": ([GOOD[0].replace(f",{RADIUS},500", f",-{RADIUS},500")], {}, "line 2: radius_m: found -0.005"),
     "short": ([GOOD[0].rsplit(",", 1)[0]], {}, "line 2: found 8 values, expected 9"),
     "partly": ([GOOD[0].rsplit(",", 1)[0] + ","], {}, "line 2: found some of exx, eyy, exy empty"),
-    "lonely": ([*GOOD, "9,0.015,1.0,0.005,0,0,0,0,0"], {}, "grain 9: touches nothing"),
+    "lonely": ([*GOOD, "9,0.015,1.0,0.005,0,0,0,0,0"], {}, "grain 9: has no contact"),
     "behind": ([*GOOD, "9,0.1,1.0,0.005,0,0,0,0,0"], {}, "grain 9: lies behind the wall right"),
     "passing": ([f"{row},2" for row in GOOD], {"header": f"{HEADER},passes_walls"}, "passes_walls: found 2, expected 0"),
     "columns": (GOOD, {"header": HEADER.replace("radius_m", "size")}, "lacks radius_m"),
@@ -158,20 +158,23 @@ BAD = {
     "repeated": (GOOD, {"header": HEADER.replace("ay_m_s2", "ax_m_s2")}, "found the column ax_m_s2 2 times"),
     "empty": ([], {}, "found no grain"),
     "no modulus": (["1,0.005,0,0.005,-1e-3,0,0"], {"header": STATIC, "case": WITHOUT},
-                   "without accelerations nothing tells it"),
+                   "since it cannot be determined without accelerations"),
     "modulus": (GOOD, {"case": WITHOUT}, 'infer.modulus = "find"'),
     "nothing to find": (["1,0.005,0,0.005,-1e-3,0,0"], {"header": STATIC, "case": WITHOUT + 'modulus = "find"\n'},
-                        "nothing to find it from"),
+                        "the data do not determine it"),
     "rank": ([GOOD[0].rsplit(",", 5)[0] + ",,,,,"], {}, "0 equations of rank 0 for 2 components"),
     "case": (GOOD, {"case": CASE.replace("friction = 0.2", "frictoin = 0.2")}, "did you mean friction?"),
-    "walls": (GOOD, {"case": CASE.replace("left = 0.0", "left = 1.0")}, "expected it below right"),
+    "walls": (
+        GOOD, {"case": CASE.replace("left = 0.0", "left = 1.0")}, "expected a value below right",
+    ),
     "weights": (GOOD, {"case": CASE + 'weights = "white"\n'}, "infer.noise"),
     "thick": (GOOD, {"case": CASE.replace("0.02", "-0.02")}, "infer.thickness"),
     "noise": (GOOD, {"case": f"{CASE}noise = {{strain = 1e-300}}"}, "strain from 1e-1"),
     "loud": (GOOD, {"case": f"{CASE}noise = {{acceleration = 1e300}}"}, "acceleration from 1e-1"),
     "id": (GOOD, {"case": CASE.replace("left = 0.0", '"2" = {point = [0.0, 0.0], normal = [1.0, 0.0]}')},
            "the first a letter"),
-    "stretched": ([STRETCHED.format(row.rsplit(",", 3)[0]) for row in GOOD], {}, "strains that stretch each of the 3"),
+    "stretched": ([STRETCHED.format(row.rsplit(",", 3)[0]) for row in GOOD], {}, "strains that "
+        "are tensile in each of the 3"),
     "frames": (["0," + GOOD[0], "1," + GOOD[0]], {"header": "frame," + HEADER}, "infer.frame_rate: missing"),
 }  # fmt: skip
 
@@ -192,7 +195,7 @@ def test_files_that_cannot_be_read(infer, tmp_path):
     assert "UTF-8" in infer(None)[2]
     (tmp_path / "grains.csv").write_text("")
     assert "found nothing" in infer(None)[2]
-    assert "expected it with the directory of a run" in infer(column(1.0), "--noise", "0.1")[2]
+    assert "requires the directory of a run" in infer(column(1.0), "--noise", "0.1")[2]
 
 
 SQUARE = {
@@ -250,7 +253,7 @@ def test_cylinders_of_a_file_and_grains_that_touch_nothing(tmp_path, monkeypatch
     }, progress=False)  # fmt: skip
     found = gw.infer(run)
     assert found["n_grains"] == 2 and found["state"] == "plane-stress"
-    assert found["notes"] == ["1 of 3 grains touch nothing and are left out"]
+    assert found["notes"] == ["1 of 3 grains have no contact and are excluded"]
     assert found["true_force_error"] < 1e-11
     measured = found.measurement
     force = found.forces["normal_force_N"].iloc[0]
@@ -298,7 +301,7 @@ def test_python_says_what_is_wrong(tmp_path):
         (
             (tmp_path,),
             {"directory": tmp_path / "not" / "there"},
-            "there: there is no directory",
+            "there: no such directory:",
         ),
     ]:
         with pytest.raises(gw.InputError, match=said):
@@ -331,7 +334,7 @@ def test_a_run_without_forces_is_refused(tmp_path, monkeypatch, capsys):
 def test_doubts_are_notes(infer):
     rows = [STRETCHED.format(GOOD[0].rsplit(",", 3)[0]), *GOOD[1:]]
     status, out, _ = infer(rows, case=CASE + "noise = {strain = 1e-5}\n")
-    assert status == 0 and "most of the strains stretch the grains" in out
+    assert status == 0 and "most of the strains are tensile" in out
     assert "infer.noise lacks acceleration: it is not used" in out
 
 

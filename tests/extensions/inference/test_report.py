@@ -48,9 +48,9 @@ def test_answer_and_table():
     )
     run = ReportRun("one", InferenceKind(), ResultDirectory(Path()), "done", summary, {}, {})
     assert in_words(run) == (
-        "89 of 104 contacts bear a force, at most 179.8 N. 9 of them bear a force above two "
-        "standard errors. These forces are off by 1.2 % to 5.7 % of the true ones, for noise of "
-        "2 % to 10 %. What these forces leave unexplained is 5 % of the data."
+        "89 of 104 contacts carry a force, at most 179.8 N. 9 of them carry a force above two "
+        "standard errors. The error is 1.2 % to 5.7 % of the true forces, for noise of "
+        "2 % to 10 %. The unexplained fraction of the data is 5 %."
     )
     assert labels(run)[:3] == [
         "Grains",
@@ -65,7 +65,7 @@ def test_answer_and_table():
     table = value_table([run, *others], "inferred forces")
     assert [column.heading for column in table.columns] == ["Quantity", "one", "two", "Unit"]
     rows = {row[0].text: row[1:] for row in table.rows}
-    error = rows["Error of the forces, of the true ones"]
+    error = rows["Error of the forces relative to the true forces"]
     assert [cell.text for cell in error] == ["1.2 to 5.7", "1.2 to 5.7", "%"]
     significant = rows["Contacts with a force above two standard errors"]
     assert [cell.text for cell in significant] == ["9", BLANK, ""]
@@ -82,7 +82,7 @@ def test_inferred_forces(tmp_path):
         np.array_equal(found.forces["normal_force_N"], made.forces["normal_force_N"])
         and found.measurement is None
     )
-    assert "2 of them bear a force" in repr(found)
+    assert "2 of them carry a force" in repr(found)
     (tmp_path / "found" / "forces.csv").unlink()
     with pytest.raises(OutputFormatError, match=r"forces\.csv or grains\.csv cannot be read"):
         gw.load(tmp_path / "found")

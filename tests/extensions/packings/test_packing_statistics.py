@@ -1,11 +1,14 @@
 """Statistics of packings: closed forms of lattices, of a random medium, and of an exponential."""
 
+import json
 import math
 
 import numpy as np
 import pytest
 
+from granwave.extensions.packings.bed_statistics import statistics_rows, statistics_values
 from granwave.extensions.packings.statistics import (
+    PackingStatistics,
     anisotropy,
     coordination,
     depth_profile,
@@ -84,3 +87,19 @@ def test_force_over_the_mean_at_its_depth_does_not_grow_with_depth():
     upper = relative[depth < 0.5].mean()
     assert upper == pytest.approx(1.0, rel=0.02)
     assert exponential_tail(relative) == pytest.approx(1.0, rel=0.1)
+
+
+def test_a_shallow_bed_says_why_a_value_is_missing():
+    none = math.nan
+    found = PackingStatistics(
+        n_grains=12, n_contacts=9, solid_fraction=none, coordination=none,
+        coordination_without_rattlers=none, rattlers=none, anisotropy=0.1, fabric=np.eye(3) / 3,
+        force_tail=none, mean_force=0.1, largest_force=0.2, pressure=none,
+    )  # fmt: skip
+    rows = dict(statistics_rows(found, friction=True))
+    assert rows["grains"] == "12"
+    assert "less than one diameter deep" in rows["solid fraction"]
+    assert "no grain is one diameter away" in rows["coordination"]
+    assert "too few contacts" in rows["tail of the forces"]
+    assert not any("nan" in text for text in rows.values())
+    json.dumps(statistics_values(found), allow_nan=False)

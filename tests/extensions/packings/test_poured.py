@@ -27,7 +27,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.walls import walls
-from granwave.workflows import load_case
+from granwave.workflows import load_case, load_scan
+from granwave.workflows.cli.main import main
 from granwave.workflows.run.driver import run_case
 
 N = 60
@@ -123,7 +124,7 @@ def test_check_makes_no_bed(folder, tmp_path):
     path = case_file(tmp_path)
     with nothing_made(), pytest.raises(PackingNotMadeError) as raised:
         load_case(path)
-    assert dict(raised.value.rows)["bed"].startswith(f"{N} grains of 0.009 to 0.011 m")
+    assert dict(raised.value.packings[0].rows)["bed"].startswith(f"{N} grains of 0.009 to 0.011 m")
     assert not (tmp_path / "beds").exists()
     with nothing_made():
         assert load_case(case_file(folder)).packing.n_spheres == N
@@ -150,6 +151,10 @@ def test_a_struck_bed_closes_its_energy_and_starts_in_balance(folder, tmp_path):
     run = run_case(load_case(path), tmp_path / "run", figures=False)
     assert run.summary["energy_balance_error"] < 1e-5
     assert run.summary["friction_fraction"] > 0.3
+    # measured after all drag is gone; the stage ends at 4e-7 with the drag on the spins
+    assert static_record(tmp_path / "run")["residual"] < 1e-6
+    script = (tmp_path / "run" / "in.granwave").read_text()
+    assert "set             group static_spheres omega 0.0 0.0 0.0" in script
     walls = np.loadtxt(tmp_path / "run" / "dumps" / "walls.txt")
     bottom = walls[:, 2]
     _, bed = made(folder)
@@ -211,7 +216,10 @@ def test_a_bed_with_its_resistance_stays_where_it_settled(folder, tmp_path):
         ({"springs": "a,b\n"}, "found the columns a, b"),
         ({"springs": "first,second,fx,fy,fz,compliance\n2,1,0,0,0,1\n"}, "line 2: found 2,1,0"),
         ({"springs": 3}, r"packing\.springs: found 3, expected a table of springs as text"),
-        ({"relaxation": "minimiser"}, r"packing\.springs: belongs to packing\.contacts = .keep."),
+        (
+            {"relaxation": "minimiser"},
+            r"packing\.springs: applies only to packing\.contacts = .keep.",
+        ),
     ],
 )
 def test_wrong_springs(folder, changes, message):
@@ -295,7 +303,7 @@ def test_a_damaged_bed_is_named(folder, tmp_path):
     made(tmp_path, grains=5)
     (file,) = (tmp_path / "beds").glob("poured-*[0-9a-f].csv")
     file.write_text("x,y\n")
-    with pytest.raises(InputError, match=r"found no bed .*; remove the file, and it is made again"):
+    with pytest.raises(InputError, match=r"found no bed .*; remove the file to generate it again"):
         load_case(case_file(tmp_path, grains=5))
 
 
@@ -322,3 +330,71 @@ def test_walls_of_a_file_are_where_its_enclosure_puts_them(tmp_path):
     assert case.to_dict()["packing"]["enclosure"] == enclosure
     with pytest.raises(InputError, match=r"packing\.enclosure"):
         load_case("fcc-small", {"packing.enclosure": enclosure})
+
+
+def hertz(overlap, radius):
+    """Return Hertz's force of a soft grain on another, or on a rigid wall."""
+    modulus = TABLES["material"]["youngs_modulus"] / (1 - TABLES["material"]["poisson_ratio"] ** 2)
+    return 4 / 3 * modulus * np.sqrt(radius) * np.maximum(overlap, 0.0) ** 1.5
+
+
+def test_without_friction_a_bed_is_in_balance(tmp_path):
+    """Forces from the places alone, by Hertz's law of pairs and of planes, carry each weight."""
+    _, bed = made(tmp_path, friction=0.0)
+    position = bed.grains.position
+    radius = bed.grains.diameter / 2
+    first, second = np.triu_indices(N, 1)
+    apart = position[second] - position[first]
+    distance = np.linalg.norm(apart, axis=1)
+    together = radius[first] * radius[second] / (radius[first] + radius[second])
+    force = hertz(radius[first] + radius[second] - distance, together) / 2
+    push = (force / distance)[:, None] * apart
+    net = np.zeros((N, 3))
+    np.add.at(net, second, push)
+    np.add.at(net, first, -push)
+    net[:, 2] += TABLES["material"]["density"] * np.pi / 6 * (2 * radius) ** 3 * GRAVITY
+    net[:, 2] -= hertz(position[:, 2] + radius - bed.bottom, radius)
+    for axis in (0, 1):
+        width = TABLES["packing"]["box"][axis]
+        net[:, axis] += hertz(radius - position[:, axis], radius)
+        net[:, axis] -= hertz(position[:, axis] + radius - width, radius)
+    assert np.linalg.norm(net, axis=1).max() < 1e-7 * force.max()
+
+
+def scan_file(folder, text):
+    """Write a scan of the case into a folder; return its path."""
+    case_file(folder)
+    path = folder / "scan.toml"
+    path.write_text(f'case = "bed.toml"\n{text}')
+    return path
+
+
+def test_a_plan_counts_the_beds_of_a_scan_and_makes_none(tmp_path, capsys):
+    """Three seeds with two speeds are three beds, whose costs are shown."""
+    text = "[grid]\npacking.seed = [1, 2, 3]\nrun.end_time = [1e-3, 2e-3]\n"
+    path = scan_file(tmp_path, text)
+    with nothing_made(), pytest.raises(PackingNotMadeError) as raised:
+        load_scan(path)
+    beds = raised.value.packings
+    assert len({bed.file for bed in beds}) == len(beds) == 3
+    assert main(["scan", str(path), "--plan", "--json"]) == 0
+    values = json.loads(capsys.readouterr().out)["not_made"]
+    assert values["n_packings"] == 3
+    assert values["wall_time_s"] == pytest.approx(3 * beds[0].time)
+    assert values["memory_bytes"] == pytest.approx(beds[0].memory)
+    assert main(["scan", str(path), "--plan"]) == 0
+    assert "packings to generate" in capsys.readouterr().out
+    assert not (tmp_path / "beds").exists()
+
+
+def test_replicates_are_beds_of_their_own(tmp_path):
+    path = scan_file(tmp_path, "replicates = 2\n[grid]\nrun.end_time = [1e-3, 2e-3]\n")
+    with nothing_made(), pytest.raises(PackingNotMadeError) as raised:
+        load_scan(path)
+    assert len(raised.value.packings) == 2
+    for bed in raised.value.packings:
+        assert bed.time > 0
+    made(tmp_path, seed=1, grains=N)
+    with nothing_made(), pytest.raises(PackingNotMadeError) as raised:
+        load_scan(path)
+    assert len(raised.value.packings) == 1

@@ -159,7 +159,7 @@ def test_the_time_of_a_film_is_measured(packing, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(terminal, "_MEASURED", 3)
     monkeypatch.setattr(terminal, "_WORTH_SAYING", 0.0)
     assert main(["film", str(packing), "-o", str(tmp_path / "a.gif"), "--width", "240"]) == 0
-    assert re.search(r"film: 4 pictures, about 0 s to go", capsys.readouterr().err)
+    assert re.search(r"animation: 4 frames, about 0 s left", capsys.readouterr().err)
 
 
 def test_sizes():
@@ -189,7 +189,7 @@ def test_chain_shows_nothing_of_the_future(chain):
     with Result(chain) as result, style():
         film = scene(result, "force", None)
         figure = film.draw(5)
-        with pytest.raises(InputError, match=r"no orthogonal plane; take --view 3d or chain"):
+        with pytest.raises(InputError, match=r"no orthogonal plane; use --view 3d or chain"):
             scene(result, "force", "orthogonal")
         (mesh,) = [one for one in figure.axes[1].collections if one.get_array() is not None]
         shown = np.ma.filled(mesh.get_array(), np.nan)
@@ -208,10 +208,10 @@ def test_chain_shows_nothing_of_the_future(chain):
         ({"view": "orthogonl"}, r"--view: found orthogonl, .* did you mean orthogonal\?"),
         ({"view": "3D"}, r"did you mean 3d\?"),
         ({"view": "chain"}, r"no record of a chain"),
-        ({"view": "section"}, r"--view section: it is the plane of --plane, or of figures.plane"),
+        ({"view": "section"}, r"--view section: requires a plane; set --plane, or figures.plane"),
         ({"width": 20}, r"--width: found 20, expected 100 to 4000 pixels"),
         ({"rate": 0.0}, r"--rate: found 0, expected 0.1 to 100"),
-        ({"path": "nowhere/a.gif"}, r"there is no directory"),
+        ({"path": "nowhere/a.gif"}, r"no such directory"),
     ],
 )
 def test_wrong_options(packing, tmp_path, options, message):
@@ -235,7 +235,7 @@ def test_commands(packing, granwave, tmp_path):
         done.stderr
     )
     assert re.fullmatch(r"[\d.]+ MB, 100 spheres, 4 snapshots", done.stdout.splitlines()[1])
-    assert "the 100 spheres nearest to the struck one, of 256; --all shows all" in done.stderr
+    assert "the 100 spheres nearest to the impacted sphere, of 256; --all shows all" in done.stderr
     options = (
         "--plane",
         "1,1,0",
@@ -266,7 +266,7 @@ def test_commands(packing, granwave, tmp_path):
     assert done.returncode == 0 and "peak_force_section.png" in done.stdout, done.stderr
     assert not (packing / "figures" / "peak_force_section.pdf").exists()
     done = granwave("figures", packing, "--only", "peak_force_section")
-    assert done.returncode == 2 and "needs a plane; give --plane x" in done.stderr
+    assert done.returncode == 2 and "requires a plane; set --plane x" in done.stderr
     assert (packing / "figures" / "peak_force_section.png").exists()
     done = granwave("figures", packing, "--only", "energies,directions")
     assert done.returncode == 0 and [line.split("/")[-1] for line in done.stdout.split()] == [

@@ -126,7 +126,8 @@ def test_a_chain_has_its_history():
     """Forces of the beads are the largest of their contacts, at the instants of the record."""
     time = np.linspace(0, 1, 11)
     force = np.zeros((11, 3))
-    force[:, 0], force[:, 1] = time, 2 * time[::-1]
+    force[:, 0] = time
+    force[:, 1] = 2 * time[::-1]
     beads = {"chain/velocity": np.ones((11, 3)), "chain/displacement": np.zeros((11, 3))}
     ends = {
         "chain/contact_i": np.array([1, 2, 3]),
@@ -152,7 +153,7 @@ def test_fewer_spheres_and_snapshots(run, tmp_path, monkeypatch):
     """The spheres nearest to the struck one stay, and the page says so."""
     made = page.write_view(run, tmp_path / "a.html", spheres=20, frames=3)
     assert (made.n_spheres, made.n_frames) == (20, 3)
-    assert "the 20 spheres nearest to the struck one, of 144, 3 of 4 snapshots" in made.note
+    assert "the 20 spheres nearest to the impacted sphere, of 144, 3 of 4 snapshots" in made.note
     spheres = [one for one in plot_in(made.path)["objects"] if one["type"] == "Points"]
     away = np.linalg.norm(arrays({"0": spheres[0]["positions"]})[0.0].reshape(-1, 3), axis=1)
     with Result(run) as result:
@@ -194,7 +195,7 @@ def test_only_data_is_loaded(run, tmp_path):
     ("name", "message"),
     [
         ("a.txt", r"a\.txt: expected a name that ends in \.html"),
-        ("nowhere/a.html", "there is no directory"),
+        ("nowhere/a.html", "no such directory"),
         ("mine.html", "granwave did not write it"),
     ],
 )

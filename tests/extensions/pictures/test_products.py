@@ -13,7 +13,7 @@ from granwave.workflows.cli.main import main
 from tests.helpers.made_up import synthetic
 
 BOTH = Figures(film="mp4", view=True)
-INSTALL = 'not installed, which pictures needs: pip install "granwave[pictures]"'
+INSTALL = 'not installed, but the extension pictures requires it: pip install "granwave[pictures]"'
 
 
 def test_files_that_a_case_asks_for():
@@ -35,13 +35,13 @@ def test_missing_packages_name_their_extra(monkeypatch):
 def test_a_missing_extension_is_a_warning(monkeypatch, caplog):
     monkeypatch.setattr(products, "added_by_key", lambda *_: {})
     monkeypatch.delenv(WITHOUT, raising=False)
-    text = "figures.film: film.mp4 is not made: no extension that makes it is installed"
+    text = "figures.film: film.mp4 is not made: the extension that makes it is not installed"
     assert missing_products(Figures(film="mp4")) == [
         f"{text}; granwave doctor lists what is installed"
     ]
     monkeypatch.setenv(WITHOUT, "pictures")
     assert main(["check", "fcc-small", "--set", "figures.film=mp4"]) == 0
-    assert f"fcc-small: {text}, or {WITHOUT}=pictures leaves it out" in caplog.text
+    assert f"fcc-small: {text}, or {WITHOUT}=pictures hides it" in caplog.text
 
 
 @pytest.mark.failing_figures
@@ -50,7 +50,7 @@ def test_the_analysis_goes_on_without_it(tmp_path, monkeypatch, caplog):
     run = synthetic.write_run(tmp_path / "run", case)
     monkeypatch.setattr(pipeline, "added_by_key", lambda *_: {})
     pipeline.analyse(run)
-    assert "film.gif: not made: no extension that makes it is installed" in caplog.text
+    assert "film.gif: not made: the extension that makes it is not installed" in caplog.text
     assert (run / "summary.json").is_file() and (run / "figures" / "energies.png").is_file()
     assert not (run / "film.gif").exists()
 

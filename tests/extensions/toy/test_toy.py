@@ -19,6 +19,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.xdist_group("toy")  # its fixtures are made once
+
 HERE = Path(__file__).parent
 ROOT = HERE.parents[2]
 PAGE = ROOT / "docs" / "howto" / "own-extension.md"
@@ -156,11 +158,11 @@ def test_without_it_the_case_is_wrong_and_the_rest_works(granwave, folder):
     ("field", "message"),
     [
         ('loads="toy.loads:LOADS"',
-         "load.kind fall: it is in the extension other and in the extension toy"),
+         "load.kind fall: both the extension other and the extension toy"),
         ('figures={"energies": "toy.results:RANKED_FORCES"}',
-         "figure energies: it is in granwave itself and in the extension other"),
+         "figure energies: both granwave itself and the extension other"),
         ('summary="toy.results:summary_values", quantities="toy.results:QUANTITIES"',
-         "value of summary.json force_participation: it is in the extension other and in"),
+         "value of summary.json force_participation: both the extension other and"),
         ('lattices="missing_module:LATTICES"',
          "extension other: lattices missing_module:LATTICES cannot be loaded: No module named"),
     ],
@@ -177,5 +179,5 @@ def test_clashes_and_faults_name_the_extension(tmp_path, field, message):
     done = runner(site)("run", "case.toml", cwd=tmp_path)
     assert done.returncode == 2 and not (tmp_path / "case").exists(), done.stderr
     assert message in done.stderr
-    assert re.search(rf"leave the extension out: {WITHOUT}=(other|toy)", done.stderr)
+    assert re.search(rf"hide the extension with {WITHOUT}=(other|toy)", done.stderr)
     assert "Traceback" not in done.stderr

@@ -19,7 +19,7 @@ DIMER = "x,y,z,diameter,clump\n0,0,0,0.01,1\n0.006,0,0,0.01,1\n0,0,-0.02,0.01,0\
     ("tables", "fault"),
     [
         ({}, "found clump 1 of 2 grains, expected single grains"),
-        ({"wall": [{"region": "sphere 0 0 0 0.1"}]}, "wall.1: found a wall of a region"),
+        ({"wall": [{"region": "sphere 0 0 0 0.1"}]}, "wall.1: found a region wall"),
     ],
 )
 def test_small_waves_refuse_them(tables: dict[str, Any], fault: str) -> None:

@@ -107,7 +107,7 @@ def test_a_finished_run_serves_as_a_case(row, capsys):
     np.testing.assert_allclose(gw.bands(run).frequency, gw.bands("row.toml").frequency, rtol=1e-6)
     np.testing.assert_allclose(gw.modes(run).frequency, gw.modes("row.toml").frequency, rtol=1e-6)
     assert main(["bands", str(run.directory), "--set", "packing.size=3"]) == 2
-    assert "which is done" in capsys.readouterr().err
+    assert "which is finished" in capsys.readouterr().err
 
 
 def test_each_value_has_its_entry(row):
@@ -211,7 +211,7 @@ def test_frequency_of_the_load(share, fate):
         }
     }
     rows = list(wave_rows(small_waves(assemble(chain(**load)))))
-    assert rows[-1][0] == "load's frequency" and rows[-1][1].endswith(fate)
+    assert rows[-1][0] == "load frequency" and rows[-1][1].endswith(fate)
 
 
 def test_nothing_without_a_static_force():

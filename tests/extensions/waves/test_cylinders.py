@@ -236,7 +236,7 @@ def test_power_law_has_its_own_stiffness(exponent):
 
 def test_oblique_cylinders_that_turn_are_refused():
     with pytest.raises(
-        InputError, match=r"cylinders along \[0.6, 0.8, 0.0\] that turn by friction"
+        InputError, match=r"cylinders along \[0.6, 0.8, 0.0\] that rotate by friction"
     ):
         cell_state(
             assemble(pile("0.002,0.004,cylinder,0.02,0.6,0.8,0", length=0.004, friction=0.3))

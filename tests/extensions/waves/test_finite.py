@@ -139,8 +139,8 @@ def test_turning_as_a_whole_costs_nothing():
     ("drive", "sensors", "end", "message"),
     [
         (13, [1], "", "found 13, expected an id from 1 to 12"),
-        (12, [1], "", "grain 12 is held along z"),
-        (1, [12], "", "--sensor: grain 12 is held"),
+        (12, [1], "", "grain 12 is fixed along z"),
+        (1, [12], "", "--sensor: grain 12 is fixed"),
         (1, [2], "soft", "found 'soft', expected"),
         (1, [2], "layer:40", "the end reaches the drive"),
     ],
@@ -205,7 +205,7 @@ def test_bcc_between_walls_buckles():
     )
     assert state.residual < 1e-9 and np.ptp(state.network.springs.force) < 1e-6
     modes = solve_modes(stiffness_of(state.network))
-    assert "14 of 288 modes meet no resistance, and 12 of them grow, by " in modes.describe_floppy()
+    assert "14 of 288 modes have no stiffness, and 12 of them grow, by " in modes.describe_floppy()
 
 
 def test_a_bottom_that_is_a_damper():
@@ -213,7 +213,7 @@ def test_a_bottom_that_is_a_damper():
     damper.
     """
     case = endless("chain", 2, AXIAL, boundary={"bottom": {"damper": {"damping": 40.0}}})
-    with pytest.raises(InputError, match="granwave transmission takes a damper too"):
+    with pytest.raises(InputError, match="granwave transmission also accepts a damper"):
         packing_state(assemble(case))
     state = packing_state(assemble(case), damped=True)
     stiffness = stiffness_of(state.network)
@@ -313,7 +313,7 @@ def test_a_held_grain_and_a_vacancy_make_the_packing_the_cell():
 
 
 def test_what_has_no_sides_that_repeat_is_no_slab():
-    with pytest.raises(InputError, match="--slab: found a packing that does not repeat sideways"):
+    with pytest.raises(InputError, match="--slab: found a packing without periodic sides"):
         cell_state(assemble(load_case("precompressed-chain")), slab=True)
 
 
@@ -407,7 +407,7 @@ def test_ridge_is_the_band_of_the_chain():
 
 
 def test_uneven_places_are_refused():
-    with pytest.raises(ValueError, match="places with uneven steps"):
+    with pytest.raises(ValueError, match="places with non-uniform steps"):
         space_time_transform(
             np.arange(4.0), np.array([0, 1, 3.0]), np.ones((4, 3)), np.arange(2.0), np.arange(2.0)
         )

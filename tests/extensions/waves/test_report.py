@@ -45,7 +45,7 @@ def test_bands_have_a_report(small_waves):
         for block in report.sections[0].blocks
         if isinstance(block, Note) and block.tone == "lead"
     ]
-    assert f"Nothing passes above {1e-3 * edge:.4g} kHz. Long waves run at" in said[0]
+    assert f"No wave passes above {1e-3 * edge:.4g} kHz. The speed of long waves is" in said[0]
     assert said[1].startswith("row (modes): 6 modes from ")
     assert "row (bands) (chain of 6, brass, 9.52 mm, under 20 N, elastic, ideal)" in report.lead
     figures = next(section for section in report.sections if section.slug == "figures")

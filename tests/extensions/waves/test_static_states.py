@@ -273,7 +273,8 @@ def test_beads_between_walls_of_friction() -> None:
             file_of(pyramid()),
             {"kind": "walls", "x": 2e-6, "y": 2e-6},
             {"boundary": BOX, "load": PLATE},
-            "load.kind: found a plate on which the packing presses with 22.5 N before the impact",
+            "load.kind: found a plate without support, on which the packing exerts 22.5 N before "
+            "the impact",
         ),
         (
             file_of(pyramid()),
@@ -283,7 +284,7 @@ def test_beads_between_walls_of_friction() -> None:
                 "load": {"kind": "striker"},
                 "striker": [{"touches": [6], "velocity": [0, 0, 1e-3]}],
             },
-            "striker.1: found a striker on which grain 6 presses before the impact",
+            "striker.1: found a striker on which grain 6 exerts a force before the impact",
         ),
         (
             HEXAGONAL,
@@ -295,13 +296,14 @@ def test_beads_between_walls_of_friction() -> None:
             COLUMN,
             {"kind": "walls", "x_force": 20.0, "force": 1.0},
             {"boundary": BOX, "contact": {"law": "elastoplastic", "initial_overlap": 2e-6}},
-            "precompression.x_force: found walls that bear 0 N after the static stage, expected 20",
+            "precompression.x_force: found walls that carry 0 N after the static stage, expected "
+            "20",
         ),
         (
             COLUMN | {"cell": [[0, 0, 5 * D]]},
             UNIAXIAL,
             {"boundary": {"bottom": "free"}},
-            "precompression.force: found a force on the top, which nothing bears",
+            "precompression.force: found a force on the top without a support",
         ),
         (
             CHAIN,

@@ -31,14 +31,16 @@ def write_contact(
     law = 5e9 * overlap**1.2
     over = np.where(overlap <= 10.001 * YIELD, 0.15, -0.05) + difference
     with h5py.File(folder / "result.h5", "w") as file:
-        file["loading/overlap"], file["loading/law_force"] = overlap, law
+        file["loading/overlap"] = overlap
+        file["loading/law_force"] = law
         file["loading/force"] = force * law * (1 + over)
         for n, pressure in enumerate((1.0, 1.6, 1.5)):
             file[f"pressure/{n}/pressure"] = [pressure * 16 / 15 * 550e6] * 3 + [0.0] * 5
         file["loading/contact_radius"] = np.sqrt(2 * RADIUS * overlap)
         file["fields/position"] = [[0, 0], [1, 0], [1, 1], [0, 1], [1, 2], [0, 2]]
         file["fields/elements"] = [[0, 1, 2, 3], [3, 2, 4, 5]]
-        file["fields/body"], file["fields/plastic_strain"] = [0, 1], [0.3, 0.1]
+        file["fields/body"] = [0, 1]
+        file["fields/plastic_strain"] = [0.3, 0.1]
     case: dict[str, Any] = {"material": BRASS, "sphere": {"radius": 4.76e-3}}
     if partner or material:
         case["partner"] = {"radius": partner or 4.76e-3, "material": material or BRASS}

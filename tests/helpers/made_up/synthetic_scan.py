@@ -104,6 +104,7 @@ def summary_of(case: Case) -> dict[str, Any]:
     diameter = case.packing.diameter
     seed = getattr(case.packing, "seed", None) or 0
     noise = 1 + 0.02 * ((seed * 7) % 11 - 5) / 5
+    noise *= 1 + 0.01 * list(lattice_kinds()).index(case.packing.kind)  # kinds differ
     given = 0.5 * case.sphere_mass * velocity**2 * case.load.spheres
     strength = law.yield_strength
     yields = case.contact.yields

@@ -176,7 +176,9 @@ class Elastoplastic(Hertz):
 
     def _remember(self, k: np.ndarray, a: np.ndarray, force: np.ndarray) -> None:
         law = self.law
-        self.highest[k], self.top[k], self.exponent[k] = a, force, law.n
+        self.highest[k] = a
+        self.top[k] = force
+        self.exponent[k] = law.n
         self.rest[k] = law.c6 * a - law.c7 + (law.c7 - law.c6) * np.exp(-law.c8 * (a - 1))
         young = k[a < 1.2]
         if law.continuous and len(young):
@@ -300,7 +302,8 @@ class Chain:
         self.mass = np.concatenate([masses[0], bead_mass, masses[1]])
         self.beads = slice(len(masses[0]), len(masses[0]) + len(beads))
         self.contacts = slice(counts[0], counts[0] + len(solids) - 1)
-        self.left, self.right = slice(0, counts[0]), slice(self.contacts.stop, None)
+        self.left = slice(0, counts[0])
+        self.right = slice(self.contacts.stop, None)
         self.elements = np.concatenate([elements[0], np.zeros(len(solids) - 1), elements[1]])
         self.gap = np.broadcast_to(np.asarray(gap, float), len(solids) - 1)
 
@@ -363,14 +366,16 @@ class Chain:
             if load:
                 outer = (load(step * dt) - given) / dt
                 given = load(step * dt)
-            push[0], push[-1] = -force[0], force[-1]
+            push[0] = -force[0]
+            push[-1] = force[-1]
             np.subtract(force[:-1], force[1:], out=push[1:-1])
             push[node] += outer
             v += half * push
             moved = v[node] * dt
             u += dt * v
             force = self._forces(u)
-            push[0], push[-1] = -force[0], force[-1]
+            push[0] = -force[0]
+            push[-1] = force[-1]
             np.subtract(force[:-1], force[1:], out=push[1:-1])
             push[node] += outer
             v += half * push

@@ -113,7 +113,8 @@ class Discs:
         self.grain = np.concatenate([np.concatenate([i]), *[every for _ in self.used]]).astype(int)
         self.n_pairs = len(i)
         self.n = n
-        self.mass, self.inertia = self.density * np.pi * r**2, 0.5 * self.density * np.pi * r**4
+        self.mass = self.density * np.pi * r**2
+        self.inertia = 0.5 * self.density * np.pi * r**4
         self.laws = (pairs, planes)
         count = self.n_pairs + n * len(self.used)
         self.p = np.zeros(count)
@@ -121,7 +122,8 @@ class Discs:
         self.k_before = np.zeros(count)
         self.v = np.zeros((n, 2))
         self.omega = np.zeros(n)
-        self.u, self.speed = 0.0, self.plate_velocity  # of the plate, down
+        self.u = 0.0
+        self.speed = self.plate_velocity  # of the plate, down
         self.viscous = self.rubbed = 0.0
         self.dt = 0.02 / np.sqrt(8 * 1.2 * plain / 2 / self.mass)
 

@@ -54,6 +54,10 @@ TILTED = dump("id xs ys zs radius", SCALED, "xy xz yz pp pp ff",
 GENERAL = dump("id xs ys zs radius", SCALED, "abc origin pp pp ff",
                "0.04 0 0 0\n0.005 0.04 0 0\n0.01 0 0.1 0\n")  # fmt: skip
 SPHERES = "1 1 0.01 2500 .01 .02 .005 0 0 0\n2 1 0.01 2500 .01 .02 .015 0 0 0\n"
+GENERAL_DATA = data(SPHERES).replace(
+    "0 0.04 xlo xhi\n0 0.04 ylo yhi\n0 0.1 zlo zhi\n",
+    "0.04 0 0 avec\n0 0.04 0 bvec\n0 0 0.1 cvec\n0 0 0 abc origin\n",
+)
 ROWS = "0.01,0.02,0.005,0.005\n0.01,0.02,0.015,0.005\n"
 MILLIMETRES = "10;20;5;10\n10;20;15;10\n"
 BETWEEN_BLANKS = MILLIMETRES.replace(";", " ")
@@ -64,6 +68,8 @@ with zipfile.ZipFile(ARCHIVE, "w") as archive:
 TAR = io.BytesIO()
 with tarfile.open(fileobj=TAR, mode="w") as packages:
     packages.addfile(tarfile.TarInfo("bed.dump"))
+ARRAYS = io.BytesIO()
+np.savez(ARRAYS, x=np.zeros(2), r=np.ones(2))
 SPREADSHEET = io.BytesIO()
 with zipfile.ZipFile(SPREADSHEET, "w") as archive:
     archive.writestr("xl/workbook.xml", "<workbook/>")
@@ -115,6 +121,9 @@ FORMS: dict[str, tuple[str | bytes, dict[str, Any]]] = {
     "dump.bz2": (bz2.compress(DUMP.encode()), {}),
     "dump.zip": (ARCHIVE.getvalue(), {}),
     "data of LIGGGHTS": (data(SPHERES, "Atoms # granular"), {}),
+    "data with line ends of Windows": (data(SPHERES).replace("\n", "\r\n"), {}),
+    "data with blanks before": (data(SPHERES, "  Atoms"), {}),
+    "data in a general box": (GENERAL_DATA, {}),
     "data without sizes": (data("1 1 .01 .02 .005\n2 1 .01 .02 .015\n"), {"diameter": 0.01}),
     "data of Fortran": (data(SPHERES.replace(".005 0", ".5D-02 0")), {}),
     "header in Latin-1": ("x (µm);y (µm);z (µm);d (µm)\n1e4;2e4;5e3;1e4\n1e4;2e4;15e3;1e4\n"
@@ -139,6 +148,22 @@ FORMS: dict[str, tuple[str | bytes, dict[str, Any]]] = {
     "decimal commas in quotes": ('"x";"y";"z";"r"\n'
                                  '"0,01";"0,02";"0,005";"0,005"\n'
                                  '"0,01";"0,02";"0,015";"0,005"\n', {}),
+    "columns of OVITO": ('# "Particle Identifier" "Position.X" "Position.Y" "Position.Z" "Radius"\n'
+                         "1 .01 .02 .005 .005\n2 .01 .02 .015 .005\n", {}),
+    "R": (f"x..mm.,y..mm.,z..mm.,d..mm.\n{MILLIMETRES.replace(';', ',')}", {}),
+    "units behind commas": (f"x, mm;y, mm;z, mm;d, mm\n{MILLIMETRES}", {}),
+    "German names": (f"Schwerpunkt X [mm];Schwerpunkt Y [mm];Schwerpunkt Z [mm];Durchmesser [mm]\n"
+                     f"{MILLIMETRES}", {}),
+    "Voxels": ("x;y;z;d (mm)\n20;40;10;10\n20;40;30;10\n", {"units": "0.5 mm"}),
+    "Voxels in the names": ("x (voxel);y [px];z (pixels);d [px]\n20;40;10;20\n20;40;30;20\n",
+                            {"units": "500 um"}),
+    "units in words": ("x (millimeters);y (millimetres);z (micrometers);d (centimeter)\n"
+                       "10;20;5000;1\n10;20;15000;1\n", {}),
+    "end of DOS": (f"x,y,z,r\n{ROWS}\x1a", {}),
+    "line ends of old Macintosh": (f"x,y,z,r\n{ROWS}".replace("\n", "\r"), {}),
+    "ImageJ without a scale": ("CX (unit);CY (unit);CZ (unit);d\n"
+                               ".01;.02;.005;.01\n.01;.02;.015;.01\n",
+                               {}),
     "Avizo": ("Volume3d (um^3),BaryCenterX (um),BaryCenterY (um),BaryCenterZ (um),EqDiameter (um)\n"
               "5e11,10000,20000,5000,10000\n5e11,10000,20000,15000,10000\n", {}),
     "spam": ("Label\tZpos\tYpos\tXpos\n1.0\t5\t20\t10\n2.0\t15\t20\t10\n",
@@ -175,6 +200,76 @@ def test_grains_are_those_of_the_file(name: str, tmp_path: Path) -> None:
     single = {"rtol": 1e-6} if name.startswith("V") else {"rtol": 1e-15}
     assert np.allclose(grains.position, PLACES, atol=0, **single)
     assert grains.diameter == pytest.approx([0.01, 0.01], rel=single["rtol"])
+
+
+def test_clumps_and_densities_of_vtk(tmp_path: Path) -> None:
+    text = (
+        "# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n"
+        "0 0 0 .009 0 0 .05 0 0\nPOINT_DATA 3\nSCALARS radii double 1\nLOOKUP_TABLE default\n"
+        ".005 .005 .005\nSCALARS clumpId int 1\nLOOKUP_TABLE default\n0 0 -1\n"
+        "SCALARS density double 1\nLOOKUP_TABLE default\n2500 2500 2600\n"
+    )
+    grains = read(tmp_path / "clumps.vtk", text)
+    assert list(grains.clumps.values()) == [(1, 2)]
+    assert grains.reading is not None
+    assert grains.reading.density == (2500.0, 2600.0)
+
+
+def test_densities_follow_from_masses(tmp_path: Path) -> None:
+    mass = 2500 * np.pi / 6 * 0.01**3
+    rows = f"1 {mass!r} 0 0 0 .005\n2 {2 * mass!r} 0 0 .01 .005\n"
+    reading = read(tmp_path / "g", dump("id mass x y z radius", rows)).reading
+    assert reading is not None
+    assert reading.density == pytest.approx((2500.0, 5000.0))
+
+
+def test_molecules_of_a_template_are_clumps(tmp_path: Path) -> None:
+    text = writers.molecule() + "\nMolecules\n\n1 1\n2 1\n3 2\n"
+    grains = read(tmp_path / "clump.mol", text, columns={"clump": "mol"})
+    assert list(grains.clumps.values()) == [(1, 2)]
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    (writers.molecule().partition("Diameters")[0], "found no section Diameters, expected one, or"),
+    (writers.molecule()[:-8], "found 2 of 3 atoms in the section Diameters: the file is truncated"),
+    (writers.molecule().replace("1 0.01\n", "1\n"),
+     "found 0 values in the section Diameters, expected 1: diameter"),
+])  # fmt: skip
+def test_faults_of_templates(text: str, message: str, tmp_path: Path) -> None:
+    assert message in fault(tmp_path / "clump.mol", text)
+
+
+CLUMPS_OF_OTHERS = {
+    "yade": ("#format x_y_z_r_clumpId\n", "{x} 0 0 0.005 {clump}\n", (7, 7, -1)),
+    "liggghts": ("", "{x} 0 0 0.005 {clump}\n", (0, 0, -1)),
+    "csv": ("x,y,z,r,body\n", "{x},0,0,0.005,{clump}\n", (3, 3, 0)),
+}
+
+
+@pytest.mark.parametrize("name", CLUMPS_OF_OTHERS)
+def test_clumps_of_other_programs(name: str, tmp_path: Path) -> None:
+    """Numbers of any start, and -1 or 0 for grains in none: two grains overlap as one body."""
+    head, form, numbers = CLUMPS_OF_OTHERS[name]
+    rows = [
+        form.format(x=x, clump=clump) for x, clump in zip((0.0, 0.009, 0.05), numbers, strict=True)
+    ]
+    text = head + "".join(rows)
+    if name == "liggghts":
+        text = dump("x y z radius id_multisphere", text)
+    grains = read(tmp_path / "clumps.txt", text)
+    assert list(grains.clumps.values()) == [(1, 2)]
+
+
+@pytest.mark.parametrize("head", [
+    "Particle ID,Particle X-Coordinate (m),Particle Y-Coordinate (m),Particle Z-Coordinate (m),"
+    "Particle Size (m)",
+    "ball.id,ball.pos.x,ball.pos.y,ball.pos.z,diameter",
+    "id,location_x,location_y,location_z,d",
+])  # fmt: skip
+def test_names_of_other_programs(head: str, tmp_path: Path) -> None:
+    grains = read(tmp_path / "grains.csv", f"{head}\n1,0.01,0.02,0.005,0.01\n2,.01,.02,.015,.01\n")
+    assert grains.position == pytest.approx(np.array(PLACES), rel=1e-15)
+    assert grains.diameter == pytest.approx([0.01, 0.01], rel=1e-15)
 
 
 def test_decimal_commas_far_below_the_names(tmp_path: Path) -> None:
@@ -267,7 +362,7 @@ def test_whole_types_of_vtk_have_no_decimals(tmp_path: Path) -> None:
     assert grains.reading.types == {"2": 2}
 
 
-@pytest.mark.parametrize(("content", "message"), [
+FAULTS = [
     (SPREADSHEET.getvalue(),
      "found a spreadsheet (.xlsx), expected a file of grains; save it as CSV"),
     (b"\xd0\xcf\x11\xe0" + bytes(99), "found a spreadsheet (.xls)"),
@@ -277,9 +372,33 @@ def test_whole_types_of_vtk_have_no_decimals(tmp_path: Path) -> None:
     (gzip.compress(b"x" * 999)[:-9], "found a .gz file that cannot be unpacked"),
     ("version https://git-lfs.github.com/spec/v1\n", "found a pointer of Git LFS"),
     ("<!doctype html><html></html>", "found a web page"),
+    (b"CDF\x01" + bytes(99), "found a NetCDF file, expected a file of grains; write the grains"),
+    (b"\xf6" + 7 * b"\xff" + b"DUMPCUSTOM" + bytes(99),
+     "found a binary dump of LAMMPS, expected a file of grains; write it as text by dump custom"),
+    ("---\ncreator: LAMMPS\ntimestep: 0\n",
+     "line 1: found no natoms in the step that begins here; the dump is damaged or truncated"),
+    (writers.yaml_step(0) + writers.yaml_step(100)[:-60],
+     "': the dump is truncated"),
+    (writers.yaml_step(0) + "".join(writers.yaml_step(100).splitlines(keepends=True)[:-2]),
+     "found 2 of 3 atoms in the step 100: the dump is truncated; packing.step = 0 takes the step"),
+    (DUMP + dump("id x y z radius", ""),
+     "found no atom in the step 100, expected one or more; packing.step = 100 takes the step"),
+    (f"x,y,z,r\n{ROWS}\0\0\0", "line 4: found a character NUL, expected text; the file is damaged"),
+    ("x,y,z,r\n1,2,3,1\n".encode("utf-16-le"), "or UTF-16 without its mark: save it as UTF-8"),
+    ("LAMMPS (22 Jul 2025)\nStep Temp\n", "found a log of LAMMPS"),
+    ("solid bed\n  facet normal 0 0 1\n", "found a surface (STL)"),
+    ('<?xml version="1.0"?>\n<!DOCTYPE boost_serialization>\n', "found a simulation of YADE"),
+    (ARRAYS.getvalue(), "found arrays of NumPy (.npz: x.npy, r.npy)"),
+    ("x (px),y (px),z (px),d (px)\n1,2,3,4\n",
+     'found the column "x (px)" in voxels, expected their size, such as packing.units = "0.012 '),
+    ("ply\nformat ascii 1.0\n", "found a PLY file"),
+    ("LSMGeometry 1.2\n", "found a geometry file of ESyS-Particle"),
+    ("ball create id 1 radius 0.005 position (0,0,0)\n", "found commands of PFC"),
+    ("$bdyty\n RBDY3 1\n", "found bodies of LMGC90"),
+    (b"PAR1" + bytes(99), "found a Parquet file"),
     (b"\xff\xfex\0y", "found UTF-16 that is damaged"),
     ("ITEM: TIMESTEP\n1\nITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES c_1[1]\n1\n",
-     "line 5: found a dump of contacts (ITEM: ENTRIES), expected one of atoms"),
+     "line 3: found a dump of contacts (ITEM: NUMBER OF ENTRIES), expected one of atoms"),
     (dump("id x ys zs radius", SCALED, "xy xz yz pp pp ff", "0 1 0.1\n0 1 0\n0 1 0\n"),
      "found places of which some are scaled in a tilted box"),
     ("x;y;z;d\n0,5;0;0;1\n1.000;0;0;1\n",
@@ -297,9 +416,56 @@ def test_whole_types_of_vtk_have_no_decimals(tmp_path: Path) -> None:
     ('<VTKFile type="Collection"><DataSet file="a.vtu"/></VTKFile>',
      "found a list of other files (a.vtu ...), expected points"),
     ("# vtk DataFile Version 3.0\n\nASCII\nPOINTS 2\n", 'found "POINTS 2" without its numbers'),
-])  # fmt: skip
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("content", "message"), FAULTS, ids=[message for _, message in FAULTS])
 def test_faults_say_what_to_do(content: str | bytes, message: str, tmp_path: Path) -> None:
     assert message in fault(tmp_path / "grains.txt", content)
+
+
+def test_files_known_to_ase_by_their_ending_are_no_tables(tmp_path: Path) -> None:
+    form = "ATOM  {:5d}  C   GRN A   1    {:8.3f}{:8.3f}{:8.3f}  1.00  0.00           C\n"
+    rows = [form.format(k, *(1000 * np.array(place))) for k, place in enumerate(PLACES, start=1)]
+    grains = read(tmp_path / "grains.pdb", "".join([*rows, "END\n"]), units="mm", diameter=0.01)
+    assert np.allclose(grains.position, PLACES, rtol=1e-12, atol=0)
+    table = "x y z r\n.01 .02 .005 .005\n.01 .02 .015 .005\n"
+    assert np.array_equal(read(tmp_path / "grains.pdb", table).position, PLACES)
+
+
+@pytest.mark.parametrize(("third", "ratio"), [("9", "900"), ("1e-5", "0.001")])
+def test_a_grain_in_another_unit_is_noted(third: str, ratio: str, tmp_path: Path) -> None:
+    text = f"x,y,z,d\n0,0,0,0.01\n0,0,0.01,0.01\n0,0,30,{third}\n"
+    reading = read(tmp_path / "g.csv", text).reading
+    assert reading is not None
+    assert reading.notes == [
+        f"line 4: a diameter of {float(third):g} m is {ratio} times the median; "
+        "are there two units in the file?"
+    ]
+
+
+def test_particles_of_other_shapes_are_noted(tmp_path: Path) -> None:
+    text = writers.mercury_restart().replace("SphericalParticle", "SuperQuadricParticle")
+    reading = read(tmp_path / "g.restart", text).reading
+    assert reading is not None
+    assert reading.notes[0] == (
+        "3 particles are no spheres (SuperQuadricParticle); read as spheres of their radius"
+    )
+
+
+def test_an_example_of_types_is_one_of_toml(tmp_path: Path) -> None:
+    rows = "1 10 0 0 0 .005\n2 9 0 0 .01 .005\n"
+    reading = read(tmp_path / "g", dump("id type x y z radius", rows)).reading
+    assert reading is not None
+    assert reading.notes == [
+        '2 types of grains become one material; packing.types = {"9" = "steel", "10" = "steel"} '
+        "assigns one to each"
+    ]
+
+
+def test_json_of_no_program_is_called_so(tmp_path: Path) -> None:
+    text = '[{"x": 0.1, "radius": 0.1}]'
+    assert "found JSON, expected a file of grains; write" in fault(tmp_path / "g.json", text)
 
 
 def test_a_size_that_the_user_names_is_that_of_the_grains(tmp_path: Path) -> None:

@@ -227,7 +227,7 @@ def test_the_keys_of_a_case_reach_the_reader(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("key", "value", "message"), [
     ("format", "lamps-dump", 'packing.format: found "lamps-dump"'),
     ("units", "inch", 'packing.units: found "inch"'),
-    ("columns", {"X": "a"}, "X is no quantity"),
+    ("columns", {"X": "a"}, "X is not a quantity"),
     ("columns", [], "packing.columns: found []"),
     ("types", {"1": 2}, "packing.types"),
     ("step", -1, "packing.step: found -1"),

@@ -46,6 +46,29 @@ def dump_step(step: int, *, scale: float = 1.0, moved: float = 0.0) -> str:
     return "\n".join(lines) + "\n"
 
 
+def yaml_step(step: int, *, moved: float = 0.0) -> str:
+    """Return a step of a dump of LAMMPS in YAML, as it writes it with thermodynamic data."""
+    lines = ["---", "creator: LAMMPS", f"timestep: {step}", "units: si", "time: 0.5", "natoms: 3"]
+    lines += ["boundary: [ p, p, p, p, f, f, ]", "thermo:", "  - keywords: [ Step, Temp, ]"]
+    lines += [f"  - data: [ {step}, 0, ]", "box:"]
+    lines += [f"  - [ {low!r}, {high!r} ]" for low, high in BOX.tolist()]
+    lines += ["keywords: [ id, type, x, y, z, vx, vy, vz, radius,  ]", "data:"]
+    for k in ORDER:
+        values = _numbers([*(POSITION[k] + moved), *VELOCITY[k], SIZES[k] / 2]).split()
+        lines.append(f"  - [ {k + 1} , 1 , {' , '.join(values)}, ]")
+    return "\n".join([*lines, "..."]) + "\n"
+
+
+def molecule() -> str:
+    """Return a molecule template of LAMMPS, without velocities, whose sections have any order."""
+    lines = ["# three spheres", "", "3 atoms", "", "Types", ""]
+    lines += [f"{k + 1} 1" for k in range(3)]
+    lines += ["", "Coords # of the centres", ""]
+    lines += [f"{k + 1} {_numbers(POSITION[k])}" for k in ORDER]
+    lines += ["", "Diameters", "", *(f"{k + 1} {SIZES[k]!r}" for k in reversed(range(3)))]
+    return "\n".join(lines) + "\n"
+
+
 def liggghts_step() -> str:
     """Return a step of LIGGGHTS, whose type stands twice."""
     lines = ["ITEM: TIMESTEP", "100", "ITEM: NUMBER OF ATOMS", "3"]
@@ -223,8 +246,10 @@ FILES: dict[str, Callable[[], str | bytes]] = {
     "dump of several steps": lambda: dump_step(0, moved=1e-3) + dump_step(100),
     "dump.gz": lambda: gzip.compress(dump_step(100).encode(), mtime=0),
     "dump of liggghts": liggghts_step,
+    "yaml": lambda: yaml_step(0, moved=1e-3) + yaml_step(100),
     "data": data_file,
     "data of a hybrid": lambda: data_file("hybrid sphere bond"),
+    "molecule": molecule,
     "yade.txt": yade_text,
     "yade.spheres": yade_pack,
     "mercury.data": lambda: mercury_step(0.0) + mercury_step(0.1),
@@ -239,7 +264,7 @@ FILES: dict[str, Callable[[], str | bytes]] = {
     "h5md": h5md,
     "xyz": xyz,
 }
-WITHOUT_VELOCITY = ("yade.txt", "yade.spheres")
+WITHOUT_VELOCITY = ("molecule", "yade.txt", "yade.spheres")
 
 
 def write(path: Path, content: str | bytes) -> Path:

@@ -119,7 +119,7 @@ FE = "elastoplastic-fe"
 
 @pytest.fixture(scope="module")
 def finite_elements():
-    """Contacts of the table of finite elements, those held out of the fit too."""
+    """Contacts of the table of finite elements, those excluded from the fit too."""
     return measured()
 
 

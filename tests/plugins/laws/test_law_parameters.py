@@ -118,9 +118,9 @@ def test_parameters_of_another_law_are_refused() -> None:
     for name, parameter in PARAMETERS.items():
         if parameter.of_material or not (parameter.required or parameter.optional):
             continue
-        with pytest.raises(InputError, match=rf"contact\.{name}: found .*belongs to law = "):
+        with pytest.raises(InputError, match=rf"contact\.{name}: found .*applies only to law = "):
             case_of("hertz", {name: example_of(parameter)})
-        with pytest.raises(ValueError, match=f"'{name}' is no option of law 'hertz'"):
+        with pytest.raises(ValueError, match=f"'{name}' is not an option of law 'hertz'"):
             ContactLaw.from_words(f"hertz 1e9 0.3 {name} 1.0", radius=(R, R))
 
 

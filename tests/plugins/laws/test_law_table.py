@@ -103,7 +103,8 @@ FLAGS = [
     "-ffp-contract=off",
 ]  # of plugins/CMakeLists.txt
 PROGRAM = r"""
-#include "contact_batch.h"
+#include "elastic_contact.h"
+#include "touching_pairs.h"
 #include <cstdio>
 #include <cstring>
 #include <random>
@@ -119,8 +120,62 @@ static void print(double x)
   std::printf("%016llx\n", (unsigned long long) bits);
 }
 
+/* A row of spheres, each with the next ones: touching, parted and far pairs. */
+static void search(bool uniform)
+{
+  constexpr int SPHERES = 200, ROOM = SPHERES + RowGroup::LANES;
+  static double x[ROOM], y[ROOM], z[ROOM], radius[ROOM], triples[SPHERES][3];
+  std::vector<int> row, begin{0}, partner;
+  for (int s = 0; s < SPHERES; s++) {
+    triples[s][0] = x[s] = 0.5 * s + number(-0.2, 0.2);
+    triples[s][1] = y[s] = number(-0.2, 0.2);
+    triples[s][2] = z[s] = s % 50 == 49 ? 0.0 / 0.0 * (s > 100) : number(-0.2, 0.2);
+    radius[s] = number(0.4, 0.6);
+    row.push_back(s);
+    const int last = std::min(s + (s % 40 < 30 ? 5 : 11), SPHERES - 1);
+    for (int next = s + 1; next <= last; next++) partner.push_back(next);
+    begin.push_back(static_cast<int>(partner.size()));
+  }
+  RowGroups groups;
+  groups.build(row, begin, partner, SPHERES);
+  std::vector<std::uint64_t> touched = groups.bits([](int k) { return k % 3 == 0; });
+  static TouchingPairs pairs;
+  pairs.x = x, pairs.y = y, pairs.z = z, pairs.radius = uniform ? nullptr : radius;
+  pairs.uniform_radius = 0.5;
+  pairs.gap = 0.7;
+  pairs.start(groups.begin(0), groups.end(0), touched.data());
+  for (bool done = false; !done;) {
+    static ContactBatch batch;
+    batch.size = 0;
+    done = pairs.collect(batch);
+    for (int m = 0; m < batch.size; m++) {
+      std::printf("%d %d %d\n", batch.k[m], batch.i[m], batch.j[m]);
+      print(batch.rsq[m] == batch.rsq[m] ? batch.rsq[m] : -1.0);
+    }
+    for (int k : pairs.parted) std::printf("parted %d\n", k);
+    for (int r : pairs.far) std::printf("far %d\n", r);
+  }
+  char moved[SPHERES / 40] = {0, 1, 0, 0, 1};
+  triples[90][1] += 1e-16;
+  compare_blocks(triples[0], SPHERES, 40, x, y, z, moved);
+  for (char block : moved) std::printf("moved %d\n", block);
+  std::printf("%d %d\n", all_zero(triples[0], 3 * SPHERES), all_finite(triples[0], 3 * SPHERES));
+}
+
+static void compress_lines()
+{
+  static double s[LineBatch::CAPACITY], w[LineBatch::CAPACITY];
+  for (double &ratio : s) ratio = number(0, 1);
+  constexpr int GROUP = LineBatch::GROUP;
+  for (int m = 0; m < LineBatch::CAPACITY; m += GROUP) LineContact::exponents<GROUP>(s + m, w + m);
+  for (double root : w) print(root);
+}
+
 int main()
 {
+  search(true);
+  search(false);
+  compress_lines();
   constexpr int SPHERES = 40, PAIRS = 600;
   static double v[SPHERES][3], omega[SPHERES][3], f[SPHERES][3], torque[SPHERES][3];
   static TangentialSpring springs[PAIRS + 500];    // as many more are fetched ahead
@@ -172,31 +227,47 @@ int main()
 """
 
 
+def compiled_batches(folder: Path, source: Path, definition: str) -> Path:
+    """Return the program of batches, compiled with a definition as well as those of the build."""
+    program = folder / f"batches{definition}"
+    files = [source, LAWS_FOLDER / "contact_batch.cpp", LAWS_FOLDER / "touching_pairs.cpp"]
+    options = [*FLAGS, f"-D{definition}", "-Wno-psabi", "-I", LAWS_FOLDER]
+    command = ["c++", *options, *files, "-o", program]
+    subprocess.run(command, check=True, timeout=120)
+    return program
+
+
+@pytest.mark.validation
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
 def test_the_same_bits_with_and_without_further_instructions(tmp_path):
-    """As of this processor, and with those only that all have; batches of any size, some pairs
-    without friction.
+    """As of this processor, with those only that all have, and in standard C++ without any
+    extension of a compiler; batches of any size, some pairs without friction; the search for
+    touching pairs and contacts along lines too.
     """
     source = tmp_path / "batches.cpp"
     source.write_text(PROGRAM)
     printed = []
-    for definitions in ([], ["-DGRANWAVE_ONE_PROCESSOR"]):
-        program = tmp_path / f"batches{len(definitions)}"
-        files = [source, LAWS_FOLDER / "contact_batch.cpp"]
-        command = [
-            "c++",
-            *FLAGS,
-            *definitions,
-            "-Wno-psabi",
-            "-I",
-            LAWS_FOLDER,
-            *files,
-            "-o",
-            program,
-        ]
-        subprocess.run(command, check=True, timeout=120)
+    for definition in ("NDEBUG", "GRANWAVE_ONE_PROCESSOR", "GRANWAVE_PLAIN"):
+        program = compiled_batches(tmp_path, source, definition)
         done = subprocess.run([program], capture_output=True, text=True, check=True)
         printed.append(done.stdout)
-    assert printed[0].count("\n") == 10 + 5 * 1100 + 6 * 40
+    for kind in ("parted", "far", "moved 0", "moved 1"):
+        assert kind in printed[0]
+    numbers = [line for line in printed[0].splitlines() if len(line) == 16]
+    assert len(numbers) > 5 * 1100 + 6 * 40 + 64
     assert "nan" not in printed[0]
     assert printed[0] == printed[1]
+    assert printed[0] == printed[2]
+
+
+EXTENSIONS = ("__attribute__", "__builtin_", "vector_size", "target_clones", "immintrin")
+
+
+@pytest.mark.parametrize("folder", ["laws", "styles"])
+def test_extensions_of_compilers_are_in_one_header(folder):
+    """Another compiler requires changes of processors.h only; the loader is for Linux."""
+    for path in sorted((LAWS_FOLDER.parent / folder).glob("*.*")):
+        if path.name in ("processors.h", "granwaveplugin.cpp", "add_styles.cpp"):
+            continue
+        text = path.read_text(encoding="utf-8")
+        assert [word for word in EXTENSIONS if word in text] == [], path.name

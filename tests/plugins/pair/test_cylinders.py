@@ -133,8 +133,12 @@ def between_cylinders(extra: str = "", friction: str = "") -> str:
 
 
 def test_sphere_between_cylinders(lammps):
-    radii, mass = (0.005, 0.0024, 0.0035), [8500 * 4 / 3 * math.pi * 0.005**3, 8500 * math.pi * 0.0024**2 * 0.02,
-                                            8500 * math.pi * 0.0035**2 * 0.03]  # fmt: skip
+    radii = (0.005, 0.0024, 0.0035)
+    mass = [
+        8500 * 4 / 3 * math.pi * 0.005**3,
+        8500 * math.pi * 0.0024**2 * 0.02,
+        8500 * math.pi * 0.0035**2 * 0.03,
+    ]
     axes = {1: np.array([0.0, 1, 0]), 2: np.array([0.3, 1, 0]) / math.sqrt(1.09)}
     modulus = {k: 1 / ((1 - 0.09) / 210e9 + (1 - 0.09) / 115e9) for k in axes}
     stiffness = {

@@ -200,11 +200,12 @@ run 0
 """
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(
     "move",
     [
         "velocity all set 1 1 0\nrun 4",
-        pytest.param("displace_atoms all move 2e-4 2e-4 0 units box", marks=pytest.mark.validation),
+        "displace_atoms all move 2e-4 2e-4 0 units box",
     ],
 )
 def test_spheres_with_many_records_cross_a_corner(lammps, log_of, tmp_path, monkeypatch, move):

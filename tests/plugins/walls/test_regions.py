@@ -8,35 +8,14 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import elliptic_radius
-from tests.conftest import script_of
+from tests.helpers.bodies.thrown_sphere import R, state, thrown
 from tests.helpers.bodies.two_spheres import value
 
-R = 0.003
 MASS = 8500 * 4 / 3 * np.pi * R**3
 MODULUS = 115e9 / (1 - 0.3**2)
 HERTZ = "hertz 115e9 0.3"
 YIELDS = "elastoplastic 115e9 0.3 550e6 friction 0.3"
 FRICTION = "hertz 115e9 0.3 friction 0.3"
-STEP = 2e-8
-
-
-def thrown(lmp: Any, place: Any, velocity: Any, steps: int, walls: str) -> None:
-    """Throw a sphere at walls, which are the last fixes."""
-    text = script_of(
-        [place],
-        radius=R,
-        density=8500.0,
-        velocities=[velocity],
-        box=[-0.05, 0.05] * 3,
-        extra=f"{walls}\ncompute spin all erotate/sphere\nthermo_style custom step c_ke c_spin "
-        f"f_wall f_wall[*]\nthermo_modify norm no\ntimestep {STEP}",
-    ).replace("fix motion all nve\n", "fix motion all nve/sphere\n")
-    lmp.commands_string(f"{text}run {steps}\n")
-
-
-def state(lmp: Any) -> np.ndarray:
-    """Place, velocity and spin of the sphere."""
-    return np.concatenate([lmp.numpy.extract_atom(name)[0] for name in ("x", "v", "omega")])
 
 
 def wall(region: str, face: str, law: str = HERTZ) -> str:

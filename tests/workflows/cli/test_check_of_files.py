@@ -46,7 +46,7 @@ def test_the_table_says_what_was_read(case: str, capsys: pytest.CaptureFixture[s
     rows = {label: text.strip() for label, text in rows.items()}
     assert rows["read"].startswith("3 grains of ")
     assert rows["read"].endswith("grains.dump (LAMMPS dump, step 100)")
-    assert rows["diameters"] == "0.01 m to 0.015 m, 0.0116667 m in the mean"
+    assert rows["diameters"] == "0.01 m to 0.015 m, 0.0116667 m on average"
     assert rows["materials"] == "2 brass, 1 steel"
     assert rows["types in the file"] == "2 of type 1, 1 of type 2"
     assert rows["box of the file"] == "0.04 x 0.04 x 0.1 m, periodic along x and y"
@@ -69,3 +69,77 @@ def test_json_has_the_values(case: str, capsys: pytest.CaptureFixture[str]) -> N
 def test_a_lattice_has_no_such_rows(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "two-spheres", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["packing_file"] is None
+
+
+BED = """\
+ITEM: TIMESTEP
+1
+ITEM: NUMBER OF ATOMS
+3
+ITEM: BOX BOUNDS ff ff ff
+-0.001 0.029994
+0 0.02
+0 0.1
+ITEM: ATOMS id x y z radius
+1 0.0049 0.01 0.004999 0.005
+2 0.015 0.01 0.004998 0.005
+3 0.024996 0.01 0.004999 0.005
+"""
+BED_CASE = """
+material = "glass"
+contact = {law = "hertz", friction = 0.3}
+packing = {kind = "file", file = "bed.dump", up = "z", contacts = "keep"}
+precompression = {kind = "gravity"}
+load = {index = [1], velocity = 1.0}
+run = {end_time = 1e-5}
+"""
+
+
+@pytest.fixture
+def bed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Return the name of a case of three spheres that press the floor and a side of their box."""
+    monkeypatch.chdir(tmp_path)
+    writers.write(tmp_path / "bed.dump", BED)
+    (tmp_path / "bed.toml").write_text(BED_CASE)
+    return "bed.toml"
+
+
+@pytest.mark.parametrize(("settings", "warning"), [
+    ([], "3 grains press faces of the box of the file, by up to 2e-06 m, which had walls there; "
+         "those of the case touch the outermost grains, so that these overlaps are lost; "
+         "packing.enclosure = {bottom = 0} puts them where they were"),
+    (["packing.enclosure={bottom=0.0}"], "packing.file: grains press faces of the box of the file, "
+     'which had walls there; found none in the case; boundary.x = "wall" gives them'),
+    (["boundary.x=wall"], "4 grains press faces of the box of the file, by up to 2e-06 m, which "
+     "had walls there; those of the case touch the outermost grains, so that these overlaps are "
+     "lost; packing.enclosure = {x = [-0.001, 0.029994], bottom = 0}"),
+    (["boundary.bottom=free"], 'found none in the case; boundary.x and boundary.bottom = "wall"'),
+])  # fmt: skip
+def test_walls_of_the_program_that_settled_the_bed(
+    bed: str, settings: list[str], warning: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    words = ["check", bed]
+    for setting in settings:
+        words += ["--set", setting]
+    assert main(words) == 0
+    assert warning in caplog.text
+
+
+def test_walls_in_their_places_give_no_warning(bed: str, caplog: pytest.LogCaptureFixture) -> None:
+    enclosure = "packing.enclosure={x=[-0.001,0.029994],bottom=0.0}"
+    assert main(["check", bed, "--set", enclosure, "--set", "boundary.x=wall"]) == 0
+    assert "press faces of the box" not in caplog.text
+
+
+def test_advice_on_a_bed_with_friction(bed: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", bed]) == 0
+    rows = [line.strip() for line in capsys.readouterr().out.splitlines()]
+    relax = '"relax" relaxes them to equilibrium, however far the grains move '
+    relax += '(with relaxation = "damped" friction holds '
+    assert f"{relax}them)" in rows
+    keep = '"keep" starts from the file, out of equilibrium '
+    keep += "by the tangential springs that the file lacks"
+    assert f"{keep} (chosen)" in rows
+    assert main(["check", bed, "--set", "packing.touch_tolerance=1e-7"]) == 0
+    touch = '"touch" moves none, as no pair is within 1e-07 m (packing.touch_tolerance); 1 pair '
+    assert f"{touch}overlaps by more, which it refuses" in capsys.readouterr().out

@@ -105,7 +105,7 @@ def test_there_are_the_cases_and_keys_of_the_core():
 def test_a_command_of_an_extension_is_not_known():
     done = bare("bands", "fcc-small")
     assert done.returncode == 2 and 'found "bands", expected one of cases, ' in done.stderr
-    assert "it belongs to the extension waves, which GRANWAVE_WITHOUT leaves out" in done.stderr
+    assert "it belongs to the extension waves, which GRANWAVE_WITHOUT hides" in done.stderr
 
 
 @pytest.mark.parametrize("command", ["run", "check", "write"])
@@ -114,8 +114,8 @@ def test_a_case_of_an_extension_that_is_left_out(command, tmp_path):
     words = [command, "block.toml", *(["-o", "deck"] if command == "write" else [])]
     done = bare(*words, folder=tmp_path)
     assert done.returncode == 2
-    words = "block.toml: this kind of case is not known; it belongs to the extension continuum"
-    assert words in done.stderr and "which GRANWAVE_WITHOUT leaves out" in done.stderr
+    words = "block.toml: unknown kind of case; it belongs to the extension continuum"
+    assert words in done.stderr and "which GRANWAVE_WITHOUT hides" in done.stderr
     assert os.listdir(tmp_path) == ["block.toml"]
 
 
@@ -130,7 +130,7 @@ def test_a_built_in_study_of_an_extension_that_is_left_out(words):
 def test_a_file_of_an_extension_that_is_left_out(tmp_path):
     (tmp_path / "design.toml").write_text('base = "fcc-small"\n[variables]\n', encoding="utf-8")
     done = bare("check", "design.toml", folder=tmp_path)
-    words = "design.toml: this kind of file is not known; it belongs to the extension design"
+    words = "design.toml: unknown kind of file; it belongs to the extension design"
     assert done.returncode == 2 and words in done.stderr
 
 
@@ -192,7 +192,7 @@ def test_a_missing_package_is_named_with_its_extra(monkeypatch, capsys):
     monkeypatch.setattr(Command, "run", fail)
     assert main(["doctor"]) == 2
     (line,) = capsys.readouterr().err.splitlines()
-    words = "scikit-learn is not installed, which design needs"
+    words = "scikit-learn is not installed, but the extension design requires it"
     assert line == f'granwave: {words}: pip install "granwave[design]"'
 
 
@@ -200,7 +200,10 @@ def test_a_missing_package_is_named_in_python(installed):
     installed[:] = [
         other(packages={"absent": "absent-1"}, extra="mine", python={"own": "absent.module:own"})
     ]
-    words = r'absent-1 is not installed, which other needs: pip install "granwave\[mine\]"'
+    words = (
+        r"absent-1 is not installed, but the extension other requires it: pip install "
+        r'"granwave\[mine\]"'
+    )
     with pytest.raises(InputError, match=words):
         _ = gw.own
 
@@ -225,7 +228,7 @@ def test_the_doctor_lists_extensions_and_what_they_lack(monkeypatch, capsys):
     assert main(["doctor"]) == 0
     lines = capsys.readouterr().out.splitlines()
     place = next(n for n, line in enumerate(lines) if line.startswith("lack  extension inference"))
-    assert 'needs clarabel: pip install "granwave[inference]"' in lines[place + 1]
+    assert 'require clarabel: pip install "granwave[inference]"' in lines[place + 1]
 
 
 # ----------------------------------------------------------------------------- entries of others
@@ -250,11 +253,11 @@ def test_a_name_that_is_taken(installed, capsys):
     OTHERS[:] = [Command("run", LOOK, "another run", f"{__name__}:print_word")]
     installed.append(other(commands=f"{__name__}:OTHERS"))
     with pytest.raises(
-        InputError, match="commands run: it is in granwave itself and in the extension other"
+        InputError, match="commands run: both granwave itself and the extension other"
     ):
         make_parser()
     assert main(["cases"]) == 2
-    assert "commands run: it is in granwave itself" in capsys.readouterr().err
+    assert "commands run: both granwave itself" in capsys.readouterr().err
 
 
 def test_entries_stand_behind_those_that_they_name(installed):

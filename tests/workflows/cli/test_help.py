@@ -148,7 +148,7 @@ def test_one_line_and_the_status_of_a_failure(monkeypatch, capsys, error):
     monkeypatch.setattr(package, "keys", fail)
     assert main(["keys"]) == FAILED
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1 and "there is not enough memory" in lines[0] and str(error) in lines[0]
+    assert len(lines) == 1 and "not enough memory" in lines[0] and str(error) in lines[0]
 
 
 def test_a_missing_module_is_not_taken_for_it(monkeypatch):
@@ -167,7 +167,7 @@ def test_in_lammps():
                 "ERROR on proc 0: Failed to reallocate 192282624 bytes for array atom:v (src/memory.cpp:102)"
             )
 
-    with pytest.raises(RunError, match=r"there is not enough memory .*192282624 bytes"):
+    with pytest.raises(RunError, match=r"not enough memory .*192282624 bytes"):
         Engine(Lammps()).commands("run 1")
 
 
@@ -196,7 +196,7 @@ def test_in_lammps():
         ("granwave export run --to c", ["csv"]),
         ("granwave report run --study tol", ["tolerance"]),
         ("granwave bench --parts styles,ra", ["styles,ranks"]),
-        ("granwave scan velocity-fcc --executor s", ["slurm"]),
+        ("granwave scan velocity-fcc --executor sl", ["slurm"]),
         ("granwave completion z", ["zsh"]),
     ],
 )  # fmt: skip
@@ -310,7 +310,7 @@ def test_keys_by_name_and_by_words(granwave):
     shown = granwave("keys").stdout
     assert all(f"  {table.name} " in shown for table in keys.tables())
     assert (
-        "diameter  m  required\n    diameter of the spheres; in a file"
+        "diameter  m  required\n    diameter of the spheres; with a file"
         in granwave("keys", "packing").stdout
     )
     assert (
@@ -342,7 +342,7 @@ def test_usual_magnitudes_are_those_that_messages_name():
         for key in table.keys
         if table.name in ("material", "packing")
     }
-    assert found["diameter"] == "usual: 1e-6 to 1 m; others give a warning"
+    assert found["diameter"] == "usual: 1e-6 to 1 m; other values give a warning"
     assert (
         found["youngs_modulus"]
         == "usual: 1e6 to 1e12 Pa; below, and above 1e14 Pa, a warning is given"

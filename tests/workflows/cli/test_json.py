@@ -260,7 +260,7 @@ def test_doctor_with_the_profile_of_a_cluster(tmp_path, monkeypatch):
         folder.mkdir()
         (folder / "bash").symlink_to("/bin/bash")
     monkeypatch.setenv("PATH", str(bare))
-    for name in ("sbatch", "scancel", "squeue", "start-ranks"):
+    for name in ("sbatch", "scancel", "squeue", "srun", "start-ranks"):
         (tools / name).write_text("#!/bin/sh\n")
         (tools / name).chmod(0o755)
     profile = tmp_path / "cluster.toml"

@@ -22,7 +22,8 @@ FILES = sorted(path for folder in FOLDERS for path in ROOT.glob(f"{folder}/**/*.
 OF_PAGES = {f"{page.name}: {block.caption}": block.text for page in pages() for block in blocks(page) if block.caption.endswith(".toml")}  # fmt: skip
 #: A table or key that only this kind of files has.
 MARKS = {
-    "scans": "suite", "case": "scan", "base": "design", "slurm": "profile", "infer": "inference",
+    "scans": "suite", "case": "scan", "base": "design", "slurm": "profile", "cluster": "profile",
+    "infer": "inference",
     "block": "continuum", "punch": "continuum", "sphere": "sphere-contact", "packing": "case",
 }  # fmt: skip
 GOOD: dict[str, Any] = {

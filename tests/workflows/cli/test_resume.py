@@ -35,6 +35,10 @@ KILLED = {
         "fcc-small", "packing.size=[12,12,8]", "run.end_time=4e-4", "run.energy_tolerance=3e-8", "contact.friction=0.2",
         "boundary.bottom={plate = {mass = 0.1, stiffness = 1e7, damping = 5.0}}", 'line=[{name = "down"}]',
     ], 1, 1),
+    "initial normals": ([
+        "fcc-small", "packing.size=[12,12,8]", "run.end_time=4e-4", "run.energy_tolerance=3e-8",
+        "contact.normals=initial",
+    ], 2, 1),
     "in parts": (["fcc-small", "packing.size=[12,12,8]", "run.end_time=2e-4", "output.parts=true"], 3, 2),
 }  # fmt: skip
 ROUNDING = 1e-14  # of sums, over their largest value
@@ -153,6 +157,7 @@ def test_ctrl_c_leaves_what_there_is_and_can_go_on(uninterrupted, tmp_path):
     compare(uninterrupted, directory)
 
 
+@pytest.mark.validation
 def test_automatic_end_is_the_same_after_a_stop(tmp_path):
     """A block interrupted by a checkpoint is counted from its own start."""
     case = ["fcc-small", "packing.size=[12,12,6]", "run.end_time=auto", "run.frames=3"]

@@ -31,7 +31,7 @@ def test_it_passes_and_leaves_nothing(granwave, tmp_path, monkeypatch):
     assert all(
         rows[name]["expected"] == value == rows[name]["found"] for name, value in KNOWN.items()
     )
-    assert rows["2 ranks: at work"]["found"] == "2" and rows["2 ranks: fields as of one rank"]["ok"]
+    assert rows["2 ranks: at work"]["found"] == "2" and rows["2 ranks: fields as on one rank"]["ok"]
     assert any(name.startswith("resumed at step ") for name in rows)
     assert list(tmp_path.iterdir()) == []
 
@@ -54,7 +54,7 @@ def test_wrong_numbers_are_told_with_what_to_do(monkeypatch, capsys):
         "two spheres, Hertz", "FCC 8 x 8 x 5: dissipated", "stopped run",
     ]  # fmt: skip
     assert "LAMMPS: no such style" in table and "finished" in " ".join(rows["stopped run"])
-    assert mend.count("mend  ") == 3 and "do not use it" in mend and "do without --resume" in mend
+    assert mend.count("fix  ") == 3 and "do not use it" in mend and "do not use --resume" in mend
     assert not [name for name in rows if "ranks" in name]
 
 
@@ -67,7 +67,7 @@ def test_without_lammps_nothing_is_computed(monkeypatch, capsys):
     monkeypatch.setattr(selftest, "run_case", None)
     assert main(["selftest"]) == 1
     said = capsys.readouterr().out
-    assert "not run" in said and "mend  lammps module: mend it" in said
+    assert "not run" in said and "fix  lammps module: mend it" in said
 
 
 @pytest.mark.parametrize(
@@ -80,4 +80,4 @@ def test_digits(found, ok):
 def test_under_a_launcher_it_is_refused(monkeypatch, capsys):
     monkeypatch.setenv("PMI_RANK", "0")
     assert main(["selftest"]) == 2
-    assert "expected none" in capsys.readouterr().err
+    assert "start it without one" in capsys.readouterr().err

@@ -106,6 +106,55 @@ def test_a_dimer_meets_a_floor(tmp_path: Path) -> None:
     assert turned == pytest.approx(spin, rel=1e-3)
 
 
+SOFT = {"youngs_modulus": 1e8, "poisson_ratio": 0.3, "density": 2500.0, "yield_strength": 1e8}
+DROP = 1e-4  # m
+
+
+def bed_of_trimer(friction: float, contacts: dict[str, str]) -> Case:
+    """Case of a flat trimer above the floor, tilted, with a single grain above its hollow."""
+    corners = np.exp(2j * np.pi * np.arange(3) / 3) * 1.1 * RADIUS * 2 / np.sqrt(3)
+    heights = RADIUS + DROP * np.array([1, 2, 3])
+    rows = [
+        f"{at.real},{at.imag},{-height},{2 * RADIUS},5"
+        for at, height in zip(corners, heights, strict=True)
+    ]
+    top = -heights.mean() - np.sqrt((2 * RADIUS) ** 2 - abs(corners[0]) ** 2) - DROP
+    text = "\n".join(["x,y,z,diameter,clump", *rows, f"0,0,{top},{2 * RADIUS},", ""])
+    packing = {"kind": "file", "grains": text, "enclosure": {"bottom": 0.0}, **contacts}
+    return clumps_case(
+        "",
+        material=SOFT,
+        packing=packing,
+        contact={"law": "hertz", "friction": friction},
+        boundary={"bottom": "wall", "sides": "free"},
+        precompression={"kind": "gravity"},
+        load={"kind": "impact", "index": 4, "velocity": 0.1},
+        run={"end_time": 1e-4, "frames": 2},
+    )
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_clumps_settle_under_their_weight(friction: float, tmp_path: Path) -> None:
+    """A grain rests in the hollow of a trimer: N = m g / (3 cos a) without friction; the floor
+    carries all of the weight, a third at each grain.
+    """
+    damped = {"contacts": "relax", "relaxation": "damped"}
+    with ran(bed_of_trimer(friction, damped), tmp_path / "run") as result:
+        weight = result["spheres/mass"][3] * 9.81
+        error = errors_of_balance(result).max()
+    dumps = tmp_path / "run" / "dumps"
+    pairs = np.loadtxt(dumps / "initial_forces.dump", skiprows=9)
+    floor = np.loadtxt(dumps / "initial_forces_bottom.dump", skiprows=9)
+    stage = np.loadtxt(dumps / "prestage.txt")
+    assert stage[0] < 1e-6
+    assert floor[:, 1] == pytest.approx([4 / 3 * weight] * 3, rel=1e-4)
+    cosine = np.sqrt(1 - (1.1 / np.sqrt(3)) ** 2)
+    if not friction:
+        assert pairs[:, 2] == pytest.approx([weight / 3 / cosine] * 3, rel=1e-3)
+    assert len(pairs) == 3
+    assert error < 1e-5
+
+
 def test_overlapping_clumps_with_friction_and_yielding(tmp_path: Path) -> None:
     """Momenta stay, of all spheres; the spheres of a clump keep their distances; energies close."""
     tables = {"contact": {"friction": 0.3}, "line": [{"name": "all", "index": "all"}]}

@@ -227,7 +227,7 @@ def test_open_gap_that_cylinders_bridge(tmp_path: Path) -> None:
     assert of_sensor(rubbed) == pytest.approx(0.78 * of_sensor(smooth), rel=0.02)
     summary = rubbed.run.summary
     assert summary["energy_dissipated_wall_J"] >= 0
-    assert summary["n_cylinders"] == 2 and "grains                      29" in summary_table(
+    assert summary["n_cylinders"] == 2 and "grains                       29" in summary_table(
         summary
     )
 

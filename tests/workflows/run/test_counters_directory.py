@@ -15,6 +15,8 @@ from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows.cli.main import main
 
+pytestmark = pytest.mark.xdist_group("counters")  # its fixtures are made once
+
 SMALL = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=1.5e-5", "--set", "run.frames=2"]
 _MOST_MARKERS = 2  # reads of the marker of a run
 _MOST_OF_A_REPORT = 3  # of each run: by the report, by studies, and by the reader of result.h5

@@ -64,13 +64,13 @@ def warnings_of(table: dict[str, Any], caplog: pytest.LogCaptureFixture) -> str:
 
 def test_contacts_across_a_periodic_box_are_missed(tmp_path, caplog):
     text = warnings_of(case_of(dump(tmp_path)), caplog)
-    assert "8 contacts go across its sides" in text
-    assert 'boundary.sides = "periodic" keeps them' in text
+    assert "8 contacts cross its sides" in text
+    assert 'boundary.sides = "periodic" includes them' in text
 
 
 def test_overlaps_without_a_load_push_grains_apart(tmp_path, caplog):
     text = warnings_of(case_of(dump(tmp_path)), caplog)
-    assert "24 overlaps, up to 1e-05 m, press grains that no load, wall or held grain" in text
+    assert "24 overlaps, up to 1e-05 m, push apart grains that no load, wall or held grain" in text
 
 
 @pytest.mark.parametrize(

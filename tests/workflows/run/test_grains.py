@@ -239,6 +239,6 @@ def test_contacts_that_yield_where_walls_do_not(tmp_path: Path) -> None:
     tables = {"contact": {"law": "elastoplastic"}, "boundary": {"bottom": "free", "x": "wall"},
               "precompression": {"kind": "walls", "x_force": 4.0}, "load": {"index": [1], "velocity": 1e-3}}  # fmt: skip
     with pytest.raises(
-        RunError, match="expected 4 N: their distance is found with elastic contacts"
+        RunError, match="expected 4 N: their distance is computed with elastic contacts"
     ):
         loaded_result(tmp_path, "yields", packing={"kind": "file", "grains": text}, **tables)

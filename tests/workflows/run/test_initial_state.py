@@ -78,6 +78,7 @@ def test_made_as_read(tmp_path, monkeypatch, name):
     assert len(made[0]) == assemble(case).n_spheres * 4
 
 
+@pytest.mark.validation
 def test_on_three_ranks(tmp_path):
     words = [
         str(BIN / "mpiexec"),
@@ -133,7 +134,7 @@ def test_integers_of_lammps(tagint, imageint, shift):
     Engine(lammps).create_atoms(*of_all, n_atoms=2)
     zero = shift // 2 * (1 + shift + shift**2)
     assert seen == [ids.tolist(), [1, 2], [zero, zero - 1 + shift]]
-    with pytest.raises(RunError, match="the ranks made 2 of 3 spheres"):
+    with pytest.raises(RunError, match="the ranks created 2 of 3 spheres"):
         Engine(lammps).create_atoms(*of_all, n_atoms=3)
 
 

@@ -154,7 +154,7 @@ def test_pressed_sides_and_a_gap(tmp_path: Path) -> None:
         assert result["walls/xlo/force"].max() == 0
 
 
-@pytest.mark.parametrize("friction", [0.3, 2.0])
+@pytest.mark.parametrize("friction", [0.3, pytest.param(2.0, marks=pytest.mark.validation)])
 def test_long_waves_slide_in_both_crystals(tmp_path: Path, friction: float) -> None:
     """Friction 0.3 lets contacts slide, 2 holds them. BCC bears less: softer line contacts."""
     fronts = []

@@ -185,10 +185,10 @@ class TestRefused:
         given = {"initial_overlap": str(tmp_path / "r")}
         for size, packing, message in (
             (5, {}, "found 4 spheres, expected 5"),
-            (4, {"diameter": 0.011}, r"found sphere 4 in a place 0.003 m away"),
-            (4, {"diameter_scatter": 1e-6}, r"with a diameter off by"),
+            (4, {"diameter": 0.011}, r"found sphere 4 at a distance of 0.003 m"),
+            (4, {"diameter_scatter": 1e-6}, r"with a diameter that differs by"),
         ):
-            with pytest.raises(InputError, match=f"is of another packing: .*{message}"):
+            with pytest.raises(InputError, match=f"belongs to another packing: .*{message}"):
                 dents_table(assemble(case_of("chain", size, contact=given, packing=packing)))
 
 
@@ -301,7 +301,7 @@ def test_missing_or_cut(copied: Path, name: str) -> None:
     text = path.read_text()
     path.write_text(text[:-3])
     with pytest.raises(
-        OutputFormatError, match=rf"{name}: (is not what the run wrote|.* cut short)"
+        OutputFormatError, match=rf"{name}: (differs from the file that the run wrote|.* cut short)"
     ):
         analyse(copied, figures=False)
     path.unlink()
@@ -317,6 +317,7 @@ def test_of_another_run(copied: Path, name: str, old: str, new: str) -> None:
     path.write_text(path.read_text().replace(f"\n{old}", f"\n{new}"))
     with pytest.raises(
         OutputFormatError,
-        match=rf"{path.name}: (is not what the run wrote|found .* belong to different runs)",
+        match=rf"{path.name}: (differs from the file that the run wrote|"
+        "found .* belong to different runs)",
     ):
         analyse(copied, figures=False)

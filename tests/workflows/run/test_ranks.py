@@ -5,15 +5,22 @@ from __future__ import annotations
 import json
 import logging
 import os
+import re
 import signal
 import subprocess
 import sys
 import textwrap
 
+import h5py
+import numpy as np
 import pytest
 
+from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import load_assembly, load_case
+from granwave.workflows import library
 from granwave.workflows.run import mpi
+from granwave.workflows.run.directory import check_processors
 from tests.conftest import BIN, PLAIN
 from tests.helpers.programs.processes import alive, children, wait_for
 
@@ -61,7 +68,7 @@ def test_more_ranks_than_cores(monkeypatch, caplog):
         "3 ranks on 2 cores: ranks that share a core wait for each other; --np 2 is faster"
     ]
     with pytest.raises(
-        InputError, match=r"--np 49: found 49 ranks on 2 cores, expected .* give --np 2"
+        InputError, match=r"--np 49: found 49 ranks on 2 cores, expected .* use --np 2"
     ):
         mpi.check_cores(49)
 
@@ -170,3 +177,60 @@ def test_runs_in_a_process_that_has_forked_others(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / "summary.json").is_file()
+
+
+def test_a_grid_needs_a_brick_for_each_rank():
+    case = load_assembly(library.find("fcc-small"), {"run.processors": [2, 1, 4]}).case
+    check_processors(case, 8)
+    with pytest.raises(
+        InputError, match=r"run\.processors: found \[2, 1, 4\], 8 ranks; expected a grid of 2, "
+    ):
+        check_processors(case, 2)
+
+
+def granwave(*words) -> None:
+    command = [BIN / "granwave", "run", "fcc-small", *words, "--np", "2", "--no-figures"]
+    done = subprocess.run(command, env=PLAIN, check=False, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.validation
+def test_the_division_changes_no_result(tmp_path):
+    """Two bricks next to each other by the model, and on top of each other, divided again."""
+    small = ["--set", "packing.size=[8,8,4]", "--set", "run.end_time=2e-5"]
+    small += ["--set", "load.spheres=7"]
+    other = ["--set", "run.processors=[1,1,2]", "--set", "run.balance=true"]
+    contacts = []
+    for name, words in (("one", small), ("other", [*small, *other])):
+        out = tmp_path / name
+        granwave(*words, "-o", out)
+        log = (out / "log.lammps").read_text()
+        assert ("1 by 1 by 2 MPI processor grid" in log) == (name == "other")
+        with h5py.File(out / "result.h5") as file:
+            contacts.append({key: values[...] for key, values in file["contacts"].items()})
+    assert contacts[0].keys() == contacts[1].keys()
+    for key, values in contacts[0].items():
+        np.testing.assert_array_equal(values, contacts[1][key], err_msg=key)
+    granwave(*small, "-o", tmp_path / "other", "--resume")
+
+
+def test_the_box_is_divided_again_on_request(tmp_path):
+    for balance in (False, True):
+        case = load_case(library.find("fcc-small"), {"run.balance": balance})
+        script = write_deck(case, tmp_path / str(balance)).script.read_text()
+        assert ("comm_style      tiled" in script) == balance
+        assert bool(re.search(r"(?m)^fix +balance all balance 5\d\d 1\.1 rcb", script)) == balance
+
+
+@pytest.mark.parametrize("is_lost", [False, True])
+def test_message_of_an_abort_is_never_lost(capfd, tmp_path, is_lost):
+    """Launchers may end before they have passed on what the ranks wrote last."""
+    message = "granwave: LAMMPS: ERROR on proc 0: spheres overlap"
+    shown = "" if is_lost else f"echo '{message}' >&2; "
+    launcher = tmp_path / "launcher"
+    launcher.write_text(
+        f"#!/bin/sh\n{shown}echo '{message}' > \"$GRANWAVE_LAST_WORDS_FILE\"; exit 1\n"
+    )
+    launcher.chmod(0o755)
+    assert mpi.launch(2, ["run", "fcc-small"], [str(launcher)]) == 1
+    assert capfd.readouterr().err == f"{message}\n"

@@ -11,6 +11,7 @@ import pytest
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run import driver
+from tests.helpers import meshes
 
 HEAD = "x,y,z,diameter,vx,vy,vz\n"
 PAIR = f"{HEAD}0,0,0,0.01,0,0,0\n0.002,0.001,-0.0099,0.01,0,0,5\n"
@@ -110,3 +111,41 @@ def test_a_hopper_of_two_regions(tmp_path: Path) -> None:
         assert result["energy/friction"][-1] > 0
     assert np.abs(energy / given - 1).max() < 1e-5
     assert "wall1" in walls
+
+
+@pytest.mark.parametrize("n", [1, 10])
+def test_a_plate_of_triangles_is_the_bottom(tmp_path: Path, n: int) -> None:
+    """A plate of 2 or 200 triangles, in millimetres and below its place."""
+    file = tmp_path / "plate.stl"
+    file.write_text(meshes.stl_text(1e3 * meshes.plate(n, height=0.006)))
+    plate = [{"stl": str(file), "units": "mm", "moved": [0.0, 0.0, -0.001], "material": "steel"}]
+    contact = {"contact": {"friction": 0.3}}
+    with (
+        ran(tmp_path / "one", PAIR, boundary={"bottom": {"material": "steel"}}, **contact) as one,
+        ran(tmp_path / "two", PAIR, boundary={"bottom": "free"}, wall=plate, **contact) as two,
+    ):
+        same(one, two, ("bottom", "wall1"))
+        assert one["energy/friction"][-1] > 0
+
+
+def test_a_hopper_of_triangles(tmp_path: Path) -> None:
+    """Grains run down a funnel of facets: one smooth patch, and the energy closes."""
+    grains = f"{HEAD}0,0,0,0.01,0.5,0,3\n0.012,0,0.001,0.01,0,0,4\n"
+    sides = meshes.tube(60, 0.04, -0.02, 0.012)
+    sides[..., :2] *= 1 - 0.65 * ((sides[..., 2:] + 0.02) / 0.032)
+    file = tmp_path / "funnel.stl"
+    file.write_bytes(meshes.stl_binary(1e3 * sides))
+    run = {"end_time": 6e-3, "timestep": 6e-8, "frames": 2}
+    wall = [{"stl": str(file), "units": "mm", "material": "steel"}]
+    tables = {
+        "boundary": {"bottom": "free"},
+        "wall": wall,
+        "contact": {"friction": 0.2},
+        "run": run,
+    }
+    with ran(tmp_path / "run", grains, **tables) as result:
+        energy = sum(result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
+        given = result["energy/input"]
+        force = result["walls/wall1/force"].max()
+    assert np.abs(energy / given - 1).max() < 1e-5
+    assert force > 100

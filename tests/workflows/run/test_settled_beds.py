@@ -19,6 +19,8 @@ from granwave.lammps_inputs.restart_file import read_restart
 from granwave.workflows.run import static_progress
 from granwave.workflows.run.lammps_engine import open_engine
 
+pytestmark = pytest.mark.xdist_group("settled beds")  # its fixtures are made once
+
 PERIOD = 0.033
 GRAVITY = 9.81
 DENSITY = 8500.0
@@ -125,7 +127,10 @@ class RecordedBar:
         """Close nothing."""
 
 
-@pytest.fixture(scope="module", params=LAWS)
+@pytest.fixture(
+    scope="module",
+    params=["hertz", pytest.param("elastoplastic", marks=pytest.mark.validation)],
+)
 def bed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> SettledBed:
     folder = tmp_path_factory.mktemp(request.param)
     script = BED.format(period=PERIOD, law=LAWS[request.param])
@@ -236,13 +241,14 @@ region box block -0.05 0.05 -0.05 0.05 -0.05 0.05
 create_box 1 box
 create_atoms 1 single 0 0 0
 create_atoms 1 single 0.0096 0 0
-create_atoms 1 single 0.02 0 0
+create_atoms 1 single 0.03 0 0
+create_atoms 1 single 0.03999 0 0
 set group all diameter 0.010 density 8500
 {numbers}
 pair_style gran/hysteretic 1e-3
 pair_coeff * * hertz 1e9 0.30
-neigh_modify exclude type 1 1
 group clump id 1 2
+neigh_modify exclude group clump clump
 fix clump clump rigid/nve single
 timestep 1e-6
 run 1 post no
@@ -250,29 +256,56 @@ write_restart {file}
 """
 
 
-@pytest.mark.parametrize(
-    ("numbers", "fault"),
-    [
-        (
-            "fix numbers all property/atom mol ghost yes\nset atom 1*2 mol 1",
-            r"packing\.file: found spheres 1 and 2 of one body",
-        ),
-        ("", r"packing\.restart: found spheres 1 and 2, which overlap without a contact"),
-    ],
-)
-def test_a_restart_file_with_clumps_is_refused(tmp_path: Path, numbers: str, fault: str) -> None:
-    file = tmp_path / "clump.restart"
-    with open_engine(None, "none", tmp_path) as engine:
+def restart_of_clump(folder: Path, numbers: str) -> Path:
+    """Write a restart file of a dimer with these commands for its number, and of a single grain."""
+    file = folder / "clump.restart"
+    with open_engine(None, "none", folder) as engine:
         engine.commands(CLUMP.format(numbers=numbers, file=file))
-    case = {
-        "material": SOFT,
+    return file
+
+
+def case_of_clump(file: Path) -> dict[str, Any]:
+    return {
+        "name": "clump",
+        "material": SOFT | {"density": 8500.0},
         "packing": {"kind": "restart", "file": str(file)},
         "contact": {"law": "hertz"},
         "boundary": {"bottom": "free"},
-        "load": {"velocity": 0.1},
+        "load": {"index": 3, "velocity": 1e-3},
+        "run": {"end_time": 1e-4, "frames": 2},
     }
+
+
+def test_a_restart_file_with_overlapping_spheres_without_numbers_is_refused(
+    tmp_path: Path,
+) -> None:
+    file = restart_of_clump(tmp_path, "")
+    fault = r"packing\.restart: found spheres 1 and 2, which overlap without a contact"
     with pytest.raises(InputError, match=fault):
-        case_from_dict(case, "clump")
+        case_from_dict(case_of_clump(file), "clump")
+
+
+def test_a_restart_file_with_clumps(tmp_path: Path) -> None:
+    """Spheres of one number move on as a rigid body, with the spin that they have."""
+    numbers = "fix numbers all property/atom mol ghost yes\nset atom 1*2 mol 1\n"
+    numbers += "velocity all create 0.0 1\nset atom 1 vz 1.0\nset atom 2 vz 2.0"
+    case = case_of_clump(restart_of_clump(tmp_path, numbers))
+    gw.run(case, directory=tmp_path / "out", figures=False)
+    with Result(tmp_path / "out") as result:
+        first, last = (result.frame(k, "velocity") for k in (0, -1))
+        moved = result.frame(-1, "displacement")[:2]
+        place = result["spheres/position"][:2] + moved
+    # the script has given two spheres without spin to a body, which keeps their angular momentum
+    arm = 0.0048
+    radius = 0.005
+    half = 0.5 * arm**2 / (arm**2 + 0.4 * radius**2)
+    velocity = 1.5 + np.array([-half, half])
+    assert first[:2, 2] == pytest.approx(velocity, rel=1e-4)
+    assert last[:2].mean(axis=0) == pytest.approx(first[:2].mean(axis=0), rel=1e-9)
+    assert np.linalg.norm(place[1] - place[0]) == pytest.approx(0.0096, rel=1e-9)
+    assert moved[:, 2] == pytest.approx(1e-4 * velocity, rel=1e-2)
+    turning = [np.linalg.norm(velocity[1] - velocity[0]) for velocity in (first, last)]
+    assert turning[1] == pytest.approx(turning[0], rel=1e-6)
 
 
 def test_case_of_a_bed_is_read_again(bed: SettledBed) -> None:
@@ -298,12 +331,33 @@ def test_faults_of_beds(bed: SettledBed, changes: dict[str, Any], fault: str) ->
         case_from_dict(bed.case(**changes), "bed")
 
 
-def test_files_that_are_no_restart(tmp_path: Path) -> None:
-    (tmp_path / "a.restart").write_bytes(b"something else")
+@pytest.mark.parametrize(("content", "fault"), [
+    (b"something else", "found no LAMMPS restart file, expected a file written by write_restart"),
+    (b"LammpS RestartT\0" + bytes(99),
+     "found a LAMMPS restart file without its end; it is truncated"),
+    (b"LAMMPS data file via write_data\n\n27 atoms\n1 atom types\n",
+     "found a LAMMPS data file, which has no plastic indentations and springs; expected a restart "
+     'file: add write_restart next to write_data, or use packing.kind = "file"'),
+])  # fmt: skip
+def test_files_that_are_no_restart(content: bytes, fault: str, tmp_path: Path) -> None:
+    (tmp_path / "a.restart").write_bytes(content)
     packing = {"kind": "restart", "file": str(tmp_path / "a.restart")}
-    with pytest.raises(InputError, match="found no restart file of LAMMPS"):
+    with pytest.raises(InputError, match=re.escape(fault)):
         case_from_dict({"packing": packing, "material": "brass"})
+
+
+@pytest.mark.parametrize(("key", "value", "fault"), [
+    ("up", "z", 'packing.up: belongs to packing.kind = "file"; found "restart", whose bed is not'),
+    ("units", "mm", 'packing.units: belongs to packing.kind = "file"; found "restart", whose file'),
+])  # fmt: skip
+def test_a_restart_file_needs_no_keys_of_reading(key: str, value: str, fault: str) -> None:
+    packing = {"kind": "restart", "file": "a.restart", key: value}
+    with pytest.raises(InputError, match=re.escape(fault)):
+        case_from_dict({"packing": packing, "material": "brass"})
+
+
+def test_a_restart_needs_its_file() -> None:
     with pytest.raises(
-        InputError, match=r"packing\.file: missing; packing\.kind = .restart. needs"
+        InputError, match=r"packing\.file: missing; packing\.kind = .restart. requires"
     ):
         case_from_dict({"packing": {"kind": "restart"}, "material": "brass"})

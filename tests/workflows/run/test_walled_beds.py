@@ -15,6 +15,8 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.restart_file import RestartSpheres, read_restart
 from granwave.workflows.run.lammps_engine import open_engine
 
+pytestmark = pytest.mark.xdist_group("walled beds")  # its fixtures are made once
+
 GRAVITY = 9.81
 WIDTH = 0.033
 D = 0.010
@@ -163,13 +165,13 @@ PLACES = {"x": [0.0, WIDTH], "y": [0.0, WIDTH], "bottom": 0.0}
         ({"enclosure": PLACES | {"bottom": 1e-5}}, "at the wall of fix ground, such as sphere"),
         (
             {"enclosure": PLACES | {"x": [-1e-4, WIDTH]}},
-            "expected a wall of the case there; give it",
+            "expected a wall of the case there; define it",
         ),
         ({"types": {"1": "soft"}}, r"packing\.types: found no material of the type 2"),
         ({"types": None}, r"packing\.types: found no material of the type 1"),
         ({"types": {"1": "soft", "2": "soft"}}, r"material\.density: found sphere \d+ with a mass"),
         ({"types": {"1": "soft", "2": "softer", "3": "soft"}}, "found no type 3"),
-        ({"contacts": "relax"}, r"packing\.contacts: found .relax.; take it out"),
+        ({"contacts": "relax"}, r"packing\.contacts: found .relax.; remove it"),
     ],
 )
 def test_faults_of_walled_beds(bed: WalledBed, keys: dict[str, Any], fault: str) -> None:

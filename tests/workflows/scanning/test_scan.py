@@ -22,6 +22,8 @@ from granwave.workflows.cli.worker import _Worker
 from tests.conftest import PLAIN
 from tests.helpers.programs.processes import alive, children, wait_for
 
+pytestmark = pytest.mark.xdist_group("scan")  # its fixtures are made once
+
 HEAD = """
 case = "fcc-small"
 ranks = {spheres_per_rank = 200, most = 2}
@@ -319,7 +321,7 @@ def test_too_little_room_for_a_point_is_told(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr("granwave.workflows.cli.worker.free_space", lambda _: 21e6)
     assert not worker._room({"disk": 1e6})
     assert (tmp_path / ".scan" / "stop").read_text() == (
-        f"{tmp_path}: the results of the next point need about 0.001 GB and 0.05 GB must stay free, 0.021 GB are free there"
+        f"{tmp_path}: the results of the next point require about 0.001 GB and 0.05 GB must stay free, but only 0.021 GB are free"
     )
 
 
@@ -335,7 +337,7 @@ def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -
     first = json.loads((directory / "scan.json").read_text())["points"][0]["id"]
     long = directory / "unfinished" / first
     busy = granwave("scan", "my.toml", "-o", "out", "--resume", cwd=tmp_path)
-    assert busy.returncode == 2 and "at work there" in busy.stderr
+    assert busy.returncode == 2 and "in use by another run or scan" in busy.stderr
 
     # the process of a point is killed: the point is retried once
     wait_for(lambda: growing(long), beside=process)

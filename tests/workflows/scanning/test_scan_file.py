@@ -286,7 +286,7 @@ def test_replicates_where_nothing_is_random_are_told(load: Load, caplog) -> None
     with caplog.at_level(logging.WARNING, logger="granwave"):
         scan = load("replicates = 3\n" + SMALL + VELOCITIES)
     assert len(scan.points) == 2 and [
-        record.message.count("nothing is random") for record in caplog.records
+        record.message.count("have no random quantities") for record in caplog.records
     ] == [1]
 
 
@@ -336,12 +336,12 @@ def test_a_plan_of_100_000_points_is_made_of_some(tmp_path: Path, load: Load) ->
     assert len({point.labels["packing.diameter"] for point in scan.points}) > 5
     values = plan_values(scan, tmp_path / "out", scan.points, Machine(2))
     shown = plan_text(scan, scan.points, values, None)
-    assert "100000, planned from 50 of them" in shown and "load.velocity (10000)" in shown
+    assert "100000, planned from 50 random points" in shown and "load.velocity (10000)" in shown
     assert (values["n_points"], values["n_planned"]) == (100_000, 50)
     assert values["disk_bytes"] == pytest.approx(
         2000 * sum(point.plan.disk for point in scan.points)
     )
-    with pytest.raises(InputError, match="the points need about"):
+    with pytest.raises(InputError, match="the points require about"):
         check_points(scan, ResultDirectory(tmp_path), force=False)
     whole = load(SMALL + VELOCITIES, most=50)
     assert (whole.n_points, whole.scale) == (2, 1)

@@ -14,7 +14,7 @@ from granwave.workflows import load_profile
 from granwave.workflows.cli.scan import outcome_text
 from granwave.workflows.scanning.batches import Machine
 from granwave.workflows.scanning.driver import ScanOutcome
-from granwave.workflows.scanning.engine import submission
+from granwave.workflows.scanning.engine import request_of
 from tests.helpers.made_up.scan_texts import SMALL, VELOCITIES, Load, reader
 from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
@@ -74,15 +74,12 @@ def test_a_profile_tells_how_jobs_are_submitted(tmp_path: Path, load: Load) -> N
     )
     points = list(load(SMALL + VELOCITIES).distinct.values())
     (batch, *_) = Machine(1).batches(points, "a")
-    command, script = submission(load_profile(tmp_path / "p.toml"), batch, "my")
-    assert (
-        command[-3:] == ["-q", "long", "--comment2=a b"]
-        and "--mem=70" in command
-        and "--ntasks=1" in command
-    )
-    assert "\nmodule load x\nexec srun --ntasks=1 " in script and script.endswith(
-        f"batches/{batch.id}.json\n"
-    )
+    profile = load_profile(tmp_path / "p.toml")
+    script = profile.script(request_of(profile, batch, "my", tmp_path))
+    for option in ("-q long --comment2='a b'", "--mem=70", "--ntasks=1", "--job-name=granwave-my"):
+        assert f"#SBATCH {option}\n" in script
+    assert "\nmodule load x\nexec srun --ntasks=1 " in script
+    assert script.endswith(f"batches/{batch.id}.json\n")
 
 
 def end_of(tmp_path, points, share) -> str:

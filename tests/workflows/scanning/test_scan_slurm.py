@@ -16,7 +16,8 @@ from pathlib import Path
 
 import pytest
 
-from granwave.workflows.scanning.slurm import end_of
+from granwave.workflows.cluster.schedulers import scheduler
+from granwave.workflows.scanning import queue as queue_of_scan
 from tests.conftest import PLAIN
 from tests.helpers.programs.processes import children, wait_for
 from tests.helpers.programs.slurm_cluster import slurm  # noqa: F401 (a fixture)
@@ -126,11 +127,11 @@ def test_points_over_nodes_and_a_point_that_fails(scan, tmp_path):
     assert [row["status"] for row in rows] == ["done", "failed", "done", "failed"]
     assert [row["n_ranks"] for row in rows] == ["1", "", "2", ""]
     for row in rows[1::2]:
-        assert row["attempts"] == "2" and "energy balance was refused" in row["reason"]
+        assert row["attempts"] == "2" and "energy balance error too large" in row["reason"]
         assert (tmp_path / "out" / row["directory"] / "point.log").stat().st_size > 0
     run = json.loads((tmp_path / "out" / rows[2]["directory"] / "run.json").read_text())
     assert run["nodes"] == ["n1", "n2"]
-    assert "energy balance was refused" in (tmp_path / "out" / "report.html").read_text()
+    assert "energy balance error too large" in (tmp_path / "out" / "report.html").read_text()
 
 
 @pytest.mark.validation
@@ -242,6 +243,9 @@ def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
     logs = tmp_path / ".scan" / "logs" / "batch"
     logs.mkdir(parents=True)
 
+    def end_of(_: Path, job: str) -> str:
+        return queue_of_scan.end_of(tmp_path, job, scheduler("slurm"))
+
     def submit(command: str) -> str:
         words = [
             "sbatch",
@@ -264,7 +268,7 @@ def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
     assert end_of(tmp_path, killed).startswith(f"Slurm ended job {killed}: CANCELLED")
     said = end_of(tmp_path, late)
     assert re.match(
-        rf"Slurm ended job {late}: TIMEOUT \(TimeLimit\): .*DUE TO TIME LIMIT; give a longer slurm\.time",
+        rf"Slurm ended job {late}: TIMEOUT \(TimeLimit\): .*DUE TO TIME LIMIT; give a longer time in the profile",
         said,
     ), said
 
@@ -284,10 +288,12 @@ def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
 
 
 def test_jobs_of_another_scan_are_not_ours(scan, tmp_path):
-    from granwave.workflows.scanning.slurm import jobs_of
-
-    subprocess.run(
-        ["sbatch", "--parsable", "-D", str(tmp_path), "--comment=granwave batch abc", "--wrap", "sleep 60"],
-        check=True, stdout=subprocess.DEVNULL,
-    )  # fmt: skip
-    assert len(jobs_of(tmp_path)) == 1 and not jobs_of(tmp_path.parent)
+    for folder in ("mine", "other"):
+        (tmp_path / folder / ".scan" / "logs").mkdir(parents=True)
+    queue_ = scheduler("slurm")
+    script = "#!/bin/bash\n#SBATCH --output=/dev/null\nsleep 60\n"
+    job = queue_.submit(script, tmp_path)
+    queue_of_scan.note_submitted(tmp_path / "mine", job, "abc")
+    queue_of_scan.note_submitted(tmp_path / "other", f"{int(job) + 1000}", "abc")
+    assert [found.id for found in queue_of_scan.jobs_of(tmp_path / "mine", queue_)] == [job]
+    assert not queue_of_scan.jobs_of(tmp_path / "other", queue_)

@@ -1,0 +1,141 @@
+"""Figures of what goes on in parts of a packing: force at depths, energy in regions."""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
+
+from granwave.analysis.figures.impact_arrow import impact_arrow
+from granwave.analysis.figures.series import LINES, against_time, label, panels, time_axis
+from granwave.analysis.figures.style import GREY, ORANGE, Drawing, legend_above
+from granwave.analysis.measures.depths import ForceAtDepth, depth_range, forces_at_depths
+from granwave.analysis.measures.regions import (
+    DISSIPATED,
+    OTHERS,
+    WALLS,
+    energy_of_regions,
+    usual_regions,
+)
+from granwave.analysis.result.reader import Result
+
+logger = logging.getLogger(__name__)
+
+_MICRO = 1e6  # microseconds in a second
+_MILLI = 1e3  # millimetres in a metre
+_KILO = 1e-3  # kilonewtons in a newton
+_LARGE = 1e4  # N from which on forces are in kN
+_FEW = 60  # instants up to which each has a mark
+_LIGHT = 0.85  # of the colour map: last depth
+_DEPTH_MAP = "viridis"
+_REGION_MAP = "Blues"
+_PALEST = 0.3  # of the colour map of regions: farthest from the load
+_DARKEST = 0.95  # nearest to it
+_OTHER_COLOURS = {DISSIPATED: ORANGE, WALLS: GREY, OTHERS: "#d9d9d9", "plate": "#3a3a3a"}
+_HATCHES = {DISSIPATED: "////", WALLS: "....", "rotation": "xxxx", "support": "----"}
+_EDGE = 0.5  # points: white lines between regions
+_COLUMNS = 2  # of the legend of regions
+_LONG = 24  # characters of a name, beyond which the legend has one column
+
+
+def force_at_depths(result: Result) -> Drawing | None:
+    """Draw the force through planes at depths against time, and the force on the bottom."""
+    depths = result.figure_options.depths
+    forces = forces_at_depths(result, depths)
+    if depths is not None:
+        _warn_of_depths(result, depths)
+    if not forces:
+        return None
+    figure, axes = panels(2.8)
+    largest = max(float(np.abs(part.force).max()) for part in forces)
+    scale, unit = (_KILO, "kN") if largest >= _LARGE else (1.0, "N")
+    columns: dict[str, ArrayLike] = {"time_s": forces[0].time}
+    for number, part in enumerate(forces):
+        name = f"{part.depth * _MILLI:.4g} mm"
+        against_time(axes, part.time, part.force * scale, label=name, **_look(number, forces))
+        columns[f"force_at_{part.depth * _MILLI:.4g}_mm_N"] = part.force
+    if "walls/bottom" in result:
+        time = result["walls/bottom/time"]
+        force = result["walls/bottom/force"]
+        against_time(axes, time, force * scale, color="black", linewidth=0.6, label="bottom")
+        columns |= {"bottom_time_s": time, "bottom_force_N": force}
+    time_axis(axes, result["energy/time"])
+    label(axes, y=f"Force through the plane ({unit})")
+    legend_above(axes, 3, title="Depth", handlelength=2.2)
+    return Drawing(figure, columns)
+
+
+def _look(number: int, forces: list[ForceAtDepth]) -> dict[str, Any]:
+    """Return colour and line of a depth, with marks where there are few instants."""
+    part = number / max(len(forces) - 1, 1)
+    look: dict[str, Any] = {
+        "color": colormaps[_DEPTH_MAP](_LIGHT * part),
+        "line": LINES[number % len(LINES)],
+        "linewidth": 1.0,
+    }
+    if len(forces[number].time) <= _FEW:
+        look |= {"marker": "o", "markersize": 2.0}
+    return look
+
+
+def _warn_of_depths(result: Result, depths: tuple[float, ...]) -> None:
+    """Warn of depths that have grains on one side only."""
+    top, bottom = depth_range(result)
+    outside = [f"{depth:g}" for depth in depths if not top < depth <= bottom]
+    if outside:
+        logger.warning(
+            "force_at_depths: figures.depths: found %s m, expected depths from %.3g to %.3g m, "
+            "between the centres of the first and the last layer; left out",
+            ", ".join(outside),
+            top,
+            bottom,
+        )
+
+
+def energy_by_region(result: Result) -> Drawing | None:
+    """Draw the energy in regions of a packing as areas, one above the other, against time."""
+    regions = usual_regions(result, impact_arrow(result).direction)
+    energy = energy_of_regions(result, regions)
+    if energy is None or not energy.share:
+        return None
+    order = [DISSIPATED, *reversed(regions), OTHERS]
+    names = sorted(
+        energy.share, key=lambda name: order.index(name) if name in order else len(order)
+    )
+    figure, axes = panels(2.9)
+    _draw_areas(axes, energy.time, [(name, energy.share[name]) for name in names], list(regions))
+    total = np.sum([energy.share[name] for name in names], axis=0)
+    quantity = "Kinetic energy" if energy.kinetic_only else "Energy"
+    label(axes, y=f"{quantity} / energy input", ylim=(0, 1.05 * max(1.0, float(total.max()))))
+    if energy.kinetic_only:
+        axes.set_ylim(0, 1.05 * float(total.max()))
+    time_axis(axes, energy.time)
+    is_long = max(map(len, names)) > _LONG
+    legend_above(axes, 1 if is_long else _COLUMNS, fontsize=7, reverse=True)
+    columns: dict[str, ArrayLike] = {"time_s": energy.time}
+    columns |= {f"{column}_over_input": energy.share[name] for name, column in _columns(names)}
+    return Drawing(figure, columns)
+
+
+def _draw_areas(axes: Axes, time: Any, parts: list[tuple[str, Any]], regions: list[str]) -> None:
+    """Draw shares one above the other; regions are the darker the nearer they are to the load."""
+    low = np.zeros(len(time))
+    for name, share in parts:
+        colour: Any = _OTHER_COLOURS.get(name, GREY)
+        if name in regions:
+            part = 1 - regions.index(name) / max(len(regions) - 1, 1)
+            colour = colormaps[_REGION_MAP](_PALEST + (_DARKEST - _PALEST) * part)
+        axes.fill_between(
+            time * _MICRO, low, low + share, facecolor=colour, label=name, edgecolor="white",
+            linewidth=_EDGE, hatch=_HATCHES.get(name),
+        )  # fmt: skip
+        low = low + share
+
+
+def _columns(names: list[str]) -> list[tuple[str, str]]:
+    """Return names of regions with those of their columns."""
+    return [(name, name.replace(",", "").replace(" ", "_").replace("-", "_")) for name in names]

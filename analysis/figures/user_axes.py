@@ -1,0 +1,162 @@
+"""Figures in axes of the user, and curves of another run over those of a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.errors import InputError
+
+_OTHER_LINE = "--"  # of the curves of another run
+_OTHER_ALPHA = 0.7
+_COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
+
+
+class UserFigure:
+    """Figure whose panels are axes of the user; all else is asked of the figure of these axes.
+
+    Parameters
+    ----------
+    panels
+        Axes of the user, of one figure, in the order of the panels.
+    """
+
+    def __init__(self, panels: Sequence[Axes]) -> None:
+        self._panels = list(panels)
+        figure = self._panels[0].get_figure(root=True)
+        if figure is None:
+            raise InputError("ax: found axes that were removed, expected axes of a figure")
+        self._figure = figure
+        self._before = [axes for axes in self._figure.axes if axes not in self._panels]
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._figure, name)
+
+    @property
+    def axes(self) -> list[Axes]:
+        """Axes of the panels, and those that the drawing added, such as of colour bars."""
+        return [axes for axes in self._figure.axes if axes not in self._before]
+
+    def subplots(
+        self, rows: int = 1, columns: int = 1, *, squeeze: bool = True, **options: Any
+    ) -> Axes | NDArray[Any]:
+        """Return the axes of the user as an array of panels; as ``Figure.subplots``.
+
+        Raises
+        ------
+        InputError
+            There are more or fewer panels, or panels of another projection.
+        """
+        number = rows * columns
+        if number != len(self._panels):
+            expected = "one pair of axes" if number == 1 else f"a list of {number} axes"
+            raise InputError(f"ax: found {len(self._panels)}, expected {expected}, one a panel")
+        projection = (options.get("subplot_kw") or {}).get("projection", self._panels[0].name)
+        if any(axes.name != projection for axes in self._panels):
+            raise InputError(f"ax: expected axes with projection={projection!r}")
+        if squeeze and number == 1:
+            return self._panels[0]
+        grid = np.array(self._panels, dtype=object).reshape(rows, columns)
+        return grid.squeeze() if squeeze else grid
+
+    def legend(self, *artists: Any, loc: str = "", **options: Any) -> None:
+        """Draw the legend of the figure in its first panel."""
+        self._panels[0].legend(*artists, **options)
+
+    def supxlabel(self, text: str, **options: Any) -> None:
+        """Label the horizontal axis of the last panel."""
+        self._panels[-1].set_xlabel(text, **options)
+
+    def supylabel(self, text: str, **options: Any) -> None:
+        """Label the vertical axis of the first panel."""
+        self._panels[0].set_ylabel(text, **options)
+
+    def findobj(self, match: Any = None, include_self: bool = True) -> list[Any]:
+        """Return the artists of the panels."""
+        artists: list[Any] = []
+        for axes in self.axes:
+            artists += axes.findobj(match, include_self)
+        return artists
+
+
+_figure: ContextVar[UserFigure | None] = ContextVar("figure of the user", default=None)
+
+
+def user_figure() -> UserFigure | None:
+    """Return the figure that is drawn into; None: a new one."""
+    return _figure.get()
+
+
+@contextmanager
+def drawing_into(panels: Sequence[Axes]) -> Iterator[UserFigure]:
+    """Draw what is drawn in the ``with`` block into axes of the user."""
+    figure = UserFigure(panels)
+    token = _figure.set(figure)
+    try:
+        yield figure
+    finally:
+        _figure.reset(token)
+
+
+def plots_of(figure: Figure | UserFigure) -> list[Axes]:
+    """Return the axes of a figure without those of colour bars."""
+    return [axes for axes in figure.axes if axes.get_label() != _COLOUR_BAR]
+
+
+def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str) -> bool:
+    """Draw the curves of the panels of another run over those of a run, dashed.
+
+    Parameters
+    ----------
+    panels, others
+        Panels of both figures, in one order.
+    name
+        Name of the other run in legends.
+
+    Returns
+    -------
+    bool
+        False if there are no curves, or other panels.
+    """
+    if len(panels) != len(others):
+        return False
+    number = 0
+    for axes, other in zip(panels, others, strict=True):
+        curves = [line for line in other.lines if line.get_transform() == other.transData]
+        for curve in curves:
+            _add_curve(axes, curve, name)
+        if curves:
+            axes.set_xlim(_widened(axes.get_xlim(), other.get_xlim()))
+            axes.set_ylim(_widened(axes.get_ylim(), other.get_ylim()))
+            if axes.get_legend() is not None or len(curves) == 1:
+                axes.legend()
+        number += len(curves)
+    return number > 0
+
+
+def _add_curve(axes: Axes, curve: Line2D, name: str) -> None:
+    """Draw a curve of another run."""
+    label = str(curve.get_label())
+    axes.plot(
+        *curve.get_data(),
+        linestyle=_OTHER_LINE,
+        color=curve.get_color(),
+        alpha=_OTHER_ALPHA,
+        label=name if label.startswith("_") else f"{label}, {name}",
+    )
+
+
+def _widened(own: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
+    """Return limits that hold those of both, in the direction of the first."""
+    ends = (*own, *other)
+    if own[0] > own[1]:
+        return max(ends), min(ends)
+    return min(ends), max(ends)

@@ -1,0 +1,309 @@
+"""Parts of the reference that are made from the code's own tables, as Markdown of MyST.
+
+A page contains a mark such as ``<!-- keys: case -->``; `code_tables.py` puts the part there when
+the site is built, and `reference_pages.py` keeps it below the mark for readers of the repository.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import re
+import sys
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from bibtex import bibtex
+
+from granwave._contact_laws import LAWS, LawParameter
+from granwave.analysis.figures.run_figures import run_figures
+from granwave.analysis.formatting.values import printed_unit
+from granwave.analysis.quantities import Quantity, entries
+from granwave.analysis.reports.kinds import report_kinds
+from granwave.analysis.studies.registry import STUDIES
+from granwave.lammps_inputs import presets
+from granwave.lammps_inputs.lattices import lattice_kinds
+from granwave.workflows import library
+from granwave.workflows.cli.keys import Key, KeyTable, state, tables
+from granwave.workflows.cli.parser import make_parser as command_line
+from granwave.workflows.file_kinds import CASE_FILE
+
+ROOT = Path(__file__).parents[2]
+MANUAL = ROOT / "plugins" / "doc"
+FIGURES = ROOT / "docs" / "figures"
+sys.path.append(str(ROOT / "plugins" / "package"))
+from other_commands import other_commands  # noqa: E402  what the package's pages have, too
+
+_PLANE = re.compile(r"_(principal|orthogonal|section)$")
+_AT_PLANE = re.compile(r", (principal plane|perpendicular plane|plane of the case)$")
+#: A mark, with the kept table below it, if there is one.
+MARK = re.compile(
+    r"^<!-- (?P<name>\w+)(?:: (?P<argument>[\w.-]+))? -->$"
+    r"(?:\n(?:(?!<!-- \w).*\n)*?<!-- /(?P=name) -->$)?",
+    re.MULTILINE,
+)
+
+
+def keys_of(file: str) -> str:
+    """Return all tables of one kind of file as sections with a list of keys each."""
+    return "\n\n".join(_section(table) for table in tables() if table.file == file)
+
+
+def _section(table: KeyTable) -> str:
+    title = f"`{table.heading}`" if table.heading else "Keys above all tables"
+    anchor = f"(keys-{table.file}-{table.name.replace('.', '-')})=\n"
+    text = f"{table.description[:1].upper()}{table.description[1:]}."
+    level = (
+        "##" if table.file == CASE_FILE.name else "###"
+    )  # the pages of others have several kinds of files
+    return "\n\n".join(
+        [f"{anchor}{level} {title}", text, *(_entry(table, key) for key in table.keys)]
+    )
+
+
+def _entry(table: KeyTable, key: Key) -> str:
+    anchor = f"{table.file}.{table.name}.{key.name}".replace(".", "-").replace("_", "-")
+    unit = f" in {printed_unit(key.unit)}" if key.unit else ""
+    facts = [
+        f"Accepts {_escape(key.accepts)}.",
+        *([f"{_sentence(key.usual)}"] if key.usual else []),
+    ]
+    return "\n".join(
+        [
+            f"[**`{key.name}`**]{{#{anchor}}}{unit}, {_state(key)}",
+            f": {_sentence(key.description)} {' '.join(facts)} Example: `{key.example}`",
+        ]
+    )
+
+
+def _state(key: Key) -> str:
+    if key.default:
+        if key.default.startswith("that of "):
+            return f"default {key.default}"
+        return f"default `{key.default}`"
+    return f"**{state(key)}**" if key.required else state(key)
+
+
+def _sentence(text: str) -> str:
+    return f"{_escape(text[:1].upper() + text[1:])}."
+
+
+def _escape(text: str) -> str:
+    """Escape what Markdown would take for its own."""
+    return re.sub(r"([\[\]{}*_<>|$`])", r"\\\1", text)
+
+
+def quantities() -> str:
+    """Return the table of the values of summary.json of runs."""
+    return _table_of(entries())
+
+
+def _table_of(shown: Sequence[Quantity]) -> str:
+    """Return the table of the values of a summary."""
+    rows = []
+    for entry in shown:
+        what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
+        rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
+    return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
+
+
+def commands() -> str:
+    """Return all commands with their arguments and options."""
+    (verbs,) = (
+        action
+        for action in command_line()._actions
+        if isinstance(action, argparse._SubParsersAction)
+    )
+    helps = {action.dest: action.help or "" for action in verbs._choices_actions}
+    return "\n\n".join(
+        _command(name, helps[name], parser) for name, parser in verbs.choices.items()
+    )
+
+
+def _command(name: str, what: str, parser: argparse.ArgumentParser) -> str:
+    usage = " ".join(parser.format_usage().removeprefix("usage: ").split())
+    entries = [_argument(action) for action in parser._actions if action.dest != "help"]
+    form = f"```{{code-block}} text\n:class: usage\n\n{usage}\n```"
+    return "\n\n".join([f"(command-{name})=\n## granwave {name}", _sentence(what), form, *entries])
+
+
+def _argument(action: argparse.Action) -> str:
+    value = action.metavar or ("|".join(map(str, action.choices)) if action.choices else "")
+    shown = " ".join(value) if isinstance(value, tuple) else str(value)
+    name = (
+        ", ".join(f"`{option} {shown}`".replace(" `", "`") for option in action.option_strings)
+        or f"`{shown}`"
+    )
+    what = (action.help or "").replace("%%", "%")
+    return f"{name}\n: {_sentence(what)}"
+
+
+def studies_of(kind: str) -> Callable[[], str]:
+    """Return a function that makes the table of the built-in cases or scans."""
+
+    def table() -> str:
+        rows = [f"| `{name}` | {_escape(library.title(name))} |" for name in library.names(kind)]
+        return "\n".join(["| name | what |", "|---|---|", *rows])
+
+    return table
+
+
+def report_studies() -> str:
+    """Return the table of the studies that a report can make."""
+    rows = []
+    for name, module in STUDIES.items():
+        found = importlib.import_module(module)
+        title = (
+            getattr(found, "TITLE", "") or (getattr(found, "__doc__", "") or "").partition("\n")[0]
+        )
+        rows.append(f"| `{name}` | {_escape(title.rstrip('.'))} |")
+    return "\n".join(["| name | title |", "|---|---|", *rows])
+
+
+def materials() -> str:
+    """Return the table of the materials that come with the package."""
+    rows = []
+    for name, preset in presets().items():
+        strength = "-"
+        if preset.yield_strength is not None:
+            strength = f"{preset.yield_strength / 1e6:g}"
+        elastic = f"{preset.youngs_modulus / 1e9:g} | {preset.poisson_ratio:g}"
+        source = _escape(preset.source or "")
+        rows.append(f"| `{name}` | {elastic} | {preset.density:g} | {strength} | {source} |")
+    head = (
+        "| name | Young's modulus, GPa | Poisson's ratio | density, kg/m³ | yield strength, MPa "
+        "| source |"
+    )
+    return "\n".join([head, "|---|---|---|---|---|---|", *rows])
+
+
+def lattices() -> str:
+    """Return the table of the packings."""
+    rows = [
+        f"| `{name}` | {kind.label} | `{kind.size_form}` | {kind.layers} |"
+        for name, kind in lattice_kinds().items()
+    ]
+    head = "| kind | name | `packing.size` | its layers |"
+    return "\n".join([head, "|---|---|---|---|", *rows])
+
+
+def figures() -> str:
+    """Return the list of the figures of a run: name, picture, what it shows, which runs have it."""
+    table = tomllib.loads((FIGURES / "figures.toml").read_text(encoding="utf-8"))
+    runs = {}
+    for entry in table["run"]:
+        runs |= dict.fromkeys(entry["figures"], entry)
+    planes: dict[str, list[str]] = {}
+    for name in run_figures():
+        planes.setdefault(_PLANE.sub("_*", name), []).append(name)
+    lines = ["| figure | what it shows | picture |", "|---|---|---|"]
+    for title, names in planes.items():
+        drawn = [name for name in names if name in runs]
+        lines.append(_figure(title, names[0], drawn[0] if drawn else "", runs))
+    return "\n".join(lines)
+
+
+def _figure(title: str, first: str, drawn: str, runs: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return the row of a figure.
+
+    Parameters
+    ----------
+    title
+        Its name, with a star for the plane.
+    first
+        Its name, on the first of the planes.
+    drawn
+        Name of the picture that is shown; empty for none.
+    runs
+        Entries of figures.toml, by the names of figures.
+    """
+    figure = run_figures()[first]
+    caption = _AT_PLANE.sub("", figure.caption) if title.endswith("*") else figure.caption
+    text = f"**{_escape(caption)}.** {_escape(figure.look)}"
+    if not drawn:
+        return f"| `{title}` | {text} | - |"
+    entry = runs[drawn]
+    picture = f"![{_escape(caption)}](../figures/figures/{drawn}.webp)"
+    return f"| `{title}` | {text} *In {entry['runs']}; here `{entry['case']}`.* | {picture} |"
+
+
+def law_parameters() -> str:
+    """Return the table of the parameters of the contact laws."""
+    head = "| law | key | values | default | what |"
+    rows = []
+    for law, entry in LAWS.items():
+        for parameter in entry.parameters.values():
+            table = "material" if parameter.of_material else "contact"
+            key = f"`{table}.{parameter.name}`"
+            values = _escape(values_of(parameter))
+            default = "required" if parameter.required else f"`{parameter.default}`"
+            what = _escape(parameter.description)
+            rows.append(f"| `{law}` | {key} | {values} | {default} | {what} |")
+    return "\n".join([head, "|---|---|---|---|---|", *rows])
+
+
+def values_of(parameter: LawParameter) -> str:
+    """Return the words of a parameter, or the range of its numbers and their unit."""
+    if parameter.words:
+        return " or ".join(parameter.words)
+    signs = {"above": ">", "at_least": "≥", "below": "<", "at_most": "≤"}
+    bounds = [f"{signs[name]} {bound:g}" for name, bound in parameter.case_range.items()]
+    unit = f" {printed_unit(parameter.unit)}" if parameter.unit else ""
+    return (", ".join(bounds) or "any number") + unit
+
+
+def interface(package: str) -> str:
+    """Return the public names of a package as autodoc directives, functions first."""
+    module = importlib.import_module(package)
+    lines = []
+    for name in sorted(
+        module.__all__, key=lambda name: (isinstance(getattr(module, name), type), name)
+    ):
+        found = getattr(module, name)
+        directive = (
+            "autoexception" if isinstance(found, type) and issubclass(found, Exception) else None
+        )
+        directive = directive or ("autoclass" if isinstance(found, type) else "autofunction")
+        lines.append(f".. {directive}:: {package}.{name}")
+        lines += ["   :members:", ""] if directive == "autoclass" else [""]
+    return "\n".join(["```{eval-rst}", *lines, "```"])
+
+
+def bibtex_entries() -> str:
+    """Return the BibTeX entries of CITATION.cff."""
+    return f"```bibtex\n{bibtex((ROOT / 'CITATION.cff').read_text(encoding='utf-8'))}\n```"
+
+
+#: Functions that make the parts, by the names of their marks.
+PARTS: dict[str, Callable[..., str]] = {
+    "keys": keys_of,
+    "quantities": quantities,
+    "commands": commands,
+    "cases": studies_of(library.CASES),
+    "scans": studies_of(library.SCANS),
+    "studies": report_studies,
+    "materials": materials,
+    "lattices": lattices,
+    "figures": figures,
+    "law_parameters": law_parameters,
+    "interface": interface,
+    "other_commands": lambda: other_commands(MANUAL),
+    "bibtex": bibtex_entries,
+}
+
+
+# of summaries that only results of a kind have
+for _kind in report_kinds():
+    PARTS |= {name: partial(_table_of, table) for name, table in _kind.tables.items()}
+
+
+def part_of(mark: re.Match[str]) -> str:
+    """Return the part of a mark as Markdown of MyST; the mark itself if it is not ours."""
+    name = mark["name"]
+    argument = mark["argument"]
+    if name not in PARTS:
+        return mark[0]
+    return PARTS[name](argument) if argument else PARTS[name]()

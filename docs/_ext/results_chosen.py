@@ -1,0 +1,208 @@
+"""Rows that the README, the first pages of the site and of the results, and the paper show, and
+the names of the suites.
+"""
+
+from __future__ import annotations
+
+#: What the suites are called in the picture and in the list of pages.
+LABELS = {
+    "bands": "Bands and gaps",
+    "benchmarks": "Published benchmarks and measurements",
+    "composite-chains": "Composite chains",
+    "losses": "Damping in contacts",
+    "lateral": "Plane crystals between walls",
+    "prestress": "Precompression",
+    "square-packing-sensors": "Square packings: sensors",
+    "square-packing": "Square packings",
+    "thesis-2": "Thesis 2: elasto-plastic chains",
+    "sphere-contacts": "Thesis 2, 3: contact of two spheres",
+    "thesis-3": "Thesis 3: elastic bars",
+    "thesis-4": "Thesis 4: elastic and bilinear chains",
+    "fcc-impact": "Thesis 5: reference impact",
+    "thesis-5": "Thesis 5: packings and blocks",
+    "confined": "Thesis 6: chains in a tube",
+    "thesis-7": "Thesis 7: filters",
+    "thesis-8": "Thesis 8: switching chain",
+    "protection": "Protected targets",
+    "tolerance": "Tolerance and friction",
+}
+_REFERENCE = "second_solver"
+#: The ten results of the README: what is before the quantity, suite, study, starts of the
+#: quantities (the first such rows). Several rows share a line, and the words before are then all
+#: that names it.
+CHOSEN = (
+    ("Reference impact: ", "fcc-impact", _REFERENCE, ("Dissipated fraction",)),
+    ("Reference impact: ", "fcc-impact", _REFERENCE, ("Peak contact force",)),
+    ("Elastic chain, 40 N for 10 ms: ", "thesis-4", "long_load", ("Peak force",)),
+    ("Bilinear chain, long load: ", "thesis-4", "bilinear_long_load", ("F2, force",)),
+    (
+        "Composite chain, steel with 3 or 24 brass beads: wave speed in the brass beads",
+        "composite-chains",
+        "contact_losses",
+        (
+            "V, N2 = 3, brass-composite, restitution 0.97",
+            "V, N2 = 24, brass-composite, restitution 0.97",
+        ),
+    ),
+    ("Square packing: ", "square-packing", "square-in-plane", ("Energy in central chains",)),
+    (
+        "Square packing, out-of-plane: energy in central chains, strikers, impacted spheres",
+        "square-packing",
+        "square-out-of-plane",
+        ("Energy in central chains", "Energy in strikers", "Energy in struck spheres"),
+    ),
+    (
+        "Chain with gaps: ",
+        "thesis-8",
+        "no_cylinders",
+        ("Displacement of sphere 10 in a long row, at rest again",),
+    ),
+    (
+        "Chain of two materials, 20 N: edges of its band gap, sqrt(2 k/M) and sqrt(2 k/m)",
+        "bands",
+        "bands",
+        ("Top of the acoustic band, sqrt(2 k/M)", "Bottom of the optical band, sqrt(2 k/m)"),
+    ),
+    ("FCC packing: ", "prestress", "packing_speed", ("Speed of small waves, fcc, uniaxial",)),
+)
+#: Further rows of the first page of results, in the same form; a name that ends in nothing is the
+#: quantity alone.
+MORE = (
+    (
+        "FCC packing: ",
+        "bands",
+        "bands",
+        ("Ridge of the transform at 0.5 of the zone, FCC, 1e+06 Pa",),
+    ),
+    ("", "bands", "resonance", ("Bead on a plane, 0.02 N: frequency of the largest velocity",)),
+    (
+        "Chain under a static force: ",
+        "benchmarks",
+        "chains_precompressed",
+        ("Speed over c0, force added 129 times 1 N",),
+    ),
+    (
+        "Measured: ",
+        "benchmarks",
+        "chains_brass_teflon",
+        ("Speed in brass over speed in PTFE, impact at 1 m/s",),
+    ),
+    (
+        "Chain in gravity: ",
+        "benchmarks",
+        "chains_gravity",
+        ("Power of the speed with the depth, beads 60 to 180",),
+    ),
+    (
+        "Sphere on a plane: ",
+        "benchmarks",
+        "impacts_oblique",
+        ("Spin measured at 10.87 degrees, oxide, partial slip",),
+    ),
+    (
+        "",
+        "benchmarks",
+        "impacts_plane",
+        ("Test 5, spin of finite elements at incidence 2.28, partial slip",),
+    ),
+    ("", "benchmarks", "impacts_plastic", ("Power of restitution, 1 to 10 m/s, thornton",)),
+    (
+        "Homogeneous chain: ",
+        "composite-chains",
+        "homogeneous_chain",
+        ("Peak force; source: mesh 0.01 to 0.02 mm",),
+    ),
+    ("", "losses", "loss", ("Restitution at 10 m/s, time 0.3 µs",)),
+    ("", "lateral", "crystals", ("Front speed of BCC over that of HCP, crystals of 40",)),
+    ("Precompressed chain: ", "prestress", "waves", ("Speed of the wave, F_m/F0 = 28.57",)),
+    (
+        "",
+        "square-packing-sensors",
+        "defects",
+        ("Power of the wave speed with the force, square struck in its plane, scatter",),
+    ),
+    (
+        "Elasto-plastic chain: ",
+        "thesis-2",
+        "elastoplastic_decay",
+        ("Power of the peak force with distance, contacts 15",),
+    ),
+    (
+        "",
+        "sphere-contacts",
+        "sphere_contact",
+        ("Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, like",),
+    ),
+    ("Elastic bar: ", "thesis-3", "split_hopkinson", ("Speed, split-hopkinson",)),
+    ("Elastic chain, 40 N for 10 ms: ", "thesis-4", "long_load", ("Speed of the front",)),
+    (
+        "Bilinear chain, short pulse: ",
+        "thesis-4",
+        "bilinear_pulse",
+        ("Factor of sqrt(1 - beta) in 4.22, beta 0.7",),
+    ),
+    (
+        "FCC packing: ",
+        "thesis-5",
+        "packings",
+        ("Dissipated share of 7 struck spheres over that of one",),
+    ),
+    (
+        "Chain in a tube: ",
+        "confined",
+        "confined_scaling",
+        ("Power of the speed with the velocity, n = 8",),
+    ),
+    ("Filter: ", "thesis-7", "peaks", ("Beads that the leading wave spans at contact 121",)),
+    (
+        "Switch: ",
+        "thesis-8",
+        "switch",
+        ("First peak at sphere 21, open gaps, 2 cylinders, friction 0",),
+    ),
+    ("Sphere on a target: ", "protection", "protected-checks", ("Peak force, rigid wall",)),
+)
+#: Measurements of others on the first page of the site.
+MEASURED = (
+    (
+        "Tangential restitution of an aluminium oxide sphere on glass, 20.22 degrees",
+        "benchmarks",
+        "impacts_oblique",
+        ("Tangential restitution measured at 20.22 degrees, oxide, partial slip",),
+    ),
+    (
+        "Composite chain, steel with 3 or 24 brass beads: wave speed in the brass beads",
+        "composite-chains",
+        "contact_losses",
+        (
+            "V, N2 = 3, brass-composite, restitution 0.97",
+            "V, N2 = 24, brass-composite, restitution 0.97",
+        ),
+    ),
+    (
+        "Wave speed in a chain of brass beads divided by the speed in PTFE",
+        "benchmarks",
+        "chains_brass_teflon",
+        ("Speed in brass over speed in PTFE, impact at 1 m/s",),
+    ),
+)
+#: Rows of the paper, with what the quantity is called there; a few columns, as its page is narrow.
+IN_PAPER = (
+    ("Dissipated fraction, 155 520 brass spheres", *CHOSEN[0][1:]),
+    ("Force in a bilinear chain after its fronts have met", *CHOSEN[3][1:]),
+    ("Energy in the central chains of a square packing", *CHOSEN[5][1:]),
+    ("Speed of small waves in a compressed FCC packing", *CHOSEN[9][1:]),
+    (
+        "Wave speed divided by sound speed, precompressed chain",
+        "benchmarks",
+        "chains_precompressed",
+        ("Speed over c0, force added 129",),
+    ),
+    ("Tangential restitution at 20.22 degrees, measured", *MEASURED[0][1:]),
+    (
+        "Speed in a brass section of a steel chain, measured",
+        "composite-chains",
+        "contact_losses",
+        MEASURED[1][3][:1],
+    ),
+)

@@ -1,0 +1,135 @@
+"""Stored rows in tables of Markdown: values, differences, bounds and remarks."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from results_chosen import CHOSEN
+from results_stored import row_of
+
+from granwave.analysis.document.model import (
+    percent,
+    significant,
+)
+from granwave.analysis.studies.study import Row
+
+_ROUNDING = 1e-12  # relative
+_SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LOWER = ("at least", "more than", "Well over")  # words of a bound below
+LARGE = 10.0  # deviation from which on a ratio says more than per cent
+KINDS = {
+    "source": "source",
+    "theory": "theory",
+    "verification": "verification",
+    "alone": "granwave only",
+}
+
+
+def beyond(row: Row) -> float:
+    """Return by how much of a bound a value of ours lies outside it; 0 if it does not.
+
+    A bound is an upper one of the size, unless the quantity or the remark says that it is the
+    least.
+    """
+    if not row.bound or row.ours is None or not row.source:
+        return 0.0
+    over = abs(row.ours / row.source) - 1
+    lower = any(words in f"{row.quantity} {row.remark}" for words in _LOWER)
+    return max(-over if lower else over, 0.0)
+
+
+def flagged(row: Row) -> Row:
+    """Return a row that says if it lies beyond its bound."""
+    over = beyond(row)
+    if not over:
+        return row
+    return dataclasses.replace(row, remark=f"{row.remark} Beyond the bound by {excess(over)}.")
+
+
+def excess(over: float) -> str:
+    return f"{significant(100 * over, 2)} %" if over < LARGE else factor(over)
+
+
+def difference(row: Row) -> str:
+    """Return how far ours lies off, rounding left out."""
+    off = row.deviation
+    return "-" if off is None else percent(100 * off if abs(off) > _ROUNDING else 0)
+
+
+def factor(off: float) -> str:
+    """Return a very large ratio of ours to the other."""
+    return f"times {significant(off + 1, 2)}"
+
+
+def escaped(text: str) -> str:
+    """Escape what Markdown would take for its own within a table."""
+    return re.sub(r"([\\`*_\[\]|~#$<>])", r"\\\1", text)
+
+
+def chosen_rows(
+    stored: Mapping[str, Any], chosen: Sequence[tuple[str, str, str, tuple[str, ...]]] = CHOSEN
+) -> Iterator[tuple[str, list[Row]]]:
+    """Name and rows of each line of a table; no rows if the stored results lack one of them."""
+    for before, suite, study, starts in chosen:
+        records = stored["suites"].get(suite, {}).get("studies", {}).get(study, {}).get("rows", ())
+        first_rows = [_first_row(records, start) for start in starts]
+        rows = [row for row in first_rows if row is not None and row.ours is not None]
+        whole = before.endswith(": ") or not before  # then what the quantity is called follows
+        name = before + rows[0].quantity if whole and len(starts) == 1 and rows else before
+        yield name, rows if len(rows) == len(starts) else []
+
+
+def _first_row(records: Iterable[Mapping[str, Any]], start: str) -> Row | None:
+    """Return the first row whose quantity begins with a text; None without one."""
+    for record in records:
+        if record["quantity"].startswith(start):
+            return row_of(record)
+    return None
+
+
+def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) -> str:
+    """Return chosen rows as a table, with their remarks as notes below it.
+
+    Parameters
+    ----------
+    links
+        Page of each line, to which its quantity leads.
+    """
+    heads = ("quantity", "compared with", "value", "granwave", "difference")
+    text = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
+    remarks: list[str] = []
+    for number, (name, rows) in enumerate(lines):
+        if rows:
+            against = [row.theory if row.source is None else row.source for row in rows]
+            values = ", ".join("-" if one is None else significant(one, 5) for one in against)
+            ours = ", ".join(significant(row.ours, row.digits) for row in rows)
+            off = ", ".join(map(difference, rows))
+            unit = f" {rows[0].unit}" if rows[0].unit else ""
+            what = f"{KINDS[rows[0].kind]}: {rows[0].where}".removesuffix(": ")
+            shown = f"[{escaped(name)}]({links[number]})" if links else escaped(name)
+            remark = _remark(rows)
+            if remark:
+                remarks.append(remark)
+                off = f"{off} {_superscript(len(remarks))}"
+            cells = [shown, what, values + unit, ours + unit, off]
+            text.append(f"| {' | '.join(cells)} |")
+    for place, remark in enumerate(remarks, 1):
+        text += ["", f"{_superscript(place)} {escaped(remark)}"]
+    return "\n".join(text) + "\n"
+
+
+def _remark(rows: Sequence[Row]) -> str:
+    """Return the remarks of some rows as one, each sentence once."""
+    sentences: list[str] = []
+    for row in rows:
+        if row.remark:
+            sentences += row.remark.removesuffix(".").split(". ")
+    return " ".join(f"{sentence}." for sentence in dict.fromkeys(sentences))
+
+
+def _superscript(number: int) -> str:
+    """Return a number as the mark of a remark below a table."""
+    return str(number).translate(_SUPERSCRIPTS)

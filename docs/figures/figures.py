@@ -1,0 +1,25 @@
+"""Figures of runs, each from the run that figures.toml names."""
+
+import tomllib
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+from page_figures import FOLDER, save
+
+import granwave as gw
+
+DPI = 75
+
+runs = {}
+table = tomllib.loads((FOLDER / "figures.toml").read_text(encoding="utf-8"))
+for entry in table["run"]:
+    case = entry["case"]
+    if case not in runs:
+        runs[case] = gw.run(case, entry.get("changes", {}), directory=case, figures=False)
+    for name in entry["figures"]:
+        figure = np.ravel(runs[case].figure(name))[0].figure
+        picture = Path(f"{name}.png")
+        figure.savefig(picture, dpi=DPI, bbox_inches="tight")
+        plt.close(figure)
+        save(picture, name)

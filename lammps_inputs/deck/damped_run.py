@@ -1,0 +1,194 @@
+"""Damped run: motion with friction, losses and local damping until a packing is at rest.
+
+Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
+halves of the static stage are one of motion with friction, losses and local damping (Cundall and
+Strack 1979), from the places of the case on; the tangential springs that it leaves stay. Half of
+the net force on a sphere is taken from it along each axis where the sphere moves with the force,
+and added where it moves against it. That damps a grain that rolls under its weight as fast, in its
+own periods, as one that swings on a stiff contact. A drag that ends the swings would hold the
+rolling grain, which then creeps on with a net force equal to its drag. Settled grains need some
+thousand steps, and tens of thousands where some roll to other places.
+
+The last motion is the slow swing of single grains that roll in hollows. Twice in its period the net
+force on such a grain passes through zero while it moves, with its drag in balance with its weight.
+A grain is therefore at rest only if the drag on its spin is small as well: it is added to the net
+force, as a force at the radius, and the spin is zero at the end.
+
+A clump is one body, whose net force is the sum over its grains. Half of it is taken or added as
+from a single grain, shared out by mass; damping each grain by the forces on it alone would hold the
+clump like dry friction. Its rotation is damped by the drag on spin. The moment about its centre
+counts as a force at the radius of a grain.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from granwave.lammps_inputs.contact.static_load import (
+    dead_loads,
+    static_stiffness,
+    stiffness_in_bed,
+)
+from granwave.lammps_inputs.deck.motion import CLUMPS, integration
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import struck_of
+from granwave.lammps_inputs.script_words import joined, num
+
+_DAMPING = "static_damping"  # fix, and prefix of its variables
+_SPIN = "static_spin"  # compute, of angular velocities
+# net force, with the drag on the spin, over the largest contact force, at the end of a damped run
+QUIET = 4e-7
+_MOST_STEPS = 1_000_000  # of a damped run
+_DAMPED_PART = 0.5  # of a net force, taken from it where it speeds up a sphere in a damped run
+# drag on spin over sqrt(stiffness mass) times 0.4 radius^2; a third and 2.7 times of it take a
+# quarter more steps with 200 poured grains
+_DRAG_ON_SPIN = 0.006
+# largest drag on spin over radius sqrt(0.4 radius mass weight): more of it lets grains creep
+_DRAG_ON_ROLLING = 0.5
+_DAMPED_STEP = 0.2  # timestep of a damped run over sqrt(mass/stiffness)
+_NET = "sqrt(fx^2+fy^2+fz^2)"  # of a sphere
+_BODY = "static_body"  # compute of sums over clumps, and prefix of the others that it needs
+# first columns of it
+_FORCE_OF_BODY = 1
+_MASS_OF_BODY = 4
+_TORQUE_OF_BODY = 5
+_MOMENT_OF_BODY = 8
+_VELOCITY_OF_BODY = 11
+
+
+def damped_run(assembly: Assembly, group: str) -> list[str]:
+    """Return the commands of a damped run, which ends when the net forces are small.
+
+    Parameters
+    ----------
+    group
+        Group of the moving spheres.
+    """
+    case = assembly.case
+    mass = float(assembly.sphere_masses().min())
+    radius = float(assembly.sphere_diameters().min()) / 2
+    stiffness = stiffness_in_bed(assembly)
+    lines = integration(assembly)
+    if case.load.prescribes_motion:
+        lines.insert(0, f"group           hit id {joined(struck_of(assembly))}")
+    fixes = [line.split()[1] for line in lines if line.startswith("fix ")]
+    if case.has_rotation:
+        on_spin = _drag_on_spin(assembly, mass, radius)
+        spin = "+".join(f"c_{_SPIN}[{axis}]^2" for axis in (1, 2, 3))
+        net = f"{net_force(assembly)}+{num(on_spin)}*sqrt({spin})/radius"
+        lines += [
+            f"fix             static_twist all viscous/sphere {num(on_spin)}",
+            f"compute         {_SPIN} all property/atom omegax omegay omegaz",
+            f"variable        static_net atom {net}",
+        ]
+        fixes.append("static_twist")
+    return [
+        "# Damped run, until the largest net force is small compared with the largest contact "
+        "force.",
+        "thermo          1000",
+        *lines,
+        *_local_damping(assembly),
+        f"timestep        {num(_DAMPED_STEP * math.sqrt(mass / stiffness))}",
+        "variable        static_quiet equal c_static_net/(c_static_largest+(c_static_largest==0))",
+        f"fix             static_quiet all halt 100 v_static_quiet < {num(QUIET)} error continue",
+        f"run             {_MOST_STEPS} post no",
+        *(f"unfix           {name}" for name in ("static_quiet", *fixes, *_dampings(assembly))),
+        *_without_spin(assembly, group),
+    ]
+
+
+def _drag_on_spin(assembly: Assembly, mass: float, radius: float) -> float:
+    """Return the drag on the spin of a grain in a damped run, N m s; mass in kg, radius in m.
+
+    It damps swings on the springs of contacts, and lets grains roll that the weight drives.
+    """
+    drag = 0.4 * _DRAG_ON_SPIN * math.sqrt(static_stiffness(assembly) * mass) * radius**2
+    _, loads = dead_loads(assembly)
+    if not len(loads):
+        return drag
+    weight = float(np.linalg.norm(loads, axis=1).mean())
+    return min(drag, _DRAG_ON_ROLLING * radius * math.sqrt(0.4 * radius * mass * weight))
+
+
+def _without_spin(assembly: Assembly, group: str) -> list[str]:
+    """Return the commands that end the rotation of a damped run."""
+    if not assembly.case.has_rotation:
+        return []
+    return [
+        f"set             group {group} omega 0.0 0.0 0.0",
+        f"variable        static_net atom {net_force(assembly)}",
+        f"uncompute       {_SPIN}",
+    ]
+
+
+def _local_damping(assembly: Assembly) -> list[str]:
+    """Return the commands of local damping; its fixes act on the sum of the other forces, so that
+    they are the last.
+    """
+    part = num(_DAMPED_PART)
+    words = [f"v_{_DAMPING}_{axis}" for axis in "xyz"]
+    of_grains = [
+        *(
+            f"variable        {_DAMPING}_{axis} atom -{part}*abs(f{axis})*((v{axis}>0)-(v{axis}<0))"
+            for axis in "xyz"
+        ),
+        f"fix             {_DAMPING} all addforce {joined(words)}",
+    ]
+    if not assembly.clumps:
+        return of_grains
+    of_grains[-1] = f"fix             {_DAMPING} static_single addforce {joined(words)}"
+    of_clumps = f"{_DAMPING}_{CLUMPS}"
+    words = [f"v_{of_clumps}_{axis}" for axis in "xyz"]
+    lines = [f"group           static_single subtract all {CLUMPS}", *of_grains]
+    for place, axis in enumerate("xyz"):
+        force = _of_body(_FORCE_OF_BODY + place)
+        velocity = _of_body(_VELOCITY_OF_BODY + place)
+        fraction = f"mass/{_of_body(_MASS_OF_BODY)}"
+        lines.append(
+            f"variable        {of_clumps}_{axis} atom "
+            f"-{part}*abs({force})*{fraction}*(({velocity}>0)-({velocity}<0))"
+        )
+    return [*lines, f"fix             {of_clumps} {CLUMPS} addforce {joined(words)}"]
+
+
+def _dampings(assembly: Assembly) -> list[str]:
+    """Return the fixes of local damping."""
+    return [_DAMPING, *([f"{_DAMPING}_{CLUMPS}"] if assembly.clumps else [])]
+
+
+def clump_sums(assembly: Assembly) -> list[str]:
+    """Return the computes of the sums over each clump, which the last of them gives its grains."""
+    if not assembly.clumps:
+        return []
+    columns = joined(f"c_{_BODY}_{name}[*]" for name in ("sum", "moment", "velocity"))
+    chunks = f"{_BODY}_chunks"
+    return [
+        f"compute         {chunks} {CLUMPS} chunk/atom molecule",
+        f"compute         {_BODY}_own {CLUMPS} property/atom fx fy fz mass tqx tqy tqz",
+        f"compute         {_BODY}_sum {CLUMPS} reduce/chunk {chunks} sum c_{_BODY}_own[*]",
+        f"compute         {_BODY}_moment {CLUMPS} torque/chunk {chunks}",
+        f"compute         {_BODY}_velocity {CLUMPS} vcm/chunk {chunks}",
+        f"compute         {_BODY} {CLUMPS} chunk/spread/atom {chunks} {columns}",
+    ]
+
+
+def _of_body(column: int) -> str:
+    """Return a column of the sums over clumps."""
+    return f"c_{_BODY}[{column}]"
+
+
+def net_force(assembly: Assembly) -> str:
+    """Return the formula of the net force on a sphere, or on the clump of the sphere with the
+    moment about its centre.
+    """
+    if not assembly.clumps:
+        return _NET
+    force = "+".join(f"{_of_body(_FORCE_OF_BODY + place)}^2" for place in range(3))
+    moment = "+".join(
+        f"({_of_body(_TORQUE_OF_BODY + place)}+{_of_body(_MOMENT_OF_BODY + place)})^2"
+        for place in range(3)
+    )
+    of_clump = f"sqrt({force})+sqrt({moment})/radius"
+    return f"ternary({_of_body(_MASS_OF_BODY)}>0,{of_clump},{_NET})"

@@ -1,0 +1,230 @@
+"""Time of a step on many ranks, and the grid of ranks that takes least.
+
+LAMMPS divides the box into a grid of equal bricks, one for each rank, and the slowest rank decides:
+all wait for it. A sphere at rest costs far less than one that moves, so that an impact keeps the
+ranks busy that its wave has reached, and the others wait. The model of a step is
+
+    t = n c_rest + m (c_moving - c_rest) + g c_ghost + 2 s t_message + c t_sum log2(ranks)
+
+for n spheres of a brick, of which m move, and g ghosts: copies of spheres of other bricks within
+`_REACH`. There are s axes with more than one brick. The wave is a box: the loaded spheres, and all
+that is nearer to them than the distance it has travelled along an axis; it grows until it fills the
+packing. A box takes a little more than the sphere or the cone of a wave, and it is a product of
+three intervals, so that the largest share of a brick is the product of the largest shares along
+each axis.
+
+LAMMPS's own grid has the smallest surface. Where a wave begins in one place, or comes from the top
+layer by layer, columns along its way are loaded more evenly, at the price of more ghosts.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import impacted_of
+
+Floats = NDArray[np.float64]
+Grid = tuple[int, int, int]
+
+_REACH = 1.2  # of ghosts beyond the boundary of a brick, diameters: pair, gap and skin
+_LEAST_WIDTH = 1.0  # of a brick, diameters
+_STAGES = 24  # of the growth of the wave over which times are averaged
+
+
+@dataclasses.dataclass(frozen=True)
+class StepCosts:
+    """Costs of the parts of a step, s.
+
+    Attributes
+    ----------
+    rest, moving
+        A sphere at rest and one that moves, in loaded contacts.
+    ghost
+        A ghost: packing, sending, and unpacking.
+    message
+        Latency of a message.
+    total
+        Latency of a sum over two ranks; over n ranks it takes log2(n) times as long.
+    """
+
+    rest: float
+    moving: float
+    ghost: float
+    message: float = 2e-6
+    total: float = 2e-6
+
+
+SMOOTH = StepCosts(rest=3.4e-9, moving=67e-9, ghost=12e-9)
+ROUGH = StepCosts(rest=4.2e-9, moving=96e-9, ghost=20e-9)
+
+
+@dataclasses.dataclass(frozen=True)
+class Wave:
+    """Packing on which a wave spreads.
+
+    Attributes
+    ----------
+    n_spheres
+        Number of spheres.
+    low, high
+        Lowest and highest coordinates of the packing, (3,), m.
+    first, last
+        Lowest and highest coordinates of the loaded spheres, (3,), m.
+    reach
+        Distance from a brick within which spheres are ghosts, m.
+    periodic
+        True for axes along which the packing is periodic, (3,).
+    """
+
+    n_spheres: int
+    low: Floats
+    high: Floats
+    first: Floats
+    last: Floats
+    reach: float
+    periodic: tuple[bool, bool, bool] = (False, False, False)
+
+    @property
+    def farthest(self) -> float:
+        """Distance after which all spheres move, m."""
+        return float(max((self.first - self.low).max(), (self.high - self.last).max()))
+
+    def shares(self, grid: Grid, travelled: float) -> Floats:
+        """Return the share of the spheres that move and lie in each layer of bricks, along each
+        axis, at the brick with most of them, and of all bricks together: (3, 2).
+        """
+        shares = np.empty((3, 2))
+        for axis, n_bricks in enumerate(grid):
+            length = self.high[axis] - self.low[axis]
+            edges = np.linspace(self.low[axis], self.high[axis], n_bricks + 1)
+            begin = np.maximum(edges[:-1], self.first[axis] - travelled)
+            end = np.minimum(edges[1:], self.last[axis] + travelled)
+            inside = np.maximum(end - begin, 0.0) / length
+            shares[axis] = inside.max(), inside.sum()
+        return shares
+
+    def ghosts(self, grid: Grid) -> float:
+        """Return the number of ghosts of the brick with most of them."""
+        lengths = self.high - self.low
+        widths = lengths / grid
+        wider = widths.copy()
+        for axis, n_bricks in enumerate(grid):
+            sides = 2 if self.periodic[axis] else min(n_bricks - 1, 2)
+            wider[axis] += sides * min(self.reach, float(lengths[axis]))
+        density = self.n_spheres / lengths.prod()
+        return float(density * (wider.prod() - widths.prod()))
+
+
+@dataclasses.dataclass(frozen=True)
+class StepTimes:
+    """Times of a step, s.
+
+    Attributes
+    ----------
+    busiest
+        Of the rank with most work, and so of all.
+    mean
+        Work of a rank, averaged over the ranks, with its ghosts.
+    communication
+        Ghosts, messages and sums, a part of both.
+    """
+
+    busiest: float
+    mean: float
+    communication: float
+
+    @property
+    def efficiency(self) -> float:
+        """Share of the time in which a rank works on its own spheres."""
+        return (self.mean - self.communication) / self.busiest
+
+
+def step_times(wave: Wave, grid: Grid, costs: StepCosts, travelled: float) -> StepTimes:
+    """Return the times of a step when the wave has travelled this far, m."""
+    n_ranks = math.prod(grid)
+    largest, whole = wave.shares(grid, travelled).prod(axis=0) * wave.n_spheres
+    n_messages = 2 * sum(n_bricks > 1 for n_bricks in grid)
+    communication = wave.ghosts(grid) * costs.ghost
+    if n_ranks > 1:
+        communication += n_messages * costs.message + costs.total * math.log2(n_ranks)
+    own = wave.n_spheres / n_ranks * costs.rest
+    extra = costs.moving - costs.rest
+    return StepTimes(
+        busiest=own + largest * extra + communication,
+        mean=own + whole / n_ranks * extra + communication,
+        communication=communication,
+    )
+
+
+def mean_times(wave: Wave, grid: Grid, costs: StepCosts) -> StepTimes:
+    """Return the times of a step, averaged over the time in which the wave crosses the packing."""
+    distances = (np.arange(_STAGES) + 0.5) / _STAGES * wave.farthest
+    times = [step_times(wave, grid, costs, float(travelled)) for travelled in distances]
+    return StepTimes(
+        busiest=sum(time.busiest for time in times) / _STAGES,
+        mean=sum(time.mean for time in times) / _STAGES,
+        communication=times[0].communication,
+    )
+
+
+def grids(n_ranks: int) -> Iterator[Grid]:
+    """Yield all grids of this number of ranks."""
+    for nx in _divisors(n_ranks):
+        for ny in _divisors(n_ranks // nx):
+            yield nx, ny, n_ranks // (nx * ny)
+
+
+def _divisors(number: int) -> list[int]:
+    return [divisor for divisor in range(1, number + 1) if number % divisor == 0]
+
+
+def best_grid(wave: Wave, n_ranks: int, costs: StepCosts) -> Grid:
+    """Return the grid of ranks with the shortest steps; of equal ones the one with fewest bricks
+    along z, then along y.
+    """
+    lengths = wave.high - wave.low
+    least = _LEAST_WIDTH / _REACH * wave.reach
+    wide = [grid for grid in grids(n_ranks) if (lengths / grid >= least).all()]
+    if not wide:  # more ranks than the packing has room for
+        wide = list(grids(n_ranks))
+    rounded = {grid: float(f"{mean_times(wave, grid, costs).busiest:.6g}") for grid in wide}
+    return min(wide, key=lambda grid: (rounded[grid], *reversed(grid)))
+
+
+def wave_of(assembly: Assembly) -> Wave:
+    """Return the wave of the load of a case; it fills the packing from the start where there is no
+    load on some spheres, or where a precompression loads all contacts.
+    """
+    low, high = assembly.faces()
+    loaded = impacted_of(assembly)
+    first = low
+    last = high
+    if loaded and assembly.case.precompression is None:
+        centres = np.array([assembly.centre_of(sphere) for sphere in loaded])
+        radius = assembly.lattice.diameter / 2
+        first = np.maximum(centres.min(axis=0) - radius, low)
+        last = np.minimum(centres.max(axis=0) + radius, high)
+    sides = assembly.lattice.periodic
+    reach = _REACH * assembly.case.packing.diameter
+    return Wave(assembly.n_particles, low, high, first, last, reach, (sides, sides, False))
+
+
+def costs_of(assembly: Assembly) -> StepCosts:
+    """Return the costs of a step of a case."""
+    return ROUGH if assembly.case.has_friction else SMOOTH
+
+
+def grid_of(assembly: Assembly, n_ranks: int) -> Grid:
+    """Return the grid of ranks for a run: that of `run.processors`, or the one that the model
+    chooses.
+    """
+    grid = assembly.case.run.processors
+    if not isinstance(grid, str):
+        return grid
+    return best_grid(wave_of(assembly), n_ranks, costs_of(assembly))

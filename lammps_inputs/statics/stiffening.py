@@ -1,0 +1,195 @@
+"""Beds that were settled with soft grains, and get a hard material.
+
+The overlaps of a settled bed carry its weight. With a modulus that is a thousand times larger they
+would press a thousand times as hard, and the bed would burst. The grains move by least squares, as
+little as possible, until each contact presses as it did in the soft bed: the overlap of Hertz's law
+shrinks with the power -2/3 of the modulus. Friction and weight then stay in balance, up to the
+small turn of the contacts.
+
+The ratio f of the forces follows from moments, sum_c f F_c d_c + sum_i x_i . L_i = 0,
+with the normal forces F_c of the overlaps in the material of the case, the distances d_c of the
+centres, and the loads L_i and friction of the walls on grains at x_i. Tangential forces of pairs
+have no moment of this kind.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact_ways import KEY
+from granwave.lammps_inputs.case.springs import parse_springs
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.statics.bodies import Array, Bodies, NeighbourPairs
+from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
+
+_SOFT = 1 / 3  # ratio of forces below which a bed was settled with a softer material
+_OF_FORCE = 2 / 3  # power of the force with which the overlap grows under Hertz's law
+_ROUNDS = 60  # of the least squares
+_DAMPING = 0.03  # of the least squares: bounds motions that hardly change an overlap
+_CLOSED = 1e-4  # largest error of an overlap over the mean one, at which they end
+_PRECISION = 1e-10  # of the least squares
+_MOST_ITERATIONS = 20_000
+_REACH = 4.0  # gap up to which grains may come to touch on the way, largest overlaps
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class StiffenedBed:
+    """Grains of a soft bed, moved to the overlaps of a hard material.
+
+    Attributes
+    ----------
+    position
+        Centres of all grains: (n, 3), m.
+    ratio
+        Modulus of the case over that of the bed.
+    before, after
+        Largest overlap in the soft bed and with the material of the case, m.
+    moved
+        Largest displacement of a grain, m.
+    """
+
+    position: Array
+    ratio: float
+    before: float
+    after: float
+    moved: float
+
+    def case_of(self, case: Case) -> Case:
+        """Return the case with the grains at these places."""
+        packing = case.packing
+        assert packing.grains is not None
+        found = packing.grains.found or packing.grains
+        grains = dataclasses.replace(packing.grains, position=self.position, found=found)
+        return dataclasses.replace(case, packing=dataclasses.replace(packing, grains=grains))
+
+    @property
+    def note(self) -> str:
+        """Sentence for the user."""
+        return (
+            f"{KEY}: the overlaps of the grains press {self.ratio:.0f} times as hard as the load, "
+            "as in a bed that was settled with a modulus so many times smaller: the grains move by "
+            f"up to {self.moved:.2g} m, so that the largest overlap shrinks from {self.before:.2g} "
+            f"m to {self.after:.2g} m"
+        )
+
+
+def stiffened_bed(assembly: Assembly) -> StiffenedBed | None:
+    """Return the grains of a soft bed at the overlaps of the material of the case; None for a bed
+    that has these overlaps, or that no damped stage brings to balance.
+    """
+    if not _may_be_soft(assembly):
+        return None
+    bodies = loaded_bodies(assembly).elastic()
+    contacts = bodies.near(bodies.position, bodies.periods, 0.0)
+    ratio = _ratio_of_forces(bodies, contacts, _friction_of_walls(assembly))
+    if not 0 < ratio < _SOFT:
+        return None
+    largest = float(contacts.overlap.max())
+    shrink = ratio**_OF_FORCE
+    targets = dict(zip(_keys(contacts), (shrink * contacts.overlap).tolist(), strict=True))
+    position = _moved_to(bodies, targets, largest)
+    moved = np.linalg.norm(position - bodies.position, axis=1)
+    return StiffenedBed(position, 1 / ratio, largest, shrink * largest, float(moved.max()))
+
+
+def _may_be_soft(assembly: Assembly) -> bool:
+    """Return True for spheres under dead loads that a damped stage brings to balance."""
+    case = assembly.case
+    packing = case.packing
+    stage = case.precompression
+    grains = packing.grains
+    if grains is None or stage is None or stage.presses or not case.settles_damped:
+        return False
+    if packing.restart is not None or packing.has_clumps or case.has_cohesion:
+        return False
+    return not any(grains.shape)
+
+
+def _friction_of_walls(assembly: Assembly) -> Array:
+    """Return the forces of the tangential springs between grains and walls: (n, 3), N."""
+    force = np.zeros((len(assembly.ids), 3))
+    text = assembly.case.packing.springs
+    for spring in parse_springs(text) if text else ():
+        if isinstance(spring.first, str) and spring.second <= len(force):
+            force[spring.second - 1] += spring.force
+    return force
+
+
+def _ratio_of_forces(bodies: Bodies, contacts: NeighbourPairs, friction: Array) -> float:
+    """Return the ratio of the forces in the bed to those of the overlaps; 0 without forces.
+
+    Parameters
+    ----------
+    friction
+        Forces of the walls along their surfaces, as far as they are known: (n, 3), N.
+    """
+    force = np.zeros(len(contacts))
+    for law, rows, scale in bodies.laws_of(contacts):
+        force[rows], _, _ = law.evaluate(contacts.overlap[rows], scale)
+    height = bodies.position - _origin(bodies)
+    pairs = contacts.second >= 0
+    along = (height[contacts.first] * contacts.normal).sum(axis=1)
+    arm = np.where(pairs, contacts.distance, -along)
+    virial = float((force * arm).sum())
+    n = len(height)
+    load = float((height * (bodies.dead_load + friction[:n])).sum())
+    return -load / virial if virial else 0.0
+
+
+def _origin(bodies: Bodies) -> Array:
+    """Return the middle of the bottom of the grains: (3,), m."""
+    low = bodies.position.min(axis=0)
+    high = bodies.position.max(axis=0)
+    middle = (low + high) / 2
+    return np.array([middle[0], middle[1], high[2]])
+
+
+def _keys(contacts: NeighbourPairs) -> list[tuple[object, ...]]:
+    """Return what names each contact: its grains, their cells and the wall."""
+    columns = (contacts.first, contacts.second, contacts.wall)
+    images = map(tuple, contacts.image.tolist())
+    return list(zip(*(column.tolist() for column in columns), images, strict=True))
+
+
+def _moved_to(bodies: Bodies, targets: dict[tuple[object, ...], float], largest: float) -> Array:
+    """Return the centres, moved as little as possible, at which contacts have their overlaps.
+
+    Parameters
+    ----------
+    targets
+        Overlaps of the contacts by their keys, m; others may only touch.
+    largest
+        Largest overlap at the start, m.
+    """
+    # scipy takes longer to load than most commands need
+    from scipy.sparse.linalg import lsqr
+
+    from granwave.lammps_inputs.statics.energy import EnergyProblem
+
+    problem = EnergyProblem(bodies)
+    closed = _CLOSED * float(np.mean(list(targets.values())))
+    position = bodies.position.copy()
+    for _ in range(_ROUNDS):
+        contacts = bodies.near(position, bodies.periods, _REACH * largest)
+        target = np.array([targets.get(key, 0.0) for key in _keys(contacts)])
+        error = contacts.overlap - target
+        rows = (target > 0) | (error > 0)
+        most = float(np.abs(error[rows]).max())
+        if most <= closed:
+            break
+        matrix = problem.stretch(contacts, contacts.normal)[rows]
+        step = lsqr(
+            matrix,
+            error[rows] / most,
+            damp=_DAMPING,
+            atol=_PRECISION,
+            btol=_PRECISION,
+            conlim=0,
+            iter_lim=_MOST_ITERATIONS,
+        )[0]
+        longest = most * float(np.abs(step).max())
+        position[problem.free] += min(1.0, largest / longest) * most * step
+    return position

@@ -1,0 +1,76 @@
+"""Figures in axes of the user, other planes, and curves of another run."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib import pyplot
+
+from granwave.analysis import analyse
+from granwave.analysis.errors import MissingDataError
+from granwave.analysis.notebook.run import Run
+from granwave.lammps_inputs.errors import InputError
+from tests.helpers.made_up import synthetic
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """Two made-up runs of FCC."""
+    made = []
+    for name, velocity in (("slow", 2.0), ("fast", 5.0)):
+        case = synthetic.make_case(size=(6, 6, 4), load={"velocity": velocity})
+        directory = synthetic.write_run(tmp_path_factory.mktemp(name), case)
+        analyse(directory, figures=False)
+        made.append(Run(directory))
+    return made
+
+
+@pytest.fixture
+def axes():
+    """Two pairs of axes of a figure, which is closed at the end."""
+    figure, pair = pyplot.subplots(1, 2, layout="constrained")
+    yield list(pair)
+    pyplot.close(figure)
+
+
+def test_a_figure_is_drawn_into_axes(runs, axes):
+    before = pyplot.get_fignums()
+    assert runs[0].figure("peak_force_depth", ax=axes[0]) is axes[0]
+    assert axes[0].get_xlabel() == "Depth (mm)" and axes[0].lines
+    assert not axes[1].lines
+    axes[0].clear()
+    assert runs[0].figure("energies", ax=axes) == axes
+    assert axes[1].get_xlabel() == "Time (µs)"
+    assert pyplot.get_fignums() == before
+
+
+def test_axes_that_do_not_suit(runs, axes):
+    with pytest.raises(InputError, match="found 1, expected a list of 2 axes"):
+        runs[0].figure("energies", ax=axes[0])
+    with pytest.raises(InputError, match="projection='polar'"):
+        runs[0].figure("directions", ax=axes)
+
+
+def test_a_plane_holds_for_one_figure(runs, axes):
+    """As text, as a normal, and as a table."""
+    for plane in ("y", (0, 1, 0), {"normal": [0.0, 1.0, 0.0]}):
+        axes[0].clear()
+        runs[0].figure("peak_force_section", ax=axes[0], plane=plane)
+        assert len(axes[0].collections[0].get_offsets()) > 8
+    with pytest.raises(MissingDataError, match="does not apply"):
+        runs[0].figure("peak_force_section", ax=axes[0])
+    with pytest.raises(InputError, match=r"figures\.plane"):
+        runs[0].figure("peak_force_section", ax=axes[0], plane="q")
+
+
+def test_curves_of_another_run(runs, axes):
+    slow, fast = runs
+    drawn = slow.figure("bottom_force", ax=axes[0], against=fast)
+    force = drawn[0] if isinstance(drawn, list) else drawn
+    own, other = force.lines
+    assert other.get_linestyle() == "--"
+    expected = fast.walls.query("wall == 'bottom'")["force"].to_numpy()
+    assert np.asarray(other.get_ydata()) == pytest.approx(expected)
+    assert force.get_ylim()[1] >= max(own.get_ydata().max(), expected.max())
+    with pytest.raises(MissingDataError, match="has no curves"):
+        slow.figure("peak_force_principal", ax=axes[1], against=fast)

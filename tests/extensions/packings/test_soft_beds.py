@@ -1,0 +1,88 @@
+"""A bed that was settled with soft grains, and is struck as a hard material."""
+
+import json
+
+import numpy as np
+import pytest
+import tomli_w
+
+from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.load_case import load_assembly, load_case
+from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
+from granwave.lammps_inputs.statics.stiffening import stiffened_bed
+from granwave.workflows.run.checks import check_equilibrium
+from granwave.workflows.run.driver import run_case
+from tests.extensions.packings.test_poured import TABLES, N, made
+
+HARDER = 1000.0
+SOFT = TABLES["material"]
+
+
+@pytest.fixture(scope="module")
+def hard(tmp_path_factory):
+    """Return a file of a case with the grains and springs of a soft bed, and a hard material."""
+    folder = tmp_path_factory.mktemp("soft")
+    _, bed = made(folder)
+    (grains,) = (folder / "beds").glob("poured-*[0-9a-f].csv")
+    width, depth = bed.container.box
+    tables = {
+        **TABLES,
+        "material": SOFT | {"youngs_modulus": HARDER * SOFT["youngs_modulus"]},
+        "packing": {
+            "kind": "file",
+            "file": str(grains),
+            "contacts": "relax",
+            "relaxation": "damped",
+            "springs": bed.springs,
+            "enclosure": {"x": [0.0, width], "y": [0.0, depth], "bottom": bed.bottom},
+        },
+        "contact": {"law": "hertz", "friction": 0.3, "rolling": 0.01},
+        "boundary": {"sides": "wall", "bottom": "wall"},
+        "precompression": {"kind": "gravity", "overlaps": True},
+        "run": {"end_time": 1e-5, "frames": 2},
+    }
+    path = folder / "hard.toml"
+    path.write_text(tomli_w.dumps(tables))
+    return path
+
+
+def test_the_modulus_of_a_bed_is_found_by_its_weight_and_forces_stay(hard, caplog):
+    assembly = load_assembly(hard)
+    assert "press 1000 times as hard as the load" in caplog.text
+    assert stiffened_bed(assembly) is None  # it is done once
+    grains = assembly.case.packing.grains
+    soft = loaded_bodies(assembly).elastic()
+    before = soft.near(grains.found.position, soft.periods, 0.0)
+    after = soft.near(grains.position, soft.periods, 1e-9)
+    assert len(before) == pytest.approx(len(after), rel=0.05)
+    shrunk = before.overlap.max() * HARDER ** (-2 / 3)
+    assert after.overlap.max() == pytest.approx(shrunk, rel=2e-3)
+    weight = assembly.sphere_masses()[:N].sum() * 9.81
+    force = np.zeros(len(after))
+    for law, rows, scale in soft.laws_of(after):
+        force[rows], _, _ = law.evaluate(after.overlap[rows], scale)
+    bottom = force[after.wall == "bottom"].sum()
+    assert 0.6 * weight < bottom < 1.01 * weight  # friction of the walls carries the rest
+
+
+def test_a_soft_bed_is_soon_in_balance_and_closes_its_energy(hard, tmp_path):
+    run_case(load_case(hard), tmp_path / "run", figures=False)
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    names, values = (tmp_path / "run" / "dumps" / "prestage.txt").read_text().splitlines()
+    stage = dict(zip(names.removeprefix("# ").split(), map(float, values.split()), strict=True))
+    assert stage["iterations"] < 100_000
+    assert stage["residual"] < 1e-6
+    assert stage["displacement"] < 1e-3 * TABLES["packing"]["diameter"]["normal"][0]
+    assert summary["energy_balance_error"] < 1e-5
+    record = tmp_path / "run" / "dumps" / "prestage.txt"
+    residual = values.split()[0]
+    record.write_text(f"{names}\n{values.replace(residual, '2e-3', 1)}\n")
+    with pytest.raises(RunError, match="some grains still roll or swing"):
+        check_equilibrium(load_assembly(hard), tmp_path / "run")
+
+
+def test_a_bed_of_its_own_material_stays(hard, tmp_path):
+    text = hard.read_text().replace("youngs_modulus = 10000000000.0", "youngs_modulus = 1e7")
+    own = tmp_path / "own.toml"
+    own.write_text(text)
+    assert load_assembly(own).case.packing.grains.found is None

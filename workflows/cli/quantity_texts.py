@@ -1,0 +1,38 @@
+"""Values of ``summary.json`` for the terminal: label, unit and meaning, looked up by name."""
+
+from __future__ import annotations
+
+from fnmatch import fnmatchcase
+
+from granwave.analysis.quantities import entries, quantity
+from granwave.analysis.summary_table import explanation
+from granwave.lammps_inputs.case.schema import did_you_mean, show
+from granwave.lammps_inputs.errors import InputError
+
+
+def is_quantity(name: str) -> bool:
+    """Return True for the name of a value, of a family such as ``line_*_speed`` too."""
+    return any(fnmatchcase(name, entry.name) for entry in entries())
+
+
+def quantity_text(name: str) -> str:
+    """Return label, unit and meaning of a value.
+
+    Raises
+    ------
+    InputError
+        There is no such value; the message names the nearest.
+    """
+    if not is_quantity(name):
+        names = [entry.name for entry in entries()]
+        hint = did_you_mean(name, names, cutoff=0.5) or "; granwave quantities lists all"
+        raise InputError(f"{show(name)[1:-1] or '(empty)'}: not a value of summary.json{hint}")
+    return explanation(name)
+
+
+def all_quantities() -> str:
+    """Return a list of all values: name, unit and label."""
+    listed = [quantity(entry.name) for entry in entries()]
+    width = max(len(entry.name) for entry in listed)
+    units = max(len(entry.unit) for entry in listed)
+    return "\n".join(f"{one.name:{width}}  {one.unit:{units}}  {one.label}" for one in listed)
