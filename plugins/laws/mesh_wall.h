@@ -21,7 +21,7 @@ class MeshWall : public CurvedWall {
   {
     const std::string n = std::to_string(mesh_.n_patches());
     if (patch_ < 0 || patch_ >= mesh_.n_patches())
-      throw std::invalid_argument("the patches of " + path + " are 1 to " + n + ", found " + std::to_string(patch));
+      throw std::invalid_argument(path + " has patches 1 to " + n + ", found " + std::to_string(patch));
     name_ = "patch " + std::to_string(patch) + " of " + path;
   }
 

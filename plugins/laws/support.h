@@ -42,7 +42,7 @@ class Support {
     const bool bar = !words.empty() && words[0] == "bar", plate = !words.empty() && words[0] == "free";
     bears_ = !words.empty() && words[0] == "damper";
     used = bar ? 5 : bears_ ? 2 : 3;
-    if (words.size() < used) refuse("it has " + std::to_string(words.size()) + " words");
+    if (words.size() < used) refuse("found " + std::to_string(words.size()) + " arguments");
     if (bar) {
       const double elements = number(words[1], "ELEMENTS"), total = number(words[2], "MASS");
       if (elements != std::floor(elements) || elements < 1 || elements > MOST_ELEMENTS)

@@ -58,7 +58,9 @@ def sources() -> dict[str, str]:
 
 
 def examples() -> Iterator[tuple[str, str]]:
-    """Names and scripts of the complete examples of the pages, with what they show as comment."""
+    """Names and scripts of the complete examples of the pages, with their descriptions as
+    comments.
+    """
     for page in sorted((PLUGINS / "doc").glob("*.md")):
         for what, name, script in EXAMPLE.findall(page.read_text(encoding="utf-8")):
             plain = (
@@ -174,7 +176,7 @@ def main() -> None:
         "--lmp", help="LAMMPS with the styles, which runs the examples for their logs"
     )
     parser.add_argument(
-        "--mpiexec", help="starts it on ranks (default: the one beside it, or in PATH)"
+        "--mpiexec", help="starts it on ranks (default: the launcher next to it, or in PATH)"
     )
     parser.add_argument(
         "--ranks", type=int, nargs="+", default=[1, 4], help="numbers of ranks (default: 1 4)"
@@ -189,7 +191,7 @@ def main() -> None:
         and not (chosen.folder / "src" / "GRANWAVE").exists()
     ):
         raise SystemExit(
-            f"{chosen.folder} holds something else than the package: choose another folder"
+            f"{chosen.folder} contains other files than the package: choose another folder"
         )
     write(chosen.folder)
     if chosen.lmp:

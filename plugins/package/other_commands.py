@@ -1,5 +1,5 @@
-"""Tables of what the styles do with other commands of LAMMPS, for the manual, of the rows that the
-tests try.
+"""Tables of the effect of other LAMMPS commands on the styles, for the manual, from the rows of the
+tests.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ def other_commands(manual: Path) -> str:
     for section in tomllib.loads((manual / "other_commands.toml").read_text(encoding="utf-8"))[
         "section"
     ]:
-        text += [f"## {section['title']}", "", "| command | what happens |", "|---|---|"]
+        text += [f"## {section['title']}", "", "| command | effect |", "|---|---|"]
         for row in section["row"]:
             refused = (
                 [f"**Refused**: `{row['message'].replace('.*', '...')}`."]

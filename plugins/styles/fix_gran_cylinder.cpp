@@ -143,5 +143,7 @@ void FixGranCylinder::restart(char *buffer)
   bool same = *value++ == static_cast<double>(shapes.size());
   for (std::size_t type = 0; same && type < shapes.size(); type++, value += 4)
     same = shapes[type] == Cylinder{value[0], {value[1], value[2], value[3]}};
-  if (!same) error->all(FLERR, "Restart file holds fix {} {} with other cylinders: give it again as it was", STYLE, id);
+  if (!same)
+    error->all(FLERR, "Restart file contains fix {} {} with other cylinders: define it again with the arguments of the file",
+               STYLE, id);
 }

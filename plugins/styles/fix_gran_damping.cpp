@@ -27,7 +27,7 @@ FixGranDamping::FixGranDamping(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, nar
 void FixGranDamping::set_axis(const std::string &name, const char *usage)
 {
   if (name != "x" && name != "y" && name != "z")
-    error->all(FLERR, "Illegal fix {}: '{}' is no direction; {}", style, name, usage);
+    error->all(FLERR, "Illegal fix {}: found direction '{}', expected x, y or z; {}", style, name, usage);
   axis = name[0] - 'x';
 }
 
@@ -67,20 +67,22 @@ void FixGranDamping::restart(char *buffer) { taken = *read_state(lmp, *this, buf
 
 FixGranAbsorb::FixGranAbsorb(LAMMPS *lmp, int narg, char **arg) : FixGranDamping(lmp, narg, arg)
 {
-  if (narg < 5) error->all(FLERR, "Illegal fix {}: {} words after its name; {}", STYLE, narg - 3, USAGE_OF_ABSORB);
+  if (narg < 5)
+    error->all(FLERR, "Illegal fix {}: found {} arguments after the style; {}", STYLE, narg - 3, USAGE_OF_ABSORB);
   const std::string kind = arg[3];
   if (kind != "rate" && kind != "impedance")
     error->all(FLERR, "Illegal fix {}: '{}' is neither rate nor impedance; {}", STYLE, kind, USAGE_OF_ABSORB);
   graded = kind == "rate" && narg > 5;
   (kind == "rate" ? rate : impedance) = positive_number(lmp, STYLE, kind, arg[4]);
   if (narg != (kind == "impedance" ? 6 : graded ? 8 : 5))
-    error->all(FLERR, "Illegal fix {}: {} words after its name; {}", STYLE, narg - 3, USAGE_OF_ABSORB);
+    error->all(FLERR, "Illegal fix {}: found {} arguments after the style; {}", STYLE, narg - 3, USAGE_OF_ABSORB);
   if (narg > 5) set_axis(arg[5], USAGE_OF_ABSORB);
   if (!graded) return;
   from = utils::numeric(FLERR, arg[6], false, lmp);
   to = utils::numeric(FLERR, arg[7], false, lmp);
   if (!std::isfinite(from) || !std::isfinite(to) || from == to)
-    error->all(FLERR, "Illegal fix {}: the rate must rise between two places, found {} and {}", STYLE, arg[6], arg[7]);
+    error->all(FLERR, "Illegal fix {}: the rate must increase between two different positions, found {} and {}", STYLE,
+               arg[6], arg[7]);
 }
 
 double FixGranAbsorb::rate_at(const double *x) const
@@ -123,7 +125,8 @@ void FixGranAbsorb::add_forces(double until_end, ExactSum &power)
 
 FixGranHolder::FixGranHolder(LAMMPS *lmp, int narg, char **arg) : FixGranDamping(lmp, narg, arg)
 {
-  if (narg != 6) error->all(FLERR, "Illegal fix {}: {} words after its name; {}", STYLE, narg - 3, USAGE_OF_HOLDER);
+  if (narg != 6)
+    error->all(FLERR, "Illegal fix {}: found {} arguments after the style; {}", STYLE, narg - 3, USAGE_OF_HOLDER);
   set_axis(arg[3], USAGE_OF_HOLDER);
   friction = positive_number(lmp, STYLE, "friction", arg[4], true);
   acceleration = positive_number(lmp, STYLE, "acceleration", arg[5]);

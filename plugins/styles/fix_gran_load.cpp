@@ -58,11 +58,11 @@ FixGranLoad::FixGranLoad(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   const auto known = SHAPES.find(form);
   const bool pulse = form == "half-sine" || form == "rectangle";
   if (known == SHAPES.end() || (pulse && moves))
-    error->all(FLERR, "Illegal fix {}: '{}' is no shape of a {}; {}", STYLE, form, kind, USAGE);
+    error->all(FLERR, "Illegal fix {}: '{}' is not a shape of a {}; {}", STYLE, form, kind, USAGE);
   const auto &[names, optional] = known->second;
   const int most = static_cast<int>(names.size());
   if (narg - 6 > most || narg - 6 < most - optional)
-    error->all(FLERR, "Illegal fix {}: {} words after '{}'; {}", STYLE, narg - 6, form, USAGE);
+    error->all(FLERR, "Illegal fix {}: found {} arguments after '{}'; {}", STYLE, narg - 6, form, USAGE);
   if (form == "table") {
     read_table(arg[6]);
   } else {
@@ -101,7 +101,8 @@ int FixGranLoad::read_direction(int narg, char **arg)
     way[word[0] - 'x'] = 1.0;
     return 0;
   }
-  if (word != "vector") error->all(FLERR, "Illegal fix {}: '{}' is no direction; {}", STYLE, word, USAGE);
+  if (word != "vector")
+    error->all(FLERR, "Illegal fix {}: found direction '{}', expected x, y, z or vector; {}", STYLE, word, USAGE);
   if (narg < 10) error->all(FLERR, "Illegal fix {}: {}", STYLE, USAGE);
   for (int k = 0; k < 3; k++) way[k] = utils::numeric(FLERR, arg[4 + k], false, lmp);
   const double length = std::hypot(way[0], way[1], way[2]);
@@ -355,7 +356,7 @@ void FixGranLoad::restart(char *buffer)
 {
   const double *const state = read_state(lmp, *this, buffer, N_STATE);
   if ((state[1] != 0.0) != moves)
-    error->all(FLERR, "Restart file holds fix {} {} with a {}: give it again as it was", STYLE, id,
+    error->all(FLERR, "Restart file contains fix {} {} with a {}: define it again with the arguments of the file", STYLE, id,
                moves ? "force" : "displacement");
   started = state[0] != 0.0;
   if (comm->me == 0) std::copy_n(state + 2, N_TOTALS - 1, total);

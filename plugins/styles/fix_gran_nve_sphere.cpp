@@ -27,7 +27,7 @@ void FixGranNVESphere::require_radii() const
 {
   for (int i = 0; i < atom->nlocal; i++)
     if ((atom->mask[i] & groupbit) && atom->radius[i] == 0.0)
-      error->one(FLERR, "Fix {} {}: atom {} has the radius 0 and cannot turn; move it with fix gran/nve", STYLE, id,
+      error->one(FLERR, "Fix {} {}: atom {} has the radius 0 and cannot rotate; integrate it with fix gran/nve", STYLE, id,
                  atom->tag[i]);
 }
 

@@ -159,12 +159,12 @@ void FixGranTimestep::init()
     if (const auto *const wall = dynamic_cast<const FixWallGranHysteretic *>(other)) walls.push_back(wall);
     if (utils::strmatch(other->style, "nve/sphere")) rotates |= other->groupbit;
     if (std::strcmp(other->style, "dt/reset") == 0)
-      error->all(FLERR, "Fix {} {}: fix dt/reset changes the timestep, too", STYLE, id);
+      error->all(FLERR, "Fix {} {}: fix dt/reset also changes the timestep; unfix it", STYLE, id);
     if (other->force_reneighbor) rebuilders.push_back(other);
     if (other->nevery > 1) others.push_back(other);
     const bool ends_steps = modify->get_fix_mask(const_cast<Fix *>(other)) & FixConst::END_OF_STEP;
     if (later && ends_steps && other->nevery > 0)
-      error->all(FLERR, "Fix {} {} must come after all fixes that act at the end of a step, and fix {} follows it", STYLE,
+      error->all(FLERR, "Fix {} {} must come after all fixes that act at the end of a step, but fix {} follows it", STYLE,
                  id, other->id);
   }
   for (const auto &name : {energy_name, balance_name}) {
@@ -197,8 +197,8 @@ void FixGranTimestep::refuse_fixes_that_count_steps() const
     const bool wall_of_lammps =
         utils::strmatch(other->style, "^wall/gran") && !dynamic_cast<const FixWallGranHysteretic *>(other);
     if (wall_of_lammps && comm->me == 0)
-      error->warning(FLERR, "Fix {} {}: a wall of fix {} {} must not wiggle, since it takes a tick for a step", STYLE, id,
-                     other->style, other->id);
+      error->warning(FLERR, "Fix {} {}: a wall of fix {} {} must not wiggle, because fix wall/gran counts ticks as steps",
+                     STYLE, id, other->style, other->id);
   }
 }
 
@@ -463,8 +463,8 @@ void FixGranTimestep::restart(char *buffer)
 {
   const double *state = read_state(lmp, *this, buffer, 10 + controller.state().size());
   if (state[0] != tick)
-    error->all(FLERR, "Restart file holds fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id, state[0],
-               tick);
+    error->all(FLERR, "Restart file contains fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id,
+               state[0], tick);
   state++;
   for (double *number : {&origin, &energy, &bound, &s}) *number = *state++;
   for (std::int64_t *number : {&n_steps, &shortest_taken, &longest_taken, &taken})

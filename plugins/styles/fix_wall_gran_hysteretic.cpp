@@ -159,8 +159,8 @@ void FixWallGranHysteretic::setup(int)
 {
   listed = false;
   if (is_rerun(*update) && (support || friction > 0.0 || loss || resistance || has.cohesion || law.n_extra() > 0))
-    error->all(FLERR, "Fix {} {}: rerun lacks the steps between its snapshots, by which the history of a wall with {} grows",
-               STYLE, id, support ? "a support" : "more than a dent");
+    error->all(FLERR, "Fix {} {}: rerun lacks the steps between its snapshots, which a wall with {} requires", STYLE, id,
+               support ? "a support" : "more history than a dent");
   evaluate();
 }
 

@@ -65,7 +65,8 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   if (!(overlap <= radius)) {
     require_finite_motion(lmp, i);
     error->one(FLERR, "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: {}", atom->tag[i],
-               overlap, id, radius, causes_of_overlap(lmp, speed_of(lmp, i), radius, "it was placed into it"));
+               overlap, id, radius,
+               causes_of_overlap(lmp, speed_of(lmp, i), radius, "its initial position overlaps with the wall"));
   }
   if (curved && !curved->holds(radius))
     error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the {}", STYLE, id, atom->tag[i], radius,

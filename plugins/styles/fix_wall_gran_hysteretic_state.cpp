@@ -145,8 +145,8 @@ void FixWallGranHysteretic::require_dented(int i, double peak)
 {
   const double radius = atom->radius[i];
   if (!(atom->mask[i] & groupbit) || radius == 0.0)
-    error->one(FLERR, "Fix {} {}: sphere {} cannot have a dent, it is not of the fix's group or has no radius", STYLE, id,
-               atom->tag[i]);
+    error->one(FLERR, "Fix {} {}: sphere {} cannot have a dent: it is not in the group of the fix, or its radius is 0",
+               STYLE, id, atom->tag[i]);
   if (!(peak >= 0.0 && peak <= radius))
     error->one(FLERR, "Fix {} {}: a dent of sphere {} must lie between 0 and its radius {:.4g}, found {:.4g}", STYLE, id,
                atom->tag[i], radius, peak);
@@ -303,7 +303,10 @@ void FixWallGranHysteretic::unpack_restart(int i, int nth)
   constexpr int N_BASIC = N_BEFORE + 2 * N_SIDE;
   const bool whole = has.n == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
   if (!whole && state.n != n_state())
-    error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
+    error->one(
+        FLERR,
+        "Restart file contains fix {} {} with another law or friction: define it again with the arguments of the file",
+        STYLE, id);
   FixWallGranHysteretic::set_arrays(i);
   unpack_reported(i, state.values);
   std::copy_n(state.values + N_BEFORE, std::min(state.n, n_state()) - N_BEFORE, at_walls(i));
@@ -332,6 +335,7 @@ void FixWallGranHysteretic::restart(char *buffer)
   const std::size_t n = support ? support->state_size() : 0;
   const double *const state = read_state(lmp, *this, buffer, 1 + n, other);
   if (!support || state[0] != static_cast<double>(n))
-    error->all(FLERR, "Restart file holds fix {} {} with {}: give it again as it was", STYLE, id, other);
+    error->all(FLERR, "Restart file contains fix {} {} with {}: define it again with the arguments of the file", STYLE, id,
+               other);
   support->restore(state + 1);
 }

@@ -117,7 +117,7 @@ void PairGranHysteretic::init_style()
   if (!atom->tag_enable) error->all(FLERR, "Pair style gran/hysteretic requires atom IDs");
   if (force->newton_pair) error->all(FLERR, "Pair style gran/hysteretic requires 'newton off' (or 'newton off on')");
   if (lost_contacts)
-    error->all(FLERR, "Fix {} holds the contacts of pair style gran/hysteretic and was deleted: never unfix it",
+    error->all(FLERR, "Fix {} stores the contacts of pair style gran/hysteretic and was deleted: never unfix it",
                FixGranHystereticHistory::ID);
 
   refuse_respa(lmp, "Pair style gran/hysteretic");
@@ -140,13 +140,14 @@ void PairGranHysteretic::init_style()
   if (fix_history && ((wanted.friction && !has.friction) || n_extra > has.n))
     release_contacts();    // its list lacks these variables
   if (has.size() > 0 && fix_history && n_extra > fix_history->history.layout().n_extra)
-    error->all(FLERR,
-               "Pair style gran/hysteretic: a law with more history than those before cannot be added once there is a {}: "
-               "define all laws before the first run",
-               has.loss         ? "loss"
-               : has.resistance ? "resistance to rolling or twisting"
-               : has.cohesion   ? "cohesion"
-                                : "partial slip");
+    error->all(
+        FLERR,
+        "Pair style gran/hysteretic: a law with more history variables than before cannot be added once contacts have {}: "
+        "define all laws before the first run",
+        has.loss         ? "a loss"
+        : has.resistance ? "a resistance to rolling or twisting"
+        : has.cohesion   ? "cohesion"
+                         : "partial slip");
   contacts.discard_turnings();    // a law may be another one
   wanted.n = has.n;               // until a new list is built
   has = wanted;
@@ -177,22 +178,22 @@ void PairGranHysteretic::init_style()
     };
     fix_history->agree_on_layout();
     if (from_restart && !fix_history->restart_reset)
-      error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
+      error->all(FLERR, "The restart file is damaged: it contains no contacts of pair style gran/hysteretic");
     if (const int kept = fix_history->history.layout().n_extra;
         (has.resistance || has.cohesion || has.slip || has.damping) && kept > 0 && kept != n_extra)
       error->all(FLERR,
-                 "Restart file holds pair style gran/hysteretic with another loss, another cohesion, other resistances "
-                 "to rolling and twisting or another tangential model: give them again as they were");
+                 "Restart file contains pair style gran/hysteretic with another loss, another cohesion, other resistances "
+                 "to rolling and twisting or another tangential model: give them again as in the file");
   }
   fix_history->history.extend({n_extra, has.friction || has.dents});
 
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->radius[i] >= 0.0))
       error->one(FLERR,
-                 "Pair style gran/hysteretic: atom {} has the radius {:g}, expected one above 0, or 0 for a flat face",
+                 "Pair style gran/hysteretic: atom {} has the radius {:g}, expected a radius above 0, or 0 for a flat face",
                  atom->tag[i], atom->radius[i]);
     if (!(atom->rmass[i] > 0.0))
-      error->one(FLERR, "Pair style gran/hysteretic: atom {} has the mass {:g}, expected one above 0", atom->tag[i],
+      error->one(FLERR, "Pair style gran/hysteretic: atom {} has the mass {:g}, expected a mass above 0", atom->tag[i],
                  atom->rmass[i]);
   }
 
@@ -314,7 +315,7 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   if (comm->me == 0) utils::sfread(FLERR, &format, sizeof(int), 1, fp, nullptr, error);
   MPI_Bcast(&format, 1, MPI_INT, 0, world);
   if (format != RESTART_FORMAT)
-    error->all(FLERR, "Restart file holds format {} of pair style gran/hysteretic; this version reads format {}", format,
+    error->all(FLERR, "Restart file contains format {} of pair style gran/hysteretic; this version reads format {}", format,
                RESTART_FORMAT);
   const std::vector<double> settings = read_state(lmp, fp, "the settings of pair style gran/hysteretic");
   from_restart = true;

@@ -83,7 +83,7 @@ void PairGranHysteretic::require_room()
                  domain->prd[axis], "xyz"[axis], least);
   }
   if (!domain->triclinic) return;
-  if (cylinders) error->all(FLERR, "Pair style gran/hysteretic: cylinders need a box that is not triclinic");
+  if (cylinders) error->all(FLERR, "Pair style gran/hysteretic: cylinders require an orthogonal box");
   int most[3];    // images along the edges of the box
   for (int axis = 0; axis < 3; axis++) most[axis] = domain->periodicity[axis] && axis < domain->dimension ? 2 : 0;
   const double *const h = domain->h;
@@ -108,7 +108,7 @@ void PairGranHysteretic::require_largest_radii()
     if (atom->radius[i] > largest_radius[atom->type[i]] * (1.0 + TouchingPairs::ROUNDING))
       error->one(FLERR,
                  "Sphere {} has the radius {:.6g}, above the largest of its type at the start of the run, {:.6g}: contacts "
-                 "would be found too late; let an atom of the type have that radius, away from the others",
+                 "would be found too late; place an atom of the type with this radius away from the others",
                  atom->tag[i], atom->radius[i], largest_radius[atom->type[i]]);
 }
 
@@ -139,7 +139,7 @@ void PairGranHysteretic::require_same_ids()
     if (history.owner(i) != atom->tag[i] &&
         (history.count(i) > 0 || history.has_forgotten(i) || contacts.has_touched(history, i)))
       error->one(FLERR,
-                 "The ID of sphere {} was {} when its contacts were made: dents are known by the IDs of their spheres. "
+                 "The ID of sphere {} was {} when its contacts were made: dents are stored by the IDs of their spheres. "
                  "Use 'delete_atoms ... compress no', and no reset_atoms id",
                  atom->tag[i], history.owner(i));
 }
@@ -185,8 +185,8 @@ void PairGranHysteretic::forget(int row, int k)
 void PairGranHysteretic::require_contacts()
 {
   if (!contacts.valid)
-    error->one(FLERR, "The contacts of pair style gran/hysteretic are not current: spheres were added, deleted or put into "
-                      "another order since the last run; use 'run 0' first");
+    error->one(FLERR, "The contacts of pair style gran/hysteretic are not current: spheres were added, deleted or reordered "
+                      "since the last run; use 'run 0' first");
 }
 
 /* ---------------------------------------------------------------------- initial dents */

@@ -476,6 +476,6 @@ void PairGranHysteretic::overlap_error(int i, int j, double overlap)
   const double speed = std::max(speed_of(lmp, i), speed_of(lmp, j));
   const double radius = largest_overlap(atom->radius[i], atom->radius[j]);
   error->one(FLERR, "Spheres {} and {} overlap by {:.3g}, more than {}: {}", atom->tag[i], atom->tag[j], overlap,
-             face ? "half the radius of the one that meets a flat face" : "the radius of the smaller one",
-             causes_of_overlap(lmp, speed, radius, "they were placed into each other"));
+             face ? "half the radius of the sphere that touches a flat face" : "the radius of the smaller sphere",
+             causes_of_overlap(lmp, speed, radius, "their initial positions overlap"));
 }

@@ -32,15 +32,16 @@ void PairGranHysteretic::find_initial_places()
   bool on_ghosts = false;
   for (const auto *fix : modify->get_fix_by_style("^property/atom$")) on_ghosts = on_ghosts || fix->comm_border >= 3;
   if (index < 0 || !is_double || columns != 3 || !on_ghosts)
-    error->all(FLERR,
-               "Pair style gran/hysteretic with initial normals needs the initial places: use 'fix ID all property/atom "
-               "d2_{} 3 ghost yes', and set its columns to x, y and z",
-               INITIAL_PLACES);
+    error->all(
+        FLERR,
+        "Pair style gran/hysteretic with initial normals requires the initial positions: use 'fix ID all property/atom "
+        "d2_{} 3 ghost yes', and set its columns to x, y and z",
+        INITIAL_PLACES);
   if (domain->xperiodic || domain->yperiodic || domain->zperiodic)
-    error->all(FLERR, "Pair style gran/hysteretic with initial normals needs boundaries that are not periodic");
+    error->all(FLERR, "Pair style gran/hysteretic with initial normals requires boundaries that are not periodic");
   if (has.friction || has.cohesion)
-    error->all(FLERR, "Pair style gran/hysteretic with initial normals takes neither friction nor cohesion");
-  if (cylinders) error->all(FLERR, "Pair style gran/hysteretic with initial normals takes spheres, found cylinders");
+    error->all(FLERR, "Pair style gran/hysteretic with initial normals does not support friction and cohesion");
+  if (cylinders) error->all(FLERR, "Pair style gran/hysteretic with initial normals requires spheres, found cylinders");
   initial_places = index;
 }
 
@@ -87,7 +88,7 @@ ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, doubl
   SpecialPair &pair = special_pairs[{itype, jtype, ri, rj}];
   if (pair.contact.effective_radius() > 0.0) return pair.contact;
   if (ri == 0.0 || rj == 0.0)
-    error->one(FLERR, "Pair style gran/hysteretic: a flat face meets a cylinder; it touches spheres only");
+    error->one(FLERR, "Pair style gran/hysteretic: a flat face touches a cylinder; flat faces can touch spheres only");
   const double radius = geometry->effective_radius(ri, rj);
   pair.contact = ScaledLaw(of_types, radius);
   if (geometry->parallel()) {

@@ -61,10 +61,11 @@ const double *granwave::read_state(LAMMPS *lmp, const Fix &fix, const char *buff
 {
   const auto *const stored = reinterpret_cast<const double *>(buffer);
   if (stored[0] != FORMAT)
-    lmp->error->all(FLERR, "Restart file holds format {} of fix {}; this version reads format {}", stored[0], fix.style,
+    lmp->error->all(FLERR, "Restart file contains format {} of fix {}; this version reads format {}", stored[0], fix.style,
                     FORMAT);
   if (stored[1] != static_cast<double>(n))
-    lmp->error->all(FLERR, "Restart file holds fix {} {} with {}: give it again as it was", fix.style, fix.id, other);
+    lmp->error->all(FLERR, "Restart file contains fix {} {} with {}: define it again with the arguments of the file",
+                    fix.style, fix.id, other);
   if (stored[2] != checksum(stored + HEAD, n))
     lmp->error->all(FLERR, "The restart file is damaged: the state of fix {} {} does not match its checksum", fix.style,
                     fix.id);
@@ -87,7 +88,7 @@ std::vector<double> granwave::read_state(LAMMPS *lmp, FILE *fp, const std::strin
     }
   }
   MPI_Bcast(&n, 1, MPI_INT, 0, lmp->world);
-  if (n < 0) lmp->error->all(FLERR, "The restart file is damaged: {} are none", what);
+  if (n < 0) lmp->error->all(FLERR, "The restart file is damaged: {} are missing or invalid", what);
   state.resize(n);
   MPI_Bcast(state.data(), n, MPI_DOUBLE, 0, lmp->world);
   return state;
@@ -116,12 +117,13 @@ granwave::AtomState granwave::atom_state(LAMMPS *lmp, const Fix &fix, int i, int
   }
   if (size < AtomState::HEAD || stored[1] != ATOM_STATE || stored[2] != checksum(stored + UNCHECKED, size - UNCHECKED))
     lmp->error->one(FLERR,
-                    "The restart file is damaged, or of an earlier version: the state of atom {} in fix {} {} is none",
+                    "The restart file is damaged, or of an earlier version: the state of atom {} in fix {} {} is invalid",
                     lmp->atom->tag[i], fix.style, fix.id);
   if (static_cast<tagint>(stored[3]) != lmp->atom->tag[i] || !is_at(lmp, i, stored + 4))
-    lmp->error->one(FLERR,
-                    "Fix {} {}: the state of atom {} in the restart file is given to atom {}, or to another place: give the "
-                    "fix and 'run 0' before atoms are deleted, renumbered or moved",
-                    fix.style, fix.id, stored[3], lmp->atom->tag[i]);
+    lmp->error->one(
+        FLERR,
+        "Fix {} {}: the state of atom {} in the restart file would be assigned to atom {}, or to another position: "
+        "define the fix and use 'run 0' before atoms are deleted, renumbered or moved",
+        fix.style, fix.id, stored[3], lmp->atom->tag[i]);
   return {stored + AtomState::HEAD, size - AtomState::HEAD};
 }

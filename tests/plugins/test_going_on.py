@@ -204,7 +204,9 @@ def test_other_laws_after_a_restart_beside_a_processor_without_spheres(lmp, log_
     (tmp_path / "in.again").write_text(text, encoding="utf-8")
     done = lmp(tmp_path / "in.again", ranks=2, timeout=60)
     assert done.returncode != 0
-    assert "Restart file holds pair style gran/hysteretic" in (tmp_path / "log.lammps").read_text()
+    assert (
+        "Restart file contains pair style gran/hysteretic" in (tmp_path / "log.lammps").read_text()
+    )
 
 
 def test_a_wall_without_friction_ignores_springs_of_a_restart(lammps, tmp_path):
@@ -295,5 +297,5 @@ def test_contacts_that_are_missing_are_an_error(lammps, tmp_path):
     (tmp_path / "a.restart").write_bytes(
         data.replace(b"GRAN_HYSTERETIC_HISTORY", b"GRAN_HYSTERETIC_HISTORx")
     )
-    with pytest.raises(Exception, match="damaged: it holds no contacts"):
+    with pytest.raises(Exception, match="damaged: it contains no contacts"):
         resume(lammps(), tmp_path / "a.restart")

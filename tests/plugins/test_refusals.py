@@ -33,11 +33,11 @@ REFUSED = {
     "damping": (ONE, "fix calm all gran/absorb {}", [
         ("speed 1", "'speed' is neither rate nor impedance"),
         ("rate 0", "rate must be positive, found 0"),
-        ("rate 1 z", "3 words after its name"),
-        ("rate 1 z 2 2", "must rise between two places, found 2 and 2"),
-        ("impedance 1", "2 words after its name"),
-        ("impedance 1 w", "'w' is no direction"),
-        ("rate", "1 words after its name"),
+        ("rate 1 z", "found 3 arguments"),
+        ("rate 1 z 2 2", "must increase between two different positions, found 2 and 2"),
+        ("impedance 1", "found 2 arguments"),
+        ("impedance 1 w", "direction 'w', expected x, y or z"),
+        ("rate", "found 1 arguments"),
         ("rate 1\ngroup none subtract all all\nfix more none gran/absorb rate 1\nrun 0", "its group none has no atoms"),
     ]),
     "nve": (LIGHT, "fix more all gran/nve {}", [
@@ -52,8 +52,8 @@ REFUSED = {
         ("fix more all gran/nve/sphere", "requires atom attributes radius, rmass, omega"),
     ]),
     "holder": (ONE, "fix holder all gran/holder {}", [
-        ("z 0.3", "2 words after its name"),
-        ("w 0.3 9.81", "'w' is no direction"),
+        ("z 0.3", "found 2 arguments"),
+        ("w 0.3 9.81", "direction 'w', expected x, y or z"),
         ("z -0.1 9.81", "positive or 0, found -0.1"),
         ("z 0.3 0", "acceleration must be positive, found 0"),
         # forces that come after it
@@ -84,16 +84,16 @@ REFUSED = {
         ("gran/dents begin", "requires pair style gran/hysteretic"),
     ]),
     "loads": (ONE, "fix push all gran/load {}", [
-        ("q force half-sine 1 1", "'q' is no direction"),
+        ("q force half-sine 1 1", "direction 'q', expected x, y, z or vector"),
         ("vector 0 0 0 force half-sine 1 1", "a direction must not be zero, found 0 0 0"),
         ("vector 1 0 force half-sine 1 1", "Expected floating point"),
         ("z push half-sine 1 1", "neither force nor displacement"),
-        ("z force sawtooth 1 1", "'sawtooth' is no shape of a force"),
-        ("z displacement half-sine 1 1", "'half-sine' is no shape of a displacement"),
+        ("z force sawtooth 1 1", "'sawtooth' is not a shape of a force"),
+        ("z displacement half-sine 1 1", "'half-sine' is not a shape of a displacement"),
         ("z force half-sine 0 1", "amplitude must be positive, found 0"),
         ("z force rectangle 1 -1e-5", "duration must be positive"),
-        ("z force half-sine 1", "words after 'half-sine'"),
-        ("z force harmonic 1 1 1 1", "4 words after 'harmonic'"),
+        ("z force half-sine 1", "arguments after 'half-sine'"),
+        ("z force harmonic 1 1 1 1", "4 arguments after 'harmonic'"),
         ("z force burst 1 1e5 0", "number of cycles must be positive, found 0"),
         ("z force sweep 1 1e5 2e5 1e-4 6e-5", "ramp must be at most half the duration"),
         ("z force noise 1 1e3 2e3 1e-4 0 1", "noise cannot be used: no multiple of 1/T lies between its frequencies"),
@@ -173,7 +173,7 @@ REFUSED = {
         ("* * hertz 115e9 0.3\nset atom 2 z 0.004 diameter 0\nset atom 2 mass 1\nfix c all gran/cylinder 1 0.01 0 1 0\nrun 0", "a flat face meets a cylinder"),
     ]),
     "laws to come": (LOSSY + "run 1\n", "pair_coeff * * elastoplastic 115e9 0.3 550e6 {}\nrun 0", [
-        ("loss time 1e-6 rate 0.01 1", "cannot be added once there is a loss: define all laws "
+        ("loss time 1e-6 rate 0.01 1", "cannot be added once contacts have a loss: define all laws "
             "before the first run"),
     ]),
     "computes": (ONE, "compute c all gran/hysteretic/{}", [
@@ -300,7 +300,7 @@ REFUSED = {
         ("1 2 1e-6\n2 1 1e-6", "line 2 of .*: this contact was given before"),
         ("top 7 1e-6", "there is no sphere 7"),
         ("top 1 0.006", "exceeds the radius of the sphere"),
-        ("some 2 1e-6", "sphere 2 cannot have a dent, it is not of the fix's group"),
+        ("some 2 1e-6", "sphere 2 cannot have a dent: it is not in the group"),
     ]),
     "dents of spheres too far apart": (script_of([(0, 0, 0), (0, 0, 3 * R)]), "gran/dents read {}", [
         ("1 2 1e-6", "spheres 1 and 2 are farther apart than the gap beyond which an indentation "
@@ -394,7 +394,7 @@ def test_contacts_are_not_read_while_they_are_not_current(lammps):
     )
     with pytest.raises(
         Exception,
-        match=r"not current: spheres were added, deleted or put into another order .* use 'run 0' first",
+        match=r"not current: spheres were added, deleted or reordered .* use 'run 0' first",
     ):
         lmp.extract_compute("en", 0, 0)
 

@@ -91,7 +91,8 @@ def test_states_of_a_restart_file_are_refused_by_other_spheres(lammps, tmp_path,
     refuses(
         lammps(),
         text,
-        "the state of atom 1 in the restart file is given to atom [12], or to another place",
+        "the state of atom 1 in the restart file would be assigned to atom [12], or to "
+        "another position",
     )
 
 

@@ -122,4 +122,4 @@ def test_the_bits_are_those_of_nve_sphere_on_two_processors(log_of, tmp_path, na
 def test_a_face_cannot_turn(lammps):
     script = script_of([(0, 0, 0), (0, 0, R)], radius=[R, 0.0], style="hertz 1e9 0.3")
     turning = script.replace("fix motion all nve\n", "fix motion all gran/nve/sphere\n")
-    refuses(lammps(turning), "run 0", "atom 2 has the radius 0 and cannot turn")
+    refuses(lammps(turning), "run 0", "atom 2 has the radius 0 and cannot rotate")

@@ -173,7 +173,7 @@ def test_what_is_no_stl_file_is_refused(content: bytes, fault: str) -> None:
 @pytest.mark.parametrize(
     ("words", "fault"),
     [
-        ("mesh PATH 30 2", "the patches of .* are 1 to 1, found 2"),
+        ("mesh PATH 30 2", "has patches 1 to 1, found 2"),
         ("mesh nowhere.stl 30 1", "cannot read nowhere.stl"),
         ("mesh PATH 120 1", "the angle of a patch"),
     ],

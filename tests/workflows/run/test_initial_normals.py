@@ -114,9 +114,9 @@ def test_forces_keep_their_direction(lammps) -> None:
 
 
 @pytest.mark.parametrize(("setup", "more", "words"), [
-    ("", {}, "needs the initial places"),
-    (START.replace("ghost yes", "ghost no"), {}, "needs the initial places"),
-    (START.replace("d2_initial 3", "d_initial"), {}, "needs the initial places"),
+    ("", {}, "requires the initial positions"),
+    (START.replace("ghost yes", "ghost no"), {}, "requires the initial positions"),
+    (START.replace("d2_initial 3", "d_initial"), {}, "requires the initial positions"),
     (
         PLACES, {"style": "hertz 1e9 0.3 friction 0.1", "extra": "comm_modify vel yes"},
         "neither friction nor cohesion",
