@@ -1,4 +1,6 @@
-"""Errors of the analysis; messages say what was found, what was expected and how to correct it."""
+"""Errors of the analysis; messages state what was found, what was expected and how to correct
+it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Analysis of a run: result.h5, summary.json and the figures, from what LAMMPS wrote."""
+"""Analysis of a run: result.h5, summary.json and the figures, from the output of LAMMPS."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def analyse(
     processes: Processes = ALONE,
     assembly: Assembly | None = None,
 ) -> Summary:
-    """Analyse a run; what an earlier analysis left is replaced.
+    """Analyse a run; results of an earlier analysis are replaced.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def analyse(
 
 
 def _drawn(directory: Path, n_spheres: int, options: Figures) -> tuple[str, ...] | None:
-    """Return the names of the figures to draw; None: those that the options ask for."""
+    """Return the names of the figures to draw; None: the figures selected by the options."""
     if n_spheres <= MOST_DRAWN:
         return None
     text = (
@@ -164,7 +164,7 @@ def _analyse(
 
 
 def _make_products(results: ResultDirectory, report: Callable[[str], None]) -> None:
-    """Make the files that ``[figures]`` of the case asks for besides figures; log why if one
+    """Make the further files requested by ``[figures]`` of the case; log the reason if a file
     cannot be made.
     """
     with Result(results) as result:

@@ -1,4 +1,5 @@
-"""Product of a run: a file besides its figures, such as a film, as ``[figures]`` of its case asks.
+"""Product of a run: a file besides its figures, such as an animation, requested by ``[figures]``
+of its case.
 
 Extensions make them; which files a case asks for says
 `granwave.lammps_inputs.case.run.Figures.products`.

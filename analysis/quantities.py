@@ -32,7 +32,7 @@ UNITS = {
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
-    """A value of ``summary.json``; what is left out follows from its name."""
+    """A value of ``summary.json``; omitted fields follow from its name."""
 
     name: str  # its key; of a family of keys with * for what differs
     label: str = ""  # its name in reports; else the words of the key
@@ -51,7 +51,7 @@ class Quantity:
     scan_figure: str = ""
 
     def __post_init__(self) -> None:
-        """Fill in what was left out."""
+        """Fill in omitted values."""
         ending = next((ending for ending in UNITS if self.name.endswith(ending)), "")
         label = self.label or readable(self.name.removesuffix(ending))
         short = self.short or label[:1].lower() + label[1:]
@@ -540,7 +540,7 @@ _IN_PLACE = {
 
 @cache
 def all_scan_figures() -> dict[str, str]:
-    """Return the quantities that figures of scans show, by what names of figures begin with."""
+    """Return the quantities that figures of scans show, by the beginnings of figure names."""
     return SCAN_FIGURES | {
         entry.scan_figure: entry.name for entry in entries() if entry.scan_figure
     }

@@ -243,8 +243,8 @@ def restitution(result: Result) -> float | None:
 
 
 def _energies(result: Result) -> Summary:
-    """Energies at the end, shares of the input, and the largest error of the ledger over the
-    largest input.
+    """Energies at the end, shares of the input, and the largest error of the energy balance
+    divided by the largest input.
     """
     given = result.energy_input
     plastic = float(result.yield_ledger[-1])
@@ -271,7 +271,7 @@ def _energies(result: Result) -> Summary:
 
 
 def _transmission(result: Result) -> Summary:
-    """Return what a row passes on of a load that oscillates."""
+    """Return the transmission of an oscillating load along a chain."""
     found = transmission_of(result)
     swept = amplitude_sweep_of(result)
     steady = found if isinstance(found, SteadyMotion) else None
@@ -325,8 +325,8 @@ def _columns(result: Result, rows: slice | tuple[()] = ()) -> dict[str, Array]:
 
 
 def _of_rows(columns: dict[str, Array]) -> dict[str, float]:
-    """Return what some contacts add to the numbers; pairs that were pressed by rounding alone are
-    not loaded.
+    """Return the contribution of some contacts to the counts; pairs that overlap only by rounding
+    are not loaded.
     """
     overlap = columns["peak_overlap"]
     force = columns["peak_force"]
@@ -390,12 +390,11 @@ def _normalised(result: Result) -> Summary:
 
 
 def _walls(result: Result) -> Summary:
-    """Return what reached the target, the bottom, and other walls, and how much less that is than
-    without the packing.
+    """Return the forces and energies at the target, the bottom and other walls, and their reduction
+    by the packing.
 
-    Peak reduction: the largest force on the target without the packing over the largest with it. Of
-    a precompressed packing what it presses with from the start is no part of what the impact
-    brings.
+    Peak reduction: the largest force on the target without the packing over the largest with it.
+    The initial force of a precompressed packing is not part of the dynamic force.
     """
     found = reached(result)
     bare = unprotected(result.assembly, float(result["energy/time"][-1])) if found else None
@@ -450,7 +449,7 @@ def _walls(result: Result) -> Summary:
 
 
 def _mass_and_height(result: Result) -> tuple[float, float]:
-    """Mass (kg) and height (m) of the packing, strikers left out."""
+    """Mass (kg) and height (m) of the packing, without strikers."""
     masses = []
     top = np.inf
     bottom = -np.inf

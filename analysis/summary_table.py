@@ -81,7 +81,7 @@ def summary_table(summary: Mapping[str, Any], shown: Sequence[Quantity] = RUN_RO
 
 
 def explanation(key: str) -> str:
-    """Return what a key of summary.json stands for: label, unit and meaning."""
+    """Return label, unit and meaning of a key of summary.json."""
     entry = quantity(key)
     unit = f" ({entry.unit})" if entry.unit else ""
     return f"{key}: {entry.label}{unit}" + (f". {meaning}" if (meaning := meaning_of(key)) else "")

@@ -164,6 +164,6 @@ def raise_all(checks: Iterable[Callable[[], object]]) -> None:
 
 
 class RunError(GranwaveError, RuntimeError):
-    """Error of a computation that failed, or whose result was refused, although its input was
-    right.
+    """Error of a computation that failed, or whose result was rejected, although its input was
+    valid.
     """

@@ -1,6 +1,6 @@
 """Extensions: features outside the core, by entry points of the group ``granwave.extensions``.
 
-An entry point names one `Extension`, an object that says what the extension adds. The core goes
+An entry point names one `Extension`, an object that lists its additions. The core goes
 through these objects and knows no extension by its name; granwave's own extensions are registered
 in the same way as anyone's. What an extension adds is given by references, "MODULE:NAME", which
 are loaded when they are needed: a command starts without the modules of all others.
@@ -48,7 +48,7 @@ Listed = TypeVar("Listed", bound=ListEntry)
 
 @dataclasses.dataclass(frozen=True)
 class Extension:
-    """Lists of what an extension adds; everything but its name and title may be left out.
+    """Lists of the additions of an extension; only its name and title are required.
 
     A field that is called a reference is a text "MODULE:NAME" for an object of the type that is
     given here; a mapping of references has a reference for each name.
@@ -147,9 +147,9 @@ class Extension:
 
 @cache
 def extensions() -> tuple[Extension, ...]:
-    """Return the extensions that are installed, by name; those of `WITHOUT` are left out.
+    """Return the extensions that are installed, by name; extensions in `WITHOUT` are omitted.
 
-    One that cannot be loaded is left out with a warning.
+    An extension that cannot be loaded is omitted with a warning.
     """
     unwanted = {name.strip() for name in os.environ.get(WITHOUT, "").split(",")}
     if ALL in unwanted:
@@ -180,7 +180,7 @@ def left_out() -> tuple[Extension, ...]:
 
 
 def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
-    """Return that what is asked for belongs to an extension that is left out; empty if not.
+    """Return that the requested object belongs to a disabled extension; empty if not.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
 
 
 def of_left_out(extension: str) -> str:
-    """Return that something belongs to an extension that is left out, and the remedy."""
+    """Return that an object belongs to a disabled extension, and the remedy."""
     owner = f"it belongs to the extension {extension}"
     return f"{owner}, which {WITHOUT} hides: remove it from {WITHOUT}"
 
@@ -261,7 +261,7 @@ def load(reference: str) -> Any:
 
 
 def added(field: str) -> Iterator[Any]:
-    """Yield what the references of a field of all extensions stand for, one after the other.
+    """Iterate over the objects to which a field of all extensions refers.
 
     Parameters
     ----------
@@ -272,7 +272,7 @@ def added(field: str) -> Iterator[Any]:
 
 
 def loaded(field: str) -> dict[str, Any]:
-    """Return what a field of all extensions stands for, by the names of the extensions.
+    """Return the objects to which a field of all extensions refers, by extension.
 
     Parameters
     ----------

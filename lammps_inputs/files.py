@@ -143,7 +143,7 @@ def regular(path: Path) -> Path:
 
 
 def read_regular(path: Path) -> bytes:
-    """Read a whole file; refuse pipes and devices, which may never end.
+    """Read a whole file; reject pipes and devices, which may never end.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def read_regular(path: Path) -> bytes:
 
 
 def read_text(path: Path, decode: Callable[[bytes], str] | None = None) -> str:
-    """Read a whole file as UTF-8, or by another decoder; refuse pipes and devices.
+    """Read a whole file as UTF-8, or by another decoder; reject pipes and devices.
 
     Raises
     ------
@@ -271,8 +271,8 @@ def plain(value: Any) -> Any:
 
 
 def refuse_too_large(what: str, memory: float, remedy: str, available: float | None = None) -> None:
-    """Raise InputError if ``what`` needs more ``memory`` than ``available``, bytes (default: that
-    of the machine).
+    """Raise InputError if ``what`` needs more ``memory`` than ``available``, bytes (default: the
+    memory of the machine).
     """
     available = available_memory() if available is None else available
     if memory > available:

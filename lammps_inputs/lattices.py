@@ -101,7 +101,7 @@ KINDS: dict[str, PackingKind] = {
     ),
     "bcc": PackingKind(
         label="BCC",
-        layers="square layers, odd ones shifted by half a side",
+        layers="square layers, every second layer shifted by half a side",
         axes="xyz",
         layer_period=2,
         pitch=_BODY_CENTRED_PITCH,
@@ -128,7 +128,7 @@ KINDS: dict[str, PackingKind] = {
     ),
     "hexagonal": PackingKind(
         label="Hexagonal",
-        layers="rows of n and n - 1 grains in turn in the x-z plane, six neighbours; `top_row` "
+        layers="alternating rows of n and n - 1 grains in the x-z plane, six neighbours; `top_row` "
         "selects the impacted row",
         axes="xz",
         layer_period=2,

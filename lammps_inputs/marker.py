@@ -69,7 +69,7 @@ class Marker:
 
 
 def state(path: Path) -> State:
-    """Return what changes when another process replaces a marker; None if there is none."""
+    """Return values that change when another process replaces a marker; None without a marker."""
     try:
         status = path.lstat()
     except OSError:

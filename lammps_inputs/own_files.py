@@ -46,7 +46,7 @@ class OwnFiles(os.PathLike[str]):
     it, which a look at the file tells; it is written, atomically, with every change. So any number
     of processes may read, and a process may keep the object while others write; two that change
     the marker at the same moment lose the entries of one of them, which the lock of
-    `ResultDirectory` prevents. Of the ranks of a run the first alone reads and changes it.
+    `ResultDirectory` prevents. Only the first rank of a run reads and changes it.
 
     It serves as a path: ``open(directory / "run.json")``.
 
@@ -63,7 +63,7 @@ class OwnFiles(os.PathLike[str]):
 
     @classmethod
     def at(cls, place: AnyPath) -> Self:
-        """Return the directory at a path; one that is open already is returned as it is."""
+        """Return the directory at a path; an open directory is returned unchanged."""
         return place if isinstance(place, cls) else cls(place)
 
     def __fspath__(self) -> str:
@@ -86,7 +86,7 @@ class OwnFiles(os.PathLike[str]):
 
     @property
     def marker(self) -> Marker:
-        """The marker as it is on the disk; one without a kind if there is none.
+        """The marker on the disk; a marker without a kind if there is none.
 
         Raises
         ------
@@ -235,8 +235,8 @@ class OwnFiles(os.PathLike[str]):
     def output_names(self) -> list[str]:
         """Return the names of the files that LAMMPS writes to dumps/ for the deck.
 
-        Where each rank writes its own file they are those that there are; without any it is the
-        name with "%".
+        If each rank writes its own file, the existing files; without any, the name with
+        "%".
         """
         prefix = f"{run_directory.DUMPS}/"
         names = [name for name in self.marker.files if name.startswith(prefix)]
@@ -257,7 +257,7 @@ class OwnFiles(os.PathLike[str]):
 
     @property
     def kind(self) -> ResultKind:
-        """Kind of the results, by the marker or else by what the directory holds."""
+        """Kind of the results, by the marker, or else by the files in the directory."""
         return kind_in(self.path, self.marker.kind)
 
     def refuse_other_kind(self, kind: str) -> None:
@@ -273,8 +273,8 @@ class OwnFiles(os.PathLike[str]):
             )
 
     def refuse_results(self, resume: str = "resume=True continues with them, ") -> None:
-        """Raise InputError if the directory holds results; ``resume`` says what --resume does with
-        them.
+        """Raise InputError if the directory holds results; ``resume`` describes the effect of
+        --resume on them.
         """
         if names := self.result_names():
             raise InputError(
@@ -283,7 +283,7 @@ class OwnFiles(os.PathLike[str]):
 
     @property
     def by_force(self) -> str:
-        """Advice where there are results: what --force does with them."""
+        """Advice for existing results: the effect of --force."""
         old = self.free_old_path().name
         return (
             f"force=True moves the results to {old} first, "
@@ -293,7 +293,7 @@ class OwnFiles(os.PathLike[str]):
     # ------------------------------------------------------------------ removing, setting aside
 
     def clear(self, names: Collection[str] | None = None) -> None:
-        """Remove what granwave wrote, and folders left empty.
+        """Remove the files of granwave, and empty folders.
 
         Parameters
         ----------
@@ -313,8 +313,8 @@ class OwnFiles(os.PathLike[str]):
         self._take_out(names, remove)
 
     def set_aside(self, names: Collection[str] | None = None, into: Path | None = None) -> str:
-        """Move what granwave wrote into another directory of results, and remove folders left
-        empty. Files that granwave did not write stay.
+        """Move the files of granwave into another directory of results, and remove empty
+        folders. Files that granwave did not write stay.
 
         Parameters
         ----------

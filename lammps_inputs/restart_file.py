@@ -143,7 +143,7 @@ class RestartWall:
         return self.rest[:, first : first + _STRETCH]
 
     def blocks(self, *, friction: bool) -> NDArray[np.float64]:
-        """Return what losses and resistances remember: (n, n_block)."""
+        """Return the history of losses and resistances: (n, n_block)."""
         rest = self.rest[:, 2 * _SPRING :] if friction else self.rest
         size = rest.shape[1] // 2
         return rest[:, self.side * size : (self.side + 1) * size]

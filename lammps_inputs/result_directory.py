@@ -1,9 +1,10 @@
-"""A directory of results: may results be put there, what case was run, and what was changed since.
+"""A directory of results: permission to write results, the case of the run, and changes since the
+run.
 
-A directory that holds results is refused by default. ``--resume`` continues them if they are of the
-same case, ``--force`` moves them into a directory NAME.old beside it. Files that granwave did not
-write stay where they are, see `granwave.lammps_inputs.own_files`. Changes are a case.toml or deck
-that was edited, and output that was cut, damaged or replaced.
+A directory that holds results is rejected by default. ``--resume`` continues them if they are of
+the same case, ``--force`` moves them into a directory NAME.old beside it. Files that granwave did
+not write stay where they are, see `granwave.lammps_inputs.own_files`. Changes are a case.toml or
+deck that was edited, and output that was cut, damaged or replaced.
 """
 
 from __future__ import annotations
@@ -283,8 +284,8 @@ class ResultDirectory(OwnFiles):
         self.write(marker)
 
     def changed_file(self, names: Iterable[str] | None = None, processes: Processes = ALONE) -> str:
-        """Describe the first file that is not what the run wrote; empty if none. Missing files are
-        ignored.
+        """Describe the first file that differs from the file of the run; empty if none. Missing
+        files are ignored.
 
         Parameters
         ----------
@@ -318,8 +319,8 @@ class ResultDirectory(OwnFiles):
         return ""
 
     def changed_result(self, names: Iterable[str] = _OF_AN_ANALYSIS) -> str:
-        """Describe the first result of a run that is not what its analysis wrote, and how to mend
-        it; empty if none.
+        """Describe the first result that was changed after the analysis, and the remedy; empty if
+        none.
         """
         fault = self.changed_file(names)
         if not fault:

@@ -1,7 +1,7 @@
 """Kinds of results: what a directory of results holds, by its marker, or by its files where it has
 no marker.
 
-The kinds of the core are here, those of extensions come from the extensions, see `Extension`. A
+The kinds of the core are here; extensions add further kinds, see `Extension`. A
 marker may name a kind that no extension here has; such a directory is neither read nor overwritten.
 """
 
@@ -120,7 +120,7 @@ def kind_named(name: str) -> ResultKind:
 
 
 def _of_left_out(extension: str, kind: ResultKind) -> ResultKind:
-    """Return a kind of an extension that is left out, as what is not read."""
+    """Return a kind of an extension that is disabled, which is not read."""
     if not kind.content:
         return kind
     reason = (
@@ -136,7 +136,7 @@ def kind_in(directory: Path, marked: str) -> ResultKind:
     Parameters
     ----------
     marked
-        Kind in the marker; empty without one.
+        Kind in the marker; empty if there is none.
     """
     kind = kind_named(marked)
     if kind.content:

@@ -134,8 +134,8 @@ def triad(megabytes: int = 256, repeats: int = 5) -> float:
 
 
 def compare_styles(repeats: int) -> dict[str, Any]:
-    """Time all styles on the reference packing: struck, where most contacts bear nothing, and
-    rattling, where most do.
+    """Time all styles on the reference packing: under impact, with mostly unloaded contacts,
+    and rattling, with mostly loaded contacts.
 
     They run in one process, interleaved, and from the same states: positions and velocities are
     restored before each timing. Ratios are formed within a repeat, so that both timings see the

@@ -13,7 +13,7 @@ Rows = Iterable[tuple[str, str]]
 
 @dataclasses.dataclass(frozen=True)
 class CheckPart:
-    """Additions to what ``granwave check`` shows; each may be left out.
+    """Additions to the output of ``granwave check``; each is optional.
 
     Attributes
     ----------

@@ -104,7 +104,7 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
 
 
 def _owner_left_out(study: str) -> str:
-    """Return that a built-in study belongs to an extension that is left out; empty if not."""
+    """Return that a built-in study belongs to a disabled extension; empty if not."""
     for extension in left_out():
         if extension.folder is None:
             continue

@@ -34,7 +34,7 @@ Model = TypeVar("Model")
 
 @dataclasses.dataclass(frozen=True)
 class Link:
-    """A file beside the report: its name for people, and its path from the report, quoted as in a
+    """A file next to the report: its displayed name, and its path from the report, quoted as in a
     URL.
     """
 
@@ -257,7 +257,7 @@ _UNIT = "Unit"  # heading of the column that has the units where each row is a q
 
 
 def label_of(key: str, called: str = SPHERES) -> str:
-    """Label of a value of a summary; ``called``: what the grains of its runs are called."""
+    """Label of a value of a summary; ``called``: name of the grains of its runs."""
     return in_grains(quantity(key).label, called)
 
 
@@ -312,7 +312,7 @@ def unit_of_value(key: str) -> str:
 
 
 def value_column(key: str, called: str = SPHERES) -> TableColumn:
-    """Column of a value of the summary; ``called``: what the grains of its runs are called."""
+    """Column of a value of the summary; ``called``: name of the grains of its runs."""
     return TableColumn(
         label_of(key, called), unit_of_value(key), numeric=True, meaning=meaning_in(key, called)
     )
@@ -375,8 +375,8 @@ def value_cell(value: Any, **more: Any) -> Cell:
 
 
 def spread_cell(mean: float | None, half_width: float | None) -> Cell:
-    """Cell of a mean with its interval or deviation, where there is one, and no digit beyond those
-    it tells.
+    """Cell of a mean with its interval or deviation, where there is one, and only significant
+    digits.
     """
     if mean is None or not half_width or not math.isfinite(half_width):
         return value_cell(mean)
@@ -411,7 +411,7 @@ def tidied(report: Report) -> Report:
 
 
 def tidied_table(table: DocumentTable) -> DocumentTable:
-    """The table without empty columns and rows, and with ``< 1e-16`` for what is rounding."""
+    """The table without empty columns and rows, and with ``< 1e-16`` for rounding errors."""
     rows = _without_rounding(table)
     numbers = _columns_of_numbers(table)
     if table.by_row and numbers:

@@ -122,7 +122,7 @@ def _some(chosen: ExportFormat, directory: Path, output: Path, only: tuple[str, 
 
 
 def _refuse_wrong_parts(chosen: ExportFormat, to: str, only: Sequence[str]) -> None:
-    """Raise InputError unless a format can export these parts alone."""
+    """Raise InputError unless a format can export only these parts."""
     if only and not chosen.parts:
         able = " or ".join(name for name in export_names() if export_format(name).parts)
         raise InputError(

@@ -1,4 +1,4 @@
-"""Format of ``granwave export``: what its files are, and the functions that write them.
+"""Format of ``granwave export``: a description of its files, and the functions that write them.
 
 Files are written to a scratch directory, and moved into place when all are complete.
 """

@@ -262,7 +262,7 @@ def force_distribution(result: Result) -> Drawing | None:
 
 
 def _is_alike(state: ContactForces) -> bool:
-    """Return True for forces that hardly differ, as those of an even chain."""
+    """Return True for nearly equal forces, as in a uniform chain."""
     return float(state.force.std()) <= _ALIKE * float(state.force.mean())
 
 

@@ -94,8 +94,8 @@ def dissipation_ranked(result: Result) -> Drawing | None:
 
 
 def dissipation_cumulated(result: Result) -> Drawing | None:
-    """Draw the share of the input that a given volume of spheres dissipates, those that dissipate
-    most first.
+    """Draw the fraction of the input dissipated by a volume of spheres, in descending order of
+    dissipation.
 
     With friction, also for dissipation by yielding only and by friction only.
     """

@@ -1,4 +1,4 @@
-"""Figures of what goes on in parts of a packing: force at depths, energy in regions."""
+"""Figures of parts of a packing: force at depths, energy in regions."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _warn_of_depths(result: Result, depths: tuple[float, ...]) -> None:
     if outside:
         logger.warning(
             "force_at_depths: figures.depths: found %s m, expected depths from %.3g to %.3g m, "
-            "between the centres of the first and the last layer; left out",
+            "between the centres of the first and the last layer; omitted",
             ", ".join(outside),
             top,
             bottom,

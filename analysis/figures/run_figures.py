@@ -141,7 +141,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("directions", dissipation.directions, "Energy and dissipation by direction from the impact point",
      "Peaks lie along chains of contacts; a constant curve is an isotropic wave."),
     ("contact_network", contacts.contact_network,
-     "Contacts between grains, as lines as thick as their force",
+     "Contacts between grains as lines, whose width is proportional to the force",
      "Consecutive thick lines are a force chain; the title gives the force of the thickest line."),
     ("force_distribution", contacts.force_distribution,
      "Distribution of contact forces relative to their mean",
@@ -204,8 +204,8 @@ def _fail(error: Exception, result: Result) -> None:
 
 
 def chosen_figures(result: Result, options: Figures) -> tuple[str, ...]:
-    """Return the names of the figures that options ask for; by default without those that repeat
-    others of this result.
+    """Return the names of the requested figures; by default without figures that repeat
+    others.
     """
     if options.only or options.all:
         return options.chosen

@@ -3,10 +3,10 @@
 Helpers are programs of their own, not copies of this process, which may hold threads, MPI and open
 files. They load the drawing library, which takes most of a second, while the run is analysed. Then
 they and this process take shares of the figures, the longest first, so that all end at about the
-same time: a thread for each helper hands it one share after the other. This process alone writes
-files, in the order of the figures, from what the helpers send. A figure that fails in a helper, or
-gives a warning there, is drawn again here, so that errors and warnings are those of drawing in one
-process.
+same time: a thread for each helper hands it one share after the other. Only this process writes
+files, in the order of the figures, from the output of the helpers. A figure that fails in a
+helper, or gives a warning there, is drawn again here, so that errors and warnings are those of
+drawing in one process.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ Outcome = Contents | None  # None: the figure does not apply
 
 
 def number_expected(options: Figures, names: Sequence[str] | None = None) -> int:
-    """Return the number of figures to expect: of the names, or of those that are asked for."""
+    """Return the expected number of figures, by name or by request."""
     if names or options.only:
         return len(names or options.only)
     return int(_SHARE * len(figure_names())) if options.all else _USUAL_FIGURES

@@ -97,7 +97,7 @@ def user_figure() -> UserFigure | None:
 
 @contextmanager
 def drawing_into(panels: Sequence[Axes]) -> Iterator[UserFigure]:
-    """Draw what is drawn in the ``with`` block into axes of the user."""
+    """Redirect drawing in the ``with`` block into axes of the user."""
     figure = UserFigure(panels)
     token = _figure.set(figure)
     try:

@@ -40,7 +40,7 @@ _RECORDED = {
 
 
 def read_energy(directory: str | Path) -> Table:
-    """Read the energy ledger of a run, each column (n_instants,).
+    """Read the energy record of a run, each column (n_instants,).
 
     Columns `ENERGY_COLUMNS` and `FRICTION_COLUMNS`; with a moving bottom ``support``,
     ``support_lost`` and ``target`` (energy of the support, dissipation by its damper, work done on
@@ -186,7 +186,7 @@ def check_unchanged(results: ResultDirectory, processes: Processes = ALONE) -> N
 
 
 def _check_series(directory: Path, name: str, columns: list[str], last: int, every: int) -> None:
-    """Check that a table exists, has these columns, and ends with the ledger."""
+    """Check that a table exists, has these columns, and ends with the energy record."""
     table = read_table(directory, name)
     path = directory / files.DUMPS / name
     if not table:

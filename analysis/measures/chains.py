@@ -1,4 +1,4 @@
-"""Records of chains, and of rows of grains with others beside them: rings in a tube, cylinders
+"""Records of chains, and of chains with further grains next to them: rings in a tube, cylinders
 between walls.
 """
 
@@ -43,8 +43,8 @@ class HasResults(Protocol):
 class Chain:
     """Record of a chain from a run as `granwave.load` gives it.
 
-    Contacts are numbered from the struck end, from 0, those with strikers and with the faces of
-    bars among them; so are beads, strikers first.
+    Contacts, including contacts with strikers and with the faces of bars, are numbered from the
+    impacted end, from 0; likewise beads, strikers first.
 
     Parameters
     ----------
@@ -177,8 +177,8 @@ class Chain:
 
 
 class GrainRow(Chain):
-    """Record of the grains on the axis x = y = 0, and of the grains beside it; no history of a
-    chain is needed.
+    """Record of the grains on the axis x = y = 0, and of the grains next to it; no history of
+    a chain is required.
 
     Grains and contacts of the row count from 1, along z: contact k joins grains k and k + 1.
 
@@ -203,8 +203,8 @@ class GrainRow(Chain):
         return self._number[(self.load.index or (int(self.ids[0]),))[0]]
 
     def of_contacts(self, name: str) -> Array:
-        """A column of ``/contacts``, such as ``peak_force``, along the row; 0 of contacts that
-        never bore a force.
+        """A column of ``/contacts``, such as ``peak_force``, along the chain; 0 for contacts
+        that never carried a force.
         """
         with Result(self.directory) as result:
             return result.of_pairs(name, self.ids[:-1], self.ids[1:])
@@ -241,8 +241,8 @@ class GrainRow(Chain):
 
     @cached_property
     def inward(self) -> float:
-        """Mean distance by which the grains beside the row have moved towards its axis before the
-        load, m.
+        """Mean displacement of the grains next to the chain towards its axis before the load,
+        m.
         """
         with Result(self.directory) as result:
             rows = result.rows(self.beside)

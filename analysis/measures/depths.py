@@ -1,8 +1,8 @@
 """Force that grains pass on into the depth, against time.
 
 A plane across the axis of depth parts the grains by the places of their centres at the start. The
-force through it is the sum of the forces along z on the grains below it from those above it: what
-the grains below gain in momentum, and what their bottom carries. In a chain it is the force of one
+force through it is the sum of the forces along z on the grains below it from those above it: the
+momentum gained by the grains below, and the force on the bottom. In a chain it is the force of one
 contact, recorded at the instants of the history; in other packings the forces of all contacts are
 needed at the snapshots, as ``output.contact_forces`` records them.
 """

@@ -160,7 +160,7 @@ def _nearest_to_axis(
 
 
 def _arrivals(result: Result, ids: NDArray[np.int64], time: Array, velocity: Array) -> Array:
-    """Return the arrivals of the wave at grains, s; NaN where there is none, or no record tells."""
+    """Return the arrivals of the wave at grains, s; NaN where there is none, or no record."""
     if result.case.precompression is None:
         return _arrivals_by_contacts(result, ids)
     if "chain" not in result:
@@ -189,7 +189,7 @@ def _first_passes(time: Array, velocity: Array) -> Array:
 
 
 def _front_along_load(result: Result, along: Array, arrival: Array) -> Front | None:
-    """Return the line through the arrivals along the load; None for a load that goes on
+    """Return the line through the arrivals along the load; None for a load that keeps
     oscillating, and for parallel cylinders, whose front spreads without a limit.
     """
     if result.case.load.keeps_oscillating or has_parallel_cylinders(result):

@@ -1,4 +1,4 @@
-"""Impacts: dissipation and what did it, energy by region, the quadratic law, and the normalised
+"""Impacts: dissipation by mechanism, energy by region, the quadratic law, and the normalised
 velocity.
 """
 

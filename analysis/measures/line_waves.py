@@ -8,8 +8,9 @@ Waves under a static force are compared with `granwave.analysis.measures.hertz_l
 units of the static state (speeds over c0, forces over F0, velocities over omega alpha0) every line
 of like Hertz contacts is one curve.
 
-The space-time transform tells where in (k, omega) the energy of a line is: the velocities v(x_n, t)
-of grains at even places x_n = n h are tapered in space and time (Hann) and transformed,
+The space-time transform shows the distribution of the energy of a line in (k, omega): the
+velocities v(x_n, t) of grains at even places x_n = n h are tapered in space and time (Hann) and
+transformed,
 
     V(k, omega) = sum_n sum_t v(x_n, t) exp(i (omega t - k x_n))
 

@@ -5,7 +5,7 @@ Decay of a peak along a line: a continuous broken line in the logarithm of the p
 lines part.
 
 ln(peak) = c - a1 x up to the border b, and on with the slope -a2 beyond it. For each border the
-rest is linear, so that the border alone is searched: over each interval between grains that leaves
+rest is linear, so that only the border is searched: over each interval between grains that leaves
 at least two on either side.
 
 A sensor reads the mean of the forces of its bead's two contacts in a chain, its acceleration

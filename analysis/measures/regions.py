@@ -196,10 +196,10 @@ def _of_chain(
 
 
 def _rows_of_chain(result: Result) -> Ids:
-    """Return the rows of the history of a chain at instants of the ledger: (n_rows,).
+    """Return the rows of the history of a chain at instants of the energy record: (n_rows,).
 
-    Between these instants the ledger would be interpolated, with an error of 1 % of the input
-    during an impact on a wall. All rows are returned if fewer than three instants coincide.
+    Between these instants the energy record would be interpolated, with an error of 1 % of the
+    input during an impact on a wall. All rows are returned if fewer than three instants coincide.
     """
     time = result["chain/time"]
     ledger = result["energy/time"]
@@ -266,6 +266,6 @@ def _without_spheres(result: Result, time: Array) -> dict[str, Array]:
 
 
 def _of_ledger(result: Result, column: str, time: Array) -> Array:
-    """Return a share of the ledger at instants."""
+    """Return a fraction of the energy record at instants."""
     values = np.interp(time, result["energy/time"], result[f"energy/{column}"])
     return np.asarray(values / result.energy_input)

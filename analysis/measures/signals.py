@@ -128,7 +128,7 @@ class Power:
 
 
 def power(x: ArrayLike, y: ArrayLike) -> Power:
-    """The power law through points (n_points,), positive ones alone.
+    """The power law through the positive points (n_points,).
 
     Raises
     ------

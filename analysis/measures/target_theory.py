@@ -91,7 +91,9 @@ class HertzImpact:
 
     @property
     def square(self) -> float:
-        """Integral of the squared force over time, N^2 s: what an impedance Z takes is this over Z."""
+        """Integral of the squared force over time, N^2 s; divided by Z it is the energy absorbed
+        by an impedance Z.
+        """
         return 2 * self.stiffness**2 * self.overlap**4 / self.velocity * 0.4 * beta(1.6, 0.5)
 
     def history(self) -> tuple[Array, Array]:

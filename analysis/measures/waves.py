@@ -96,8 +96,8 @@ def directions(result: Result) -> Array:
 
 
 def spread(result: Result, values: ArrayLike) -> Spread | None:
-    """Distribution of a quantity of spheres over the directions from the nearest struck sphere;
-    strikers are left out.
+    """Distribution of a quantity of spheres over the directions from the nearest impacted sphere,
+    without strikers.
 
     Parameters
     ----------
@@ -269,7 +269,7 @@ def wave_speed_of(result: Result) -> float | None:
     the end of the run. For weak waves in a chain of Hertz contacts this speed is 3 % above the
     speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
 
-    None for loads that go on oscillating: the largest force of a bead may come at any time, and
+    None for loads that keep oscillating: the largest force of a bead may come at any time, and
     later where beads absorb. A burst passes once.
 
     None for a load that does not push down: its wave does not come from the top.

@@ -26,15 +26,15 @@ The impact axis goes along z through the centroid of the impacted spheres.
 
 The plastic dissipation of a sphere is half the dissipation of each of its contacts, all of it where
 the partner has the higher yield strength, none where the partner has the lower one. Contacts with
-walls of a material follow the same rule; at a rigid wall all of it belongs to the sphere. Friction
-and dampers do not count, nor do strikers: they are no part of the packing, and their own
-dissipation is left out.
+walls of a material follow the same rule; at a rigid wall all of it belongs to the sphere. Friction,
+dampers and strikers do not count: strikers are not part of the packing, and their dissipation is
+excluded.
 
 A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it
 was loaded at all (bilinear); with hertz none yields. A dent from before the run must have grown in
 it. A contact just beyond first yield keeps a dent and may dissipate nothing: the default
-elasto-plastic law, continuous, unloads up to 1.083 alpha_y without dissipation. So spheres that
-yielded outnumber those that dissipated.
+elasto-plastic law, continuous, unloads up to 1.083 alpha_y without dissipation. More spheres
+therefore yield than dissipate.
 
 The elasto-plastic law was fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones
 of one sphere's contacts may begin to touch.
@@ -197,7 +197,7 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
 
 def packing_zone(result: Result) -> Zone:
     """Return the columns that the plastic zone of a run is computed from, for the spheres of the
-    packing; strikers are left out.
+    packing, without strikers.
 
     The last layer is at the ``bottom``, the first and last sphere of a row and the first and last
     row at the ``sides``. With periodic sides those half a period from the axis are, where a zone
@@ -256,7 +256,9 @@ def zone_summary(result: Result) -> dict[str, Any]:
     single = [packing_zone(result)] if result.n_spheres <= result.at_once else None
 
     def zones() -> Iterable[Zone]:
-        """Return the zones of all parts of the packing, made anew each time if there are several."""
+        """Return the zones of all parts of the packing, computed again each time if there are
+        several.
+        """
         return single or map(packing_zone, result.parts())
 
     # sizes and bounds follow from the spheres that yielded or dissipated alone
@@ -333,8 +335,8 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
     """Return when the first force at contacts of each set of spheres was at its peak, s; inf:
     never.
 
-    The first force at all tells nothing of a wave: rounding passes one on by a sphere a step.
-    Contacts of a set that bear less than a hundredth of the largest force among them do not count.
+    The first non-zero force does not mark a wave: rounding errors propagate by one sphere per step.
+    Contacts of a set with less than a hundredth of its largest force do not count.
 
     Parameters
     ----------
@@ -366,7 +368,7 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
 def _front(peaks: NDArray[np.float64]) -> NDArray[np.float64]:
     """Select the peaks that can be the first of a wave: forces, N, and times, s, (2, n).
 
-    Only a contact that bears more than all contacts with an earlier peak can be the first.
+    Only a contact with a larger force than all contacts with an earlier peak can be the first.
     """
     force, time = peaks
     bears = np.flatnonzero(force >= _BEARS * force.max(initial=0.0))

@@ -1,4 +1,4 @@
-"""Scans for scripts and notebooks, and loading of a directory of results by what it holds."""
+"""Scans for scripts and notebooks, and loading of a directory of results by its content."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ class ScanRuns:
             return tuple(drawings(self.result))
 
     def figure(self, name: str) -> Axes | list[Axes]:
-        """Draw a figure, to go on with; see `granwave.analysis.notebook.run.Run.figure`.
+        """Draw a figure for further editing; see `granwave.analysis.notebook.run.Run.figure`.
 
         Raises
         ------

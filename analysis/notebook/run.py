@@ -270,8 +270,8 @@ class Run(Values):
 
     @cached_property
     def contacts(self) -> pandas.DataFrame:
-        """Contacts between spheres ``i`` and ``j``: those that touch at the start, and those that
-        were loaded; with their places at the start, as `contact_geometry` returns them.
+        """Contacts between spheres ``i`` and ``j``: pairs that touch at the start or were loaded,
+        with their initial positions, as `contact_geometry` returns them.
         """
         table = self.table("contacts")
         units = table.attrs[UNITS] | PLACE_UNITS
@@ -281,7 +281,7 @@ class Run(Values):
 
     @cached_property
     def contact_forces(self) -> pandas.DataFrame:
-        """Forces of the contacts that bear one at each snapshot: ``time``, ``i``, ``j``, ``force``,
+        """Forces of the loaded contacts at each snapshot: ``time``, ``i``, ``j``, ``force``,
         tangential on i.
 
         Raises
@@ -401,7 +401,7 @@ class Run(Values):
         against: Run | None = None,
         depths: Sequence[float] | None = None,
     ) -> Axes | list[Axes]:
-        """Draw a figure, to go on with; it is not saved.
+        """Draw a figure for further editing; it is not saved.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""First section of a report: what came out, in a sentence, a figure and a table."""
+"""First section of a report: the main result, in a sentence, a figure and a table."""
 
 from __future__ import annotations
 
@@ -157,7 +157,9 @@ def _names(item: ReportRun | ReportScan) -> list[str]:
 
 
 def _is_thin(run: ReportRun) -> bool:
-    """Return True for a long row of grains; False for what has no grains, or cannot be read."""
+    """Return True for a long chain of grains; False for results without grains, or that cannot be
+    read.
+    """
     try:
         with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
             extents = np.sort(
@@ -263,7 +265,7 @@ def _of_run(run: ReportRun, inputs: ReportInputs) -> list[Block]:
 
 
 def in_words(run: ReportRun) -> str:
-    """Return what came out of a run; the answer that it was made for comes first."""
+    """Return the results of a run; the main result comes first."""
     if not run.has_balance:
         return run.kind.in_words(run)
     summary = run.summary
@@ -321,7 +323,7 @@ def _beside(force: float, bare: float | None) -> str:
 
 
 def _named(summary: Mapping[str, Any], start: str, end: str) -> list[str]:
-    """Return what differs in keys of a summary that start and end alike: names of sensors or lines."""
+    """Return the names of sensors or lines in keys of a summary with a common beginning and end."""
     return [
         key[len(start) : -len(end)]
         for key in summary
@@ -330,8 +332,8 @@ def _named(summary: Mapping[str, Any], start: str, end: str) -> list[str]:
 
 
 def _decay(peaks: NDArray[np.float64]) -> str:
-    """Return the peak forces of a wave at both ends of what it reached of a chain; empty where that
-    is not known.
+    """Return the peak forces of a wave at both ends of the part of a chain that it reached; empty
+    if unknown.
     """
     reached = np.flatnonzero(peaks > _REACHED * peaks.max(initial=0.0))
     ends = (

@@ -172,7 +172,7 @@ def _captions(item: ReportRun | ReportScan) -> dict[str, str]:
 
 
 def _look(item: ReportRun | ReportScan, name: str) -> str:
-    """Return what to look for in a figure; empty where its caption says enough."""
+    """Return the main feature of a figure; empty if its caption is sufficient."""
     if isinstance(item, ReportRun) and name in item.kind.looks:
         return item.kind.looks[name]
     return run_figures()[name].look if name in run_figures() else ""

@@ -38,7 +38,7 @@ _LOG = logging.getLogger(__name__)
 
 @dataclasses.dataclass(frozen=True)
 class ReportPoint:
-    """A point of a scan; ``run`` is None if it is not done, for which ``reason`` tells why."""
+    """A point of a scan; ``run`` is None if it is not done, for the ``reason``."""
 
     result: PointResult
     reason: str

@@ -1,4 +1,4 @@
-"""Runs of a report and their kinds: what a report says of each kind of results.
+"""Runs of a report and their kinds: the texts of a report on each kind of results.
 
 A `ReportKind` reads the directories of a kind of results, and says what differs from a run of
 spheres, which is the kind of the core. Extensions bring others, see `Extension`.
@@ -81,7 +81,7 @@ class ReportRun:
 
     @property
     def has_balance(self) -> bool:
-        """True for what was integrated in time, and so has energies."""
+        """True for results of a time integration, which have energies."""
         return self.kind.has_balance
 
     @property
@@ -239,7 +239,7 @@ class ReportKind:
         """Name, among the values of a summary as texts, those that the sentences on runs show."""
 
     def body(self, case: Mapping[str, Any]) -> str:
-        """Return what a case of this kind, by dotted keys, is about; empty for other cases."""
+        """Return a description of a case of this kind, by dotted keys; empty for other cases."""
         return ""
 
     def load_keys(self, case: Mapping[str, Any]) -> dict[str, Any]:
@@ -247,7 +247,7 @@ class ReportKind:
         return {}
 
     def setting(self, run: ReportRun) -> str:
-        """Return what was done in a line; empty: its case says it."""
+        """Return a description of the run in a line; empty: its case describes it."""
         return ""
 
     def symbols(self, runs: Sequence[ReportRun]) -> list[Symbol]:
@@ -265,7 +265,7 @@ class ReportKind:
         return self.noun
 
     def in_words(self, run: ReportRun) -> str:
-        """Return what came out, in sentences."""
+        """Return the results in sentences."""
         return ""
 
     def label(self, run: ReportRun, key: str) -> str:
@@ -376,8 +376,8 @@ def _summary(results: ResultDirectory) -> dict[str, Any]:
 
 
 def no_numbers(summary: Mapping[str, Any]) -> list[str]:
-    """Describe the quantities of a summary that are not numbers; null is allowed, for those that do
-    not apply.
+    """Describe the quantities of a summary that are not numbers; null is allowed for quantities
+    that do not apply.
     """
     faults = []
     for key, value in summary.items():

@@ -64,8 +64,8 @@ _BEYOND_SMALL = (
     "Contacts beyond overlaps of 0.2 R*, which the law assumes to be small compared with the grains"
 )
 _CUT = (
-    "The plastic zone reaches a boundary, which cuts its outermost depth or radius, and may "
-    "change what holds 99 % of its energy"
+    "The plastic zone reaches a boundary, which limits its extent, and may change "
+    "the depth and radius that contain 99 % of its dissipation"
 )
 _WAVES = (
     f"More than {100 * NOTED_SHARE:g} % of the plastic dissipation occurred after a reflection "
@@ -183,7 +183,7 @@ def _lead(inputs: ReportInputs) -> str:
 def _answer(
     inputs: ReportInputs, failures: str, studies: Sequence[Study], picture: Figure | None
 ) -> DocumentSection:
-    """Make the first section: what must not be overlooked, what came out, and notes on it."""
+    """Make the first section: warnings, results, and notes."""
     notes = _notes(inputs, failures)
     bad, others = (
         [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)

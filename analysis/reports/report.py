@@ -322,7 +322,7 @@ def write_page(report: Report, output: Path) -> None:
 
 
 def _whole_report(directories: Sequence[str | Path]) -> Report | None:
-    """Return the report of a directory that has one of its own, and is given alone; else None."""
+    """Return the report of a single directory that has a separate report; otherwise None."""
     if len(directories) != 1:
         return None
     results = ResultDirectory(directories[0])

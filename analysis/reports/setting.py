@@ -50,7 +50,9 @@ _REMARKS = ("material.source",)  # keys of the case that change nothing
 
 
 def first_line(inputs: ReportInputs) -> str:
-    """Return what was run: of few inputs each, of many what they share; empty if nothing is known."""
+    """Describe the runs: few inputs one by one, many by their common values; empty if nothing is
+    known.
+    """
     if len(inputs.items) == 1:
         return _of_item(inputs.items[0])
     if len(inputs.items) <= _MOST_NAMED:
@@ -60,7 +62,7 @@ def first_line(inputs: ReportInputs) -> str:
 
 
 def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
-    """Describe a case, by dotted keys, in a line; what it does not tell is left out.
+    """Describe a case, by dotted keys, in a line; unknown values are omitted.
 
     Parameters
     ----------
@@ -241,15 +243,17 @@ def _bottom(case: Mapping[str, Any]) -> str:
 
 
 def target_of(case: Mapping[str, Any]) -> str:
-    """Return what the bottom rests on: plate, half_space, bar or damper; empty for a wall or none."""
+    """Return the support of the bottom: plate, half_space, bar or damper; empty for a wall or
+    none.
+    """
     bottom = case.get("boundary.bottom")
     tables = bottom if isinstance(bottom, dict) else {}
     return next((name for name in SUPPORTS if isinstance(tables.get(name), dict)), "")
 
 
 def _contacts(case: Mapping[str, Any]) -> list[str]:
-    """Return the law, unless it is the usual one, and what is not ideal; nothing where it is not
-    known.
+    """Return the law, unless it is the default, and the imperfections; empty if
+    unknown.
     """
     law = case.get("contact.law")
     there = [

@@ -49,8 +49,8 @@ _KINDS: dict[Kind, tuple[str, str]] = {
     "alone": ("ours alone", "Theory"),
 }
 _VERIFIES = (
-    "A verification tests the code, not a source: its value is that of a second solver, a check value or a formula, or "
-    "follows for any correct code by similarity."
+    "A verification tests the code, not a source: it compares with a second solver, a check "
+    "value or a formula, or follows from similarity."
 )
 
 
@@ -90,7 +90,7 @@ def _with_main_picture(found: Sequence[Study], inputs: ReportInputs) -> Study | 
 
 
 def leads(found: Sequence[Study]) -> tuple[Note, ...]:
-    """Return what the studies come to, in sentences for the top of the report: agreement with
+    """Return the results of studies in sentences for the top of the report: agreement with
     sources, and verdicts.
     """
     rows = []
@@ -106,14 +106,15 @@ def leads(found: Sequence[Study]) -> tuple[Note, ...]:
         )
         worst = max(zip(off, rows, strict=True), key=itemgetter(0))
         texts.append(
-            f"Of {len(rows)} values that the sources give, ours are {within}; the largest difference is "
-            f"{plain(f'{100 * worst[0]:.2g}')} % ({worst[1].quantity[:1].lower()}{worst[1].quantity[1:]})."
+            f"Of {len(rows)} values of the sources, granwave agrees {within}; the largest "
+            f"difference is {plain(f'{100 * worst[0]:.2g}')} % "
+            f"({worst[1].quantity[:1].lower()}{worst[1].quantity[1:]})."
         )
     return tuple(Note(text, "lead") for text in [*texts, *_firsts(found).values()])
 
 
 def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
-    """Return the verdicts of studies without what `leads` has said."""
+    """Return the verdicts of studies, without those of `leads`."""
     said = _firsts(found)
     rest = [(study, study.verdict[study.name in said :]) for study in found]
     return tuple(
@@ -189,7 +190,7 @@ def _run_type(study: str) -> type[AnyRun[Any]]:
 
 
 def _read(run: ReportRun) -> AnyRun[Any] | None:
-    """Read a run for studies; None if there are none of its kind, or it was refused or cannot be
+    """Read a run for studies; None if there are none of its kind, or it was rejected or cannot be
     read.
     """
     whole = run.status == "done" and (run.directory / RESULT_FILE).is_file()
@@ -272,7 +273,7 @@ _COMPARISON = "comparison"
 def comparison_section(inputs: ReportInputs) -> DocumentSection:
     """The section of the report; without blocks where there is nothing to compare.
 
-    Runs that are left out are named with the reason.
+    Omitted runs are named with the reason.
     """
     blocks: list[Block] = []
     runs = _whole_runs(inputs)
@@ -284,7 +285,8 @@ def comparison_section(inputs: ReportInputs) -> DocumentSection:
     if blocks and (refused := [run.label for run in inputs.whole() if run.status == "refused"]):
         blocks.append(
             Note(
-                f"Left out here, as the energy balance did not close: {', '.join(refused)}.", "bad"
+                f"Omitted here, because the energy balance did not close: {', '.join(refused)}.",
+                "bad",
             )
         )
     if blocks:

@@ -114,7 +114,7 @@ class Encoded(NamedTuple):
 def encoded(values: NDArray, first: int, n_chunk: int = ROWS_IN_CHUNK) -> Encoded:
     """Encode values for the rows from ``first`` on of a column with so many rows in a chunk.
 
-    Whole chunks are compressed as `COMPRESSION` says; rows beside them are left to HDF5.
+    Whole chunks are compressed as `COMPRESSION` says; HDF5 compresses the other rows.
     """
     pieces: Pieces = []
     at = 0

@@ -1,7 +1,7 @@
 """Check of a ``result.h5`` when it is opened, and messages about paths without the result of a
 granular run.
 
-Messages say what a path holds, and what to give instead.
+Messages state the content of a path, and the required path.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def resumed(path: Path) -> str:
 
 
 def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> str:
-    """Describe what a directory holds instead of results.
+    """Describe the content of a directory that has no results.
 
     Parameters
     ----------

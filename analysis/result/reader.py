@@ -49,7 +49,9 @@ def moved_mass(assembly: Assembly) -> float:
 
 
 def misfit(ledger: Mapping[str, Any]) -> Any:
-    """Return |kinetic + elastic + dissipated - input| of a row, or of columns, of the ledger, J."""
+    """Return |kinetic + elastic + dissipated - input| of a row, or of columns, of the energy
+    record, J.
+    """
     return abs(ledger["kinetic"] + ledger["elastic"] + ledger["dissipated"] - ledger["input"])
 
 
@@ -173,7 +175,7 @@ class Result:
 
     @contextlib.contextmanager
     def _intact(self, name: str) -> Iterator[None]:
-        """Raise OutputFormatError where HDF5 cannot read, as its checksums tell."""
+        """Raise OutputFormatError if HDF5 cannot read a data set, according to its checksums."""
         try:
             yield
         except (KeyError, OSError, RuntimeError) as error:
@@ -287,7 +289,7 @@ class Result:
 
     @property
     def yields(self) -> bool:
-        """True if contacts of this run can yield: not in a packing of parallel cylinders alone."""
+        """True if contacts of this run can yield; False for parallel cylinders only."""
         return self.has_yield_force or (self.case.contact.yields and self.has("contacts/yielded"))
 
     @property
@@ -475,7 +477,7 @@ class Result:
 
     @property
     def ledger(self) -> dict[str, NDArray[np.float64]]:
-        """Columns of the energy ledger: (n_times,)."""
+        """Columns of the energy record: (n_times,)."""
         return {name: self[f"energy/{name}"] for name in self.file["energy"]}
 
     @property

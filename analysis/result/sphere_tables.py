@@ -1,8 +1,8 @@
 """Tables of contacts, wall contacts and spheres in ``result.h5``, made of parts of the spheres.
 
 A part knows all contacts of its spheres. Those of a sphere of this part with one of another are
-known to both, and the part of the sphere with the lower id writes them. So each part is made by
-itself, in the memory that it takes, and its values do not depend on how the spheres were parted.
+known to both, and the part of the sphere with the lower id writes them. Each part is therefore
+processed independently, in its own memory, and its values do not depend on the division.
 """
 
 from __future__ import annotations
@@ -227,8 +227,8 @@ def _tables(assembly: Assembly, start: Start, part: _Part) -> tuple[Contacts, di
 def _contacts_of(
     assembly: Assembly, start: Start, part: int, dents: Callable[[], Frame]
 ) -> tuple[Contacts, NDArray[np.float64]]:
-    """Return all contacts of the spheres of a part, and the share of the first sphere in what each
-    dissipated.
+    """Return all contacts of the spheres of a part, and the fraction of the dissipation of each
+    that belongs to its first sphere.
     """
     tolerance = TOUCHING * assembly.case.packing.diameter
     sides = periodic(assembly.case)

@@ -172,7 +172,7 @@ def _create_element(group: h5py.Group, name: str, n_spheres: int, n_chunk: int) 
 
 
 def _fixed(start: Start, n_chunk: int, part: int) -> dict[str, Encoded]:
-    """Encode what does not change with time, of the spheres of a part."""
+    """Encode the time-independent values of the spheres of a part."""
     first, stop = start.range(part)
     spheres = start.read(slice(first, stop))
     values = {

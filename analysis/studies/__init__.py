@@ -1,1 +1,1 @@
-"""Studies: what runs that belong together say, beside sources and theory."""
+"""Studies: results of several runs, compared with sources and theory."""

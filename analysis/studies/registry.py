@@ -149,7 +149,7 @@ def load_study(path: str) -> ModuleType:
 
 @cache
 def _load(file: Path, changed: int) -> ModuleType:
-    """Load a file anew when it has changed, as in a notebook."""
+    """Load a file again when it has changed, as in a notebook."""
     path = str(file)
     spec = importlib.util.spec_from_file_location(f"{_PREFIX}{file.stem}", file)
     if spec is None or spec.loader is None:

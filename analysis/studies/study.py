@@ -1,4 +1,4 @@
-"""A study of a source beside ours: rows of one table, figures, and tables of its own."""
+"""Comparison of a source with our results: rows of one table, figures, and further tables."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Row:
     bound: bool = False
 
     def __post_init__(self) -> None:
-        """Take numbers of numpy as those of Python, and refuse a row that compares nothing.
+        """Convert numbers of numpy to Python, and reject a row without a comparison.
 
         Raises
         ------
@@ -103,7 +103,7 @@ class Row:
             )
         if self.source is None and self.ours is None:
             raise ValueError(
-                f"{self.quantity}: found no value, expected that of the source or ours"
+                f"{self.quantity}: found no value, expected a value of the source or ours"
             )
 
     @property
@@ -362,7 +362,7 @@ def numeric(*heads: str | tuple[str, str], key: bool = False) -> tuple[TableColu
 def table_of(
     caption: str, columns: Iterable[TableColumn], rows: Iterable[Iterable[Any]], **options: Any
 ) -> DocumentTable:
-    """A table of values; what is a cell already stays as it is.
+    """A table of values; existing cells are unchanged.
 
     Parameters
     ----------
@@ -379,8 +379,8 @@ def as_block(one: Any) -> Any:
     """Make a table of caption and columns, ``("Impacts", {"Velocity (m/s)": velocity})``, and a
     note of a sentence.
 
-    Values are numbers, estimates or texts; the unit ends the heading in brackets. All else is left
-    as it is.
+    Values are numbers, estimates or texts; the unit ends the heading in brackets. All other values
+    are unchanged.
     """
     if isinstance(one, str):
         return Note(one)

@@ -1,5 +1,5 @@
 """Continuum references: a punch on a block and the contact of two spheres by finite elements, fits
-of the contact law, and packings beside blocks.
+of the contact law, and comparison of packings with blocks.
 """
 
 from pathlib import Path

@@ -64,13 +64,13 @@ class Counterpart:
 
 
 def check(assembly: Assembly) -> CheckPart:
-    """Return what ``granwave check`` shows of the continuum case of a packing."""
+    """Return the output of ``granwave check`` on the continuum case of a packing."""
     found = continuum_of(assembly)
     return CheckPart(lines=_lines("continuum", found), further_values=_values(found))
 
 
 def check_of_punch(case: ContinuumCase) -> CheckPart:
-    """Return what ``granwave check`` shows of a continuum case: inputs, first yield, packing."""
+    """Return the output of ``granwave check`` on a continuum case: inputs, first yield, packing."""
     inputs = inputs_of_continuum(case)
     found = packing_of(case)
     values = input_values(inputs) | _values(found)

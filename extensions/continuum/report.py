@@ -52,7 +52,7 @@ class ElementKind(ReportKind):
             values.setdefault("peak_force_N", values["max_force_N"])
 
     def body(self, case: Mapping[str, Any]) -> str:
-        """Return what a case is about; empty for that of a packing."""
+        """Return a description of a case; empty for a packing."""
         if "punch.diameter" in case:
             mass = f" and {show(case['punch.mass'])} kg" if "punch.mass" in case else ""
             return f"punch of {quantity_in(case['punch.diameter'], 'm')}{mass} on a block"

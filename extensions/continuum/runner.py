@@ -163,12 +163,12 @@ class ElementRun(abc.ABC):
 
     @abc.abstractmethod
     def warning(self, summary: Mapping[str, Any]) -> str:
-        """Warning of what is doubtful; empty if nothing is."""
+        """Warning of doubtful results; empty if there are none."""
 
     @abc.abstractmethod
     def refusal(self) -> tuple[str, str]:
-        """Parts of the message that refuses the energy balance: by how much it is off, and what
-        helps.
+        """Parts of the message that rejects the energy balance: its error, and the
+        remedy.
         """
 
     def summarise(self, wall_time: float) -> dict[str, Any]:
@@ -315,8 +315,8 @@ def _begin(
     force: bool,
     figures: bool,
 ) -> dict[str, Any] | None:
-    """Make a directory ready for a run and write case.toml, or return what a finished run of the
-    same case left.
+    """Make a directory ready for a run and write case.toml, or return the results of a finished
+    run of the same case.
     """
 
     def there(tables: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -21,13 +21,13 @@ _OF_A_PUNCH = {  # keys that case.toml holds for a punch on a block
 
 
 class ContinuumRun(AnyRun[Mapping[str, Any]]):
-    """A finished run of a punch on a block; its case is what case.toml holds, with all values
-    filled in.
+    """A finished run of a punch on a block; its case is the content of case.toml, with all
+    values filled in.
     """
 
 
 class SphereContactRun(AnyRun[Mapping[str, Any]]):
-    """A finished run of two finite-element spheres; its case is what case.toml holds."""
+    """A finished run of two finite-element spheres; its case is the content of case.toml."""
 
 
 def read_elements(

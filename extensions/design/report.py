@@ -83,7 +83,7 @@ _CAPTIONS = {
 
 def design_report(directory: Path) -> Report:
     """Return the report of a search, made of its design.json and designs.csv; its figures are drawn
-    anew.
+    again.
     """
     found = read_json(directory / DESIGN_OUTCOME) or {}
     table = pd.read_csv(directory / DESIGN_TABLE)
@@ -199,7 +199,7 @@ def range_under_checks(best: Mapping[str, Any], name: str) -> str:
 
 
 def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
-    """Return the ten best designs, or the front, with what varies, mass, height and objectives."""
+    """Return the ten best designs, or the front, with variables, mass, height and objectives."""
     objectives = list(found["objectives"])
     keys = list(found["best"]["variables"])
     complete = table[table["state"] == "complete"]
@@ -427,7 +427,7 @@ def _scaled(column: pd.Series[Any]) -> np.ndarray:
 
 
 class DesignKind(ReportKind):
-    """A search for a design, whose report is of a search alone."""
+    """A search for a design, which has a separate report."""
 
     result_kind = DESIGN
     noun = "search for a design"

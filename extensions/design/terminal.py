@@ -127,7 +127,7 @@ def submit_design(options: argparse.Namespace) -> int:
 
 
 def plan_of_design(path: Path, options: argparse.Namespace) -> int:
-    """Say what a search would be, as ``granwave check``; return the exit status."""
+    """Print the plan of a search, like ``granwave check``; return the exit status."""
     if options.overrides:
         raise InputError(f"--set: {path} is a search for a design; set keys in its [set]")
     problem = load_problem(path)
@@ -195,7 +195,7 @@ def plan_text(problem: DesignProblem, values: dict[str, Any]) -> str:
 
 
 def outcome_text(found: dict[str, Any], report: str) -> str:
-    """Return the best design, what was found about it, and where the rest is."""
+    """Return the best design, its checks, and the location of the other results."""
     best = found["best"]
     if best is None:
         return f"no design meets the limits; report in {report}"

@@ -88,7 +88,7 @@ class InferenceKind(ReportKind):
         return "Inferred forces"
 
     def in_words(self, run: ReportRun) -> str:
-        """Return what came out."""
+        """Return the results."""
         return sentences(_SENTENCES, printed(run.summary, _IN_PER_CENT))
 
     def label(self, run: ReportRun, key: str) -> str:

@@ -120,7 +120,7 @@ class Bed:
 
 
 def digest_of(kind: str, made_of: Mapping[str, Any]) -> str:
-    """Return the digest of what a bed is made of: plain values by name."""
+    """Return the digest of the recipe of a bed: plain values by name."""
     text = json.dumps([_FORMAT, kind, made_of], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
 

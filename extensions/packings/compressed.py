@@ -1,8 +1,8 @@
 """Compressed packings: random grains in a box that shrinks to a solid fraction or a pressure.
 
-Where all sides are periodic, the packing is endless. Else there are planes at the bottom and the
-top, and at the sides unless these are periodic. A case has no plane at the top: the weight of the
-grains holds them.
+If all sides are periodic, the packing is an infinite, periodic crystal. Else there are planes at
+the bottom and the top, and at the sides unless these are periodic. A case has no plane at the top:
+the weight of the grains holds them.
 """
 
 from __future__ import annotations

@@ -264,7 +264,7 @@ class _Compression:
         return abs(self._pressure() / pressure - 1) <= PRESSURE_TOLERANCE
 
     def _missed(self, pressure: float) -> RunError:
-        """Return the error of a pressure that is not met."""
+        """Return the error of a pressure that was not reached."""
         return RunError(
             f"the packing has {self._pressure():.3g} Pa instead of {pressure:g} Pa after "
             f"{self._steps} steps; use another packing.seed or a higher packing.pressure"
@@ -389,7 +389,7 @@ class _Compression:
         return float((values[:n, _COLUMN_FORCE] * distance).sum())
 
     def _at_end(self, state: Path) -> CompressedGrains:
-        """Return what LAMMPS holds."""
+        """Return the state of LAMMPS."""
         table = contact_table(self._engine)
         largest = _largest(table)
         return CompressedGrains(

@@ -147,14 +147,14 @@ def bed_of(recipe: Recipe, given: MakerInput) -> Bed:
 
 
 def _to_make(recipe: Recipe, file: BedFile) -> PackingToMake:
-    """Return what a bed would be and cost."""
+    """Return the description and cost of a bed."""
     memory = _MEMORY + _MEMORY_OF_GRAIN * recipe.keys.grains
     rows = tuple(_rows_of(recipe, file, memory))
     return PackingToMake(file.path, recipe.expected_time, memory, rows)
 
 
 def _rows_of(recipe: Recipe, file: BedFile, memory: float) -> list[Row]:
-    """Return what a bed would be and cost, as names and values in words; memory in bytes."""
+    """Return the description and cost of a bed, as names and values in words; memory in bytes."""
     from granwave.analysis.formatting.numbers import duration
 
     low, high = recipe.diameter.bounds

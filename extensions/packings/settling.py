@@ -334,7 +334,7 @@ class _Settling:
         )
 
     def _settled(self) -> Settled:
-        """Return what LAMMPS holds."""
+        """Return the state of LAMMPS."""
         table = contact_table(self._engine)
         self._engine.commands(f'write_restart "{self._state}"')
         return Settled(

@@ -173,7 +173,7 @@ def _clock(figure: Figure) -> Text:
 
 
 def _reading(time: float) -> str:
-    """Return what the clock shows at a time, s."""
+    """Return the text of the clock at a time, s."""
     return f"{time * _MICRO:.0f} µs"
 
 
@@ -404,7 +404,7 @@ def film_pictures(
 ) -> Iterator[NDArray[np.uint8]]:
     """Yield the pictures in red, green, blue: (height, width, 3), both even as films need.
 
-    What does not change is drawn once, and laid over what does.
+    The unchanged parts are drawn once, and overlaid on the changing parts.
     """
     figure = film.draw(0)
     figure.set_dpi(width / figure.get_figwidth())
@@ -430,7 +430,7 @@ def film_pictures(
 
 
 def _still(figure: Figure, canvas: FigureCanvasAgg, moving: Sequence[Artist]) -> Image.Image:
-    """Return what does not change, on a transparent ground."""
+    """Return the unchanged parts, on a transparent background."""
     grounds = [figure.patch, *(axes.patch for axes in figure.axes)]
     for artist in (*moving, *grounds):
         artist.set_visible(False)

@@ -101,7 +101,7 @@ def lit_surface(
     width: int,
     axes: NDArray[np.float64] | None = None,
 ) -> RenderedSpheres:
-    """Find what can be seen of spheres and cylinders, and light it.
+    """Find the visible parts of spheres and cylinders, and shade them.
 
     Parameters
     ----------
@@ -333,7 +333,7 @@ def surface_of_cylinder(
     x: NDArray[np.float64],
     y: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Find what can be seen of a cylinder with flat ends.
+    """Find the visible part of a cylinder with flat ends.
 
     A point of the mantle lies at the distance of the radius from the axis, a quadratic equation for
     its depth; of the two ends only that towards the viewer can be seen.

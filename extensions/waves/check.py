@@ -16,17 +16,17 @@ _MOST_GAPS = 3
 
 
 def check(assembly: Assembly) -> CheckPart:
-    """Return what ``granwave check`` shows of small waves."""
+    """Return the output of ``granwave check`` on small waves."""
     waves = small_waves(assembly)
     return CheckPart(rows=tuple(wave_rows(waves)), values={"small_waves": waves})
 
 
 def small_waves(assembly: Assembly) -> dict[str, Any] | None:
-    """Return the small waves of a chain that repeats and bears a static force; None for other
+    """Return the small waves of a periodic chain under a static force; None for other
     packings.
 
-    The bands of the endless chain tell them; a finite one, with other spheres in it, has none of
-    its own. Values are the cut-off, the lowest gaps below it, the speed of long waves, their way
+    They follow from the bands of the infinite
+    chain. Values are the cut-off, the lowest gaps below it, the speed of long waves, their way
     from end to end, and for each frequency of the load if it passes; units are part of the names.
     """
     case = assembly.case

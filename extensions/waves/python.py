@@ -34,7 +34,7 @@ def bands(
     force: bool = False,
     **keys: Any,
 ) -> Dataset:
-    """Find the bands of an endless packing under its static load.
+    """Find the bands of an infinite, periodic packing under its static load.
 
     Parameters
     ----------
@@ -177,7 +177,9 @@ def _solved(
     directory: str | Path | None,
     **how: Any,
 ) -> Dataset:
-    """Return what a function of `granwave.extensions.waves.small_waves` finds of a case or a run."""
+    """Return the result of a function of `granwave.extensions.waves.small_waves` for a case or a
+    run.
+    """
     from granwave.extensions.waves import small_waves as spectra
     from granwave.extensions.waves.datasets import dataset  # loads xarray
 

@@ -122,7 +122,7 @@ class SpectraKind(ReportKind):
         ]
 
     def _read_one(self, results: ResultDirectory, label: str, name: str) -> ReportRun:
-        """Read what one command left; the case and the versions are those of spectra.h5."""
+        """Read the results of one command; case and versions are read from spectra.h5."""
         path = results.path
         tables, versions = recorded(path)
         values = read_json(path / f"{name}.json")
@@ -160,7 +160,7 @@ class SpectraKind(ReportKind):
         return others
 
     def in_words(self, run: ReportRun) -> str:
-        """Return what came out."""
+        """Return the results."""
         if self.part(run) == TRANSMISSION:
             return _transmission_in_words(run)
         if self.part(run) == MODES:

@@ -164,7 +164,7 @@ def bands(
     force: bool = False,
     figures: bool = True,
 ) -> tuple[SmallWaves, list[Path]]:
-    """Find the bands of an endless packing and write them; see `band_structure`.
+    """Find the bands of an infinite, periodic packing and write them; see `band_structure`.
 
     Parameters
     ----------

@@ -59,7 +59,7 @@ _SEED = 1
 
 
 class Wave(FinishedRun):
-    """A run of a weak hit on an endless packing, seen along its line."""
+    """A run of a weak impact on a periodic packing, observed along its line."""
 
     @cached_property
     def structure(self) -> BandStructure:

@@ -241,7 +241,7 @@ def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
     """Return the centres of the holes of a lattice between six spheres ("octahedral") or four
     ("tetrahedral").
 
-    Those at the faces, which lack some of these spheres, are left out. Returns an array (n, 3), m,
+    Sites at the faces, which lack some of these spheres, are omitted. Returns an array (n, 3), m,
     in the order of z, y and x; empty if the lattice has no such holes.
     """
     from scipy.spatial import KDTree  # takes longer to load than most commands need

@@ -255,7 +255,7 @@ class Guide:
     rotation: bool = schema.choice("false: the grains do not rotate", (False, True), default=True)
 
     def hold(self, n_grains: int) -> Hold:
-        """Return what it holds, among so many grains."""
+        """Return the ids that it selects among all grains."""
         index = self.index
         if index is None and self.group is None:
             index = tuple(range(1, n_grains + 1))

@@ -4,7 +4,7 @@ Supports of a moving bottom plane: ``boundary.bottom = {plate = {...}}``, ``damp
 or ``bar``.
 
 plate        a rigid plate on a spring and an optional damper
-damper       a massless plate on a damper, which bears the static force: an end that absorbs waves
+damper       a massless plate on a damper, which carries the static force: an end that absorbs waves
 half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a spring
              4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart,
              1966)
@@ -185,7 +185,9 @@ class Plate(Support):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Damper(Support):
-    """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
+    """Plate without mass on a damper; the ground carries the force on the plate at the start of
+    the run.
+    """
 
     kind = "damper"
     absorbs = True

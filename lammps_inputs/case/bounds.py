@@ -1,8 +1,8 @@
-"""Kinds of bottom and of sides: what ``boundary.bottom`` and ``boundary.sides`` may be.
+"""Kinds of bottom and of sides: the values of ``boundary.bottom`` and ``boundary.sides``.
 
-A kind is a subclass of `Bottom` or `Sides`, listed in `BOTTOMS` or `SIDES`, whose flags say what it
-does to the packing. Nothing outside compares its name. Supports of a bottom plane that moves are in
-`granwave.lammps_inputs.case.boundary`.
+A kind is a subclass of `Bottom` or `Sides`, listed in `BOTTOMS` or `SIDES`, whose flags describe
+its effect on the packing. Nothing outside compares its name. Supports of a bottom plane that moves
+are in `granwave.lammps_inputs.case.boundary`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 
 class Bottom:
-    """Kind of bottom: what is below the last layer.
+    """Kind of bottom below the last layer.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Bottom:
 
     @property
     def stops(self) -> bool:
-        """True if the packing ends at something that bears it, and that is a target of impacts."""
+        """True if the bottom supports the packing, and is a target of impacts."""
         return self.bears and not self.repeats
 
 
@@ -75,7 +75,7 @@ class EndlessBottom(Bottom):
 
 
 class Sides:
-    """Kind of sides: what is around a packing.
+    """Kind of sides around a packing.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ class EndlessSides(Sides):
 def is_target(bottom: Any) -> bool:
     """Return True for a value of ``boundary.bottom`` that is a target of impacts.
 
-    Tables of a material or a support are, and so are words that are not known.
+    True for tables of a material or a support, and for unknown words.
     """
     rule = BOTTOMS.get(bottom) if isinstance(bottom, str) else None
     return rule is None or rule.stops

@@ -245,7 +245,7 @@ class Case:
 
     @property
     def bears_along_z(self) -> bool:
-        """True if something bears a force along z: a bottom, or a grain that is held along z."""
+        """True if a bottom, or a grain held along z, supports a force along z."""
         return self.boundary.bottom_rule.bears or any(
             "z" in hold.axes for hold in self.holds.values()
         )

@@ -158,8 +158,8 @@ class Contact:
         default=None,
     )
     normals: str = schema.choice(
-        "direction of the forces: along the current line of centers, or along the line at the start, as programs for "
-        "small displacements have it",
+        "direction of the forces: along the current line of centers, or along the line at the "
+        "start, as in programs for small displacements",
         NORMALS,
         default="current",
     )
@@ -172,7 +172,7 @@ class Contact:
     )
 
     def __post_init__(self) -> None:
-        """Take the law of lines for what it is."""
+        """Convert the law "line" to "hertz" with plane strain."""
         if self.law == LINE:
             object.__setattr__(self, "law", "hertz")
             object.__setattr__(self, "line", "plane-strain")
@@ -183,8 +183,8 @@ class Contact:
 
     @property
     def parameters(self) -> dict[str, float | str]:
-        """Values of the parameters that the law has for a contact, by name; without those that are
-        left out.
+        """Values of the parameters that the law has for a contact, by name, without omitted
+        parameters.
         """
         own = [name for name, p in self.entry.parameters.items() if not p.of_material]
         values = {name: getattr(self, name) for name in own}

@@ -51,7 +51,7 @@ TOUCH = ContactWay(
 )
 OVERLAPS = ContactWay(
     "overlaps",
-    "overlaps exert force as they are, and the grains reach equilibrium near their positions",
+    "overlaps act as contact forces, and the grains reach equilibrium near their positions",
     presses=True,
     balances=True,
 )

@@ -146,7 +146,9 @@ class GrainFileSection:
     )
 
     def options(self, diameter: float | None) -> FileOptions:
-        """Return what the reader is told; ``diameter`` is that of grains without one, m."""
+        """Return the options of the reader; ``diameter`` is the diameter of grains without one,
+        m.
+        """
         return FileOptions(
             format="" if self.format == _BY_CONTENT else self.format,
             columns=self.columns,

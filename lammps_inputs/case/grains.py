@@ -307,7 +307,7 @@ def _name_materials(table: GrainTable, materials: Mapping[str, str]) -> None:
 
 
 def _reading(table: GrainTable, grains: Grains, materials: Mapping[str, str]) -> FileReading:
-    """Return what was read of a file, with its warnings."""
+    """Return the content of a file, with its warnings."""
     types = dict(Counter(table.types))
     notes = list(table.notes)
     has_materials = bool(materials) or "material" in table.words
@@ -396,7 +396,7 @@ def _diameters(table: GrainTable, diameter: float | None) -> NDArray[np.float64]
 
 
 def _grains(table: GrainTable, diameter: float | None) -> Grains:
-    """Make the grains of what a reader returned."""
+    """Make the grains from the result of a reader."""
     n = len(table)
     if not n:
         raise ValueError("found no grain, expected a row for each below the line of names")

@@ -1,4 +1,4 @@
-"""Hints at what a user meant: usual magnitudes of values in SI units, and keys of another name or
+"""Hints for invalid input: usual magnitudes of values in SI units, and keys of another name or
 table.
 """
 
@@ -213,7 +213,7 @@ def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequenc
     if word in _NOTES:
         return _NOTES[word]
     if f"{table}.{word}" in vocabulary:  # a table with keys by its kind
-        return f"[{table}] has it only with another kind; known here: {', '.join(known)}"
+        return f"[{table}] has this key only with another kind; available here: {', '.join(known)}"
     elsewhere = _elsewhere([word], vocabulary) or (_elsewhere([meant], vocabulary) if meant else [])
     if not elsewhere:
         last_parts = list(dict.fromkeys(key.rpartition(".")[2] for key in vocabulary))
@@ -226,7 +226,7 @@ def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequenc
         ]
         return f"did you mean {' or '.join(there[:_MOST])}?"
     faint = difflib.get_close_matches(word, known, n=1, cutoff=_FAINT)
-    return f"did you mean {faint[0]}?" if faint else "known here: " + ", ".join(known)
+    return f"did you mean {faint[0]}?" if faint else "available here: " + ", ".join(known)
 
 
 def _elsewhere(words: Iterable[str], vocabulary: Sequence[str]) -> list[str]:

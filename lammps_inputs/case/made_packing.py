@@ -2,8 +2,8 @@
 
 A case names such a kind, and how its grains are made. While the case is read, the `PackingMaker` of
 the kind replaces the table by one of ``packing.kind = "file"`` with the grains: all that follows
-is as with grains of a file, and the case that a run stores is complete without the maker. A maker
-keeps what it has made in files, and reads it from there the next time.
+is as with grains of a file, and the case that a run stores is complete without the maker. A
+generator stores its packings in files, and reads them the next time.
 """
 
 from __future__ import annotations
@@ -166,7 +166,7 @@ def with_made_grains(
 def maker_input(
     tables: Mapping[str, Any], source: str | Path, errors: ErrorList
 ) -> MakerInput | None:
-    """Return what a packing is made of, from the tables of a case; None with faults of its
+    """Return the recipe of a packing, from the tables of a case; None with faults of its
     material, which are added to ``errors``.
     """
     material = read_material(tables.get("material"), errors)

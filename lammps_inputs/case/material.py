@@ -56,7 +56,7 @@ class Material:
     yield_strength: float | None = schema.number(
         "uniaxial yield strength", YIELD_STRENGTH, above=0, default=None
     )
-    source: str | None = schema.text("where the values come from", default=None)
+    source: str | None = schema.text("source of the values", default=None)
 
     FURTHER_KEYS: ClassVar[dict[str, Any]] = {
         "preset": schema.typed(

@@ -185,12 +185,14 @@ class PackingSection:
 
     @property
     def contact_way(self) -> ContactWay | None:
-        """Way to start contacts of grains that overlap or nearly touch; None: they are refused."""
+        """Treatment of grains that overlap or nearly touch; None: they are rejected."""
         return CONTACT_WAYS[self.contacts] if self.contacts else None
 
     @property
     def has_history(self) -> bool:
-        """True if contacts go on from a bed that was settled, whole or with their springs."""
+        """True if contacts continue from a settled bed, with their whole history or their
+        springs.
+        """
         return self.restart is not None or self.springs is not None
 
     @property

@@ -104,11 +104,13 @@ def _foreign_keys(kind: Any) -> dict[str, str]:
 
 
 _OF_READING = tuple(name for name in FILE_FIELDS if name not in ("file", TYPES))
-_OF_GRAIN_FILES = 'belongs to packing.kind = "file"; found "restart", whose file says all of it'
+_OF_GRAIN_FILES = (
+    'belongs to packing.kind = "file"; found "restart", whose file contains this information'
+)
 _NOT_OF_RESTART = {
     "up": (
-        'belongs to packing.kind = "file"; found "restart", whose bed is not turned: its depth '
-        "increases along +z, and so must gravity in the script that settles it"
+        'belongs to packing.kind = "file"; found "restart", whose bed is not rotated: '
+        "gravity must act along +z in the script that settles it"
     ),
 }
 

@@ -256,7 +256,7 @@ def _add_grains(
 
 
 def _check_of_grains(packing: PackingSection, errors: ErrorList) -> None:
-    """Check that a lattice is not given what belongs to grains at places of their own."""
+    """Check that a lattice has no keys of grains at user-defined positions."""
     if not packing.rule.is_lattice:
         return
     for name in ("cell", CONTACTS, TOLERANCE, SPRINGS, RELAXATION, RESTART):

@@ -97,7 +97,7 @@ class StaticLoad:
                 errors.add(f"{PRECOMPRESSION}.{name}", found)
 
     def check_bounds(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
-        """Check that the boundary can bear a load that moves no walls."""
+        """Check that the boundary can support a load that moves no walls."""
         support = boundary.bottom_support
         self._check_bottom(packing, boundary, errors)
         errors.check(
@@ -117,7 +117,9 @@ class StaticLoad:
         return name, _SIZES[name]
 
     def words(self, stage: Precompression) -> list[str]:
-        """Return phrases on what acts, in the plan of a case, besides walls, pressure and force."""
+        """Return phrases on the further static loads, besides walls, pressure and force, in the
+        plan of a case.
+        """
         return []
 
     def _check_bottom(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
@@ -299,7 +301,7 @@ class Precompression:
 
     @property
     def sizes(self) -> list[str]:
-        """Keys ``pressure`` and ``force``, as far as they are given."""
+        """Keys ``pressure`` and ``force`` that are set."""
         return [name for name in _SIZES if getattr(self, name) is not None]
 
     @property

@@ -1,5 +1,5 @@
 """``[run]``, ``[output]`` and ``[figures]``: times of a run, records besides its snapshots, and
-what is drawn of it.
+its figures.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class TimesType(schema.ValueType):
     expected: str = _FRAMES_FORM
 
     def read(self, value: Any) -> tuple[float, ...] | tuple[str, ...]:
-        """Return the times, s, or the shares as they are."""
+        """Return the times, s, or the fractions unchanged."""
         schema.refuse_if(not isinstance(value, list | tuple) or not value, self.expected)
         in_words = all(isinstance(one, str) for one in value)
         read = parse_share if in_words else schema.finite
@@ -131,14 +131,14 @@ class RunSettings:
     )
     processors: tuple[int, int, int] | Literal["auto"] = schema.typed(
         "grid of bricks into which the box is divided, one for each rank; auto: the grid with the "
-        "shortest steps by a model of the ghosts and of the growing wave. Results do not depend "
-        "on it",
+        "shortest steps, predicted from ghost spheres and the growing wave. Results do not "
+        "depend on it",
         _GRID,
         default=AUTO,
     )
     balance: bool = schema.choice(
-        "divide the box again during the run, so that each rank has as many moving spheres; for "
-        "local impacts on many ranks. Results do not depend on it",
+        "divide the box again during the run, so that all ranks have the same number of moving "
+        "spheres; for local impacts on many ranks. Results do not depend on it",
         (False, True),
         default=False,
     )
@@ -397,7 +397,7 @@ _FORMATS = schema.ListType(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Figures:
-    """``[figures]``: what is drawn of a run, and how; none of it changes a result."""
+    """``[figures]``: selection and appearance of the figures of a run; they change no result."""
 
     only: tuple[str, ...] = schema.typed(
         "names of the figures to draw; default: cut packing, section, peak force against depth or "
@@ -474,7 +474,7 @@ class Figures:
 
     @property
     def products(self) -> dict[str, str]:
-        """Names of the files that are made with the figures, by the key that asks for them."""
+        """Names of the files that are made with the figures, by their key."""
         files = {}
         if self.film != "none":
             files["film"] = FILM_FILE.format(self.film)

@@ -5,7 +5,7 @@
     fx, fy, fz          force on the first sphere, or on the sphere at a wall, N
     compliance          displacement over force of the spring, m/N
 
-A bed that friction bears, and that comes to balance again, starts with them.
+A bed that is supported by friction, and returns to equilibrium, starts with them.
 """
 
 from __future__ import annotations
@@ -96,7 +96,7 @@ def springs_table(spheres: RestartSpheres, walls: Mapping[tuple[str, int], str])
 
 
 def _rows(spheres: RestartSpheres, walls: Mapping[tuple[str, int], str]) -> Iterator[str]:
-    """Give the rows of the springs that bear a force."""
+    """Return the rows of the springs with a force."""
     if spheres.contacts is not None:
         for pair, spring in zip(spheres.contacts.pairs, spheres.contacts.spring, strict=True):
             if spring.any():

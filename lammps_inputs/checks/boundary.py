@@ -1,4 +1,4 @@
-"""Checks of what bounds a packing: bottom, sides, bars and holder."""
+"""Checks of the boundaries of a packing: bottom, sides, bars and guide."""
 
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ def _check_bar(case: Case, name: str, bar: Bar, errors: ErrorList) -> None:
 
 
 def check_holder(case: Case, errors: ErrorList) -> None:
-    """Check that a holder that rubs bears the weight of a chain."""
+    """Check that a guide with friction supports the weight of a chain."""
     friction = case.boundary.holder_friction or 0.0
     key = "boundary.holder_friction"
     upright = case.precompression is not None and case.precompression.rule.grows_with_depth

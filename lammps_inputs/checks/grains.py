@@ -202,7 +202,7 @@ def _check_enclosure(case: Case, grains: Grains, errors: ErrorList) -> None:
             f"{along.max():.6g} m)"
         )
         remedy = (
-            "move the walls, or correct packing.units; packing.up turns all axes of the file "
+            "move the walls, or correct packing.units; packing.up rotates all axes of the file "
             '(with "z", y changes its sign)'
         )
         key = "bottom" if letter == "z" else letter

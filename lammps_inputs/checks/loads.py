@@ -1,4 +1,4 @@
-"""Checks of loads, and of what bounds and damps the motion that they cause.
+"""Checks of loads, boundaries and damping.
 
 A load that oscillates needs time for the waves to arrive and to become steady, and records that
 resolve them: a row passes a packet of the frequency f on at its group velocity, which is zero at
@@ -87,7 +87,7 @@ Array = NDArray[np.float64]
 
 
 def check_driving(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that a run measures what it is to measure of a load that oscillates.
+    """Check that a run with an oscillating load measures the required quantities.
 
     Weak waves in a row under a static load that surely do not arrive are an error, all else a
     warning.
@@ -228,7 +228,7 @@ def _up(value: float) -> str:
 
 
 def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
-    """Check which spheres absorb waves, and by what."""
+    """Check the absorbing spheres and their damping."""
     case = assembly.case
     lattice = assembly.lattice
     seen = dict[int, str]()

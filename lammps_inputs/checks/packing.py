@@ -68,8 +68,8 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
             case.precompression,
             "precompression",
             Mismatch(
-                "together with packing.tilt, which closes contacts without force: in the static "
-                "stage no weight along the floor holds the spheres in their corner",
+                "together with packing.tilt, which closes contacts without force: the static "
+                "stage has no force along the floor that holds the spheres in their corner",
                 remedy="remove one of them",
             ),
         ),
@@ -130,8 +130,8 @@ def _check_replaced(case: Case, entry: Replace, key: str, errors: ErrorList) -> 
 
 
 def check_vacancies(case: Case, errors: ErrorList) -> None:
-    """Check that vacancies leave what the case names, and that every ``[[replace]]`` entry replaces
-    a sphere.
+    """Check that vacancies do not remove spheres that the case names, and that every
+    ``[[replace]]`` entry replaces a sphere.
     """
     packing = case.packing
     key = "packing.vacancies"
@@ -278,8 +278,8 @@ def check_pairs(case: Case, errors: ErrorList) -> None:
 
 
 def check_contact(case: Case, errors: ErrorList) -> None:
-    """Check ``[contact]``, and yield strengths where a law yields; walls and bars without one are
-    elastic.
+    """Check ``[contact]``, and yield strengths where a law yields; walls and bars without a yield
+    strength are elastic.
     """
     _check_law(case.contact, "contact", errors)
     for key, body in (

@@ -25,7 +25,7 @@ _INCLINED = 2.0  # way of a wall over the overlap of a contact inclined by 60 de
 
 
 def check_precompression(case: Case, errors: ErrorList) -> None:
-    """Check the values of a precompression, and that the boundary can bear it."""
+    """Check the values of a precompression, and that the boundary can support it."""
     stage = case.precompression
     packing = case.packing
     boundary = case.boundary
@@ -253,8 +253,8 @@ def _wall_key(name: str) -> str:
 
 
 def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
-    """Check that a force on the top of grains acts on some that can move, and that something bears
-    it.
+    """Check that a force on the top of grains acts on some that can move, and that it is
+    supported.
     """
     case = assembly.case
     top = set(assembly.lattice.top_layer.tolist())
@@ -311,8 +311,8 @@ def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList)
 
 
 def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
-    """Refuse walls that move farther than any row of contacts, from wall to wall or axis, can give
-    way elastically.
+    """Reject walls that move by more than the elastic limit of any chain of contacts, from wall to
+    wall or axis.
     """
     case = assembly.case
     n = assembly.lattice.n_spheres

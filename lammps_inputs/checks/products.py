@@ -1,4 +1,4 @@
-"""Check that what ``[figures]`` asks for besides figures, such as a film, can be made here."""
+"""Check that the further products of ``[figures]``, such as an animation, can be made here."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from granwave.lammps_inputs.extensions import WITHOUT, added_by_key, missing_pac
 
 
 def missing_products(figures: Figures) -> list[str]:
-    """Return why files that a case asks for will not be made, a sentence for each."""
+    """Return the reasons why requested files cannot be made, one sentence each."""
     if not figures.products:
         return []
     products = added_by_key("products", "figures")

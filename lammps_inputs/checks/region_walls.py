@@ -14,7 +14,7 @@ _OTHER_UNIT = 300.0  # ratio of the size of a surface to that of the packing
 
 
 def check_region_walls(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that walls of regions go with the rest of a case, and that no grain stands in one."""
+    """Check that walls of regions are compatible with the case, and that no grain overlaps them."""
     case = assembly.case
     if not case.wall:
         return

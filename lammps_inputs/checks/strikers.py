@@ -98,7 +98,7 @@ def check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
 def _depths_in_walls(
     assembly: Assembly, planes: Sequence[Wall], sphere: int, centre: NDArray[np.float64]
 ) -> dict[str, float]:
-    """Return how deep a striker stands in each wall, m, by name; negative for a gap."""
+    """Return the overlap of a striker with each wall, m, by name; negative for a gap."""
     radius = np.array([assembly.diameter_of(sphere) / 2])
     reach = extents(radius, [assembly.shape_of(sphere)])[0]
     depths = {}

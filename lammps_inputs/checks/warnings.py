@@ -228,17 +228,17 @@ def _of_overlaps_that_push_apart(assembly: Assembly) -> Iterator[str]:
 
 
 def _of_spins(assembly: Assembly) -> Iterator[str]:
-    """Warn of angular velocities of a file that are left out."""
+    """Warn of angular velocities of a file that are ignored."""
     case = assembly.case
     grains = case.packing.grains
     if grains is None or not grains.spin.any() or own_spins(assembly):
         return
-    reason = "grains in clumps, and those whose rotation is held, begin without spin"
+    reason = "grains in clumps, and grains whose rotation is held, start without spin"
     if not case.has_friction:
         reason = "they have no effect without contact.friction"
     elif case.precompression is not None and case.seeks_balance:
-        reason = f'the grains come to balance; {KEY} = "{KEEP.name}" keeps them'
-    yield f"packing.file: angular velocities are left out: {reason}"
+        reason = f'the grains come to equilibrium; {KEY} = "{KEEP.name}" keeps them'
+    yield f"packing.file: angular velocities are ignored: {reason}"
 
 
 def _of_units(assembly: Assembly) -> Iterator[str]:
@@ -281,8 +281,8 @@ def _of_walls_of_the_file(assembly: Assembly) -> Iterator[str]:
     if missing:
         keys = " and ".join(dict.fromkeys(missing))
         yield (
-            "packing.file: grains press faces of the box of the file, which had walls there; "
-            f'found none in the case; {keys} = "wall" gives them'
+            "packing.file: grains overlap with faces of the box of the file, which had walls "
+            f'there; the case has none; set {keys} = "wall" to add them'
         )
 
 
@@ -303,13 +303,13 @@ def _walls_elsewhere(grains: Grains, walls: Sequence[BoxWall]) -> str:
         place = f"{high:.12g}" if key == _BOTTOM else f"[{low:.12g}, {high:.12g}]"
         places.append(f"{key} = {place}")
     n_grains = sum(wall.n_grains for wall in walls)
-    several = "s press" if n_grains > 1 else " presses"
+    several = "s overlap" if n_grains > 1 else " overlaps"
     deepest = max(wall.deepest for wall in walls)
     return (
-        f"packing.file: {n_grains} grain{several} faces of the box of the file, by up to "
-        f"{deepest:.3g} m, which had walls there; those of the case touch the outermost grains, "
-        f"so that these overlaps are lost; packing.enclosure = {{{', '.join(places)}}} puts them "
-        "where they were"
+        f"packing.file: {n_grains} grain{several} with faces of the box of the file by up to "
+        f"{deepest:.3g} m, as the file had walls there; the walls of the case touch the outermost "
+        f"grains, so these overlaps are lost; set packing.enclosure = {{{', '.join(places)}}} for "
+        "walls at the faces"
     )
 
 

@@ -1,11 +1,11 @@
-"""State of a bed that was settled before, which a run goes on from: motion, dents and springs.
+"""State of a settled bed from which a run continues: motion, plastic indentations and springs.
 
-Contacts between spheres are found by their ids. A restart file does not tell where walls are: each
-wall of the file is the wall of the case that its spheres touch.
+Contacts between spheres are found by their ids. A restart file does not contain the positions of
+walls: each wall of the file is identified with the wall of the case that its spheres touch.
 
-All that contacts remember is taken over, and what the case has no place for is a fault. A bed that
-comes to balance first starts with the tangential springs alone (`packing.springs`), of the contacts
-that it still has.
+The complete history of contacts is taken over, and history that the case does not support is a
+fault. A bed with a static stage starts only with the tangential springs (`packing.springs`) of its
+present contacts.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class BedState:
 
 @kept_by_assembly
 def bed_state(assembly: Assembly) -> BedState | None:
-    """Return the state of the bed that a case goes on from; None if there is none.
+    """Return the state of the bed from which a case continues; None if there is none.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def bed_state(assembly: Assembly) -> BedState | None:
 
 
 def bed_velocities(assembly: Assembly) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Return velocities and angular velocities of the spheres of a bed whose motion goes on.
+    """Return velocities and angular velocities of the spheres of a bed whose motion continues.
 
     Returns
     -------
@@ -279,7 +279,7 @@ def _unknown_wall(of_file: RestartWall) -> Mismatch:
 
 
 def _faults_of_file(assembly: Assembly, spheres: RestartSpheres) -> Iterator[tuple[str, Mismatch]]:
-    """Give what the file has and the case cannot take over, or has otherwise."""
+    """Iterate over the features of the file that the case does not support or sets differently."""
     case = assembly.case
     if spheres.contacts is None:
         found = "no contacts of pair_style gran/hysteretic"

@@ -1,5 +1,5 @@
-"""Advice on contacts of grains at places of their own: what each way of ``packing.contacts`` does
-with the packing at hand.
+"""Advice on contacts of grains at user-defined positions: the effect of each value of
+``packing.contacts`` on the packing.
 """
 
 from __future__ import annotations
@@ -80,24 +80,24 @@ class ContactAdvice:
     def choices(self) -> list[str]:
         """Phrase on the effect of each way."""
         pressed = "" if self.largest_force is None else f", with up to {self.largest_force:.3g} N"
-        nearby = f'"{OVERLAPS.name}" presses them{pressed}, and relaxes them to equilibrium nearby'
-        anywhere = f'"{RELAX.name}" relaxes them to equilibrium, however far the grains move'
+        nearby = f'"{OVERLAPS.name}" presses the grains{pressed}, and finds an equilibrium nearby'
+        anywhere = f'"{RELAX.name}" finds an equilibrium at any distance'
         kept = f'"{KEEP.name}" starts from the file, out of equilibrium'
         if self.has_friction:
             nearby += ", without friction"
-            anywhere += f' (with {RELAXATION} = "{DAMPED}" friction holds them)'
+            anywhere += f' ({RELAXATION} = "{DAMPED}" keeps the friction)'
         if self.has_friction and not self.has_springs:
-            kept += " by the tangential springs that the file lacks"
+            kept += ", as the file lacks the tangential springs"
         return [self._touching, nearby, anywhere, kept]
 
     @property
     def _touching(self) -> str:
         """Phrase on the effect of the way that moves grains until they touch."""
         pairs = "1 pair overlaps" if self.n_beyond == 1 else f"{self.n_beyond} pairs overlap"
-        beyond = f"; {pairs} by more, which it refuses" if self.n_beyond else ""
+        beyond = f"; {pairs} by more, which it rejects" if self.n_beyond else ""
         if not self.n_within and self.n_beyond:
             return (
-                f'"{TOUCH.name}" moves none, as no pair is within {self.tolerance:.2g} m '
+                f'"{TOUCH.name}" moves no grain, because no pair is within {self.tolerance:.2g} m '
                 f"(packing.{TOLERANCE}){beyond}"
             )
         left = f", to {self.remaining:.2g} m" if self.remaining > self.tolerance / 2 else ""
@@ -111,7 +111,7 @@ class ContactAdvice:
 
 
 def advice_on(case: Case, grains: Grains, period: Period = None) -> ContactAdvice:
-    """Return what each way of ``packing.contacts`` would do with grains.
+    """Return the effect of each value of ``packing.contacts`` on grains.
 
     Parameters
     ----------

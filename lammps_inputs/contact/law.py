@@ -224,7 +224,7 @@ def energy_at_start(assembly: Assembly) -> float:
 
 def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
     """Iterate over the laws of spheres of the packing that cohere, each with twice the effective
-    mass, kg; a light plate counts with its mass alone.
+    mass, kg; a light plate counts with its own mass only.
     """
     case = assembly.case
     if case.contact_between(case.material, case.material).coheres:
@@ -345,7 +345,7 @@ def _loss_time(
     if alone["restitution"] < restitution - _ROUNDING:
         raise ValueError(
             f"at most {alone['restitution']:.4g}, the restitution of law {contact.law} at "
-            f"{velocity:g} m/s from yielding alone"
+            f"{velocity:g} m/s from yielding only"
         )
 
     def left(time: float) -> float:

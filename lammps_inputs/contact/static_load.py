@@ -16,7 +16,7 @@ gravity    m g along +z on each sphere of the packing; with ``strikers`` on thes
 walls      none, or as uniaxial: walls are moved in, and held
 overlaps   the same: the grains overlap at the start
 
-Fixed spheres carry no dead load, nor do strikers but for their weight.
+Fixed spheres carry no dead load, and strikers only their weight.
 """
 
 from __future__ import annotations

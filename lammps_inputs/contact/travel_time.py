@@ -8,8 +8,8 @@ next by
 
 The product of these matrices over the beads that a row repeats has the trace 2 cos q, with the
 phase q from one repetition to the next; the group takes dq/domega for each. Where |cos q| > 1 there
-is no wave. A row that repeats nothing is taken bead by bead, each as one of an endless row of its
-kind (long rows that change slowly).
+is no wave. A chain without a repeated sequence is treated bead by bead, each as part of an
+infinite, periodic chain (long chains that change slowly).
 """
 
 from __future__ import annotations
@@ -93,8 +93,8 @@ def row_of(assembly: Assembly) -> WaveRow | None:
     """Return the row that plane waves along z are in; None where the static force is not known
     beforehand.
 
-    A chain has its beads; the layers of a lattice without disorder move as wholes, and the force
-    that turns with the contacts is left out.
+    A chain has its beads; the layers of a lattice without disorder move as wholes, and the rotation
+    of the force with the contacts is neglected.
     """
     case = assembly.case
     lattice = assembly.lattice

@@ -175,7 +175,7 @@ def law_coefficients(
 
 
 def _law_parameters(contact: Contact, materials: Sequence[Material]) -> list[str]:
-    """Return the words of the parameters of a law; parameters at their defaults are left out."""
+    """Return the words of the parameters of a law; parameters with default values are omitted."""
     words: list[str] = []
     for keyword, parameters in keywords(contact.entry.parameters).items():
         of_material = parameters[0].of_material

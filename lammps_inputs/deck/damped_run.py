@@ -14,8 +14,8 @@ force on such a grain passes through zero while it moves, with its drag in balan
 A grain is therefore at rest only if the drag on its spin is small as well: it is added to the net
 force, as a force at the radius, and the spin is zero at the end.
 
-A clump is one body, whose net force is the sum over its grains. Half of it is taken or added as
-from a single grain, shared out by mass; damping each grain by the forces on it alone would hold the
+A clump is one body, whose net force is the sum over its grains. Half of it is subtracted or added
+as for a single grain, distributed by mass; damping each grain by its own forces would hold the
 clump like dry friction. Its rotation is damped by the drag on spin. The moment about its centre
 counts as a force at the radius of a grain.
 """

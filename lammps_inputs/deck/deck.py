@@ -57,8 +57,8 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
     """Write the LAMMPS data file of ``atom_style sphere``, with 17 significant digits.
 
     With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the
-    density column. Rows of equal spheres come from all processes; of unlike ones each would have to
-    hold them all.
+    density column. Rows of equal spheres come from all processes; dissimilar spheres would have to
+    be stored by each process.
     """
     bars = assembly.bars
     n = assembly.lattice.n_spheres
@@ -110,7 +110,7 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
 
 
 def _velocity_lines(assembly: Assembly) -> Iterator[str]:
-    """Give the velocities of the data file, if grains have their own, or go on from a bed."""
+    """Give the velocities of the data file, if grains have their own, or continue from a bed."""
     title = "\nVelocities # id, velocity, angular velocity\n\n"
     bed = bed_velocities(assembly)
     moving = own_velocities(assembly)

@@ -1,4 +1,4 @@
-"""Energies in the LAMMPS input script: the energy ledger, and the log."""
+"""Energies in the LAMMPS input script: the energy record, and the log."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ _PARTS = tuple(
 
 
 def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Return the commands of the energy ledger, which also counts yielded contacts."""
+    """Return the commands of the energy record, which also counts yielded contacts."""
     case = assembly.case
     conditions = [*recorded(case), *([table.ADAPTIVE] if schedule.adaptive else [])]
     columns = sources(table.LEDGER)

@@ -210,7 +210,7 @@ def _spheres_from(assembly: Assembly, restart_from: str) -> list[str]:
 def _initial_places(*, resumed: bool) -> list[str]:
     """Return the commands that store where the spheres begin; a restart file has the places."""
     lines = [
-        "# Initial places of the spheres: contact forces keep the directions between these.",
+        "# Initial positions of the spheres: contact forces keep the directions between them.",
         "fix             initial all property/atom d2_initial 3 ghost yes",
     ]
     if resumed:
@@ -263,7 +263,7 @@ def _balance(assembly: Assembly, schedule: Schedule) -> list[str]:
     weight = round(costs.moving / costs.rest) - 1
     every = schedule.longest_step * math.ceil(_STEPS_BETWEEN_BALANCES / schedule.longest_step)
     return [
-        "# Ranks: a sphere that moves counts as many at rest, by the time of a step.",
+        "# Ranks: a moving sphere has the weight of several at rest, by the time of a step.",
         f"variable        activity atom 1+{weight}*(vx*vx+vy*vy+vz*vz>0.0)",
         "comm_style      tiled",
         f"fix             balance all balance {every} {num(_IMBALANCE)} rcb weight var activity",

@@ -186,8 +186,8 @@ def _fall(assembly: Assembly) -> list[str]:
 
 
 def may_lose_its_load(assembly: Assembly) -> bool:
-    """Return True if overlaps at the start are all of the load: grains that are free to move apart
-    lose it, and contacts that bear hardly any force have hardly any stiffness.
+    """Return True if the initial overlaps are the only load: grains that are free to separate lose
+    it, and contacts with nearly zero force have nearly zero stiffness.
 
     Forces are then compared with those at the start.
     """
@@ -229,7 +229,7 @@ def stored_velocities(assembly: Assembly) -> list[str]:
     if not _keeps_velocities(assembly):
         return []
     return [
-        "# The grains come to balance at rest; their velocities are set after it.",
+        "# The grains start at rest and come to equilibrium; their velocities are set afterwards.",
         f"fix             {_START} all store/state 0 vx vy vz",
         *(
             f"variable        {_START}_v{axis} atom f_{_START}[{column}]"
@@ -292,7 +292,7 @@ def first_half(assembly: Assembly) -> list[str]:
 
 
 def _as_found(assembly: Assembly) -> list[str]:
-    """Return the commands of the first half where contacts start as they are."""
+    """Return the commands of the first half if contacts start unchanged."""
     return [
         _STAGE_MARKER,
         "# The grains start in the state of the file.",
@@ -485,7 +485,7 @@ def _table(title: str, ids: NDArray[np.int64], values: NDArray[np.float64]) -> s
 
 
 def _pressing(assembly: Assembly) -> list[str]:
-    """Return the commands that move walls in, round by round, until they bear their forces.
+    """Return the commands that move walls inwards iteratively until they carry their forces.
 
     The power 2/3 of the force is about linear in the distance: its secant gives the next one, in
     the first round the line through the start.

@@ -338,8 +338,8 @@ class Assembly:
     def striker_contacts(self) -> list[tuple[int, int]]:
         """Pairs of ids in contact at the start: a sphere, and the striker that touches it.
 
-        The case names the spheres; pairs with a gap, due to scattered diameters or a misaligned
-        striker, are left out.
+        The case names the spheres; pairs with a gap, due to diameter scatter or a misaligned
+        striker, are omitted.
         """
         found = []
         for number, (striker, centre) in enumerate(self.strikers, start=self.lattice.n_spheres + 1):

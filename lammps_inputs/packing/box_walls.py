@@ -1,4 +1,6 @@
-"""Walls of another program, told from grains that reach a little beyond the box of its file."""
+"""Walls of another program, identified by grains that extend slightly beyond the box of its
+file.
+"""
 
 from __future__ import annotations
 

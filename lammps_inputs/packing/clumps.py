@@ -54,7 +54,7 @@ def largest_extent(assembly: Assembly) -> float:
 
 
 def refuse_clumps(assembly: Assembly) -> None:
-    """Raise InputError for a packing with clumps, for what is computed of single grains."""
+    """Raise InputError for a packing with clumps, where only single grains are supported."""
     for number, ids in assembly.clumps.items():
         raise InputError(
             f"{assembly.case.name}: packing: found clump {number} of {len(ids)} grains, expected "

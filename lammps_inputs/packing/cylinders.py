@@ -227,7 +227,7 @@ def grains_called(n_grains: int, n_cylinders: int) -> str:
 
 
 def in_grains(text: str, called: str) -> str:
-    """Put what grains are called, in the plural, into a text that calls them spheres."""
+    """Replace the word spheres in a text by the name of the grains, in the plural."""
 
     def other(found: re.Match[str]) -> str:
         word = called.removesuffix("s") + found[2]

@@ -21,7 +21,7 @@ or walls.
 The spheres roll to a corner and come to rest one after another, so that every sphere touches the
 next one towards the corner in its row and in its column, or the wall there. Sphere (a, b), counted
 from the corner, is where the circles of these contacts meet; all spheres of a diagonal are placed
-at once. The contacts are closed and bear no force.
+at once. The contacts are closed and carry no force.
 """
 
 from __future__ import annotations

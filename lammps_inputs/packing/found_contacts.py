@@ -124,7 +124,7 @@ def _note(grains: Grains, n_overlapping: int, largest: float, tolerance: float) 
 
 
 def _tolerance_fits(packing: PackingSection, errors: ErrorList) -> bool:
-    """Check that a touch tolerance is small beside the grains; return True if it is."""
+    """Check that a touch tolerance is small compared with the grains; return True if it is."""
     assert packing.grains is not None
     most = _LARGEST_TOLERANCE * float(packing.grains.diameter.min())
     tolerance = packing.touch_tolerance or 0.0

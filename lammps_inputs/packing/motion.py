@@ -66,14 +66,14 @@ class LoadedAssembly(LoadedPacking):
 
 
 def struck_of(assembly: Assembly) -> tuple[int, ...]:
-    """Return the ids of the loaded spheres, the struck sphere first; for a load by strikers those
-    that move.
+    """Return the ids of the loaded spheres, the impacted sphere first; for strikers, the moving
+    spheres.
     """
     return assembly.case.load.struck(LoadedAssembly(assembly))
 
 
 def start_velocity(assembly: Assembly) -> tuple[float, float, float] | None:
-    """Return the velocity of the impacted spheres at the start, m/s; None without one."""
+    """Return the initial velocity of the impacted spheres, m/s; None without a velocity."""
     return assembly.case.load.start_velocity(LoadedAssembly(assembly))
 
 

@@ -255,7 +255,7 @@ def cohesive_law(case: Case, partner: Material | None, *, flat: bool = False) ->
 
 
 def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False) -> float:
-    """Return the overlap at which spheres with the law of `cohesive_law` bear no force, m; 0
+    """Return the overlap at which spheres with the law of `cohesive_law` carry no force, m; 0
     without cohesion.
     """
     coheres = case.contact_between(case.material, partner).coheres

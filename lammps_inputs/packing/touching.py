@@ -1,5 +1,5 @@
-"""Contacts of grains at places of their own that touch within a tolerance: the rounding of the file
-that they come from, and the move by which they just touch.
+"""Contacts of grains at user-defined positions that touch within a tolerance: the rounding of their
+file, and the displacements after which they just touch.
 
 A grain whose coordinates are rounded to the unit u of their last place is off by up to u/2 along
 each axis, and its diameter by as much. The gap of a pair is then off by up to (sqrt(3) + 1/2) u.

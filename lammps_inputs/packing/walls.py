@@ -230,7 +230,9 @@ def _faces_of(number: int, entry: RegionWall) -> Mapping[str, RegionFace | MeshF
 
 
 def refuse_region_walls(case: Case) -> None:
-    """Raise InputError for a case with walls of regions, for what knows planes and tubes alone."""
+    """Raise InputError for a case with walls of regions, where only planes and tubes are
+    supported.
+    """
     if case.wall:
         raise InputError(
             f"{case.name}: wall.1: found a region wall, expected walls of [boundary]; remove "
@@ -255,7 +257,7 @@ def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
 
 
 def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
-    """Find grains that stand in walls which do not act on them: wall, the deepest grain, and how
+    """Find grains that overlap with walls that do not act on them: wall, the deepest grain, and how
     deep, m.
     """
     found: list[tuple[str, int, float]] = []

@@ -1,4 +1,4 @@
-"""Arrival of the wave of the load at the bottom, as it is expected before a run.
+"""Expected arrival of the wave of the load at the bottom, before a run.
 
 A solitary wave in a chain of equal beads of mass m takes 1.355 sqrt(m/k) from bead to bead, with
 the stiffness k = 3/2 F/alpha of a Hertz contact at the largest force F. Where a layer rests on the

@@ -4,7 +4,7 @@ the packing.
 The constants of memory and disk space were measured on fcc packings of 2e5 to 2e6 spheres on two
 ranks, with and without friction and static stage, and are rounded up. The analysis of a larger
 packing goes through parts of it, and holds a part and the layers next to it. So does the writer of
-the deck; only the sites of unlike spheres, and of strikers, are held all at once.
+the deck; only the sites of dissimilar spheres, and of strikers, are stored all at once.
 
 Wall times hold within a factor of two. Their constants are processor times on one core of a 2-core
 virtual machine (AMD EPYC, Zen 4) with the other core busy, as in a scan; a run alone on the machine

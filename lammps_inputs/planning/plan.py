@@ -96,7 +96,7 @@ class Plan:
 
     @property
     def slowness(self) -> str:
-        """Cause of a timestep that makes the run take long, and how to mend it; empty if there is
+        """Cause of a timestep that makes the run slow, and the remedy; empty if there is
         none.
         """
         if self.limit is None or self.wall_time < _LONG:
@@ -109,7 +109,7 @@ class Plan:
 
     @property
     def allowed(self) -> float:
-        """Longest first timestep that a kind of contact of two grains would allow alone, s; of
+        """Longest first timestep that a single kind of contact of two grains would allow, s; of
         contacts with walls where there are no others.
 
         The pulse that reaches a wall is weaker in a larger packing, so that contacts with walls

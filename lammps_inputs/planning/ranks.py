@@ -13,8 +13,8 @@ packing. A box takes a little more than the sphere or the cone of a wave, and it
 three intervals, so that the largest share of a brick is the product of the largest shares along
 each axis.
 
-LAMMPS's own grid has the smallest surface. Where a wave begins in one place, or comes from the top
-layer by layer, columns along its way are loaded more evenly, at the price of more ghosts.
+LAMMPS's own grid has the smallest surface. For a wave from one point, or from the top layer by
+layer, columns along its direction are loaded more evenly, at the price of more ghosts.
 """
 
 from __future__ import annotations

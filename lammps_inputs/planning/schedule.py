@@ -2,10 +2,10 @@
 
 With an automatic timestep (fix gran/timestep of the plugin) a count is a tick, and a step is a
 power of two of them. A tick is shortened until the end time (or a block, for ``end_time = "auto"``)
-is a whole number of ledger intervals: the run ends exactly when asked, and its last step is in the
-ledger. All that is recorded falls on multiples of the longest step, but for snapshots at given
-times. With a timestep given by the user a count is that step, and the end time is rounded up by as
-few steps as possible.
+is a whole number of ledger intervals: the run ends exactly at the requested time, and its last step
+is in the record of energies. All records fall on multiples of the longest step, except snapshots
+at given times. With a timestep given by the user a count is that step, and the end time is rounded
+up by as few steps as possible.
 """
 
 from __future__ import annotations

@@ -163,7 +163,7 @@ def largest_timestep(assembly: Assembly) -> float:
 
 
 def _limits_at_any_time(assembly: Assembly) -> list[TimestepLimit]:
-    """Return the bounds by losses, bars, and whatever moves beside the grains.
+    """Return the bounds by losses, bars and other moving bodies.
 
     Of given stiffnesses K and dampings gamma of resistance to rolling: with the smallest effective
     mass m* and radius R* of any contact, the square of the angular frequency of spheres of 2/5 m
@@ -225,7 +225,7 @@ _TOO_FAR = 100.0
 
 
 def check_load_frequency(assembly: Assembly) -> None:
-    """Warn about a load that oscillates far above the cut-off; refuse frequencies more than a
+    """Warn about a load that oscillates far above the cut-off; reject frequencies more than a
     hundred times higher.
 
     Raises

@@ -24,7 +24,7 @@ _PLURALS = {RADIUS: "radii"}
 
 
 def recognises(source: GrainSource) -> bool:
-    """Return True: what no other reader recognises is left to ASE."""
+    """Return True: ASE reads the files that no other reader recognises."""
     return True
 
 

@@ -197,7 +197,7 @@ def find_columns(
     needless = [head for head in unknown if not head or _UNUSED.fullmatch(head.lower())]
     if left_out := [head for head in dict.fromkeys(unknown) if head not in {*used, *needless}]:
         several = "s" if len(left_out) > 1 else ""
-        notes.append(f"column{several} left out: {', '.join(left_out)}")
+        notes.append(f"column{several} ignored: {', '.join(left_out)}")
     return columns
 
 

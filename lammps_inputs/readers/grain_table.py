@@ -155,7 +155,9 @@ class GrainTable:
             self.position[:, axis] -= images * (high - low)
         if n_outside:
             grains = "grain" if n_outside == 1 else "grains"
-            self.notes.append(f"{n_outside} {grains} outside of the periodic box put back into it")
+            self.notes.append(
+                f"{n_outside} {grains} outside of the periodic box wrapped back into it"
+            )
 
     def taken(self, order: NDArray[np.int64]) -> GrainTable:
         """Return the grains of some rows, in their order."""

@@ -210,5 +210,5 @@ def _without_points(grains: GrainTable) -> GrainTable:
     there = np.flatnonzero(grains.radius)
     if not len(there):
         return grains
-    grains.notes.append(f"{len(grains) - len(there)} points of diameter 0 left out")
+    grains.notes.append(f"{len(grains) - len(there)} points of diameter 0 ignored")
     return grains.taken(there)

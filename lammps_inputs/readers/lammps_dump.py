@@ -281,7 +281,7 @@ class DumpFrame:
     def check_complete(self, before: int | None) -> None:
         """Raise ValueError if atoms are missing; ``before`` is the step before this one."""
         n_rows = len(self.rows)
-        remedy = "" if before is None else f"; packing.step = {before} takes the step before"
+        remedy = "" if before is None else f"; packing.step = {before} reads the previous step"
         if not n_rows and not self.n_atoms:
             raise ValueError(f"found no atom in the step {self.step}, expected one or more{remedy}")
         if n_rows == self.n_atoms:
@@ -316,7 +316,7 @@ class DumpFrame:
         if self.box is not None:
             self._add_box(self.box, grains, scaled, powers.get(LENGTH, 0))
         elif scaled:
-            raise ValueError("found scaled places without a box; dump x, y, z")
+            raise ValueError("found scaled coordinates without a box; dump x, y, z")
         return grains
 
     def _add_box(self, box: DumpBox, grains: GrainTable, scaled: set[str], power: float) -> None:
@@ -326,11 +326,13 @@ class DumpFrame:
             grains.bounds = in_si(box.bounds, power)
             grains.periodic = periodic[0], periodic[1], periodic[2]
         elif any(periodic):
-            grains.notes.append("the box is tilted; its periods are left out")
+            grains.notes.append("the box is tilted; its periods are ignored")
         if not scaled:
             return
         if len(scaled) < len(PLACE) and not box.is_straight:
-            raise ValueError("found places of which some are scaled in a tilted box; dump x, y, z")
+            raise ValueError(
+                "found coordinates of which some are scaled in a tilted box; dump x, y, z"
+            )
         fractions = grains.position / 10.0**power
         places = in_si(box.origin + fractions @ box.edges, power)
         lengths = np.linalg.norm(box.edges, axis=1)

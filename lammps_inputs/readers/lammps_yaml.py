@@ -101,7 +101,7 @@ def _frame(document: str, first_line: int) -> DumpFrame:
         )
     except (ValueError, IndexError):
         raise ValueError(
-            f"line {first_line}: found a step whose timestep, natoms or box is no number: the "
+            f"line {first_line}: found a step whose timestep, natoms or box is not a number: the "
             "dump is damaged"
         ) from None
 

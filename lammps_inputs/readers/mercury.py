@@ -122,7 +122,8 @@ def _read_restart(source: GrainSource) -> GrainTable:
     shapes = [line.split(maxsplit=1)[0] for line in lines if _OTHER_SHAPES.match(line)]
     if shapes:
         notes.append(
-            f"{len(shapes)} particles are no spheres ({shapes[0]}); read as spheres of their radius"
+            f"{len(shapes)} particles are not spheres ({shapes[0]}); read as spheres of "
+            "their radius"
         )
     for index, line in enumerate(lines):
         words = line.split()

@@ -1,4 +1,4 @@
-"""Files that are packed, and files of kinds that hold no grains, told by their first bytes."""
+"""Compressed files, and files of kinds without grains, identified by their first bytes."""
 
 from __future__ import annotations
 

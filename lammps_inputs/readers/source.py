@@ -1,4 +1,4 @@
-"""A file of grains that is read: its bytes, its text, and what the user said of it."""
+"""A file of grains that is read: its bytes, its text, and the options of the user."""
 
 from __future__ import annotations
 

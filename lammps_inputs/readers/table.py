@@ -76,7 +76,7 @@ def read_table_text(text: str, options: FileOptions) -> GrainTable:
     if not options.heads and (n_above := _row_of_names(layout)):
         last = layout.numbers[n_above - 1]
         layout = layout_from(layout, n_above)
-        notes.append(f"text down to line {last} left out, above the names of the columns")
+        notes.append(f"text down to line {last} above the names of the columns ignored")
     table = text_table_of(layout, options.heads)
     columns = find_columns(table, options, notes)
     require_columns(table, columns, options.diameter)

@@ -189,7 +189,7 @@ def _by_quantity(
             values.setdefault(quantity, array)
     if left_out:
         several = "s" if len(left_out) > 1 else ""
-        notes.append(f"array{several} left out: {', '.join(left_out)}")
+        notes.append(f"array{several} ignored: {', '.join(left_out)}")
     return values
 
 

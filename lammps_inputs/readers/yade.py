@@ -58,7 +58,7 @@ def read(source: GrainSource) -> GrainTable:
         try:
             lengths = np.array([float(word) for word in cell.groups()])
         except ValueError:
-            raise ValueError("line 1: found no three numbers behind ##PERIODIC::") from None
+            raise ValueError("line 1: found no three numbers after ##PERIODIC::") from None
         high = in_si(lengths, options.power())
         grains.bounds = np.stack([np.zeros(3), high], axis=1)
         grains.periodic = (True, True, True)

@@ -132,8 +132,8 @@ class EnergyProblem:
         return max(along, float(np.linalg.norm(between, axis=1).max(initial=0.0)))
 
     def by_linear_springs(self) -> Array:
-        """Unknowns under the dead loads if all contacts were linear springs, which bear tension
-        too.
+        """Unknowns under the dead loads if all contacts were linear springs, which also support
+        tension.
         """
         bodies = self.bodies
         gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter

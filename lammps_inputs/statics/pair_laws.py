@@ -58,8 +58,8 @@ class Touches:
     twisting: Resistance | str | None = None
 
     def evaluate(self, overlap: Array, scale: Array) -> tuple[Array, Array, Array]:
-        """Return force, N, slope of the force, N/m, and work, J, at overlaps (n,), m, as they are
-        first reached.
+        """Return force, N, slope of the force, N/m, and work, J, at overlaps (n,), m, on first
+        loading.
 
         Parameters
         ----------

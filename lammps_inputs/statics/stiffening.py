@@ -148,7 +148,7 @@ def _origin(bodies: Bodies) -> Array:
 
 
 def _keys(contacts: NeighbourPairs) -> list[tuple[object, ...]]:
-    """Return what names each contact: its grains, their cells and the wall."""
+    """Return the identifiers of each contact: its grains, their cells and the wall."""
     columns = (contacts.first, contacts.second, contacts.wall)
     images = map(tuple, contacts.image.tolist())
     return list(zip(*(column.tolist() for column in columns), images, strict=True))

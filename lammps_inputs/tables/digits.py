@@ -1,7 +1,7 @@
 """Digits with which the numbers of a column were written.
 
 A number of a file stands for all that round to it: half a unit of its last place is the error that
-it may have. Trailing zeros may be left out (``%g``), so that the last place follows from all
+it may have. Trailing zeros may be missing (``%g``), so that the last place follows from all
 coordinates together: either all numbers have as many decimals, or the longest has all its
 significant digits. Of a few short numbers that a person typed, it says little.
 """

@@ -1,9 +1,10 @@
 """Layout of a table of text: its rows without comments, their separator and decimal sign.
 
-Separators are commas, semicolons, tabs or blanks; a decimal comma is told from a separator by the
-cells that it would leave. A ``#`` outside of quotes begins a comment, as do ``%`` and ``//`` at the
-beginning of a line. Rows of separators alone are blank lines, and so is the line ``sep=;`` of
-spreadsheets. Exponents of Fortran (``1.0D-3``) and minus signs of typography are those of numbers.
+Separators are commas, semicolons, tabs or blanks; a decimal comma is distinguished from a separator
+by the resulting cells. A ``#`` outside of quotes begins a comment, as do ``%`` and ``//`` at the
+beginning of a line. Rows that contain only separators are blank lines, and so is the line
+``sep=;`` of spreadsheets. Exponents of Fortran (``1.0D-3``) and minus signs of typography are
+those of numbers.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ class Layout:
         return [with_decimal_point(cell) for cell in cells]
 
     def written_cells(self, row: int) -> list[str]:
-        """Return the cells of a row as they are written.
+        """Return the cells of a row without conversion.
 
         Raises
         ------

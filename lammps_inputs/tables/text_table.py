@@ -256,7 +256,7 @@ def _checked_rows(layout: Layout, start: int, names: Sequence[str]) -> Sequence[
 
 
 def _hint_at_cells(layout: Layout, row: int, n_cells: int, expected: int) -> str:
-    """Return a hint at the reason why a row has another number of cells; empty without one."""
+    """Return a hint at the reason why a row has another number of cells; empty if there is none."""
     if n_cells < expected and row > 1 and row == len(layout.rows) - 1:
         return "; the file may be truncated"
     if n_cells > expected and layout.separator == ",":

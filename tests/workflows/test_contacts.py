@@ -262,7 +262,7 @@ def test_a_contact_is_warned_about_once_and_not_for_rounding(caplog):
         ("line", [ROD, BALL], "touch at a point", {}),
         ("line", [ROD, {**ROD, "axis": "x"}], "touch at a point", {}),
         ("thornton", [{**BALL, "material": BRASS}, "plane"], "yield_strength: missing", {}),
-        ("hertz", [BALL, "plane"], "beta: unknown key; known here: cohesion", {"beta": 0.5}),
+        ("hertz", [BALL, "plane"], "beta: unknown key; available here: cohesion", {"beta": 0.5}),
         ("bilinear", [BALL, "plane"], "beta: found 2", {"beta": 2}),
         ("power", [BALL, "plane"], "exponent: missing", {"constant": 1}),
         ("elastoplastic", [BALL, "plane"], "law elastoplastic", {"residual_slope": 100}),

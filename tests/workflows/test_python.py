@@ -277,7 +277,8 @@ def test_scan(tmp_path):
     text = (tmp_path / "pairs" / "scan.toml").read_text()
     assert tomllib.loads(text)["case"] == "pair" and '# kind = "chain"' in text
     with pytest.raises(
-        gw.InputError, match=r"resume=True does what is missing, force=True moves the results to"
+        gw.InputError,
+        match=r"resume=True runs only the missing points, force=True moves the results to",
     ):
         gw.scan(asked, directory=tmp_path / "pairs")
 

@@ -1,5 +1,5 @@
-"""Command ``granwave check``: what a run would be, its inputs, and what extensions show of it, as
-a table.
+"""Command ``granwave check``: the plan of a run, its inputs, and values of extensions, as a
+table.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def check(options: argparse.Namespace) -> int:
     path = library.find_for(options.case, *case_commands(), *checks)
     if (command := library.verb_of(path)) in checks:
         if options.profile:
-            raise InputError(f"--profile: {path} is no case of a run; leave it out")
+            raise InputError(f"--profile: {path} is not a case of a run; remove this option")
         draw_packing(options.picture, None)
         return int(load(checks[command])(path, options))
     kind = solver_of(read_toml(path))
@@ -119,7 +119,7 @@ def _cluster_plan(
 
 
 def _not_made(error: PackingNotMadeError, *, as_json: bool) -> int:
-    """Show what the bed of a case would be, whose plan follows once it is made."""
+    """Show the recipe of the bed of a case, whose plan follows once the bed is made."""
     (packing,) = error.packings
     if as_json:
         print_json({"not_made": dict(packing.rows)})
@@ -129,7 +129,7 @@ def _not_made(error: PackingNotMadeError, *, as_json: bool) -> int:
 
 
 def _parts(kind: CaseKind, assembled: Any) -> list[CheckPart]:
-    """Return what extensions show of a case."""
+    """Return the values that extensions add for a case."""
     if kind is GRANULAR:
         return [part(assembled) for part in added("check")]
     return [] if kind.check_part is None else [kind.check_part(assembled)]

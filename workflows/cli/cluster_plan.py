@@ -101,7 +101,7 @@ class ClusterPlan:
         return text
 
     def warnings(self) -> list[str]:
-        """Return what the profile lacks for the run."""
+        """Return the resources that the profile lacks for the run."""
         given = self.profile.memory
         needed = math.ceil(self.memory / _BYTES_PER_MB)
         if given is None or given >= needed:

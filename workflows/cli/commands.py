@@ -1,7 +1,7 @@
 """Commands and their options as data, and the options that several commands share.
 
 A command is declared here or by an extension; its function is loaded when the command is run, so
-that a module of declarations needs neither numpy nor what the command computes with.
+that a module of declarations imports neither numpy nor the code of the command.
 """
 
 from __future__ import annotations
@@ -208,7 +208,7 @@ FIGURE_KEYS = {
     ),
     "depths": option(
         "--depths", metavar="METRES,...",
-        help="depths of the figure force_at_depths, below the struck sphere",
+        help="depths of the figure force_at_depths, below the impacted sphere",
     ),
     "colour_map": option(
         "--colour-map", metavar="NAME", help="matplotlib colour map of all figures that use one"

@@ -50,7 +50,7 @@ def complete(parser: argparse.ArgumentParser) -> None:
 
 
 def with_completers(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
-    """Add completers to the arguments of all commands; those without one complete the names of
+    """Add completers to the arguments of all commands; other arguments complete the names of
     files.
     """
     (verbs,) = (

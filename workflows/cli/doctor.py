@@ -1,5 +1,5 @@
-"""Check of the installation: a line for each part and extension, with a remedy for what does not
-work.
+"""Check of the installation: a line for each part and extension, with a remedy for each
+failure.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def doctor(options: argparse.Namespace) -> int:
 
 
 def found_extensions() -> list[FoundExtension]:
-    """Return the extensions that are installed and not left out, by name."""
+    """Return the extensions that are installed and enabled, by name."""
     return [_found(extension) for extension in extensions()]
 
 
@@ -228,7 +228,7 @@ def _ranks() -> Finding:
 
 
 def _cluster(path: Path) -> list[Finding]:
-    """Check what the profile of a cluster names: commands of its scheduler, and the launcher."""
+    """Check the commands in the profile of a cluster: scheduler and launcher."""
     try:
         profile = load_profile(path)
     except InputError as error:

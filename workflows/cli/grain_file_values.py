@@ -18,7 +18,7 @@ _SAME = 1e-9  # relative difference of equal sizes
 
 
 def grain_file_values(assembly: Assembly) -> dict[str, Any] | None:
-    """Return what was read of ``packing.file``; None if the grains come from no file.
+    """Return the content of ``packing.file``; None without a file.
 
     Units are part of the names.
     """

@@ -109,8 +109,8 @@ def titles() -> dict[str, str]:
 
 
 def find(*words: str) -> list[KeyTable]:
-    """Return the tables of this name, or the table with one key alone; for other words the keys
-    that these stand in.
+    """Return the tables of this name, or the table with a single key; for other words the keys
+    that contain them.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def _of_section(file: str, heading: str, section: type, description: str = "") -
 
 
 def _key_of(name: str, field: dataclasses.Field[Any]) -> Key:
-    """Return what is declared of a key."""
+    """Return the declaration of a key."""
     info = info_of(field)
     return Key(
         name=name,
@@ -302,4 +302,4 @@ def _hint(wanted: str) -> str:
     if near:
         return f"did you mean {' or '.join(near)}?"
     hint = hint_for(wanted.rpartition(".")[2], names, "", list(dict.fromkeys(vocabulary)))
-    return hint.replace("known here:", "known:")
+    return hint.replace("available here:", "available:")

@@ -123,7 +123,7 @@ def _set_up_output() -> None:
 
 
 class _StandardError(io.TextIOWrapper):
-    """Standard error that nobody has to read: a run goes on without it."""
+    """Standard error that need not be read: a run continues without it."""
 
     def write(self, text: str) -> int:
         """Write, if anyone reads."""

@@ -29,7 +29,8 @@ def cases(options: argparse.Namespace) -> int:
     ]
     if not found:
         raise InputError(
-            f"{' '.join(options.words)}: no built-in case or scan has these words; granwave cases lists all"
+            f"{' '.join(options.words)}: no built-in case or scan contains these words; "
+            "granwave cases lists all"
         )
     if options.json:
         print_json([entry._asdict() for entry in found])

@@ -369,7 +369,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _meant(unknown: str) -> str:
-    """Suggest what an option that a command does not have was probably meant to be."""
+    """Suggest the intended option for an unknown option of a command."""
     keys = "; keys of a case are set by --set KEY=VALUE"
     commands_by_option: dict[str, list[str]] = {}
     for command in commands():

@@ -1,4 +1,4 @@
-"""Values of a planned run, beside those of its `Plan`, as ``granwave check --json`` prints them."""
+"""Values of a planned run, in addition to its `Plan`, as ``granwave check --json`` prints them."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def _struck(assembly: Assembly) -> dict[str, Any] | None:
 
 
 def _contacts_found(case: Case) -> dict[str, Any] | None:
-    """Return what each way of ``packing.contacts`` would do with grains of a file; None if there
+    """Return the effect of each value of ``packing.contacts`` on grains of a file; None if there
     are none, or if all of them just touch.
     """
     packing = case.packing

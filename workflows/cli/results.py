@@ -107,7 +107,7 @@ def figures(options: argparse.Namespace) -> int:
 
 
 def _names_of_figures(options: argparse.Namespace) -> tuple[str, ...] | None:
-    """Return the names of the figures that the command line asks for; None if it names none.
+    """Return the names of the figures on the command line; None if it names none.
 
     Raises
     ------
@@ -187,7 +187,7 @@ def _toml(text: str) -> Any:
 
 
 def _in_words(name: str, expected: str) -> str:
-    """Return what a key expects, as the command line writes it."""
+    """Return the expected values of a key, in the notation of the command line."""
     if name == "plane" and expected != NO_NORMAL:
         return (
             "x, y, z, or the three components of a normal, such as 1,1,0; --through requires "

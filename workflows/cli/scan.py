@@ -60,7 +60,7 @@ def scan(options: argparse.Namespace) -> int:
 
 
 def _not_made(name: str, error: PackingNotMadeError, *, as_json: bool) -> int:
-    """Show what the packings of a scan would cost, whose plan follows once they are made."""
+    """Show the cost of the packings of a scan, whose plan follows once they are made."""
     time = sum(packing.time for packing in error.packings)
     memory = max(packing.memory for packing in error.packings)
     if as_json:
@@ -178,7 +178,7 @@ def _print_scripts(
 ) -> int:
     """Print the script of the first job of each scan; return the exit status."""
     if profile is None:
-        raise InputError("--print: is for --submit; leave it out, or add --submit PROFILE")
+        raise InputError("--print: requires --submit; remove it, or add --submit PROFILE")
     machine = Machine(jobs, profile)
     for place, part in parts.items():
         batches = machine.batches(points_left(part, place, fresh=fresh), "batch")
@@ -189,7 +189,7 @@ def _print_scripts(
 
 
 def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
-    """Say what is left to do; returns the exit status."""
+    """Print the remaining work; return the exit status."""
     if stopped == STOPPED:
         print(
             "granwave: interrupted; run the same command with --resume to continue",
@@ -234,7 +234,7 @@ def _executor(options: argparse.Namespace) -> Profile | None:
         options.executor = profile.scheduler
         return profile
     if options.print:
-        raise InputError("--print: is for --submit; leave it out, or add --submit PROFILE")
+        raise InputError("--print: requires --submit; remove it, or add --submit PROFILE")
     if options.executor not in EXECUTORS:
         hint = did_you_mean(options.executor, EXECUTORS)
         raise InputError(
@@ -380,7 +380,7 @@ def outcome_text(outcome: ScanOutcome) -> str:
 
 
 def _means_text(result: ScanResult) -> str:
-    """Return what the points say together: means over replicates, if there are some, and a
+    """Return the results of all points: means over replicates, if there are any, and a
     sentence.
     """
     means = means_of(result)

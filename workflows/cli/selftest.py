@@ -87,8 +87,8 @@ _NO_RESUME = "do not use --resume here; granwave run two-spheres shows whether r
 
 @dataclasses.dataclass(frozen=True)
 class Check:
-    """One line of the table: what is checked, the expected and the found answer, and what to do if
-    they differ.
+    """One line of the table: the check, the expected and the found answer, and the
+    remedy.
     """
 
     what: str
@@ -327,7 +327,7 @@ def _ranks(scratch: Path, ranks: int, launcher: Sequence[str]) -> list[Check]:
 
 def _fields(directory: Path) -> dict[str, Any]:
     """Return the values of grains, contacts and snapshots of a result by name; sums over all grains
-    are left out.
+    are omitted.
 
     Those are rounded in the order of the ranks.
     """
@@ -344,8 +344,8 @@ def _fields(directory: Path) -> dict[str, Any]:
 
 
 def _resumed(scratch: Path) -> list[Check]:
-    """Stop the packing after its first steps, and go on; values must be those of the run that was
-    not stopped.
+    """Stop the packing after its first steps, and continue; values must equal those of the
+    uninterrupted run.
     """
     with _stopped_early(scratch / "resumed", scratch / "stop"):
         _run(scratch, "resumed", _PACKING)

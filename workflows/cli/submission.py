@@ -35,10 +35,10 @@ def profile_of(value: Any) -> Profile:
 
 
 def refuse_without_submit(options: argparse.Namespace) -> None:
-    """Raise InputError for options that have a meaning with ``--submit`` alone."""
+    """Raise InputError for options that apply only with ``--submit``."""
     for name, value in (("--print", options.print), ("--chain", options.chain)):
         if value:
-            raise InputError(f"{name}: is for --submit; leave it out, or add --submit PROFILE")
+            raise InputError(f"{name}: requires --submit; remove it, or add --submit PROFILE")
 
 
 def ranks_of(options: argparse.Namespace, profile: Profile) -> int:
@@ -126,7 +126,7 @@ def submit_or_print(
 
 
 def _submitted(job: CommandJob, profile: Profile, jobs: Sequence[str]) -> str:
-    """Return what was submitted, and where its results will be."""
+    """Return a description of the submitted jobs, and the directory of the results."""
     request = job.request(profile)
     queue = profile.queue
     title = f"job {jobs[0]}"

@@ -58,7 +58,8 @@ def warn(text: str) -> None:
 
 
 def warn_of_lacks(name: str, afford: Callable[[], object]) -> list[str]:
-    """Return and print what this machine lacks for a run, as warnings: another may have it.
+    """Return and print the missing resources of this machine for a run, as warnings; another
+    machine may have them.
 
     Parameters
     ----------
@@ -69,8 +70,7 @@ def warn_of_lacks(name: str, afford: Callable[[], object]) -> list[str]:
         afford()
     except InputError as error:
         lacks = [
-            f"{line_of(fault)} (on this machine; granwave run would refuse)"
-            for fault in error.items
+            f"{line_of(fault)} (on this machine; granwave run would stop)" for fault in error.items
         ]
     else:
         lacks = []

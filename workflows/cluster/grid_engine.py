@@ -38,7 +38,7 @@ class GridEngine(Scheduler):
         if request.ranks > 1 and template is None and request.parallel_environment is None:
             raise InputError(
                 "cluster.parallel_environment: missing; Grid Engine needs it for several MPI "
-                "ranks: qconf -spl lists those of the cluster"
+                "ranks: qconf -spl lists the available environments"
             )
         return super().script(request, template)
 

@@ -1,9 +1,9 @@
 """Jobs of single commands: ``granwave run CASE --submit`` makes NAME.job beside the directory NAME
 of the results, with script, logs, and a record of the jobs.
 
-A chain is several jobs, each of which waits for the end of the one before and goes on from its
-checkpoint; they are in the queue from the start, as compute nodes often must not submit. When the
-work is done, the jobs that are left end at once.
+A chain is several jobs, each of which waits for the end of the previous job and continues from
+its checkpoint; all are submitted at the start, because compute nodes often must not submit. When
+the work is done, the jobs that are left end at once.
 """
 
 from __future__ import annotations
@@ -181,7 +181,7 @@ def is_ended(folder: Path) -> bool:
 def note_end(folder: Path, status: int) -> None:
     """Note the exit status of the command of a job: 0 and 2 are final, and a second failure.
 
-    An interrupted command (130) and one that was killed go on in the next job.
+    An interrupted command (130) and a killed command continue in the next job.
     """
     final = status in (0, 2)
     if status == 1:

@@ -50,7 +50,7 @@ _OPTIONS = schema.TextType(expected="options of jobs, a string", may_be_empty=Tr
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SlurmProfile:
-    """``[slurm]`` of a profile file: the keys of `Profile` for Slurm alone."""
+    """``[slurm]`` of a profile file: the keys of `Profile` for Slurm only."""
 
     partition: str | None = text("partition or queue to submit to", default=None)
     account: str | None = text("account or project to charge", default=None)
@@ -58,13 +58,13 @@ class SlurmProfile:
         "time limit of a job, minutes; default: thrice the expected time", default=None
     )
     memory: int | None = schema.count(
-        "memory of a job on each node, MB; default: what its points need", default=None
+        "memory of a job on each node, MB; default: the memory required by its points", default=None
     )
-    jobs: int = schema.count("jobs at once, where --jobs is not given", default=100)
-    nodes: int = schema.count("nodes that the ranks of a point are spread over", default=1)
+    jobs: int = schema.count("number of simultaneous jobs, unless --jobs is given", default=100)
+    nodes: int = schema.count("number of nodes for the ranks of a point", default=1)
     launcher: str | None = text(
-        "starts the ranks of a point; default: srun --mpi=pmi2 with Slurm, flux run with Flux, "
-        "else mpiexec",
+        "command that starts the ranks of a point; default: srun --mpi=pmi2 with Slurm, flux run "
+        "with Flux, otherwise mpiexec",
         default=None,
     )
     before: str = schema.typed(
@@ -73,9 +73,9 @@ class SlurmProfile:
     options: str = schema.typed(
         "further options of jobs, such as --constraint=...", _OPTIONS, default=""
     )
-    job_start: float = schema.number("time that it takes to start a job, s", above=0, default=15.0)
+    job_start: float = schema.number("start-up time of a job, s", above=0, default=15.0)
     status: Literal["squeue", "sacct"] = schema.choice(
-        "how the state of jobs is asked for with Slurm; sacct needs an accounting database",
+        "command that returns the state of jobs with Slurm; sacct requires an accounting database",
         ("squeue", "sacct"),
         default="squeue",
     )
@@ -87,10 +87,10 @@ class Profile(SlurmProfile):
 
     scheduler: str = schema.choice("scheduler of the cluster", tuple(SCHEDULERS), default="slurm")
     template: str | None = schema.path(
-        "file with the site's own script of jobs, in the language of Jinja", default=None
+        "template of the job script of the site, in the language of Jinja", default=None
     )
     cores: int | None = schema.count(
-        "cores of a node: ranks of a run, where --np is not given", default=None
+        "cores of a node: number of ranks of a run, unless --np is given", default=None
     )
     parallel_environment: str | None = text(
         "parallel environment of Grid Engine for several ranks (qconf -spl lists them)",
@@ -227,7 +227,7 @@ def _check(profile: Profile, table: str, errors: ErrorList) -> None:
             remedy = f"no {name}: it is the key {table}.{kind.keys[name]}"
             errors.add(key, Mismatch(show(profile.options), remedy))
         elif name in kind.own_options:
-            remedy = f"no {name}: granwave gives it to each job"
+            remedy = f"no {name}: granwave sets it for each job"
             errors.add(key, Mismatch(show(profile.options), remedy))
 
 

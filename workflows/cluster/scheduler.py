@@ -2,7 +2,7 @@
 
 `pysqa` knows the commands and reads their answers. Here is what it lacks: our templates, with the
 units and the signal before the time limit that runs need, reasons why jobs wait or have ended, and
-errors that say what a command has answered.
+errors with the answer of a command.
 """
 
 from __future__ import annotations
@@ -294,7 +294,7 @@ class Scheduler:
         return dict(zip(ids, table["status"], strict=True))
 
     def cancel(self, jobs: Iterable[str]) -> None:
-        """Cancel jobs; log a warning where the scheduler refuses, as for jobs that have ended."""
+        """Cancel jobs; log a warning if the scheduler rejects it, as for jobs that have ended."""
         for job in jobs:
             try:
                 ask([*self.commands.delete_job_command, job])
@@ -306,7 +306,7 @@ class Scheduler:
         return {}
 
     def refusal(self, error: RunError) -> str:
-        """Return what the scheduler has against a job, without the name of the command."""
+        """Return the objection of the scheduler to a job, without the name of the command."""
         return str(error).removeprefix(f"{self.commands.submit_job_command[0]} failed: ")
 
     # ------------------------------------------------------------------ how jobs end
@@ -339,7 +339,7 @@ class Scheduler:
         return "; ".join(self._signs(log))
 
     def _signs(self, log: Sequence[str]) -> list[str]:
-        """Return what the scheduler has written into the log of a job, each line once."""
+        """Return the messages of the scheduler in the log of a job, each line once."""
         if self.signs_in_log is None:
             return []
         matches = (self.signs_in_log.match(line) for line in log)

@@ -72,7 +72,7 @@ class Slurm(Scheduler):
         return {job: reason.strip("()") for job, _, reason in rows if reason not in self._USUAL}
 
     def refusal(self, error: RunError) -> str:
-        """Return what Slurm has against a job, without the names of its commands."""
+        """Return the objection of Slurm to a job, without the names of its commands."""
         lines = super().refusal(error).split("sbatch: error: ")
         return "; ".join(dict.fromkeys(filter(None, (line.strip(" .") for line in lines))))
 

@@ -344,7 +344,7 @@ def compare(
     shift: float = 0.0,
     scale: float = 1.0,
 ) -> Comparison:
-    """Compare runs: what differs most, what differs in their cases, and their curves.
+    """Compare runs: largest differences, differences between their cases, and their curves.
 
     Parameters
     ----------

@@ -150,8 +150,8 @@ def contact_energy(
     peak_overlap: ArrayLike | None = None,
     **options: Any,
 ) -> Values:
-    """Return the energy that a contact stores, which unloading gives back; what yielding took is
-    not in it.
+    """Return the elastic energy of a contact, which unloading recovers; plastic dissipation is
+    not included.
 
     With cohesion it is counted from surfaces apart, and may be negative.
 
@@ -175,7 +175,7 @@ def contact_energy(
 
 
 def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **options: Any) -> Values:
-    """Return the overlap at which a contact that is loaded for the first time bears a force.
+    """Return the overlap at which a contact carries a force on first loading.
 
     Parameters
     ----------

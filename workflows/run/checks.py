@@ -104,8 +104,8 @@ _NEAR_BALANCE = (
     "method and lets grains move"
 )
 _HELD_BY_FRICTION = (
-    f', or take {KEY} = "{RELAX.name}" with packing.{RELAXATION} = "{DAMPED}", which keeps the '
-    "friction of the case on the way to balance"
+    f', or use {KEY} = "{RELAX.name}" with packing.{RELAXATION} = "{DAMPED}", which keeps the '
+    "friction of the case"
 )
 _BORNE = (
     "hold the outer grains with [[hold]], or press on the top with precompression.force and "
@@ -194,7 +194,7 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
 
 
 def _has_lost_load(assembly: Assembly, found: dict[str, float]) -> bool:
-    """Return True if grains of a file bear hardly any force after the static stage, though they
+    """Return True if grains of a file carry almost no force after the static stage, although they
     should.
     """
     way = assembly.case.packing.contact_way

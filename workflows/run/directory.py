@@ -1,4 +1,4 @@
-"""Directory of a run: its record and checkpoint; start, continue or refuse, by the rules of
+"""Directory of a run: its record and checkpoint; start, continue or reject, by the rules of
 `lammps_inputs.result_directory`; its lock.
 """
 
@@ -159,7 +159,7 @@ def decide(
     here: bool = True,
     processes: Processes = ALONE,
 ) -> str:
-    """Decide what to do in a directory: START, CONTINUE from its checkpoint, ANALYSE, or nothing
+    """Choose the action for a directory: START, CONTINUE from its checkpoint, ANALYSE, or nothing
     (FINISHED).
 
     Changes nothing. ``processes`` read the files of the checkpoint. A run that is not made

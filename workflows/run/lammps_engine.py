@@ -54,7 +54,7 @@ class Engine:
             self.lammps.commands_string(with_absolute_files(text, self._directory))
 
     def end_command(self) -> None:
-        """End a running command at its next step; called from another thread, on one rank alone."""
+        """End a running command at its next step; called from another thread, on one rank only."""
         self.lammps.force_timeout()
 
     def last_thermo(self) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """Remains of killed processes: scratch directories, and shared memory of MPI.
 
-Each belongs to a file that its process keeps locked. A later start removes what belongs to files of
-this user that nobody locks any more.
+Each belongs to a file that its process keeps locked. A later start removes the files of this user
+that are no longer locked.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def remove_own() -> None:
 
 
 def clear() -> None:
-    """Remove what processes of this user have left that do not exist any more."""
+    """Remove the files of terminated processes of this user."""
     with contextlib.suppress(OSError), os.scandir(tempfile.gettempdir()) as entries:
         for entry in entries:
             if entry.name.startswith(_PREFIX):

@@ -130,7 +130,7 @@ def world() -> Intracomm:
 
 
 def this_process() -> Intracomm:
-    """Return the communicator of this process alone."""
+    """Return the communicator of this process only."""
     return _started().COMM_SELF
 
 
@@ -179,7 +179,7 @@ def abort(comm: Intracomm, message: str, status: int = 1) -> NoReturn:
 
 def _note_last_words(text: str) -> None:
     """Write the message of an abort where `launch` finds it; launchers may end before they have
-    passed on what the ranks wrote last.
+    passed on the last output of the ranks.
     """
     if LAST_WORDS_FILE in os.environ:
         with contextlib.suppress(OSError):
@@ -323,7 +323,7 @@ def launch(
     errors = bytearray()  # what came on the standard error of the ranks
 
     def pass_on(stream: IO[bytes], number: int, kept: bytearray | None) -> None:
-        """Copy what comes to a file descriptor of this process, as long as somebody reads that."""
+        """Copy the output of a file descriptor of this process, as long as it is read."""
         with stream:
             while found := os.read(stream.fileno(), 65536):
                 if kept is not None:
@@ -366,7 +366,7 @@ def launch(
 
 
 def _write(number: int, text: bytes) -> None:
-    """Write to a file descriptor, as long as somebody reads it."""
+    """Write to a file descriptor, as long as it is read."""
     with contextlib.suppress(OSError):
         while text:
             text = text[os.write(number, text) :]
@@ -393,7 +393,7 @@ def errors_in(lines: Iterable[str]) -> list[str]:
 
 
 def check_cores(n_ranks: int) -> None:
-    """Warn of more ranks than cores, which wait for each other; refuse many more.
+    """Warn of more ranks than cores, which wait for each other; reject many more.
 
     Raises
     ------
@@ -415,8 +415,8 @@ def check_cores(n_ranks: int) -> None:
 
 
 def end_with_parent(number: int = signal.SIGKILL) -> None:
-    """Let the system send this process a signal when its parent ends, also where that was killed;
-    under Linux alone.
+    """Let the system send this process a signal when its parent ends, also if the parent was
+    killed; on Linux only.
     """
     if _C_LIBRARY is not None:
         _C_LIBRARY.prctl(_SET_PARENT_DEATH_SIGNAL, number)

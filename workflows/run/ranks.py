@@ -101,7 +101,7 @@ class _Ranks(Processes):
         return received
 
     def _await(self) -> None:
-        """Wait for what was handed out and is not wanted any more."""
+        """Wait for distributed work that is no longer needed."""
         while self._given:
             rank, _, sent = self._given.popleft()
             if sent is not None:

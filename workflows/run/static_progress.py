@@ -48,7 +48,7 @@ class StaticProgress:
         self._share = 0.0
 
     def commands(self, text: str) -> None:
-        """Execute commands, and show the progress of those that take long.
+        """Execute commands, and show the progress of long commands.
 
         Raises
         ------

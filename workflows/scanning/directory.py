@@ -1,5 +1,5 @@
-"""Directory of a scan: may the scan be run there, what do its remaining points require, and how is
-it made ready.
+"""Directory of a scan: permission to run the scan there, the requirements of its remaining points,
+and its preparation.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def decide(scan: Scan, results: ResultDirectory, *, resume: bool, force: bool) -
     results.check(resume=resume, force=force)
     results.refuse_other_kind(SCAN)
     if not resume and not force:
-        results.refuse_results("resume=True does what is missing, ")
+        results.refuse_results("resume=True runs only the missing points, ")
     results.refuse_foreign([*layout.files(scan.distinct), f"{SCAN_WORK}/"])
     if resume and is_scan(results):
         there = None

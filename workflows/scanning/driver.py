@@ -119,7 +119,7 @@ def run_scan(
         profile = None
     else:
         profile = profile or Profile(scheduler=executor)
-        profile.queue.check(f"--executor {executor}", ", or take --executor local")
+        profile.queue.check(f"--executor {executor}", ", or use --executor local")
     with held(results), Interrupts() as stop:
         decide(scan, results, resume=resume, force=force)
         if force:
@@ -177,7 +177,7 @@ class _ScanRun:
                 # no point runs twice: an earlier start of this scan may have left jobs on the
                 # cluster
                 while not self.stop.count and self._has_jobs():
-                    self._look("jobs of an earlier start go on")
+                    self._look("jobs of an earlier start continue")
                     time.sleep(_QUEUE_POLL)
                 self._update_points()
                 if not self.open or self.stop.count or self.stopped:
@@ -213,7 +213,7 @@ class _ScanRun:
                 if self.stop.count or stop.exists():
                     if self.stop.count:
                         logger.warning(
-                            "%s: stopping; the points in work write checkpoints ...", self.scan.name
+                            "%s: stopping; running points write checkpoints ...", self.scan.name
                         )
                     with contextlib.suppress(OSError):
                         stop.touch()

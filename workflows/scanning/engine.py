@@ -90,7 +90,7 @@ class Jobs:
             time.sleep(_POLL)
 
     def kill(self) -> None:
-        """Kill what still runs on this machine."""
+        """Kill the points that are still running on this machine."""
 
     def _ended(self) -> list[Any]:
         raise NotImplementedError

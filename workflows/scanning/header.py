@@ -1,4 +1,4 @@
-"""Keys of a scan file: its top-level ones, and the values of what varies, by point."""
+"""Keys of a scan file: top-level keys, and the varied values, by point."""
 
 from __future__ import annotations
 

@@ -75,7 +75,10 @@ def warn_of_pending(
     for reason in {reasons[job] for job in jobs if job in reasons} - reported:
         reported.add(reason)
         logger.warning(
-            "%s: %s lets jobs wait: %s; Ctrl-C takes them back", scan, scheduler.title, reason
+            "%s: jobs wait in the queue of %s: %s; Ctrl-C cancels them",
+            scan,
+            scheduler.title,
+            reason,
         )
 
 

@@ -1,7 +1,7 @@
-"""Comparison of runs: what differs most, what differs in their cases, and their curves on shared
+"""Comparison of runs: largest differences, differences between their cases, and curves on shared
 axes.
 
-subjects    runs with the labels that tell them apart
+subjects    runs with distinct labels
 values      values of their summaries: which differ most
 cases       keys of their cases, and grains, that differ
 curves      forces, energies, peaks by depth and fronts of a run, as curves

@@ -133,7 +133,7 @@ def _ratio_name(runs: Sequence[ComparedRun]) -> str:
 
 
 def case_tables(comparison: Comparison) -> list[Block]:
-    """Return what differs in the cases: physics open, and how the runs were followed folded."""
+    """Return the differences of the cases: physics unfolded, output and run control folded."""
     rows = comparison.case_rows
     physical = [row for row in rows if not row.is_numerical]
     numerical = [row for row in rows if row.is_numerical]
@@ -211,7 +211,7 @@ def _peak_text(difference: float) -> str:
 
 
 def _pictures(comparison: Comparison) -> list[Block]:
-    """Return the figures, and what of them could not be drawn."""
+    """Return the figures, and the figures that could not be drawn."""
     figures: list[Figure] = []
     failed: list[NotDrawn] = []
     for name in comparison.wanted_figures:

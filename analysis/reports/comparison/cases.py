@@ -92,7 +92,7 @@ def _key_row(key: str, runs: Sequence[ComparedRun], *, is_numerical: bool = Fals
 def _grain_rows(runs: Sequence[ComparedRun], *, places: bool) -> list[Difference]:
     """Return rows for grains of the same ids that differ in material, diameter or position.
 
-    Positions are left out without ``places``, where a key of the packing says that they differ.
+    Positions are omitted without ``places``, where a key of the packing says that they differ.
     """
     grains: list[_Grains] = []
     for run in runs:

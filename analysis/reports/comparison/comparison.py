@@ -58,7 +58,7 @@ class Comparison:
     runs
         The runs, with their labels in figures.
     measured
-        Measured curve by the name of the figure that it lies over; empty without one.
+        Measured curve by the name of the figure that it lies over; empty if there is none.
     quantities
         Names that were asked for: of values and of figures; empty for all.
     left_out
@@ -155,13 +155,13 @@ class Comparison:
         return asked if self.quantities else list(FIGURES)
 
     def data(self, name: str) -> FigureData:
-        """Return what the runs give for a figure, and why others give nothing."""
+        """Return the data of the runs for a figure, and the reasons for missing runs."""
         if name not in self._data:
             self._data[name] = read_figure(FIGURES[name], self.runs)
         return self._data[name]
 
     def drawing(self, name: str) -> Drawing | NotDrawn | None:
-        """Return a figure; None where no run has what it shows, and the reason where it failed."""
+        """Return a figure; None if no run has its data, and the reason if it failed."""
         if name not in self._drawn:
             self._drawn[name] = attempt(f"figure {name}", lambda: self._draw(name))
         return self._drawn[name]
@@ -208,7 +208,7 @@ class Comparison:
             )
 
     def figure(self, name: str) -> Axes | list[Axes]:
-        """Draw a figure, to go on with; it is not saved.
+        """Draw a figure for further editing; it is not saved.
 
         Returns
         -------
@@ -273,7 +273,7 @@ class Comparison:
 
     @property
     def notes(self) -> list[str]:
-        """Sentences on runs that are left out, that ended early, or that no figure shows."""
+        """Sentences on runs that are omitted, that ended early, or that no figure shows."""
         early = [f"{run.name} ({run.unfinished})" for run in self.runs if run.unfinished]
         notes = [f"Left out: {message}." for message in self.left_out]
         if early:

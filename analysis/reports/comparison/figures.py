@@ -119,10 +119,10 @@ class FigureData:
 
 
 def read_figure(figure: ComparisonFigure, runs: Sequence[ComparedRun]) -> FigureData:
-    """Read what a figure needs of each run.
+    """Read the data of each run for a figure.
 
-    Of more runs than it can show, those that are spread evenly over their order are taken first;
-    the others are named.
+    If there are more runs than it can show, an evenly spaced selection is shown; the others are
+    named.
     """
     present: dict[ComparedRun, Any] = {}
     lacking: dict[ComparedRun, str] = {}

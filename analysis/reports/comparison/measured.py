@@ -236,7 +236,7 @@ def outside_notes(
     return [
         f"Largest values outside the range of {measured.source}, {' to '.join(ends)}: "
         f"{', '.join(places[:_MOST_LISTED])}{more}. Shift the measured curve if its zero "
-        "is another one."
+        "differs."
     ]
 
 
@@ -296,7 +296,7 @@ def _columns(table: TextTable, units: tuple[str, str], source: str) -> Sequence[
 
 
 def _unit_of(head: str) -> str:
-    """Return the unit in the name of a column; empty without one."""
+    """Return the unit in the name of a column; empty if there is none."""
     _, unit = split_unit(head)
     if not unit and (match := _JOINED.fullmatch(head)):
         unit = match[2]

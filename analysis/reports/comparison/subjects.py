@@ -1,4 +1,4 @@
-"""Runs of a comparison, with the labels that tell them apart."""
+"""Runs of a comparison, with distinct labels."""
 
 from __future__ import annotations
 
@@ -228,7 +228,7 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _texts(runs: Sequence[ReportRun]) -> list[str]:
-    """Return what differs in the case of each run, in a few words."""
+    """Return the differences of the case of each run, in a few words."""
     with_case = [run for run in runs if run.case]
     keys = physical_keys(with_case) if len(with_case) > 1 else []
     if len({run.kind for run in runs}) > 1:
@@ -242,7 +242,7 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
 
 
 def _shortened(label: str) -> str:
-    """Return a label with its middle left out where it is long."""
+    """Return a label, shortened in the middle if it is long."""
     if len(label) <= _LONGEST:
         return label
     half = _LONGEST // 2 - 1

@@ -58,7 +58,7 @@ class ComparedValue:
     label
         What it is, in words.
     unit
-        SI unit; empty without one.
+        SI unit; empty if there is none.
     """
 
     name: str
@@ -80,7 +80,7 @@ class ComparedValue:
     def ratio(self) -> float | None:
         """Second over first value of two runs; of more the one of largest over smallest magnitude.
 
-        None where a run has none, or with zero or unlike signs.
+        None where a run has none, or with zero or different signs.
         """
         if None in self.values or not all(self.numbers):
             return None
@@ -112,7 +112,7 @@ class ComparedValue:
 def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> list[ComparedValue]:
     """Return the values of the runs: those of some names, or all results, the most different first.
 
-    Values that are zero in every run are left out, unless they are asked for by their names.
+    Values that are zero in every run are omitted, unless they are requested by name.
     """
     asked = list(names)
     values = [_value(name, runs) for name in asked or _outcomes(runs)]
@@ -223,7 +223,7 @@ def _rank(value: ComparedValue) -> tuple[bool, float]:
 
 
 def _family(name: str) -> str:
-    """Return the beginning of the names that say much the same; the name where it is alone."""
+    """Return the common beginning of similar names; the name if it is the only one."""
     for beginnings in _FAMILIES:
         if name.startswith(beginnings):
             return beginnings[0]

@@ -102,5 +102,5 @@ class FittedLaw:
 
     @property
     def scale(self) -> str:
-        """Sentence on first yield, by which parts of the measurements are told apart."""
+        """Sentence on first yield, which divides the measurements into parts."""
         return f"overlaps in units of the overlap at first yield, {self.law.yield_overlap:.4g} m"

@@ -122,10 +122,10 @@ def _column(
 
 
 def _is_velocity(value: float) -> str:
-    """Return what is expected in place of a wrong velocity; empty for a right one."""
+    """Return the expected value for an invalid velocity; empty for a valid velocity."""
     return "" if value > 0 else "a velocity above 0"
 
 
 def _is_ratio(value: float) -> str:
-    """Return what is expected in place of a wrong coefficient; empty for a right one."""
+    """Return the expected value for an invalid coefficient; empty for a valid coefficient."""
     return "" if 0 <= value <= _MOST else "a ratio from 0 to 1, not per cent"

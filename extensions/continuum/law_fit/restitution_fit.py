@@ -3,7 +3,7 @@
 An impact of effective mass m at the velocity v loads the contact until the work of loading W is
 m v^2/2, and dissipates D:  e = sqrt(1 - D/W). With given constants of the law the velocity over
 that of first yield determines e, and this velocity is proportional to the 5/2-th power of the yield
-strength: it is what restitution tells first. What the same measurements would tell of each other
+strength: restitution determines it best. What the same measurements would tell of each other
 constant, if it were fitted together with the yield strength, is stated for each.
 
 Least squares of e_law - e, with Huber's loss from three times the scatter on, and uncertainties as
@@ -76,7 +76,7 @@ class RestitutionFit(FittedLaw):
     told: dict[str, float]
 
     def state(self, name: str) -> str:
-        """Describe how a value was obtained, and what impacts tell of one that was held."""
+        """Describe how a value was obtained, and how well impacts would determine a fixed value."""
         if name in self.uncertainty:
             return super().state(name)
         spread = self.told[name]
@@ -358,7 +358,7 @@ def _misfit(rebounds: Rebounds, mass: float, law: ContactLaw, published: Contact
 
 def _warn(fit: RestitutionFit) -> None:
     """Warn of impacts beyond the law, of elastic impacts that lose energy, and of a strength that
-    restitution does not tell.
+    restitution does not determine.
     """
     rebounds = fit.rebounds
     overlap = overlap_at(fit.law, fit.mass, rebounds.velocity)

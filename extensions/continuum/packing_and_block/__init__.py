@@ -1,1 +1,1 @@
-"""Packings against each other and against the continuum: what many runs say together."""
+"""Comparison of packings with each other and with the continuum, over many runs."""

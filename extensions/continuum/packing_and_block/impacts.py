@@ -72,8 +72,8 @@ class Impacts:
 
     @cached_property
     def reference(self) -> DataFrame:
-        """The largest group of granular runs that differ in velocity alone, one sphere struck; by
-        velocity.
+        """The largest group of granular runs that differ only in velocity, with one impacted
+        sphere; by velocity.
         """
         single = self.granular[self.granular.struck_spheres == 1]
         return rising(largest(single, "shape", "substance"), "velocity_normalised")
@@ -111,14 +111,14 @@ class Impacts:
 
     @cached_property
     def continuum_reference(self) -> DataFrame:
-        """The largest group of continuum runs that differ in the energy of the punch alone; by
+        """The largest group of continuum runs that differ only in the energy of the punch; by
         energy.
         """
         return rising(largest(self.continuum, "shape", "substance"), "energy_normalised")
 
 
 def collect(runs: Iterable[AnyRun[Any]]) -> Impacts:
-    """The runs that can be compared; others are left out.
+    """The runs that can be compared, without the others.
 
     What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by
     the elasto-plastic law, and of punches on blocks.
@@ -212,8 +212,8 @@ def variants(impacts: Impacts) -> Curves:
 
 
 def materials(impacts: Impacts) -> Curves:
-    """The reference of blocks and the groups that differ from it in material alone, with their
-    names.
+    """The reference of blocks and the groups that differ from it only in the material, with
+    their names.
     """
     runs = impacts.continuum
     reference = impacts.continuum_reference
@@ -221,7 +221,7 @@ def materials(impacts: Impacts) -> Curves:
 
 
 def masses(impacts: Impacts) -> Curves:
-    """Groups that differ from the reference in the mass of the punch alone, by rising mass."""
+    """Groups that differ from the reference only in the mass of the punch, in ascending order."""
     runs = impacts.continuum
     alike = runs[runs.but_for_mass.isin(impacts.continuum_reference.but_for_mass[:1])].groupby(
         "mass_kg"

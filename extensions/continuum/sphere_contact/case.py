@@ -54,7 +54,7 @@ class SphereContactRunSettings:
         default=10,
     )
     elements: int = count(
-        "approximate number of elements of the meshof both spheres",
+        "approximate number of elements of the mesh of both spheres",
         at_least=100,
         at_most=1_000_000_000,
         default=6000,

@@ -163,7 +163,7 @@ class _Search:
             while self._fill() and not self.stop.count:
                 self._take()
             if self.stop.count and self.points:
-                logger.warning("%s: stopping; the runs in work write checkpoints ...", problem.name)
+                logger.warning("%s: stopping; current runs write checkpoints ...", problem.name)
                 self.points.stop()
                 while self.points:
                     self._take()
@@ -258,7 +258,7 @@ class _Search:
             self._end(design, FAILED, "its run was stopped externally")
 
     def _show_progress(self) -> None:
-        """Show the best objectives, and how many designs were refused or have failed."""
+        """Show the best objectives, and the numbers of rejected and failed designs."""
         parts = []
         for best in self.study.best()[:1]:
             values = ", ".join(f"{name} {value:.4g}" for name, value in best.objectives.items())
@@ -345,7 +345,7 @@ class _Search:
 
     def _is_lost(self, design: Design) -> bool:
         """Return True if the runs so far are so much worse than the best design that further runs
-        hardly help.
+        are not useful.
 
         The objective of the design is then estimated from these runs, for the model.
         """

@@ -5,9 +5,9 @@ First designs are drawn at random. From then on a Gaussian process (Matern 5/2, 
 variable; scikit-learn) of the logarithm of the objective gives mean and deviation of every
 candidate, and the candidates are ordered by expected improvement times the probability that they
 meet the limits. Candidates are all designs of a small space, else random ones and changes of the
-best. Two objectives are joined by weights that are drawn anew for each design (ParEGO, Knowles,
+best. Two objectives are joined by weights that are drawn again for each design (ParEGO, Knowles,
 IEEE Trans. Evol. Comput. 10, 2006). A choice depends on the seed, its number and the earlier
-designs alone.
+designs only.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ _FEWEST_MODELLED = 4  # complete designs that a model of the whole space needs
 
 @dataclasses.dataclass(frozen=True)
 class TriedDesign:
-    """A design that was run or refused, or is being run.
+    """A design that was run or rejected, or is being run.
 
     Attributes
     ----------

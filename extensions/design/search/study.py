@@ -280,7 +280,7 @@ def first_design(study: DesignStudy) -> None:
 def new_design(problem: DesignProblem, number: int, values: Mapping[str, Any]) -> Design:
     """Return a design with the values that are known before a run.
 
-    It is refused if its case is invalid, or if a value is beyond a limit.
+    It is rejected if its case is invalid, or if a value is beyond a limit.
     """
     values_before, margins, fault = examined(problem, dict(values))
     return Design(

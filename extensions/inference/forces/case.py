@@ -356,8 +356,8 @@ def read_infer_case(path: str | Path, *, of_run: bool = False) -> InferCase:
 
 
 def _material(table: Any, errors: ErrorList) -> GrainMaterial | None:
-    """Read the material: a name, a table with a preset, or density and constants of which some may
-    be left out.
+    """Read the material: a name, a table with a preset, or density and constants, some of which are
+    optional.
     """
     if isinstance(table, Mapping) and "preset" not in table:
         own = {

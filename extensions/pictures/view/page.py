@@ -1,5 +1,5 @@
-"""Page of a run: one HTML file with the packing in three dimensions, which asks the network for
-nothing.
+"""Page of a run: one HTML file with the packing in three dimensions, which requires no
+network.
 
 The viewer is k3d's (https://k3d-jupyter.org, on three.js), as its own snapshot of a plot embeds it:
 spheres as shaded discs that a graphics card draws by the hundred thousand, time series, clipping

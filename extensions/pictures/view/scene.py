@@ -75,8 +75,8 @@ class Instants:
 
 
 def instants_of(result: Result) -> Instants:
-    """Return the instants of a run: its snapshots, with 0 for what was not recorded, or the record
-    of a chain.
+    """Return the instants of a run: its snapshots, with 0 for missing records, or the record of a
+    chain.
     """
     if "chain" in result and len(result["chain/time"]) > result.n_frames:
         return _of_chain(result)

@@ -1,3 +1,3 @@
-"""Small waves about a static state: bands of endless packings, modes and transmission of finite
-ones.
+"""Small waves about a static state: bands of infinite, periodic packings, modes and transmission
+of finite packings.
 """

@@ -1,4 +1,4 @@
-"""Bands of an endless packing with all that follows from them: gaps, speeds, attenuation, curves
+"""Bands of an infinite, periodic packing with derived quantities: gaps, speeds, attenuation, curves
 over a plane.
 """
 

@@ -281,7 +281,7 @@ def wave_bodies(assembly: Assembly) -> Bodies:
 
 
 def refuse_resistance(assembly: Assembly) -> None:
-    """Refuse what small motions cannot be linear with.
+    """Reject features that prevent linear small motions.
 
     Raises
     ------

@@ -57,7 +57,7 @@ def refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
 
 
 def _refuse_loads(assembly: Assembly) -> None:
-    """Refuse loads on an endless packing for one that ends."""
+    """Reject loads of an infinite packing for a finite packing."""
     case = assembly.case
     stage = case.precompression
     if stage is None or not isinstance(assembly.lattice, Places):

@@ -159,7 +159,7 @@ class Network:
         return dataclasses.replace(self, moves=self.moves & allowed)
 
     def without_idle(self) -> Network:
-        """Return the network without the grains that carry no static load; they are left out."""
+        """Return the network without the grains that carry no static load."""
         contacts = self.contacts
         present = np.zeros(self.n_grains + 1, dtype=bool)  # the last row is the walls
         present[contacts.first] = True

@@ -67,7 +67,7 @@ OF_TRANSMISSION = (
     _LEFT_OUT,
     Quantity("drive", meaning="Id of the driven grain."),
     Quantity("driven_together", meaning="Ids of the grains driven in phase with it."),
-    Quantity("sensors", meaning="Ids of the ids of the sensor grains."),
+    Quantity("sensors", meaning="Ids of the sensor grains."),
     Quantity("axis", meaning="Direction of the motions."),
     Quantity("end", meaning="Far end: reflecting, matched, or a layer."),
     Quantity("lowest_frequency_Hz", "Lowest frequency", "Of the requested frequencies."),

@@ -1,8 +1,8 @@
 """Base of all kinds of ``[load]``, and the packing as a load sees it.
 
 A kind of load is a subclass of `Load` in a file beside this one, and its name in the table of
-`granwave.lammps_inputs.case.loads.registry`. Nothing else asks which kind a load is: packing, deck,
-plan, checks, results and reports ask for what the attributes and methods of `Load` say.
+`granwave.lammps_inputs.case.loads.registry`. No other code compares kinds of loads: packing, input
+script, plan, checks, results and reports use the attributes and methods of `Load`.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class PlateOnTop(NamedTuple):
 
 
 class LoadLimit(NamedTuple):
-    """Bound on the timestep by a load: its size (s), its cause, and what would make it larger."""
+    """Bound on the timestep by a load: its size (s), its cause, and a remedy."""
 
     step: float
     cause: str
@@ -114,8 +114,8 @@ class Load(ABC):
     """Load on a packing.
 
     A kind states its keys as fields of the functions of `granwave.lammps_inputs.case.schema`, with
-    a default each, and overrides what differs of the following. A key that two loads have is the
-    same field in both.
+    a default each, and overrides the attributes and methods that differ. A key that two loads have
+    is the same field in both.
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ class Load(ABC):
     energy_is_bound
         True if `energy_in` is only an upper bound.
     amplitude_unit
-        Unit of ``load.amplitude``; empty without one.
+        Unit of ``load.amplitude``; empty if there is none.
     shown_amplitude
         Factor and unit in which figures show the amplitude.
     input_formula
@@ -305,7 +305,9 @@ class Load(ABC):
         return ""
 
     def release_commands(self) -> list[str]:
-        """Return the commands that set in motion what the load brings and a static stage held."""
+        """Return the commands that start the bodies of the load that were held in the static
+        stage.
+        """
         return []
 
     def commands(self, group: str) -> list[str]:
@@ -338,7 +340,7 @@ class Load(ABC):
 
     @abstractmethod
     def sentence(self, n_strikers: int) -> str:
-        """Return what the load does, for the head of the deck."""
+        """Return a description of the load for the head of the input script."""
 
     @property
     def label(self) -> str:

@@ -38,7 +38,7 @@ class ValidationError(Exception):
 
 
 def refuse_if(wrong: object, expected: str) -> None:
-    """Raise `ValidationError` with what was ``expected`` if a value is wrong."""
+    """Raise `ValidationError` with the ``expected`` value if a value is invalid."""
     if wrong:
         raise ValidationError(expected)
 
@@ -73,7 +73,7 @@ class ErrorList:
         return [str(item) for item in self.items]
 
     def add(self, key: str, what: str | Mismatch) -> None:
-        """Add a fault of the dotted ``key``: a sentence, or what was found and expected."""
+        """Add a fault of the dotted ``key``: a sentence, or the found and expected values."""
         top_down = [key.rsplit(".", n)[0] for n in range(key.count(".") + 1)]
         changed = any(name in self.overridden for name in top_down)
         if isinstance(what, Mismatch):

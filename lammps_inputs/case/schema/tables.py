@@ -65,7 +65,7 @@ class KeyInfo:
 
     @property
     def magnitudes(self) -> str | Usual | None:
-        """Usual magnitudes, or the unit alone; None if the reader of the table checks them."""
+        """Usual magnitudes, or only the unit; None if the reader of the table checks them."""
         return None if self.varies else self.usual or self.unit
 
 
@@ -75,7 +75,7 @@ def key_field(info: KeyInfo, default: Any = REQUIRED) -> Any:
 
 
 def info_of(field: dataclasses.Field[Any]) -> KeyInfo:
-    """Return what is declared of the key of a field."""
+    """Return the declaration of the key of a field."""
     info: KeyInfo = field.metadata[_KEY]
     return info
 
@@ -200,7 +200,7 @@ class TableType(ValueType):
     listed: bool = True
 
     def read(self, value: Any) -> Any:
-        """Return the section, or what `finish` makes of it."""
+        """Return the section, or the result of `finish`."""
         refuse_if(not isinstance(value, Mapping) or not value, self.expected)
         fields = declared_fields(self.section)
         for name in value:
@@ -287,7 +287,7 @@ def numbered(name: str, entries: Iterable[Entry]) -> dict[str, Entry]:
 def read_named(
     key: str, name: Any, expected: str, read: Callable[[Path], Content], errors: ErrorList
 ) -> Content | None:
-    """Return what ``read`` makes of the file that a key names; None with an error if there is a
+    """Return the result of ``read`` for the file of a key; None with an error if there is a
     fault.
     """
     if not isinstance(name, str) or not name:

@@ -1,7 +1,7 @@
 """Types of the values of keys: what they accept, in words and as JSON Schema, and how they read it.
 
-A type is declared with its key, and is all that is known of the key's values: the reader of a file,
-the reference of the keys, the schema for editors and the completion of words ask it.
+A type is declared with its key, and is the only source on the values of the key, for the reader of
+a file, the reference of the keys, the schema for editors and the completion of words.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ class NumberType(ValueType):
         return f"{self.accepts} ({self.unit})" if self.unit else self.accepts
 
     def read(self, value: Any) -> Any:
-        """Return the number as a float, or what `finish` makes of it."""
+        """Return the number as a float, or the result of `finish`."""
         number = finite(value, self.expected)
         is_within = self.above < number < self.below and self.at_least <= number <= self.at_most
         refuse_if(not is_within, self.expected)
@@ -250,7 +250,7 @@ class TextType(ValueType):
     finish: Finish | None = None
 
     def read(self, value: Any) -> Any:
-        """Return the string, or what `finish` makes of it."""
+        """Return the string, or the result of `finish`."""
         is_empty = isinstance(value, str) and not value.strip()
         refuse_if(not isinstance(value, str) or (is_empty and not self.may_be_empty), self.expected)
         return value if self.finish is None else self.finish(value)
@@ -274,7 +274,7 @@ class WordType(ValueType):
         return f'"{self.word}"'
 
     def read(self, value: Any) -> Any:
-        """Return the word, or what `finish` makes of it."""
+        """Return the word, or the result of `finish`."""
         refuse_if(value != self.word, self.expected)
         return self.word if self.finish is None else self.finish(self.word)
 
@@ -312,7 +312,7 @@ class OtherType(ValueType):
     finish: Finish | None = None
 
     def read(self, value: Any) -> Any:
-        """Return what `finish` makes of the value."""
+        """Return the result of `finish` for the value."""
         return value if self.finish is None else self.finish(value)
 
     @property

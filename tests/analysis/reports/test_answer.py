@@ -242,7 +242,7 @@ def test_agreement_with_the_sources():
     )
     (lead,) = leads([Study("study", "Study", "", rows)])
     assert (lead.text, lead.tone) == (
-        "Of 3 values that the sources give, ours are within 2 % for 1 and within 10 % for 2; "
+        "Of 3 values of the sources, granwave agrees within 2 % for 1 and within 10 % for 2; "
         "the largest difference is 50 % "
         "(quantity 3).", "lead",
     )  # fmt: skip

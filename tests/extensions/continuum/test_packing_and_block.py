@@ -92,7 +92,7 @@ def test_refused_runs_are_left_out_of_the_comparison(
     notes = [
         block.text for block in section.blocks if isinstance(block, Note) and block.tone == "bad"
     ]
-    assert notes == ["Left out here, as the energy balance did not close: bad (refused)."]
+    assert notes == ["Omitted here, because the energy balance did not close: bad (refused)."]
     assert "(refused)" not in str(section.blocks[:-1])
 
 

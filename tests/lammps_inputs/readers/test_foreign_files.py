@@ -338,7 +338,7 @@ def test_a_number_that_may_be_cut_is_noted(tmp_path: Path) -> None:
 def test_text_above_a_table_is_noted(tmp_path: Path) -> None:
     grains = read(tmp_path / "g.csv", f"Centres\nof 2026\nx,y,z,r\n{ROWS}")
     assert grains.reading is not None
-    assert grains.reading.notes == ["text down to line 2 left out, above the names of the columns"]
+    assert grains.reading.notes == ["text down to line 2 above the names of the columns ignored"]
 
 
 def test_lengths_without_a_unit_next_to_others_are_noted(tmp_path: Path) -> None:
@@ -380,9 +380,11 @@ FAULTS = [
     (writers.yaml_step(0) + writers.yaml_step(100)[:-60],
      "': the dump is truncated"),
     (writers.yaml_step(0) + "".join(writers.yaml_step(100).splitlines(keepends=True)[:-2]),
-     "found 2 of 3 atoms in the step 100: the dump is truncated; packing.step = 0 takes the step"),
+     "found 2 of 3 atoms in the step 100: the dump is truncated; packing.step = 0 reads the "
+     "previous step"),
     (DUMP + dump("id x y z radius", ""),
-     "found no atom in the step 100, expected one or more; packing.step = 100 takes the step"),
+     "found no atom in the step 100, expected one or more; packing.step = 100 reads the "
+     "previous step"),
     (f"x,y,z,r\n{ROWS}\0\0\0", "line 4: found a character NUL, expected text; the file is damaged"),
     ("x,y,z,r\n1,2,3,1\n".encode("utf-16-le"), "or UTF-16 without its mark: save it as UTF-8"),
     ("LAMMPS (22 Jul 2025)\nStep Temp\n", "found a log of LAMMPS"),
@@ -400,7 +402,7 @@ FAULTS = [
     ("ITEM: TIMESTEP\n1\nITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES c_1[1]\n1\n",
      "line 3: found a dump of contacts (ITEM: NUMBER OF ENTRIES), expected one of atoms"),
     (dump("id x ys zs radius", SCALED, "xy xz yz pp pp ff", "0 1 0.1\n0 1 0\n0 1 0\n"),
-     "found places of which some are scaled in a tilted box"),
+     "found coordinates of which some are scaled in a tilted box"),
     ("x;y;z;d\n0,5;0;0;1\n1.000;0;0;1\n",
      'line 3: found "1.000" for x, expected a finite number, without a sign of thousands'),
     ("id,x,y,z,r\n99999999999999999999,0,0,0,1\n", "line 2: found 1e+20 for id, expected a whole"),
@@ -449,7 +451,7 @@ def test_particles_of_other_shapes_are_noted(tmp_path: Path) -> None:
     reading = read(tmp_path / "g.restart", text).reading
     assert reading is not None
     assert reading.notes[0] == (
-        "3 particles are no spheres (SuperQuadricParticle); read as spheres of their radius"
+        "3 particles are not spheres (SuperQuadricParticle); read as spheres of their radius"
     )
 
 

@@ -102,7 +102,7 @@ def test_images_outside_of_the_box_are_put_back(tmp_path: Path) -> None:
     grains = read(writers.write(tmp_path / "grains", text))
     assert grains.position == pytest.approx(writers.POSITION)
     assert grains.reading is not None
-    assert grains.reading.notes == ["1 grain outside of the periodic box put back into it"]
+    assert grains.reading.notes == ["1 grain outside of the periodic box wrapped back into it"]
 
 
 def test_types_are_materials(tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_nodes_of_a_bar_are_left_out(tmp_path: Path) -> None:
     text = writers.data_file().replace("3 1 0.015 2500", "3 1 0 2500")
     grains = read(writers.write(tmp_path / "grains", text))
     assert len(grains) == 2
-    assert grains.reading is not None and "1 points of diameter 0 left out" in grains.reading.notes
+    assert grains.reading is not None and "1 points of diameter 0 ignored" in grains.reading.notes
 
 
 @pytest.mark.parametrize("ending", ["xyz", "extxyz"])
@@ -168,7 +168,7 @@ DUMP = writers.dump_step(100)
     (b"\0\1\2\xff" * 99, {}, "found a binary file of no known format"),
     (b"LammpS RestartT\0\0", {}, "found a binary restart file of LAMMPS, expected text"),
     (DUMP[:-60], {}, "found 2 of 3 atoms in the step 100: the dump is truncated"),
-    (writers.dump_step(0) + DUMP[:-60], {}, "packing.step = 0 takes the step before"),
+    (writers.dump_step(0) + DUMP[:-60], {}, "packing.step = 0 reads the previous step"),
     (DUMP[:60], {}, "without its values: the dump is damaged or truncated"),
     (DUMP.replace("radius", "c_size"), {}, "found no radius or diameter among the columns id"),
     (DUMP.replace(" z ", " depth "), {}, "found no z among the columns"),

@@ -54,7 +54,7 @@ def test_columns_that_are_named_by_the_user() -> None:
 
 def test_unknown_columns_are_left_out_and_named_once() -> None:
     table = read_table_text("x,y,z,d,colour,ke,fx\n0,0,0,1,red,2,3\n", FileOptions())
-    assert table.notes == ["columns left out: colour, ke"]
+    assert table.notes == ["columns ignored: colour, ke"]
 
 
 def test_decimal_digits_are_kept_in_other_units() -> None:

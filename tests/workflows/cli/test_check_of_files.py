@@ -105,15 +105,15 @@ def bed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 @pytest.mark.parametrize(("settings", "warning"), [
-    ([], "3 grains press faces of the box of the file, by up to 2e-06 m, which had walls there; "
-         "those of the case touch the outermost grains, so that these overlaps are lost; "
-         "packing.enclosure = {bottom = 0} puts them where they were"),
-    (["packing.enclosure={bottom=0.0}"], "packing.file: grains press faces of the box of the file, "
-     'which had walls there; found none in the case; boundary.x = "wall" gives them'),
-    (["boundary.x=wall"], "4 grains press faces of the box of the file, by up to 2e-06 m, which "
-     "had walls there; those of the case touch the outermost grains, so that these overlaps are "
-     "lost; packing.enclosure = {x = [-0.001, 0.029994], bottom = 0}"),
-    (["boundary.bottom=free"], 'found none in the case; boundary.x and boundary.bottom = "wall"'),
+    ([], "3 grains overlap with faces of the box of the file by up to 2e-06 m, as the file had "
+         "walls there; the walls of the case touch the outermost grains, so these overlaps are "
+         "lost; set packing.enclosure = {bottom = 0} for walls at the faces"),
+    (["packing.enclosure={bottom=0.0}"], "packing.file: grains overlap with faces of the box of "
+     'the file, which had walls there; the case has none; set boundary.x = "wall" to add them'),
+    (["boundary.x=wall"], "4 grains overlap with faces of the box of the file by up to 2e-06 m, as "
+     "the file had walls there; the walls of the case touch the outermost grains, so these "
+     "overlaps are lost; set packing.enclosure = {x = [-0.001, 0.029994], bottom = 0}"),
+    (["boundary.bottom=free"], 'the case has none; set boundary.x and boundary.bottom = "wall"'),
 ])  # fmt: skip
 def test_walls_of_the_program_that_settled_the_bed(
     bed: str, settings: list[str], warning: str, caplog: pytest.LogCaptureFixture
@@ -128,18 +128,21 @@ def test_walls_of_the_program_that_settled_the_bed(
 def test_walls_in_their_places_give_no_warning(bed: str, caplog: pytest.LogCaptureFixture) -> None:
     enclosure = "packing.enclosure={x=[-0.001,0.029994],bottom=0.0}"
     assert main(["check", bed, "--set", enclosure, "--set", "boundary.x=wall"]) == 0
-    assert "press faces of the box" not in caplog.text
+    assert "faces of the box" not in caplog.text
 
 
 def test_advice_on_a_bed_with_friction(bed: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", bed]) == 0
     rows = [line.strip() for line in capsys.readouterr().out.splitlines()]
-    relax = '"relax" relaxes them to equilibrium, however far the grains move '
-    relax += '(with relaxation = "damped" friction holds '
-    assert f"{relax}them)" in rows
-    keep = '"keep" starts from the file, out of equilibrium '
-    keep += "by the tangential springs that the file lacks"
+    relax = '"relax" finds an equilibrium at any distance '
+    relax += '(relaxation = "damped" keeps the '
+    assert f"{relax}friction)" in rows
+    keep = '"keep" starts from the file, out of equilibrium, '
+    keep += "as the file lacks the tangential springs"
     assert f"{keep} (chosen)" in rows
     assert main(["check", bed, "--set", "packing.touch_tolerance=1e-7"]) == 0
-    touch = '"touch" moves none, as no pair is within 1e-07 m (packing.touch_tolerance); 1 pair '
-    assert f"{touch}overlaps by more, which it refuses" in capsys.readouterr().out
+    touch = '"touch" moves no grain, because no pair is within 1e-07 m '
+    assert (
+        f"{touch}(packing.touch_tolerance); 1 pair overlaps by more, which it rejects"
+        in capsys.readouterr().out
+    )

@@ -78,7 +78,8 @@ def test_cases_in_one_screen_and_by_words(granwave):
     }
     done = granwave("cases", "nonsense")
     assert (
-        done.returncode == 2 and "nonsense: no built-in case or scan has these words" in done.stderr
+        done.returncode == 2
+        and "nonsense: no built-in case or scan contains these words" in done.stderr
     )
 
 

@@ -47,9 +47,9 @@ def test_a_usual_slurm_without_a_profile(granwave, tmp_path):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("run fcc-small --print", "--print: is for --submit"),
-        ("run fcc-small --chain 2", "--chain: is for --submit"),
-        ("scan restitution --print", "--print: is for --submit"),
+        ("run fcc-small --print", "--print: requires --submit"),
+        ("run fcc-small --chain 2", "--chain: requires --submit"),
+        ("scan restitution --print", "--print: requires --submit"),
         ("scan restitution --submit cluster.toml --executor slurm", "cannot be combined"),
         ("scan restitution --executor slurm --profile cluster.toml", "expected pbs, the scheduler"),
         ("run fcc-small --submit none.toml", "none.toml"),

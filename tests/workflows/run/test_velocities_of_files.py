@@ -90,13 +90,14 @@ def test_lengths_in_centimetres_are_suspected_by_the_density(
 
 @pytest.mark.parametrize(("keys", "reason"), [
     ({"contact": {"law": "hertz"}}, "they have no effect without contact.friction"),
-    ({"contacts": "overlaps"}, 'the grains come to balance; packing.contacts = "keep" keeps them'),
+    ({"contacts": "overlaps"}, 'the grains come to equilibrium; packing.contacts = "keep" keeps '
+     'them'),
 ])  # fmt: skip
 def test_spins_that_are_left_out_are_told(
     keys: dict[str, Any], reason: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     values = summary_of(tmp_path / "r", packing={"grains": SPINNING}, **keys)
-    assert f"angular velocities are left out: {reason}" in caplog.text
+    assert f"angular velocities are ignored: {reason}" in caplog.text
     assert values["energy_input_J"] == pytest.approx(MASS / 2 * (0.25 + 0.01), rel=1e-6)
     assert values["energy_balance_error"] < 1e-5
 

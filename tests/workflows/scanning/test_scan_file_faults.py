@@ -58,7 +58,7 @@ def test_a_point_that_is_wrong_twice_has_one_line(faults_of) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [("--account=a", "no --account: it is the key slurm.account"), ("--mem 3", "it is the key slurm.memory"),
-     ("-J x", "no -J: granwave gives it to each job")],
+     ("-J x", "no -J: granwave sets it for each job")],
 )  # fmt: skip
 def test_options_of_a_profile_that_have_their_own_place(
     tmp_path: Path, options: str, said: str

@@ -208,7 +208,8 @@ def test_jobs_that_wait_for_what_never_comes_say_so(scan):
         driver.send_signal(signal.SIGINT)
         _, err = driver.communicate(timeout=120)
         assert (
-            driver.returncode == 130 and err.count("Slurm lets jobs wait: PartitionTimeLimit") == 1
+            driver.returncode == 130
+            and err.count("jobs wait in the queue of Slurm: PartitionTimeLimit") == 1
         ), err
     finally:
         subprocess.run([*update, "MaxTime=INFINITE"], check=True)
