@@ -65,7 +65,7 @@ def analyse(
         True for a bar on a terminal or in a notebook; or a function, called with the name of each
         part before it is made.
     figures
-        Draw those that the case asks for, and make its other files, such as a film. Of
+        Draw those that the case asks for, and make its other files, such as an animation. Of
         packings with more spheres than `MOST_DRAWN` only figures of the run in time are drawn.
     at_once
         Largest number of spheres in memory; larger packings are analysed in parts. The values do

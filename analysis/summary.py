@@ -73,7 +73,7 @@ def summarise(
     assembly: Assembly | None = None,
     processes: Processes = ALONE,
 ) -> Summary:
-    """Sum up the ``result.h5`` of a run, and write the summary to ``summary.json`` beside it.
+    """Sum up the ``result.h5`` of a run, and write the summary to ``summary.json`` next to it.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def check_value_names() -> None:
 
 
 def _added_values(result: Result, own: Summary) -> Summary:
-    """Return the values of extensions by name; those of one that fails are left out.
+    """Return the values of extensions by name; those of one that fails are omitted.
 
     Raises
     ------
@@ -214,7 +214,8 @@ def restitution(result: Result) -> float | None:
     """Coefficient of restitution of a single collision: of two free spheres, or of one and the
     bottom wall.
 
-    Of two equal spheres of which one rests, the struck one keeps (1 - e)/2 of its velocity; from a wall it returns with
+    Of two equal spheres of which one rests, the impacted one keeps (1 - e)/2 of its velocity; from
+    a wall it returns with
     -e, of an oblique impact with the normal part. None for every other packing, and as long as the bodies touch.
     """
     case = result.case
@@ -243,7 +244,7 @@ def restitution(result: Result) -> float | None:
 
 
 def _energies(result: Result) -> Summary:
-    """Energies at the end, shares of the input, and the largest error of the energy balance
+    """Energies at the end, fractions of the input, and the largest error of the energy balance
     divided by the largest input.
     """
     given = result.energy_input

@@ -1,4 +1,4 @@
-"""Places for results and files: paths that are unsuitable, and full disks."""
+"""Positions for results and files: paths that are unsuitable, and full disks."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ def check_disk(
     Parameters
     ----------
     needed
-        Space that ``what`` needs, bytes; 0 is never refused.
+        Space that ``what`` needs, bytes; 0 is never rejected.
     what
         Name of the files, for the message.
     spare

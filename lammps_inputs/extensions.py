@@ -60,7 +60,7 @@ class Extension:
     title
         Description in one line, for ``granwave doctor``.
     uses
-        Names of other extensions that it imports; without them it is left out too.
+        Names of other extensions that it imports; without them it is omitted too.
     packages
         Python packages that only it needs: name in pip by name in ``import``.
     extra

@@ -35,7 +35,7 @@ _BLOCK = 2**20  # bytes read at a time
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a hidden scratch file beside ``path`` that replaces it at the end; on an error the old
+    """Give a hidden scratch file next to ``path`` that replaces it at the end; on an error the old
     file stays.
     """
     scratch = path.with_name(f".{path.name}.{os.getpid()}")
@@ -60,7 +60,7 @@ def discard(scratch: Path) -> None:
 
 @contextlib.contextmanager
 def scratch_files(path: Path) -> Iterator[Callable[[], Path]]:
-    """Give a function that returns names of hidden scratch files beside ``path``; they are removed
+    """Give a function that returns names of hidden scratch files next to ``path``; they are removed
     at the end.
     """
     made: list[Path] = []

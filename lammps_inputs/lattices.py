@@ -257,7 +257,7 @@ class Lattice:
 
     @property
     def top_layer(self) -> NDArray[np.int64]:
-        """Ids of the spheres of the struck layer, in rising order."""
+        """Ids of the spheres of the impacted layer, in rising order."""
         return self.layer(0)
 
     @property
@@ -363,7 +363,7 @@ class Lattice:
         return np.any(ends, axis=0) if ends else np.zeros(ids.shape, dtype=bool)
 
     def layer_of(self, sphere: int) -> int:
-        """Return the layer of the sphere with this id, counted from 0 at the struck top."""
+        """Return the layer of the sphere with this id, counted from 0 at the impacted top."""
         return self.indices(sphere)[2]
 
     def indices(self, sphere: int) -> tuple[int, int, int]:

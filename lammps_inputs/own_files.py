@@ -247,7 +247,7 @@ class OwnFiles(os.PathLike[str]):
 
     def result_names(self) -> list[str]:
         """Return the names of the results that are there, without the files that a scan keeps
-        beside the run of a point.
+        next to the run of a point.
         """
         names = [name for name in self.marker.files if name not in run_directory.POINT_FILES]
         return [name for name in names if self._is_there(name)]
@@ -298,7 +298,7 @@ class OwnFiles(os.PathLike[str]):
         Parameters
         ----------
         names
-            Names of the files to remove; None: all but those that a scan keeps beside the run of a
+            Names of the files to remove; None: all but those that a scan keeps next to the run of a
             point.
         """
 
@@ -319,7 +319,7 @@ class OwnFiles(os.PathLike[str]):
         Parameters
         ----------
         names
-            Names of the files; None: all but those that a scan keeps beside the run of a point.
+            Names of the files; None: all but those that a scan keeps next to the run of a point.
         into
             Directory to be made; None: the first of NAME.old, NAME.old2, ... that does not exist.
 
@@ -396,7 +396,7 @@ class OwnFiles(os.PathLike[str]):
         return True
 
     def old_path(self) -> Path:
-        """Return the path NAME.old beside the directory."""
+        """Return the path NAME.old next to the directory."""
         place = self.path
         if place.name in ("", ".."):
             place = place.resolve()

@@ -30,7 +30,7 @@ Vector = tuple[float, float, float]
 
 @dataclasses.dataclass(frozen=True)
 class SectionPlane:
-    """Plane of a section through the struck sphere.
+    """Plane of a section through the impacted sphere.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class ZoneEstimate:
     Attributes
     ----------
     depth, radius
-        Depth below the struck sphere, and radius from the impact axis.
+        Depth below the impacted sphere, and radius from the impact axis.
     spread
         Factor of uncertainty of both.
     """
@@ -283,7 +283,7 @@ def centred_square_site(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, ND
 
 
 def no_site(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArray]:
-    """Refuse to place a grain of a file."""
+    """Raise LookupError: grains of a file have no lattice site."""
     raise LookupError("grains of a file are on no lattice")
 
 

@@ -2,7 +2,7 @@
 
 The end of such a file is, for each process that wrote it, a flag, the number of its values, and the
 values: records of atoms, one after the other, and then a mark. The record of a sphere (``atom_style
-sphere``) begins with its own length, place, id, type, mask, image, velocity, radius, mass and
+sphere``) begins with its own length, position, id, type, mask, image, velocity, radius, mass and
 angular velocity; what fixes keep of it follows, one after the other, each behind its own length.
 Integers have the bits of doubles. The names and styles of these fixes stand before the spheres.
 

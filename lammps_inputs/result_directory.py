@@ -2,7 +2,7 @@
 run.
 
 A directory that holds results is rejected by default. ``--resume`` continues them if they are of
-the same case, ``--force`` moves them into a directory NAME.old beside it. Files that granwave did
+the same case, ``--force`` moves them into a directory NAME.old next to it. Files that granwave did
 not write stay where they are, see `granwave.lammps_inputs.own_files`. Changes are a case.toml or
 deck that was edited, and output that was cut, damaged or replaced.
 """
@@ -144,7 +144,7 @@ class ResultDirectory(OwnFiles):
         Returns
         -------
         bool
-            True: keep and continue the results. False: start anew, after `clear_for`.
+            True: keep and continue the results. False: start again, after `clear_for`.
 
         Raises
         ------
@@ -423,7 +423,7 @@ def changed_values(
     before: Mapping[str, Any], now: Mapping[str, Any], prefix: str = ""
 ) -> Iterator[tuple[str, Any, Any]]:
     """Yield the dotted key, earlier and present value of each difference of two nested tables; None
-    for a value that is left out.
+    for a value that is omitted.
     """
     for key in dict.fromkeys((*before, *now)):
         old = before.get(key)

@@ -17,7 +17,7 @@ _RTOL = 8.881784197001252e-16  # four times the precision of a number
 def brentq(
     function: Callable[[float], float], low: float, high: float, *, xtol: float, rtol: float = _RTOL
 ) -> float:
-    """Find a zero of a continuous function between two places where its signs differ.
+    """Find a zero of a continuous function between two positions where its signs differ.
 
     Parameters
     ----------

@@ -268,7 +268,7 @@ def spread(values: list[float], unit: float = 1.0) -> str:
 
 
 def time_rattling(size: list[int], repeats: int) -> dict[str, Any]:
-    """Time the elasto-plastic style on all ranks; all spheres rattle, so that equal shares of
+    """Time the elasto-plastic style on all ranks; all spheres rattle, so that equal fractions of
     contacts are loaded.
 
     Returns

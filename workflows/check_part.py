@@ -19,7 +19,7 @@ class CheckPart:
     ----------
     rows
         Label and text of rows of the table, above memory, disk and time; a text that is empty is
-        left out.
+        omitted.
     values
         Values by name that ``--json`` shows above memory, disk and time.
     lines

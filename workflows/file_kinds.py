@@ -40,9 +40,9 @@ class FileKind:
         Reference of a function of the path and the parsed options that executes ``granwave check``
         and returns the exit status; empty: cannot be checked, or is a case.
     may_be_missing
-        Tables that may be left out although some of their keys are required.
+        Tables that may be omitted although some of their keys are required.
     given_elsewhere
-        Tables whose required keys may be left out, as another table gives their values.
+        Tables whose required keys may be omitted, as another table gives their values.
     after
         Name of the kind that it is listed behind; empty: it is the last.
     """
@@ -105,7 +105,7 @@ def other_than_a_case(tables: Mapping[str, Any]) -> FileKind | None:
     Raises
     ------
     InputError
-        The kind is known to an extension that is left out.
+        The kind is known to an extension that is omitted.
     """
     for kind in reversed(file_kinds()):  # those of extensions first: their files may vary keys too
         if kind.is_of(tables):

@@ -155,7 +155,7 @@ def solver_of(tables: Mapping[str, Any]) -> CaseKind:
     Raises
     ------
     InputError
-        The kind is known to an extension that is left out.
+        The kind is known to an extension that is omitted.
     """
     for kind in _of_extensions():
         if kind.recognises(tables):

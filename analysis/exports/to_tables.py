@@ -17,13 +17,14 @@ values are blank. Reading them without loss::
 
 Export of a run or a scan to NetCDF-4, for xarray: ``result.nc`` or ``points.nc``.
 
-Dimensions of a run: sphere, contact, wall_contact, time (of the energy ledger), wall_time, probe_time, frame (of the
-snapshots) and axis; for a chain also chain_time, bead, chain_contact, and NAME_node and NAME_element of bars. Names of
-variables begin with their group: ``sphere_peak_force(sphere)``, ``contact_i(contact)``,
-``energy_kinetic(time)``, ``wall_bottom_force(wall_time)``, ``frame_displacement(frame, sphere, axis)``,
-``bead_velocity(chain_time, bead)``. Each has ``units`` and ``long_name``; the case (TOML), the run and the
-versions (JSON) are attributes of the file. All reals are doubles; positions in a snapshot are
-``sphere_position + frame_displacement``. A scan has the dimension point. Reading them::
+Dimensions of a run: sphere, contact, wall_contact, time (of the energy record), wall_time,
+probe_time, frame (of the snapshots) and axis; for a chain also chain_time, bead, chain_contact,
+and NAME_node and NAME_element of bars. Names of variables begin with their group:
+``sphere_peak_force(sphere)``, ``contact_i(contact)``, ``energy_kinetic(time)``,
+``wall_bottom_force(wall_time)``, ``frame_displacement(frame, sphere, axis)``,
+``bead_velocity(chain_time, bead)``. Each has ``units`` and ``long_name``; the case (TOML), the run
+and the versions (JSON) are attributes of the file. All reals are doubles; positions in a snapshot
+are ``sphere_position + frame_displacement``. A scan has the dimension point. Reading them::
 
     xarray.open_dataset("result.nc")
 

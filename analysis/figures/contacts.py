@@ -354,8 +354,8 @@ def _histogram(values: Vectors, wide: bool) -> tuple[Vectors, Vectors, NDArray[n
 
 
 def _draw_tail(axes: Axes, tail: ExponentialTail, relative: Vectors, colour: str) -> None:
-    """Draw the fitted exponential, with the share of the values beyond its start below it; dashed
-    where the values are not exponential.
+    """Draw the fitted exponential, with the fraction of the values beyond its start below it;
+    dashed where the values are not exponential.
     """
     x = np.geomspace(tail.start, float(relative.max()), _CURVE)
     height = tail.count / len(relative) * tail.decay

@@ -309,8 +309,8 @@ _SAME = 1e-9  # relative difference of distances that are equal up to rounding
 
 
 def plastic_zone_size(result: Result) -> Drawing | None:
-    """Draw the shares of the dissipation by yielding beyond a depth and a radius, with the sizes of
-    the zone.
+    """Draw the fractions of the dissipation by yielding beyond a depth and a radius, with the
+    sizes of the zone.
     """
     if not result.yields:
         return None
@@ -335,7 +335,7 @@ def draw_zone_size(
     unit: str,
     bounds: Mapping[str, float],
 ) -> Drawing | None:
-    """Draw the share of an energy beyond a distance, on a logarithmic axis; None without energy.
+    """Draw the fraction of an energy beyond a distance, on a logarithmic axis; None without energy.
 
     Parameters
     ----------
@@ -401,7 +401,7 @@ def draw_zone_size(
 
 
 def _outside(distance: Array, energy: Array) -> tuple[Array, Array]:
-    """Return distances, rising from 0, and the share of the energy that lies beyond each."""
+    """Return distances, rising from 0, and the fraction of the energy that lies beyond each."""
     order = np.argsort(distance, kind="stable")
     place = distance[order]
     enclosed = np.cumsum(energy[order])
@@ -422,7 +422,7 @@ _LEAST_OF_EVEN = 0.1  # share over that of an even spread at the dark end of the
 
 
 def directions(result: Result) -> Drawing | None:
-    """Draw the shares of travelling energy and dissipation by direction: polar for a layer, else
+    """Draw the fractions of travelling energy and dissipation by direction: polar for a layer, else
     stereographic.
 
     Not of crystals in the x-z plane, which are no layer about the impact, and would be a line in a
@@ -465,7 +465,7 @@ def directions(result: Result) -> Drawing | None:
 def _draw_layer(
     _: Result, axes: Any, spread: waves.Spread, colour: str, __: str
 ) -> dict[str, NDArray]:
-    """Draw the shares of a layer as bars; return the columns of the directions."""
+    """Draw the fractions of a layer as bars; return the columns of the directions."""
     angle = np.arange(waves.LAYER_BINS) * 360 / waves.LAYER_BINS - 180
     axes.bar(
         np.deg2rad(angle), 100 * spread.cells, np.deg2rad(360 / waves.LAYER_BINS), color=colour

@@ -58,7 +58,7 @@ def _lines(axes: Axes) -> Iterator[Path]:
 
 
 def _markers(axes: Axes) -> Iterator[np.ndarray]:
-    """Iterate over the places of markers, in pixels: (n, 2)."""
+    """Iterate over the positions of markers, in pixels: (n, 2)."""
     for line in axes.lines:
         if line.get_visible() and line.get_marker() not in ("None", None, "", " "):
             yield line.get_transform().transform(_points(line))
@@ -72,7 +72,7 @@ def _points(line: Line2D) -> np.ndarray:
 
 
 def _contains(box: Bbox, places: np.ndarray) -> bool:
-    """Return True if a box contains one of the places."""
+    """Return True if a box contains one of the positions."""
     inside = (box.x0 <= places[:, 0]) & (places[:, 0] <= box.x1)
     inside &= (box.y0 <= places[:, 1]) & (places[:, 1] <= box.y1)
     return bool(inside.any())

@@ -1,4 +1,4 @@
-"""Figures of chains, rows and lines of grains: forces and velocities in place and time, peaks,
+"""Figures of chains, rows and lines of grains: forces and velocities in position and time, peaks,
 transmission.
 """
 
@@ -342,7 +342,7 @@ def _draw_decay(axes: Axes, line: LineRecord) -> None:
 
 
 def line_diagram(result: Result) -> Drawing | None:
-    """Draw the speed of the grains of lines in place and time, with the arrivals of the wave and
+    """Draw the speed of the grains of lines in position and time, with the arrivals of the wave and
     the line through them.
 
     The lines are the chain, or the grains nearest to the axis of the load, and each ``[[line]]``.
@@ -398,7 +398,7 @@ def _draw_motion(axes: Axes, motion: LineMotion, colours: str) -> Any:
 
 
 def _last_moved(motion: LineMotion, least: float) -> float:
-    """Return where the axis of places ends: beyond the last grain that is coloured, mm."""
+    """Return where the axis of positions ends: beyond the last grain that is coloured, mm."""
     coloured = np.flatnonzero(np.abs(motion.velocity).max(axis=0) > least)
     last = min(int(coloured[-1]) + 1, len(motion.place) - 1)
     spacing = motion.place[last] - motion.place[last - 1]

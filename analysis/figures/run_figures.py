@@ -232,7 +232,7 @@ def draw_figures(
         Names of the figures to draw; by default those that the options ask for, and those that are
         there already. Where the options name figures, others are removed.
     helpers
-        Processes that draw beside this one, started before; by default as many as there are cores,
+        Processes that draw next to this one, started before; by default as many as there are cores,
         up to four.
     options
         How they are drawn; by default as ``[figures]`` of the case.toml there says.

@@ -241,7 +241,7 @@ def _around(values: NDArray[np.float64], scale: str) -> tuple[float, float] | No
 
 
 def ticks_at(axis: Axis, places: Iterable[float]) -> None:
-    """Put plain numbers at these places of a logarithmic axis, and nowhere else."""
+    """Put plain numbers at these positions of a logarithmic axis, and nowhere else."""
     axis.set_major_locator(FixedLocator(list(places)))
     axis.set_major_formatter("{x:g}")
     axis.set_minor_locator(NullLocator())
@@ -293,14 +293,14 @@ def numbered_map(
 
 
 def spread_scales(axes: Axes, places: Iterable[float]) -> str:
-    """Put ticks at all places; scales become logarithmic where values are spread over decades, and
-    0 is kept.
+    """Put ticks at all positions; scales become logarithmic where values are spread over decades,
+    and 0 is kept.
 
     Returns
     -------
     str
-        Words for the title of the axis of places, if it is not linear; empty otherwise. Its line is
-        then broken between 0 and the first place.
+        Words for the title of the axis of positions, if it is not linear; empty otherwise. Its
+        line is then broken between 0 and the first place.
     """
     places = sorted(set(places))
     positive = [place for place in places if place > 0]

@@ -2,7 +2,7 @@
 
 Helpers are programs of their own, not copies of this process, which may hold threads, MPI and open
 files. They load the drawing library, which takes most of a second, while the run is analysed. Then
-they and this process take shares of the figures, the longest first, so that all end at about the
+they and this process take fractions of the figures, the longest first, so that all end at about the
 same time: a thread for each helper hands it one share after the other. Only this process writes
 files, in the order of the figures, from the output of the helpers. A figure that fails in a
 helper, or gives a warning there, is drawn again here, so that errors and warnings are those of
@@ -156,14 +156,14 @@ class Helpers:
             yield outcome if succeeded else draw(name)
 
     def _take(self, waiting: dict[Future[Any], Sequence[int]]) -> Sequence[int]:
-        """Take a share for this process that no helper has begun; empty if there is none."""
+        """Take a fraction for this process that no helper has begun; empty if there is none."""
         return next((waiting.pop(future) for future in list(waiting) if future.cancel()), ())
 
 
 def _drawn_beside(
     idle: SimpleQueue[subprocess.Popen[bytes]], share: Sequence[int]
 ) -> dict[int, tuple[bool, Outcome]]:
-    """Let an idle helper draw a share; return the success and outcome of each figure by number.
+    """Let an idle helper draw a fraction; return the success and outcome of each figure by number.
 
     If the helper dies, no figure has succeeded.
     """

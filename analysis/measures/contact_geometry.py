@@ -1,4 +1,4 @@
-"""Places of contacts of a run: points, normals, depths and distances from the impact axis."""
+"""Positions of contacts of a run: points, normals, depths and distances from the impact axis."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def contact_geometry(result: Result) -> dict[str, NDArray[np.float64]]:
     -------
     dict
         ``x``, ``y``, ``z``: point of the contact, m; ``nx``, ``ny``, ``nz``: unit normal from the
-        first sphere to the second; ``depth`` of the point below the centre of the struck sphere,
+        first sphere to the second; ``depth`` of the point below the centre of the impacted sphere,
         m; ``distance`` of the point from the impact axis, m. Each (n_contacts,).
     """
     first, second = result.ends.T

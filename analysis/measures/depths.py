@@ -1,10 +1,10 @@
 """Force that grains pass on into the depth, against time.
 
-A plane across the axis of depth parts the grains by the places of their centres at the start. The
-force through it is the sum of the forces along z on the grains below it from those above it: the
-momentum gained by the grains below, and the force on the bottom. In a chain it is the force of one
-contact, recorded at the instants of the history; in other packings the forces of all contacts are
-needed at the snapshots, as ``output.contact_forces`` records them.
+A plane across the axis of depth parts the grains by the positions of their centres at the start.
+The force through it is the sum of the forces along z on the grains below it from those above it:
+the momentum gained by the grains below, and the force on the bottom. In a chain it is the force of
+one contact, recorded at the instants of the history; in other packings the forces of all contacts
+are needed at the snapshots, as ``output.contact_forces`` records them.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class ForceAtDepth:
     Attributes
     ----------
     depth
-        Depth below the centre of the struck grain, m; of a chain that of the contact.
+        Depth below the centre of the impacted grain, m; of a chain that of the contact.
     time
         Instants: (n_times,), s.
     force
@@ -54,8 +54,8 @@ def forces_at_depths(result: Result, depths: Sequence[float] | None = None) -> l
     result
         ``run.result`` of a run as `granwave.load` gives it.
     depths
-        Depths below the centre of the struck grain, m; by default up to five between layers. Those
-        with grains on one side only are left out.
+        Depths below the centre of the impacted grain, m; by default up to five between layers.
+        Those with grains on one side only are omitted.
     """
     if "chain" in result:
         return _of_chain(result, depths)

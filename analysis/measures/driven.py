@@ -5,7 +5,7 @@ cosine of its frequency over the last whole periods, at most half of the run; wh
 tells how far from steady the motion is.
 
 Transmission of a burst, a sweep or noise: the ratio of spectra of the velocities of two spheres
-over the whole run, at frequencies where the spectrum of the first exceeds a share of its largest
+over the whole run, at frequencies where the spectrum of the first exceeds a fraction of its largest
 value. With noise it is the cross spectrum over the power spectrum, averaged over neighbouring
 frequencies (Bendat and Piersol, Random Data, 1986).
 

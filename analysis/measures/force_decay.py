@@ -103,7 +103,7 @@ class FittedLine(NamedTuple):
 def power_decay(depth: Array, force: Array, diameter: float) -> PowerDecay | None:
     """Fit forces by a power of the depth, by least squares in their logarithms.
 
-    Layers within half a diameter of the struck sphere, where the load acts, are left out, and the
+    Layers within half a diameter of the impacted sphere, where the load acts, are omitted, and the
     last one, which the bottom loads.
 
     Parameters
@@ -150,7 +150,7 @@ def force_decay(result: Result) -> ForceDecay | PowerDecay | None:
     """Fit the largest peak force of each layer against depth, by an exponential and by a power;
     return the fit with the smaller misfit.
 
-    Left out are the struck layer, which shares its largest contact with the next, the deepest
+    Omitted are the impacted layer, which shares its largest contact with the next, the deepest
     layer, which the bottom holds or leaves free, and layers whose force still rises at the end.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Motion of lines of grains against place and time, with the arrivals of the wave and a straight
+"""Motion of lines of grains against position and time, with the arrivals of the wave and a straight
 line through them.
 
 Lines are the beads of a chain, or the grains of a packing that are nearest to the axis of the load,
@@ -59,7 +59,7 @@ class Front:
         return float(late @ (self.place - self.place.mean()) / (late @ late))
 
     def when(self, place: Array) -> Array:
-        """Return the times at which the line is at some places, s."""
+        """Return the times at which the line is at some positions, s."""
         return self.time.mean() + (place - self.place.mean()) / self.speed
 
 

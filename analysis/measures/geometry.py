@@ -1,4 +1,4 @@
-"""Planes, directions, layers and nearest places in packings.
+"""Planes, directions, layers and nearest positions in packings.
 
 Planes and directions belong to the perfect packing. Spheres are found on them by place, within a
 tolerance, so that scattered diameters, settled positions and missing spheres do no harm.
@@ -14,7 +14,7 @@ The other kinds have vertical planes:
 kind    principal                                       orthogonal
 ======  ==============================================  ===============================================
 hcp     close-packed row and impact axis; the rows of   mirror plane x = 0, normal to that row
-        odd layers, sqrt(3)/6 D beside it, are shown
+        odd layers, sqrt(3)/6 D next to it, are shown
 bcc     (110), holds two of the <111> directions down   (010), between those directions
 sc      (010), holds two rows of contacts               (110), diagonal
 square  the packing itself                              none
@@ -44,7 +44,7 @@ _BLOCK = 200_000
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """A plane through the struck sphere; vectors are (3,)."""
+    """A plane through the impacted sphere; vectors are (3,)."""
 
     name: str  # principal, orthogonal or section
     across: Array  # unit vector to the right
@@ -81,7 +81,7 @@ def planes(kind: str) -> tuple[Plane, ...]:
 
 def section(plane: Plane, positions: Array, origin: Array, diameter: float) -> SpheresOnPlane:
     """The spheres at ``positions`` (n_spheres, 3), m, that lie on a plane; ``origin``: centre of
-    the struck one.
+    the impacted one.
     """
     offset = positions - origin
     middle = np.zeros(3) if plane.through is None else plane.through - origin
@@ -103,7 +103,7 @@ def own_plane(
     normal
         Its normal, of any length: (3,).
     through
-        A point of it: (3,), m; None: the centre of the struck sphere.
+        A point of it: (3,), m; None: the centre of the impacted sphere.
     tolerance
         As in `Plane`; half a diameter shows all spheres that the plane cuts.
     """
@@ -129,7 +129,7 @@ def own_plane(
 
 
 def preferred_directions(kind: str) -> Array:
-    """Unit vectors from the struck sphere to those it rests on; in a square packing to its
+    """Unit vectors from the impacted sphere to those it rests on; in a square packing to its
     neighbours.
 
     (n_directions, 3): 3 for fcc (<110>) and hcp, 4 for bcc (<111>) and square, 1 for sc and chain.
@@ -171,10 +171,10 @@ def layers(depth: Array, radii: Array, diameter: float) -> tuple[Array, NDArray[
 
 
 def nearest(points: Array, places: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Return the distance from each point to its nearest place, m, and that place's row:
+    """Return the distance from each point to its nearest position, m, and the row of that position:
     (n_points,) each.
 
-    Points and places are (n_points, 3) and (n_places, 3), m; there is one place at least.
+    Points and positions are (n_points, 3) and (n_places, 3), m; there is one place at least.
     """
     if len(points) * len(places) > _BY_TREE and len(places) > 1:
         from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw

@@ -209,7 +209,7 @@ def solitary_wave(
 
 
 def _bead_velocity() -> tuple[Array, Array]:
-    """Places in diameters, and the velocity of a bead in the travelling wave, times the diameter
+    """Positions in diameters, and the velocity of a bead in the travelling wave, times the diameter
     over speed and largest overlap.
     """
     x, wave, _ = _discrete_wave()
@@ -224,7 +224,7 @@ def _bead_velocity() -> tuple[Array, Array]:
 
 @cache
 def _discrete_wave() -> tuple[Array, Array, float]:
-    """Places in diameters and overlaps, at most 1, of the travelling wave, and the factor that
+    """Positions in diameters and overlaps, at most 1, of the travelling wave, and the factor that
     fixes its speed.
 
     The overlap of a wave of speed V obeys ``delta = (k D^2/(m V^2)) L * delta^1.5`` with L the
@@ -261,7 +261,7 @@ class PrecompressedLine:
     force, overlap
         Of each contact that bears the load, N and m.
     spacing
-        Of beads or layers before they were loaded, m: speeds are those over the places that the
+        Of beads or layers before they were loaded, m: speeds are those over the positions that the
         spheres had then.
     frequency
         omega = sqrt(K/m), rad/s.

@@ -28,7 +28,7 @@ def ranked(dissipated: Array) -> NDArray[np.int64]:
 def cumulated(
     dissipated: Array, energy_input: float, volume: Array | None = None
 ) -> tuple[Array, NDArray]:
-    """Cumulative dissipated share of the input against the volume of the dissipating spheres, in
+    """Cumulative dissipated fraction of the input against the volume of the dissipating spheres, in
     descending order of their dissipation.
 
     Parameters
@@ -44,7 +44,7 @@ def cumulated(
     Returns
     -------
     tuple
-        Share of the input, and volume, so far: (n,) each.
+        Fraction of the input, and volume, so far: (n,) each.
     """
     rows = ranked(dissipated)
     share = np.cumsum(dissipated[rows]) / energy_input
@@ -93,7 +93,7 @@ class Rays:
     directions
         Unit vectors: (n_directions, 3).
     peak_force
-        Of the n-th contact from the struck sphere: (n_contacts, n_directions), N; NaN beyond the
+        Of the n-th contact from the impacted sphere: (n_contacts, n_directions), N; NaN beyond the
         packing, and where a sphere is missing.
     """
 
@@ -115,7 +115,7 @@ class Rays:
 
 
 def rays(result: Result) -> Rays:
-    """Peak force of every contact along each preferred direction, from the struck sphere on.
+    """Peak force of every contact along each preferred direction, from the impacted sphere on.
 
     Each sphere of a ray is the nearest one to its place in a perfect packing, within a quarter of a
     diameter. Grains of a file have no such directions: there is no ray.
@@ -139,7 +139,7 @@ def rays(result: Result) -> Rays:
 
 
 def peak_force_by_depth(result: Result) -> tuple[Array, Array]:
-    """Depth below the struck one, m, and largest peak force of a contact, N, of each layer:
+    """Depth below the impacted one, m, and largest peak force of a contact, N, of each layer:
     (n_layers,) each.
     """
     depth = result["spheres/position"][:, 2] - result.origin[2]
@@ -165,14 +165,14 @@ class Involved:
     volume: Array
 
     def part(self, share: float) -> tuple[float, float]:
-        """Fraction of the input and volume of the least material that did a share of the
+        """Fraction of the input and volume of the least material that did a fraction of the
         dissipation.
         """
         enough = self.enough(share)
         return float(self.fraction[enough]), float(self.volume[enough])
 
     def enough(self, share: float) -> int:
-        """Last place of the least material that did a share of the dissipation."""
+        """Last place of the least material that did a fraction of the dissipation."""
         return int(np.searchsorted(self.fraction, share * self.fraction[-1]))
 
 
@@ -183,8 +183,8 @@ def spheres_involved(result: Result, energy_input: float) -> Involved:
 
 
 def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[str, Array]:
-    """Share of the input in each region of a packing: kinetic energy, and half the elastic energy
-    of contacts.
+    """Fraction of the input in each region of a packing: kinetic energy, and half the elastic
+    energy of contacts.
 
     Parameters
     ----------

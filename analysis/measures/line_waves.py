@@ -9,7 +9,7 @@ units of the static state (speeds over c0, forces over F0, velocities over omega
 of like Hertz contacts is one curve.
 
 The space-time transform shows the distribution of the energy of a line in (k, omega): the
-velocities v(x_n, t) of grains at even places x_n = n h are tapered in space and time (Hann) and
+velocities v(x_n, t) of grains at even positions x_n = n h are tapered in space and time (Hann) and
 transformed,
 
     V(k, omega) = sum_n sum_t v(x_n, t) exp(i (omega t - k x_n))
@@ -59,7 +59,7 @@ _EVEN_STEPS = 1e-6  # of the step, by which places and times may miss an even gr
 
 
 def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array]:
-    """Return even times (n_times,), s, places at the start (n,), m, and velocities (n_times, n),
+    """Return even times (n_times,), s, positions at the start (n,), m, and velocities (n_times, n),
     m/s, along an axis.
 
     Of the beads of a chain, else of the layers of a packing (axis 2) or of its columns across x
@@ -86,10 +86,10 @@ def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array
 
 
 def _means(result: Result, axis: int) -> tuple[Array, Array]:
-    """Mean places and velocities along z of layers, or along x of columns: (n,), m, and (n_frames,
-    n), m/s.
+    """Mean positions and velocities along z of layers, or along x of columns: (n,), m, and
+    (n_frames, n), m/s.
 
-    Strikers are left out.
+    Strikers are omitted.
     """
     nx, ny, _ = result.assembly.lattice.shape
     ids = result["spheres/id"]
@@ -104,8 +104,8 @@ def _means(result: Result, axis: int) -> tuple[Array, Array]:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Peaks:
-    """The pulse at the spheres of a chain, struck one first; every array (n_spheres,), NaN where it
-    did not pass.
+    """The pulse at the spheres of a chain, impacted one first; every array (n_spheres,), NaN where
+    it did not pass.
 
     Attributes
     ----------
@@ -228,7 +228,7 @@ def speed_between(found: Peaks, first: int, second: int, diameter: float) -> tup
     found
         From `peaks`.
     first, second
-        Places of the spheres along the line, from 1.
+        Positions of the spheres along the line, from 1.
     diameter
         Distance between neighbours, m.
 
@@ -397,7 +397,7 @@ def space_time_transform(
     time
         Even instants: (n_times,), s.
     place
-        Even places along the line: (n_places,), m.
+        Even positions along the line: (n_places,), m.
     velocity
         (n_times, n_places), m/s.
     k
@@ -410,7 +410,7 @@ def space_time_transform(
     Raises
     ------
     ValueError
-        Times or places are not even.
+        Times or positions are not even.
     """
     time = np.asarray(time, dtype=np.float64)
     place = np.asarray(place, dtype=np.float64)

@@ -260,8 +260,8 @@ def fit_decay(distance: ArrayLike, peak: ArrayLike) -> TwoRegionDecay | None:
 def parted_at(
     distance: ArrayLike, peak: ArrayLike, wide: ArrayLike, share: float = PARTED
 ) -> float | None:
-    """Return the distance of the first grain with a peak that differs by a share from its peak in a
-    wider crystal, m; None if there is no such grain.
+    """Return the distance of the first grain with a peak that differs by a fraction from its peak
+    in a wider crystal, m; None if there is no such grain.
 
     Parameters
     ----------

@@ -2,10 +2,10 @@
 
 Regions are the strikers, and the grains of the packing by what parts them: groups of a file of
 grains, stretches of a chain of one material and diameter, or else equal parts along the load.
-Strikers, walls and the dissipated energy have shares of their own.
+Strikers, walls and the dissipated energy have fractions of their own.
 
 Under a static load the elastic energy of a region is no part of the input, which is measured from
-the static state; there a share is of the kinetic energy only.
+the static state; there a fraction is of the kinetic energy only.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ Ids = NDArray[np.int64]
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class EnergyByRegion:
-    """Shares of the input in regions of a packing.
+    """Fractions of the input in regions of a packing.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class EnergyByRegion:
     share
         Energy / input by name of the region: (n_times,) each.
     kinetic_only
-        True where the elastic energy is left out, as under a static load.
+        True where the elastic energy is omitted, as under a static load.
     """
 
     time: Array
@@ -177,7 +177,7 @@ def _parts(result: Result, direction: Array) -> dict[str, Ids]:
 def _of_chain(
     result: Result, regions: Mapping[str, ArrayLike], kinetic_only: bool
 ) -> dict[str, Array]:
-    """Return the shares of regions of a chain at the instants of its history."""
+    """Return the fractions of regions of a chain at the instants of its history."""
     ids = result["chain/id"]
     mass = result["spheres/mass"][result.rows(ids)]
     energy = 0.5 * mass * result["chain/velocity"] ** 2
@@ -245,7 +245,7 @@ def _kinetic(result: Result) -> Array:
 def _summed(
     energy: Array, ids: Ids, regions: Mapping[str, ArrayLike], given: float
 ) -> dict[str, Array]:
-    """Return the shares of an energy by sphere (n_times, n_spheres), J, in regions."""
+    """Return the fractions of an energy by sphere (n_times, n_spheres), J, in regions."""
     share = {}
     rest = np.ones(len(ids), dtype=bool)
     for name, own in regions.items():
@@ -257,7 +257,7 @@ def _summed(
 
 
 def _without_spheres(result: Result, time: Array) -> dict[str, Array]:
-    """Return the shares of energies that belong to no sphere."""
+    """Return the fractions of energies that belong to no sphere."""
     return {
         name: _of_ledger(result, column, time)
         for name, column in _WITHOUT_SPHERES.items()

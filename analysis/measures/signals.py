@@ -39,7 +39,7 @@ def first_peak(time: ArrayLike, signal: ArrayLike, *, floor: float = 0.01) -> tu
 
 
 def maxima(signal: ArrayLike, floor: float = 0.0) -> NDArray[np.intp]:
-    """Places of the local maxima of a signal (n_times,) above a floor."""
+    """Positions of the local maxima of a signal (n_times,) above a floor."""
     signal = np.asarray(signal, dtype=np.float64)
     inner = (signal[1:-1] >= signal[:-2]) & (signal[1:-1] > signal[2:]) & (signal[1:-1] > floor)
     return np.flatnonzero(inner) + 1
@@ -71,8 +71,8 @@ def arrival(time: ArrayLike, signal: ArrayLike, level: float) -> float:
 
 
 def width(x: ArrayLike, signal: ArrayLike, share: float = 0.5) -> float:
-    """Full width of the largest peak of a signal at a share of its height, in units of x; NaN if it
-    is cut off.
+    """Full width of the largest peak of a signal at a fraction of its height, in units of x; NaN
+    if it is cut off.
     """
     x = np.asarray(x, dtype=np.float64)
     signal = np.asarray(signal, dtype=np.float64)

@@ -4,7 +4,7 @@ without the packing.
 The ground carries the target: the force on it comes out of the last spring or damper, and equals
 the force on the target if this does not move.
 
-Without the packing the struck spheres, side by side, hit the target: a rigid plane, a plane of a
+Without the packing the impacted spheres, side by side, hit the target: a rigid plane, a plane of a
 material, or a plane that moves on a support or a bar (`granwave.lammps_inputs.case.boundary`). Each
 sphere is a point mass with the contact law, hysteresis included, as its force on the plane; dents
 are local, so that spheres interact by the motion of the plane only:

@@ -150,7 +150,7 @@ def response(
     time, force
         (n_times,), s and N.
     mass, stiffness, damping
-        kg, N/m, N s/m; the mass may be 0 beside a damper.
+        kg, N/m, N s/m; the mass may be 0 next to a damper.
     """
     even = np.linspace(time[0], time[-1], len(time))
     order = [mass, damping, stiffness] if mass else [damping, stiffness]

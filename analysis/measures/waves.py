@@ -1,9 +1,9 @@
 """Waves in packings: their directions, and their speed into the depth.
 
-Directionality: shares of energy and dissipation by direction from the impact point, for any
+Directionality: fractions of energy and dissipation by direction from the impact point, for any
 packing.
 
-The direction of a sphere is that from the nearest struck sphere. In a layer it is an angle; in a
+The direction of a sphere is that from the nearest impacted sphere. In a layer it is an angle; in a
 packing of several layers a point of the half sphere below, cut into cells of equal solid angle.
 """
 
@@ -46,7 +46,8 @@ class Spread:
     Attributes
     ----------
     cells
-        Share of the total in each cell: (LAYER_BINS,) from -180 degrees on, or (RINGS, PER_RING).
+        Fraction of the total in each cell: (LAYER_BINS,) from -180 degrees on, or (RINGS,
+        PER_RING).
     along
         Share within `AXIS_ANGLE` of the directions of contacts, to which an even spread would give
         ``even``.
@@ -78,7 +79,7 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
 
 
 def directions(result: Result) -> Array:
-    """Unit vectors from the nearest struck sphere to each sphere: (n_spheres, 3); NaN for struck
+    """Unit vectors from the nearest impacted sphere to each sphere: (n_spheres, 3); NaN for struck
     ones and strikers.
 
     Parameters
@@ -109,8 +110,8 @@ def spread(result: Result, values: ArrayLike) -> Spread | None:
     Returns
     -------
     Spread or None
-        Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, the share in
-        an even distribution; ``cells`` by direction. None if struck spheres hold all.
+        Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, the fraction
+        in an even distribution; ``cells`` by direction. None if impacted spheres hold all.
     """
     values = np.asarray(values, dtype=np.float64)
     vectors = directions(result)
@@ -223,7 +224,7 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
     Parameters
     ----------
     mean
-        Depth of the layers below the struck sphere: (n_layers,), m.
+        Depth of the layers below the impacted sphere: (n_layers,), m.
     first
         Arrival at each: (n_layers,), s; inf: never.
     diameter
@@ -378,7 +379,7 @@ def passage(result: Result) -> float:
 
 
 def _layers_of(result: Result, diameter: float) -> tuple[Array, NDArray[np.int32]]:
-    """Return the depth of each layer below the struck sphere, m, and the layer of each sphere.
+    """Return the depth of each layer below the impacted sphere, m, and the layer of each sphere.
 
     Spheres of a layer have few different depths, which are sorted into layers first.
     """

@@ -4,10 +4,11 @@ dissipation; boundaries, waves from them, marks.
 One definition for packings and the continuum. A part is a sphere of the packing, weighed by the
 energy that it dissipated by yielding, or an element, weighed by its plastic work:
 
-    depth     smallest d such that the parts whose centres lie at most d below the struck sphere's centre (packing) or
-              the block's face (continuum) hold the share; a centre above counts as depth 0
+    depth     smallest d such that the parts whose centres lie at most d below the impacted
+              sphere's centre (packing) or the block's face (continuum) hold the fraction; a centre
+              above counts as depth 0
     radius    the same of the distance of the centres from the impact axis
-    volume    smallest volume that holds the share: of the parts in the order of their energy per
+    volume    smallest volume that holds the fraction: of the parts in the order of their energy per
               volume, the highest first; of a packing that of the spheres, without the voids. Of
               equal parts these are the fewest
 
@@ -15,10 +16,10 @@ None of these is interpolated: a size is the distance of a part, or a sum over p
 the depth is the depth of a layer, and does not change with the load until the next layer is needed.
 The interpolated depth and radius lie between layers: E(d) is the energy of all parts at most d
 away, and straight lines connect its values at the distances of the parts. The interpolated size is
-where these lines reach the share: between the size above and the next smaller distance of a part.
-Both agree where the parts are fine.
+where these lines reach the fraction: between the size above and the next smaller distance of a
+part. Both agree where the parts are fine.
 
-The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times farther out. A
+The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times beyond. A
 zone is marked if it reaches a boundary, or if a wave returned to it from one: it differs from the
 zone in an infinite packing.
 
@@ -79,8 +80,8 @@ _NO_WAVE = 1e-6
 
 
 def extent_holding(distance: Array, energy: Array, share: float) -> float:
-    """Return the smallest distance of a part within which a share of the energy lies, m; 0 without
-    any energy.
+    """Return the smallest distance of a part within which a fraction of the energy lies, m; 0
+    without any energy.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def extent_holding(distance: Array, energy: Array, share: float) -> float:
 
 
 def interpolated_extent(distance: Array, energy: Array, share: float) -> float:
-    """Return the distance within which the energy reaches a share, interpolated linearly between
+    """Return the distance within which the energy reaches a fraction, interpolated linearly between
     the distances of parts with energy, m; parameters as in `extent_holding`.
     """
     active = np.flatnonzero(energy > 0)
@@ -113,15 +114,17 @@ def interpolated_extent(distance: Array, energy: Array, share: float) -> float:
 
 
 def volume_holding(volume: Array, energy: Array, share: float) -> float:
-    """Return the volume (m^3) of the parts of highest energy per volume that hold a share; else as
-    `extent_holding`.
+    """Return the volume (m^3) of the parts of highest energy per volume that hold a fraction; else
+    as `extent_holding`.
     """
     order = np.lexsort((volume, -energy / volume))
     return float(np.sum(volume[order][: _parts_holding(energy[order], share)]))
 
 
 def _parts_holding(energy: Array, share: float) -> int:
-    """Number of parts, from the first, that hold a share of the energy; 0 where there is none."""
+    """Number of parts, from the first, that hold a fraction of the energy; 0 where there is
+    none.
+    """
     held = np.cumsum(energy)
     holds = len(held) and held[-1] > 0
     return int(np.searchsorted(held, (1 - _ROUNDING) * share * held[-1])) + 1 if holds else 0
@@ -174,7 +177,7 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
     times
         Times of return to the zone, by boundary, s; None where they are not known.
     ledger
-        Times of the energy ledger: (n,), s.
+        Times of the energy record: (n,), s.
     lost
         Energy dissipated by yielding so far: (n,), J.
 
@@ -182,8 +185,8 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
     -------
     dict
         ``wave_returned``, the boundaries that a wave returned from within the run;
-        ``wave_return_s``, the earliest return; ``wave_return_share``, the share of the energy that
-        was dissipated after it.
+        ``wave_return_s``, the earliest return; ``wave_return_share``, the fraction of the energy
+        that was dissipated after it.
     """
     if times is None:
         return dict.fromkeys(WAVE_KEYS)
@@ -210,7 +213,7 @@ def packing_zone(result: Result) -> Zone:
         Arrays (n_spheres,): ``energy`` dissipated by yielding, J; ``volume``, m^3; ``yielded``,
         True with a contact that yielded, or that dissipated energy at a wall; ``yield_time`` of the
         first such contact, s (NaN: never); and as far as the packing extends that way ``depth`` of
-        the centres below that of the struck sphere, m, ``radius``, their distance from the impact
+        the centres below that of the impacted sphere, m, ``radius``, their distance from the impact
         axis, m, and ``bottom`` and ``sides``, True where they touch these bounds.
     """
     own = result.in_packing

@@ -422,7 +422,7 @@ class Run(Values):
         -------
         Axes or list of Axes
             Axes of the figure, which pyplot shows; a list if there are several. Colour bars are
-            left out.
+            omitted.
 
         Raises
         ------

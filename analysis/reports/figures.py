@@ -253,7 +253,7 @@ def _pictures(
     width: int,
     left_out: Collection[str] = (),
 ) -> tuple[Gallery | Note, ...]:
-    """Return films and PNG figures of a run or scan, in the order of the figures of a run,
+    """Return animations and PNG figures of a run or scan, in the order of the figures of a run,
     then by name.
     """
     order = list(_captions(item))

@@ -154,7 +154,7 @@ def read_inputs(
     base
         Directory of the report.
     study_files
-        Files of studies that the user named just now; others that scans hold are left out, as they
+        Files of studies that the user named just now; others that scans hold are omitted, as they
         are code.
     repeated
         True to read a directory as often as it is given.

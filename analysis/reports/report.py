@@ -153,7 +153,7 @@ def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
     Parameters
     ----------
     folder
-        Name of the directory of the pictures beside the text.
+        Name of the directory of the pictures next to the text.
     """
     pictures: dict[str, bytes] = {}
 
@@ -266,7 +266,7 @@ def write_report(
     directories
         Directories of runs and scans, in the order of the report. Scans may be unfinished.
     output
-        Path of the report: ``.html``, ``.pdf`` or ``.md`` (with pictures in ``NAME_files`` beside
+        Path of the report: ``.html``, ``.pdf`` or ``.md`` (with pictures in ``NAME_files`` next to
         it).
     studies
         Studies of all runs, in addition to those that the scans name: names, and paths of

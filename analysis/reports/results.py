@@ -293,7 +293,7 @@ def _results(results: Sequence[tuple[str, Mapping[str, Any]]], shown: Iterable[s
 
 
 def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return the main values that any summary has; shares of yielding and friction only with
+    """Return the main values that any summary has; fractions of yielding and friction only with
     friction or losses.
     """
     shares = "friction_fraction", "viscous_fraction"

@@ -72,8 +72,8 @@ def studies_section(inputs: ReportInputs, found: Sequence[Study]) -> DocumentSec
 
 
 def main_picture(found: Sequence[Study], inputs: ReportInputs) -> Figure | None:
-    """Return the first picture of the studies of a scan, for the top of the report; None beside
-    other inputs.
+    """Return the first picture of the studies of a scan, for the top of the report; None together
+    with other inputs.
     """
     study = _with_main_picture(found, inputs)
     if study is None:

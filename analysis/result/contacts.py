@@ -6,7 +6,7 @@ Touching pairs at the start follow from positions and radii, for any packing.
 A pair may have several dents: a dent is forgotten when the gap exceeds a given distance, and the
 next contact starts a new one. In this table each pair is one row, with the largest peak, the sum of
 the energies and the earliest times. Constants of the contact laws of pairs are yield overlap,
-effective radius and shares of dissipation.
+effective radius and fractions of dissipation.
 """
 
 from __future__ import annotations
@@ -253,7 +253,7 @@ def sphere_values(
     contacts
         Result of `list_contacts`, and ``yielded``, True for contacts that have: (n_contacts,).
     share
-        Share of the first sphere in the energy dissipated by yielding; (n_contacts,) or one for
+        Fraction of the first sphere in the energy dissipated by yielding; (n_contacts,) or one for
         all. Dissipation by friction and viscous losses is halved.
 
     Returns

@@ -107,7 +107,7 @@ def few(names: Sequence[str]) -> str:
 
 
 def similar(path: Path) -> str:
-    """Suggest a directory or file beside ``path`` with a similar name; empty if there is none."""
+    """Suggest a directory or file next to ``path`` with a similar name; empty if there is none."""
     parent = next(place for place in path.absolute().parents if place.is_dir())
     if parent != path.absolute().parent:
         return f" (there is no directory {path.parent})"

@@ -3,7 +3,7 @@ balance.
 
 The error is |kinetic + elastic + dissipated - input|. It is divided by the largest |input| up to
 then. A prescribed displacement also gives the moved grains their kinetic energy, and takes it back
-when they stop: it is left out of that input, or the error of a grain that is pushed in fast and
+when they stop: it is excluded from that input, or the error of a grain that is pushed in fast and
 then held would be compared with an energy that no other grain ever had.
 """
 
@@ -306,7 +306,7 @@ class Result:
 
     @property
     def origin(self) -> NDArray[np.float64]:
-        """Initial centre of the struck sphere of the packing: (3,), m."""
+        """Initial centre of the impacted sphere of the packing: (3,), m."""
         sphere = struck_site(self.assembly)
         row = 0 if sphere is None else int(self.rows(sphere))
         return self.read("spheres/position", slice(row, row + 1))[0]
@@ -316,7 +316,7 @@ class Result:
         """AnyPath of the impact axis in x and y: the centroid of the impacted spheres' initial
         centres, (2,), m.
 
-        The axis goes along z. With periodic sides the images nearest to the struck sphere count.
+        The axis goes along z. With periodic sides the images nearest to the impacted sphere count.
         """
         origin = self.origin[:2]
         impacted = np.sort(self.rows(np.array(impacted_of(self.assembly), dtype=np.int64)))

@@ -5,7 +5,7 @@
     /wall_contacts/{wall, id, peak_overlap, ...}                a row for each sphere that touched a wall or bar;
                                                                 both with initial_force, N, where a
                                                                 static stage was
-    /energy/{time, kinetic, elastic, dissipated, input, ...}    energy ledger
+    /energy/{time, kinetic, elastic, dissipated, input, ...}    energy record
     /walls/NAME/{time, force, impulse}   /probes/{time, ...}    walls and bars, and probes, at their own rates; for a
                                                                 moving wall also displacement,
                                                                 velocity, ground_force

@@ -139,7 +139,7 @@ class _Data:
     marks
         `Mark` of the plastic zone, by row.
     ordinates
-        Quantities with their values by row; quantities that are 0 at all points are left out.
+        Quantities with their values by row; quantities that are 0 at all points are omitted.
     """
 
     points: dict[int, PointResult]

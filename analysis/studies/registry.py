@@ -35,7 +35,7 @@ names by path.
         yield gw.Picture("peak_force", "Caption", figure, {"velocity_m_s": velocity, "force_N":
         force})
 
-``rows`` or ``pictures`` may be left out; ``tables(runs)`` yields tables of the study's own, each as
+``rows`` or ``pictures`` may be omitted; ``tables(runs)`` yields tables of the study's own, each as
 caption and columns by heading with unit: ``"All impacts", {"Velocity (m/s)": velocity, "Largest
 force (N)": force}``. ``runs`` is a list of `granwave.Run`: all finished runs of the scans that name
 the file, or of the report, with the values of the varied keys in ``run.labels``. ``verdict(runs)``,

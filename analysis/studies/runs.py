@@ -92,7 +92,7 @@ def read_run(label: str, directory: Path, summary: Mapping[str, Any]) -> Finishe
 
 
 def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[FinishedRun]:
-    """Read runs of spheres; none whose energy balance was refused or whose case cannot be read.
+    """Read runs of spheres; none whose energy balance was rejected or whose case cannot be read.
 
     Parameters
     ----------

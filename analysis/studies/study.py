@@ -135,14 +135,14 @@ class Picture:
     Attributes
     ----------
     name
-        Of its files. One that is empty or begins with an underscore goes on after the study's:
+        Of its files. One that is empty or begins with an underscore continues after the study's:
         ``_pulses`` of ``square-in-plane`` becomes ``square_in_plane_pulses``.
     drawing
         The figure; one of matplotlib's is given its data. A function that draws it, for a figure
         whose failure shall not cost the next.
     data
         Of a figure of matplotlib: arrays by name, with the unit at the end of the name, saved as
-        CSV beside it.
+        CSV next to it.
     """
 
     name: str

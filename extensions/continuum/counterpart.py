@@ -159,7 +159,9 @@ def continuum_of(assembly: Assembly) -> Counterpart:
 
 
 def _strikes_along_z(assembly: Assembly) -> bool:
-    """Return True for struck spheres, or one striker, that move along z into a packing at rest."""
+    """Return True for impacted spheres, or one striker, that move along z into a packing at
+    rest.
+    """
     load = assembly.case.load
     if not load.strikes:
         return False

@@ -136,7 +136,9 @@ class ElementRun(abc.ABC):
 
     @classmethod
     def figures(cls) -> ModuleType:
-        """Module ``figures`` beside that of the run; the drawing library takes a second to load."""
+        """Module ``figures`` next to that of the run; the drawing library takes a second to
+        load.
+        """
         return importlib.import_module(f"{cls.__module__.rpartition('.')[0]}.figures")
 
     def column(self, name: str) -> NDArray[np.float64]:
@@ -151,7 +153,7 @@ class ElementRun(abc.ABC):
 
     @abc.abstractmethod
     def progress(self) -> tuple[float, str]:
-        """Progress so far, in the unit, and a note beside it."""
+        """Progress so far, in the unit, and a note next to it."""
 
     @abc.abstractmethod
     def values(self) -> dict[str, Any]:
@@ -219,7 +221,7 @@ def run_elements(
     force
         Move the results that are there into NAME.old.
     resume
-        Accept the finished results of the same case that are there; an unfinished run begins anew.
+        Accept the finished results of the same case that are there; an unfinished run begins again.
     figures
         Draw them.
 
@@ -234,7 +236,7 @@ def run_elements(
         The directory holds results, or another case, or the mesh does not fit into memory; nothing
         was changed.
     RunError
-        The energy balance was refused; what was computed is kept.
+        The energy balance was rejected; what was computed is kept.
     """
     results = ResultDirectory(results_directory(directory))
     there = _begin(kind, case, results, resume=resume, force=force, figures=figures)
@@ -301,7 +303,7 @@ def digits_of(total: float | None) -> int:
 
 
 def advance(shown: float, place: float, total: float | None, digits: int) -> float:
-    """Return by how much a bar goes on to a place, never back and never beyond its total."""
+    """Return by how much a bar continues to a place, never back and never beyond its total."""
     reached = place if total is None else min(place, total)
     return max(0.0, round(reached - shown, digits))
 

@@ -437,7 +437,7 @@ class DesignKind(ReportKind):
         return design_report(directory) if has_outcome(directory) else None
 
     def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
-        """Refuse the directory: it has no run of its own."""
+        """Reject the directory: it has no run of its own."""
         if has_outcome(results.path):
             reason = "is a design search, which has a separate report; remove the other directories"
         else:

@@ -46,7 +46,7 @@ def infer(
     frame_rate
         Frames per second from which accelerations of a run are differentiated.
     position_noise
-        Errors of the places in these frames, m.
+        Errors of the positions in these frames, m.
     time
         Instant of a run, s; by default that with the largest forces.
     repeat

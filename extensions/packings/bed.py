@@ -1,6 +1,6 @@
 """Beds: grains that were made once, and their contacts, in files that cases share.
 
-A bed stands in the folder ``beds`` beside the case, under its kind and a digest of all that it is
+A bed stands in the folder ``beds`` next to the case, under its kind and a digest of all that it is
 made of. Who needs the same bed reads it; who makes it holds a lock, so that two processes do not
 make it at once, and its file appears whole.
 

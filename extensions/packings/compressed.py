@@ -51,7 +51,7 @@ _LEAST_WIDTH = 3.0  # of the box at the start, in largest diameters
 
 @dataclasses.dataclass(frozen=True)
 class CompressedRecipe(Recipe):
-    """All that a compressed packing is made of.
+    """Recipe of a compressed packing.
 
     Attributes
     ----------

@@ -1,10 +1,11 @@
 """Compression of a packing by LAMMPS: a box that shrinks step by step, with grains at rest after
 each step.
 
-Grains are scattered in a box, and places and box are scaled together, evenly along all axes, until
-the solid fraction or the pressure is met. After each step the grains come to rest: without friction
-by minimisation of the energy (FIRE, Bitzek et al. 2006), with friction by motion with drag. This
-is the way of O'Hern, Silbert, Liu and Nagel, Phys. Rev. E 68 (2003) 011306, from random places on.
+Grains are scattered in a box, and positions and box are scaled together, evenly along all axes,
+until the solid fraction or the pressure is met. After each step the grains come to rest: without
+friction by minimisation of the energy (FIRE, Bitzek et al. 2006), with friction by motion with
+drag. This is the way of O'Hern, Silbert, Liu and Nagel, Phys. Rev. E 68 (2003) 011306, from random
+positions on.
 
 Under Hertz's law the pressure of a jammed packing grows with about the power 3/2 of the solid
 fraction beyond jamming: its power 2/3 is extrapolated to the pressure that is asked for, which is
@@ -318,7 +319,7 @@ class _Compression:
         return float(np.clip(measured, estimate / _SLOPE_FACTOR, estimate * _SLOPE_FACTOR))
 
     def _compress(self, fraction: float) -> None:
-        """Scale box and places to a solid fraction, and let the grains come to rest."""
+        """Scale box and positions to a solid fraction, and let the grains come to rest."""
         factor = (self._fraction / fraction) ** (1 / 3)
         self._fraction = fraction
         self._steps += 1

@@ -1,4 +1,4 @@
-"""Random places in a box or a column, at which grains start."""
+"""Random positions in a box or a column, at which grains start."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def insert(
     periodic: bool = False,
     tube: float | None = None,
 ) -> Floats:
-    """Draw places of grains in a column that do not overlap: (n, 3), m, with depths from -height
+    """Draw positions of grains in a column that do not overlap: (n, 3), m, with depths from -height
     to 0.
 
     Parameters
@@ -63,7 +63,7 @@ def scatter(
     periodic: Sequence[bool],
     random: np.random.Generator,
 ) -> Floats:
-    """Draw places of grains in a box from 0 that do not overlap: (n, 3), m.
+    """Draw positions of grains in a box from 0 that do not overlap: (n, 3), m.
 
     Parameters
     ----------
@@ -107,12 +107,13 @@ def _apart(
 
 
 def nearest_image(apart: Floats, period: Sequence[float] | Floats) -> Floats:
-    """Return the whole periods to take off differences of places, for the nearest image: (n, 3), m.
+    """Return the whole periods to take off differences of positions, for the nearest image: (n,
+    3), m.
 
     Parameters
     ----------
     apart
-        Differences of places: (n, 3), m.
+        Differences of positions: (n, 3), m.
     period
         Periods along x, y and z, infinite along axes that are not periodic: (3,), m.
     """

@@ -1,6 +1,6 @@
 """Poured beds: grains that fall into a box or a tube, and settle there.
 
-What the case does not say follows from the bed: walls at the places where the grains settled,
+What the case does not say follows from the bed: walls at the positions where the grains settled,
 friction in contacts, and a static stage under gravity that starts from the overlaps of the bed.
 """
 
@@ -39,7 +39,7 @@ _LEAST_WIDTH = 2.0  # of a container, in largest diameters
 
 @dataclasses.dataclass(frozen=True)
 class PouredRecipe(Recipe):
-    """All that a poured bed is made of.
+    """Recipe of a poured bed.
 
     Attributes
     ----------

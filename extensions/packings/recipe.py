@@ -1,4 +1,4 @@
-"""Recipes of beds: all that a bed is made of, and its making once for all who need it."""
+"""Recipes of beds, and the generation of a bed once for all its users."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ SPEED = 4e6  # steps of grains in a second on one core, measured with some hundr
 
 @dataclasses.dataclass(frozen=True)
 class Recipe(abc.ABC):
-    """All that a bed is made of.
+    """Recipe of a bed.
 
     Attributes
     ----------
@@ -182,7 +182,9 @@ def _make(recipe: Recipe, file: BedFile) -> None:
 
 
 def bed_file(recipe: Recipe, source: Path) -> BedFile:
-    """Return the file of a bed: beside the case, or for built-in cases in the working directory."""
+    """Return the file of a bed: next to the case, or for built-in cases in the working
+    directory.
+    """
     digest = digest_of(recipe.kind, recipe.plain())
     folder = source.absolute().parent
     if not source.is_file() or _is_built_in(folder) or not os.access(folder, os.W_OK):

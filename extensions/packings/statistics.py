@@ -59,7 +59,7 @@ def solid_fraction(
     low, high
         Corners of the box: (3,), m.
     period
-        Periods along x, y and z, m; infinite, or left out at the end, where there is none.
+        Periods along x, y and z, m; infinite, or omitted at the end, where there is none.
     """
     from scipy.spatial import KDTree
 

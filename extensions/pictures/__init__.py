@@ -1,4 +1,6 @@
-"""Packings in three dimensions: figures, films, a page to turn and cut, files for ParaView and OVITO."""
+"""Packings in three dimensions: figures, animations, a page to turn and cut, files for ParaView
+and OVITO.
+"""
 
 from granwave.lammps_inputs.extensions import Extension
 

@@ -299,7 +299,7 @@ def write_film(
     options: Figures | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Write a film of a run.
+    """Write an animation of a run.
 
     Parameters
     ----------
@@ -320,7 +320,7 @@ def write_film(
         Colours, limits and plane of the case; by default as ``[figures]`` of the case.toml there
         says.
     rate
-        Pictures per second; by default the film takes some six seconds.
+        Pictures per second; by default the animation takes some six seconds.
     progress
         Function called after each picture with its number from 1 and that of all.
 
@@ -354,7 +354,7 @@ def write_film(
 
 
 def size_of(text: str) -> tuple[int, int]:
-    """Read the size of a film: slide, page, or width x height in pixels.
+    """Read the size of an animation: slide, page, or width x height in pixels.
 
     Raises
     ------
@@ -402,7 +402,7 @@ def _check(
 def film_pictures(
     film: Scene, width: int, progress: Callable[[int, int], None] | None = None
 ) -> Iterator[NDArray[np.uint8]]:
-    """Yield the pictures in red, green, blue: (height, width, 3), both even as films need.
+    """Yield the pictures in red, green, blue: (height, width, 3), both even as animations need.
 
     The unchanged parts are drawn once, and overlaid on the changing parts.
     """

@@ -102,7 +102,7 @@ def build(run: Path) -> Any:
 
 
 def show(pipeline: Any) -> Any:
-    """Add the pipeline to the scene; return a viewport with the struck layer up."""
+    """Add the pipeline to the scene; return a viewport with the impacted layer up."""
     import ovito
     from ovito.vis import Viewport
 

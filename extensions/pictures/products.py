@@ -1,4 +1,4 @@
-"""Products of a run: its film, and the page to turn and cut its packing."""
+"""Products of a run: its animation, and the page to turn and cut its packing."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 
 
 def make_film(results: ResultDirectory, file: str) -> None:
-    """Write the film of a run as a file of this name."""
+    """Write the animation of a run as a file of this name."""
     # it loads the drawing library, which most commands do without
     from granwave.extensions.pictures.films import write_film
 
@@ -23,7 +23,7 @@ def make_page(results: ResultDirectory, file: str) -> None:
 
 
 def packages_of_film(file: str) -> tuple[str, ...]:
-    """Return the packages that a film needs: pictures in one file do without ffmpeg."""
+    """Return the packages that an animation needs: pictures in one file do without ffmpeg."""
     return ("imageio_ffmpeg",) if file.endswith(".mp4") else ()
 
 

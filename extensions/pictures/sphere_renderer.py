@@ -346,12 +346,12 @@ def surface_of_cylinder(
     radius
         Radius, m.
     x, y
-        Places to the right and upwards: arrays of one shape, m.
+        Positions to the right and upwards: arrays of one shape, m.
 
     Returns
     -------
     depth, normal
-        Place towards the viewer, minus infinity beside the cylinder, m; and unit vectors off the
+        Place towards the viewer, minus infinity next to the cylinder, m; and unit vectors off the
         surface, with a last axis of 3.
     """
     length = float(np.linalg.norm(half))

@@ -20,7 +20,7 @@ _LEAST_GAP = 0.002  # of the height of the panel; narrower ones cannot be seen
 
 
 def band_diagram(found: BandStructure) -> Drawing:
-    """Draw the bands along the path, gaps shaded, with the attenuation beside them where it is
+    """Draw the bands along the path, gaps shaded, with the attenuation next to them where it is
     known.
     """
     bands = found.bands

@@ -212,7 +212,7 @@ def modes(
     n_modes
         How many; None: all of a small packing, 60 of a large one.
     allow_floppy
-        True to go on where motions meet no resistance.
+        True to continue where motions meet no resistance.
 
     Raises
     ------

@@ -1,13 +1,13 @@
-"""Bands of precompressed rows and packings beside the space-time transforms of their runs.
+"""Bands of precompressed rows and packings compared with the space-time transforms of their runs.
 
 A weak hit on the first bead or layer holds all frequencies. The velocities along the row, or of the
 layers, are transformed in space and time, and the ridges of the transform compared with the bands
 of the same static state.
 
 Of a packing of scattered diameters, a piece that repeats in all directions tells the frequencies at
-which it answers to a plane wave along z. Each mode at a wave vector k holds a share of the plane
+which it answers to a plane wave along z. Each mode at a wave vector k holds a fraction of the plane
 wave, in which the spheres move along z by exp(i k z). The line that a transform of the motion shows
-is at the mode of the largest share; the mean of it and of those near to it, weighed by their
+is at the mode of the largest fraction; the mean of it and of those near to it, weighed by their
 shares, is taken.
 """
 
@@ -303,8 +303,8 @@ def rows_of_square(like: Case) -> Iterator[Row]:
 
 
 def rows_of_scatter(like: Case) -> Iterator[Row]:
-    """Speeds of long waves along [111] in a cell of FCC with scattered diameters, beside like
-    spheres.
+    """Speeds of long waves along [111] in a cell of FCC with scattered diameters, compared
+    with identical spheres.
     """
     boundary = {"sides": "periodic", "bottom": "periodic"}
     direction = np.array([[0.0, 0.0, 1.0]])

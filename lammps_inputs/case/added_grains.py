@@ -1,12 +1,13 @@
-"""``[[grains]]``: grains at places given by a formula, next to a lattice or to the grains of a
+"""``[[grains]]``: grains at positions given by a formula, next to a lattice or to the grains of a
 file.
 
-    at = [[0, 0, 0.01], ...]                     places, m
+    at = [[0, 0, 0.01], ...]                     positions, m
     at = "octahedral"                            all holes of an fcc or hcp packing between six spheres, or between
                                                  four ("tetrahedral")
     ring = {n = 6, radius = 0.01, z = 0.005}     n positions around the axis x = y = 0; angle: of the first
     ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a chain: 3 and 4
-    repeat = {times = 10, step = [0, 0, 0.015]}  these places again and again, each time moved on by a step
+    repeat = {times = 10, step = [0, 0, 0.015]}  these positions again and again, each time moved
+    on by a step
 
 A case with such grains is one of ``packing.kind = "file"``: the sites of the lattice come first and
 keep their ids.
@@ -75,7 +76,7 @@ _RADIUS = schema.or_word(_TOUCHING, schema.NumberType(above=0, unit="m"), finish
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Ring:
-    """Places around the axis x = y = 0."""
+    """Positions around the axis x = y = 0."""
 
     n: int = schema.count("number of positions")
     radius: float | None = schema.typed(
@@ -105,7 +106,7 @@ class Ring:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Repeat:
-    """Copies of places, each a step on."""
+    """Copies of positions, each a step on."""
 
     times: int = schema.count("number of copies, including the first positions")
     step: tuple[float, float, float] = schema.typed(
@@ -124,7 +125,7 @@ _AT = schema.EitherType(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AddedGrains:
-    """``[[grains]]``: grains of one size and material at places given by a formula."""
+    """``[[grains]]``: grains of one size and material at positions given by a formula."""
 
     at: str | tuple[tuple[float, float, float], ...] | None = schema.typed(
         "positions, or the interstitial sites of an fcc or hcp packing", _AT, unit="m", default=None
@@ -155,7 +156,9 @@ class AddedGrains:
     )
 
     def clumps(self, n: int) -> NDArray[np.int64]:
-        """Return the numbers of the clumps of ``n`` grains at these places: (n,); 0 without one."""
+        """Return the numbers of the clumps of ``n`` grains at these positions: (n,); 0 without
+        one.
+        """
         if self.clump is None:
             return np.zeros(n, dtype=np.int64)
         times = 1 if self.repeat is None else self.repeat.times
@@ -174,7 +177,7 @@ class AddedGrains:
         return found * (1 if self.repeat is None else self.repeat.times)
 
     def places(self, lattice: Lattice | None, own: Grains) -> NDArray[np.float64]:
-        """Return the places: (n, 3), m.
+        """Return the positions: (n, 3), m.
 
         Parameters
         ----------
@@ -210,7 +213,7 @@ class AddedGrains:
         return places
 
     def _at_gaps(self, own: Grains) -> list[tuple[float, float]]:
-        """Return the radii and places along the row of the rings at gaps, m."""
+        """Return the radii and positions along the row of the rings at gaps, m."""
         assert self.ring is not None
         found = []
         for first in self.ring.gap or range(1, len(own)):
@@ -410,7 +413,7 @@ def _places_of(
     key: str,
     errors: ErrorList,
 ) -> NDArray[np.float64] | None:
-    """Return the places of some grains: (n, 3), m; None if a ring has none."""
+    """Return the positions of some grains: (n, 3), m; None if a ring has none."""
     try:
         places = entry.places(lattice, own)
     except ValueError as error:
@@ -450,7 +453,7 @@ def _grains_at(
     group: str = "",
     shape: Shape = None,
 ) -> Grains:
-    """Return equal grains at rest at places (m)."""
+    """Return equal grains at rest at positions (m)."""
     n = len(places)
     return Grains(
         places, np.full(n, diameter), [material] * n, [group] * n, np.zeros((n, 3)), [shape] * n

@@ -2,13 +2,13 @@
 
     [[replace]]                  spheres of another material or diameter
     [[striker]]                  a sphere placed against given spheres, resting or moving
-    [bar], [incident_bar]        elastic bars at the far and at the struck end of a chain
+    [bar], [incident_bar]        elastic bars at the far and at the impacted end of a chain
     [[hold]]                     grains that do not move
     [[guide]]                    grains that move in some directions only, as in a groove
     [[line]]                     a line of grains whose motion is recorded and measured
     [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
 
-Spheres of a chain are numbered from 1 at the struck end. Strikers follow the spheres of the
+Spheres of a chain are numbered from 1 at the impacted end. Strikers follow the spheres of the
 packing, in the order of the file.
 """
 

@@ -325,7 +325,7 @@ _FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "un
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Boundary:
-    """``[boundary]``: bottom and sides of the packing; the struck top is always free."""
+    """``[boundary]``: bottom and sides of the packing; the impacted top is always free."""
 
     bottom: str = schema.choice(
         "boundary below the last layer: a plane, the layer itself held in place, none, or "

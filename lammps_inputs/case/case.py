@@ -252,7 +252,7 @@ class Case:
 
     @property
     def has_holder_friction(self) -> bool:
-        """True if beads rub against the holder of their chain."""
+        """True if beads rub against the guide of their chain."""
         return bool(self.boundary.holder_friction)
 
     @property

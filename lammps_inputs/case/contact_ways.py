@@ -1,4 +1,4 @@
-"""Ways to start contacts of grains at places of their own that overlap, or that nearly touch:
+"""Ways to start contacts of grains at user-defined positions that overlap, or that nearly touch:
 ``packing.contacts``.
 """
 

@@ -1,4 +1,4 @@
-"""Grains at places of their own: the rows of ``packing.file``, or of the same text in
+"""Grains at user-defined positions: the rows of ``packing.file``, or of the same text in
 ``packing.grains``.
 
     x, y, z, diameter                    m; depth is +z
@@ -105,7 +105,7 @@ class Grains:
     lines
         Lines of the file, from 1, of those that come from a table: (at most n,).
     half_unit
-        Half a unit of the last place of each coordinate in the file: (at most n, 3), m.
+        Half a unit of the last digit of each coordinate in the file: (at most n, 3), m.
     cell
         Vectors after which they repeat, of a file that has them, m.
     reading
@@ -221,7 +221,7 @@ class GrainChoices:
     materials
         Names of materials by type of the file; empty: types have no meaning.
     keeps_velocities
-        False: the velocities of the file are left out.
+        False: the velocities of the file are omitted.
     up
         Direction of the file that points up, a key of `TURNS`.
     """
@@ -368,7 +368,7 @@ def _words_of(table: GrainTable, name: str) -> list[str]:
 def _check_magnitudes(
     table: GrainTable, name: str, values: NDArray[np.float64], unit: str, *, is_size: bool
 ) -> None:
-    """Raise ValueError if a value is impossible in its unit; small places may be rounding."""
+    """Raise ValueError if a value is impossible in its unit; small positions may be rounding."""
     low, high = POSSIBLE[unit]
     low = low if is_size else 0.0
     size = np.abs(values)

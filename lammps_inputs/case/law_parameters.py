@@ -50,7 +50,7 @@ def with_parameters(
 
 
 def _annotation(parameter: _contact_laws.LawParameter) -> str:
-    """Return the type of the value of a parameter; None where it may be left out."""
+    """Return the type of the value of a parameter; None where it may be omitted."""
     kind = "str" if parameter.words else "float"
     return kind if _in_case(parameter) is not None else f"{kind} | None"
 

@@ -401,7 +401,7 @@ def read_shapes(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> l
     Parameters
     ----------
     places
-        Place of each grain in the file, for messages.
+        Position of each grain in the file, for messages.
 
     Raises
     ------

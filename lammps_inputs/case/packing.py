@@ -1,4 +1,4 @@
-"""``[packing]``: a lattice of spheres, or grains at places of their own; sizes of lattices."""
+"""``[packing]``: a lattice of spheres, or grains at user-defined positions; sizes of lattices."""
 
 from __future__ import annotations
 

@@ -309,7 +309,7 @@ def read_parts(
     required
         Names of the tables that must be there.
     optional
-        Names of those that may be left out.
+        Names of those that may be omitted.
     readers
         Functions that read tables other than by `read_table`, by name.
 

@@ -38,7 +38,7 @@ _FRAMES_FORM = (
 
 @dataclasses.dataclass(frozen=True)
 class TimesType(schema.ValueType):
-    """Type of the times of snapshots: seconds, or shares of the end time in words."""
+    """Type of the times of snapshots: seconds, or fractions of the end time in words."""
 
     kind: ClassVar[str] = "array"
     expected: str = _FRAMES_FORM
@@ -79,8 +79,8 @@ _FRAMES = schema.EitherType(
 
 
 def parse_share(text: str, expected: str) -> float:
-    """Convert a share such as ``"25 %"`` to 0.25; raise `ValidationError` if it is none from 0 to
-    100 %.
+    """Convert a fraction such as ``"25 %"`` to 0.25; raise `ValidationError` if it is none from 0
+    to 100 %.
     """
     if not (found := _SHARE.fullmatch(text)) or float(found[1]) > 100:
         raise ValidationError(expected)
@@ -145,8 +145,8 @@ class RunSettings:
 
     @property
     def frame_times(self) -> tuple[float, ...] | None:
-        """Times of the snapshots, s, shares of the end time among them; None if only their number
-        is given.
+        """Times of the snapshots, s, fractions of the end time among them; None if only their
+        number is given.
         """
         if not isinstance(self.frames, tuple):
             return None

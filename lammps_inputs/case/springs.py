@@ -90,7 +90,7 @@ def springs_table(spheres: RestartSpheres, walls: Mapping[tuple[str, int], str])
     ----------
     walls
         Names of walls by fix and side: 0 for the lower wall, 1 for the upper one. Springs at other
-        walls are left out.
+        walls are omitted.
     """
     return "\n".join([",".join(_COLUMNS), *_rows(spheres, walls)]) + "\n"
 

@@ -91,8 +91,8 @@ def _check_size(case: Case, errors: ErrorList) -> None:
 
 
 def check_case(case: Case, errors: ErrorList) -> Assembly | None:
-    """Check the whole case: space for larger spheres, places of strikers, support, static load and
-    dents.
+    """Check the whole case: space for larger spheres, positions of strikers, support, static load
+    and dents.
     """
     packing.check_room(case, errors)
     grains.check_cylinders(case, errors)

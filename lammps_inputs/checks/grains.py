@@ -1,4 +1,6 @@
-"""Checks of grains at places of their own, of held grains, of loads on chosen grains, and of lines."""
+"""Checks of grains at user-defined positions, of held grains, of loads on chosen grains, and of
+lines.
+"""
 
 from __future__ import annotations
 

@@ -325,7 +325,7 @@ def check_struck_spheres(case: Case, errors: ErrorList) -> None:
 
 
 def check_struck(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that no struck sphere is held in a direction in which the load moves it."""
+    """Check that no impacted sphere is held in a direction in which the load moves it."""
     case = assembly.case
     load = case.load
     if not load.hits_spheres or case.incident_bar:

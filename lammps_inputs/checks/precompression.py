@@ -71,7 +71,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
 
 
 def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
-    """Refuse a static load that yields every contact, exceeds the range of the law, or spreads the
+    """Reject a static load that yields every contact, exceeds the range of the law, or spreads the
     layers.
     """
     case = assembly.case

@@ -19,7 +19,7 @@ _OVERLAP = 1e-6  # diameters; largest overlap of a striker with the bottom, for 
 
 
 def check_strikers(case: Case, errors: ErrorList) -> None:
-    """Check shapes of strikers, and that shifts from their places are across their way."""
+    """Check shapes of strikers, and that shifts from their positions are across their way."""
     no_effect = (
         "a striker starts in contact, so a shift along its direction of motion has no effect"
     )

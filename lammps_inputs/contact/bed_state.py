@@ -199,7 +199,7 @@ def _line_at_wall(assembly: Assembly, spring: ContactSpring, wall: Wall) -> Iter
 
 
 def _axes_along(wall: Wall) -> list[int]:
-    """Return the axes along a plane, in the order of the places of dents."""
+    """Return the axes along a plane, in the order of the positions of dents."""
     return [(wall.axis + 1) % 3, (wall.axis + 2) % 3]
 
 

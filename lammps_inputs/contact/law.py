@@ -172,7 +172,7 @@ def contact_of(
     constants
         Parameters of the law other than its defaults, by name.
     checked
-        True to refuse constants of a law that is not passive.
+        True to reject constants of a law that is not passive.
     cohesion
         Cohesion of the spheres.
 

@@ -259,7 +259,7 @@ def _read_body(
 
 
 def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) -> None:
-    """Refuse a law that does not hold for a contact of these shapes; the first is no wall."""
+    """Reject a law that does not hold for a contact of these shapes; the first is no wall."""
     if contact.entry.is_power:
         return
     pair = cylinder_pair(one.cylinder, other.cylinder) if (one.cylinder or other.cylinder) else None

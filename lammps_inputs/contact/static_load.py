@@ -324,8 +324,8 @@ def absorbing_ids(assembly: Assembly, entry: Absorb) -> tuple[int, ...]:
 
 
 def rise_of(assembly: Assembly, entry: Absorb) -> tuple[float, float] | None:
-    """Return the places along the axis where the rate is zero and where it is whole, m; None where
-    it does not rise.
+    """Return the positions along the axis where the rate is zero and where it is whole, m; None
+    where it does not rise.
 
     The rate is zero one diameter before the first of the spheres, so that all of them are damped.
     """

@@ -156,8 +156,8 @@ class MeasuredRow:
     ids
         Their ids.
     first, last
-        Places in ``ids`` of the loaded grain, or of the first where none is loaded, and of the last
-        one that moves and does not absorb.
+        Positions in ``ids`` of the loaded grain, or of the first where none is loaded, and of the
+        last one that moves and does not absorb.
     """
 
     group: str

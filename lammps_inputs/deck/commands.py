@@ -312,7 +312,7 @@ def wall_commands(
     prefix
         Prefix of the names of the fixes.
     only
-        Existing walls that change their places; their groups, and the held grains, stay.
+        Existing walls that change their positions; their groups, and the held grains, stay.
     """
     case = assembly.case
     lines = [*_groups(assembly), *_regions(assembly)] if only is None else []

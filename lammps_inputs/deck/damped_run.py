@@ -2,12 +2,12 @@
 
 Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
 halves of the static stage are one of motion with friction, losses and local damping (Cundall and
-Strack 1979), from the places of the case on; the tangential springs that it leaves stay. Half of
+Strack 1979), from the positions of the case on; the tangential springs that it leaves stay. Half of
 the net force on a sphere is taken from it along each axis where the sphere moves with the force,
 and added where it moves against it. That damps a grain that rolls under its weight as fast, in its
 own periods, as one that swings on a stiff contact. A drag that ends the swings would hold the
 rolling grain, which then creeps on with a net force equal to its drag. Settled grains need some
-thousand steps, and tens of thousands where some roll to other places.
+thousand steps, and tens of thousands where some roll to other positions.
 
 The last motion is the slow swing of single grains that roll in hollows. Twice in its period the net
 force on such a grain passes through zero while it moves, with its drag in balance with its weight.

@@ -206,7 +206,7 @@ class Deck:
     schedule
         Timestep, and intervals of output.
     struck
-        Ids of the spheres that the load acts on, the struck sphere first.
+        Ids of the spheres that the load acts on, the impacted sphere first.
     written
         Names of the files that were written; empty for a deck that was read.
     """

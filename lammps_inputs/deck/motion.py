@@ -145,7 +145,7 @@ def _absorbing(assembly: Assembly) -> list[str]:
 
 
 def _holder(assembly: Assembly) -> list[str]:
-    """Return the commands for the holder of a chain; after all that apply forces, for friction
+    """Return the commands for the guide of a chain; after all that apply forces, for friction
     opposes their sum.
     """
     friction = assembly.case.boundary.holder_friction
@@ -260,8 +260,8 @@ def _square(vector: Vector) -> str:
 
 
 def _load(assembly: Assembly) -> list[str]:
-    """Return the commands of the load on the struck spheres or the end of the incident bar, and of
-    the energy input so far.
+    """Return the commands of the load on the impacted spheres or the end of the incident bar, and
+    of the energy input so far.
     """
     load = assembly.case.load
     driven = [bar.far for bar in assembly.bars if bar.name == INCIDENT_BAR]

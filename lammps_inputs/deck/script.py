@@ -194,7 +194,7 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
 
 def _spheres_from(assembly: Assembly, restart_from: str) -> list[str]:
     """Return the commands that read the spheres, the numbers of their clumps, and their initial
-    places.
+    positions.
     """
     spheres = f"read_restart    {restart_from}" if restart_from else READ_DATA
     if assembly.case.contact.normals == INITIAL:
@@ -208,7 +208,7 @@ def _spheres_from(assembly: Assembly, restart_from: str) -> list[str]:
 
 
 def _initial_places(*, resumed: bool) -> list[str]:
-    """Return the commands that store where the spheres begin; a restart file has the places."""
+    """Return the commands that store where the spheres begin; a restart file has the positions."""
     lines = [
         "# Initial positions of the spheres: contact forces keep the directions between them.",
         "fix             initial all property/atom d2_initial 3 ghost yes",

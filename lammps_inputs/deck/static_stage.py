@@ -9,16 +9,16 @@ begins with the histories at the start (pair_gran_hysteretic_forces.cpp), so tha
 a load that grows steadily. Then time and energies are reset to zero.
 
 Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
-halves are one damped run (`damped_run.py`) from the places of the case on; the tangential springs
-that it leaves stay.
+halves are one damped run (`damped_run.py`) from the positions of the case on; the tangential
+springs that it leaves stay.
 
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
 would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
 the stage (`inertia_relief.py`).
 
 A run that is resumed from a checkpoint does not repeat the stage. Files remain: STATIC_STAGE_FILE,
-a record; STATIC_FILE, script lines with the reference energy of the ledger; and the forces of all
-contacts (`initial_forces`).
+a record; STATIC_FILE, script lines with the reference energy of the energy record; and the forces
+of all contacts (`initial_forces`).
 """
 
 from __future__ import annotations

@@ -69,7 +69,7 @@ class Assembly:
     case
         Case that it was made from.
     lattice
-        Lattice of the packing, or the places of its grains.
+        Lattice of the packing, or the positions of its grains.
     material
         Material of spheres that are not replaced.
     sites
@@ -268,7 +268,7 @@ class Assembly:
         LAMMPS adds a step of some nanometres to each coordinate, whose rounding grows with the
         distance from the origin. A file of grains that lies farther from the origin than it is
         large is moved to it, along each axis; results are in the coordinates of the file. The axis
-        of a tube, or of bars, stays where it is, and so does all beside walls of regions.
+        of a tube, or of bars, stays where it is, and so does all next to walls of regions.
         """
         low, high = self.lattice_bounds()
         origin = np.zeros(3)

@@ -1,4 +1,4 @@
-"""Strikers and elastic bars in their places.
+"""Strikers and elastic bars in their positions.
 
 A striker touches given spheres, outside of the packing, all at once. Where their diameters scatter
 there may be no such place: it then rests on as many of them as hold it. A misaligned striker is

@@ -124,7 +124,7 @@ def nearest_vectors(
     apart
         Vectors between centres or axes where these are nearest, in the same sense: (n, 3), m.
     beyond
-        Distances of those places from the end of a cylinder, negative between its ends: (n,), m.
+        Distances of those positions from the end of a cylinder, negative between its ends: (n,), m.
     """
     one = first or second
     if one is None:

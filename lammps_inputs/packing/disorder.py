@@ -79,13 +79,13 @@ def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
 
 
 def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDArray[np.int64]:
-    """Return the vacant sites, from 0: listed sites, or random ones for a share; never a site of
+    """Return the vacant sites, from 0: listed sites, or random ones for a fraction; never a site of
     the ids in ``kept``.
 
     Raises
     ------
     ValueError
-        The share exceeds the spheres that may be left out.
+        The share exceeds the spheres that may be omitted.
     """
     if isinstance(packing.vacancies, tuple) or not packing.vacancies:
         return np.array(packing.vacancies or (), dtype=np.int64) - 1
@@ -105,7 +105,7 @@ def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDAr
 def random_share(
     packing: PackingSection, entry: Replace, place: int, present: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Draw the sites, from 0, of a ``[[replace]]`` entry with a share, among the sites that are
+    """Draw the sites, from 0, of a ``[[replace]]`` entry with a fraction, among the sites that are
     ``present``.
 
     Parameters

@@ -1,5 +1,5 @@
-"""Contacts of grains at places of their own, as ``packing.contacts`` starts them: grains that move
-until they touch, and overlaps that press.
+"""Contacts of grains at user-defined positions, as ``packing.contacts`` starts them: grains that
+move until they touch, and overlaps that press.
 """
 
 from __future__ import annotations

@@ -78,13 +78,13 @@ def start_velocity(assembly: Assembly) -> tuple[float, float, float] | None:
 
 
 def start_speed(assembly: Assembly) -> float:
-    """Return the speed of the struck spheres at the start, m/s; 0 if the load gives none."""
+    """Return the speed of the impacted spheres at the start, m/s; 0 if the load gives none."""
     return assembly.case.load.start_speed(LoadedAssembly(assembly))
 
 
 def struck_site(assembly: Assembly) -> int | None:
-    """Return the id of the struck sphere, or of the sphere that the first moving striker hits; None
-    if none is.
+    """Return the id of the impacted sphere, or of the sphere that the first moving striker hits;
+    None if none is.
     """
     struck = struck_of(assembly)
     sphere = struck[0] if struck else None

@@ -19,7 +19,7 @@ from granwave.lammps_inputs.packing_kind import TOUCHING
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Packing:
-    """Spheres on a lattice and strikers; the struck layer is at z = 0, depth along +z.
+    """Spheres on a lattice and strikers; the impacted layer is at z = 0, depth along +z.
 
     Each row of an array is a sphere. With vacancies, row numbers are not ids minus one, see `rows`.
 
@@ -45,7 +45,7 @@ class Packing:
 
     @property
     def lattice(self) -> Layout:
-        """Lattice of the spheres other than strikers, or the places of grains."""
+        """Lattice of the spheres other than strikers, or the positions of grains."""
         return self.assembly.lattice
 
     @property

@@ -1,5 +1,5 @@
-"""Grains at places of their own, with the properties of a lattice, and the struck spheres of any
-packing.
+"""Grains at user-defined positions, with the properties of a lattice, and the impacted spheres of
+any packing.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ _AROUND = 10  # largest distance from the middle of a grain to touch, in sums of
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Places:
-    """Places of grains, in the order of their ids; see `granwave.lammps_inputs.lattices.Lattice`.
+    """Positions of grains, in the order of their ids; see
+    `granwave.lammps_inputs.lattices.Lattice`.
 
     Attributes
     ----------
@@ -237,7 +238,7 @@ Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are
 
 
 def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
-    """Return the lattice of a packing, or the places of its grains."""
+    """Return the lattice of a packing, or the positions of its grains."""
     periodic = boundary.periodic
     if packing.grains is None:
         return packing.lattice(periodic=periodic)
@@ -263,9 +264,9 @@ def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False
 
 
 def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
-    """Return the ids of the loaded spheres; the first one is the struck sphere.
+    """Return the ids of the loaded spheres; the first one is the impacted sphere.
 
-    The struck sphere is the sphere of the top layer nearest to the centroid of this layer (ties
+    The impacted sphere is the sphere of the top layer nearest to the centroid of this layer (ties
     within 1e-6 D: the lowest id). A ``count`` of 3 adds the two neighbours that rest with it on the
     same sphere of the next layer (the pair with the lowest ids if there are several), 7 its six
     neighbours in the layer.

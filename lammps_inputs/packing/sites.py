@@ -261,7 +261,7 @@ def sites_of(case: Case, lattice: Layout) -> Sites:
     Raises
     ------
     ValueError
-        A share of vacancies leaves too few spheres, or spheres on a tilted floor find no place.
+        A fraction of vacancies leaves too few spheres, or spheres on a tilted floor find no place.
     """
     packing = case.packing
     n = lattice.n_spheres

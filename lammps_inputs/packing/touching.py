@@ -38,7 +38,7 @@ Period = tuple[float, float] | None
 
 
 def last_place(values: NDArray[np.float64]) -> float:
-    """Return the unit of the last place of the largest of some numbers, as they were written.
+    """Return the unit of the last digit of the largest of some numbers, as they were written.
 
     A file has a number of decimals, or of significant digits; with either of them, the largest
     numbers have the largest unit, and some number has all the digits. Trailing zeros and the
@@ -57,7 +57,7 @@ def _significant_digits(value: float) -> int:
 
 
 def rounding_of(grains: Grains) -> float:
-    """Return the unit of the last place of the lengths of grains, m: as the reader of their file
+    """Return the unit of the last digit of the lengths of grains, m: as the reader of their file
     found it, else as their digits show it.
     """
     if len(grains.half_unit):
@@ -132,7 +132,7 @@ def gaps_up_to(grains: Grains, largest: float, period: Period = None) -> GrainGa
 def _gaps(
     grains: Grains, position: NDArray[np.float64], pairs: NDArray[np.int64], period: Period
 ) -> NDArray[np.float64]:
-    """Return the gaps of pairs of rows of grains at these places: (n,), m."""
+    """Return the gaps of pairs of rows of grains at these positions: (n,), m."""
     first, second = pairs.T
     apart = distances(position, grains.diameter, grains.shape, first, second, period)
     return apart - grains.diameter[pairs].sum(axis=1) / 2

@@ -313,7 +313,7 @@ def seconds_per_step(assembly: Assembly) -> float:
 
 
 def _seconds(assembly: Assembly, loaded: float, *, has_friction: bool) -> float:
-    """Estimate the time of a step with a share of ``loaded`` contacts, s."""
+    """Estimate the time of a step with a fraction of ``loaded`` contacts, s."""
     friction = has_friction * (_FRICTION + assembly.case.has_partial_slip * _PARTIAL_SLIP)
     a_pair = _TOUCHING_PAIR + loaded * (_LOADED + friction)
     return _STEP + _PARTICLE * assembly.n_particles + a_pair * assembly.n_neighbours
@@ -329,11 +329,11 @@ class ExpectedZone:
     Attributes
     ----------
     depth, radius
-        Depth below the struck sphere, and radius from the impact axis, m.
+        Depth below the impacted sphere, and radius from the impact axis, m.
     spread
         Factor of uncertainty of both.
     room
-        Distances from the struck sphere to the bottom and the sides, by name, m.
+        Distances from the impacted sphere to the bottom and the sides, by name, m.
     """
 
     depth: float

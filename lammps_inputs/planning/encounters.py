@@ -4,10 +4,12 @@ The hardest collision bounds all overlaps of the run. Candidates are collisions 
 m_eff at the normal velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on
 loading:
 
-* the struck sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
-* the struck sphere against the n spheres that it rests on, at the angle theta to the impact direction:
+* the impacted sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
+* the impacted sphere against the n spheres that it rests on, at the angle theta to the impact
+direction:
   m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
-* a sphere that a rigid plate throws forward at twice its velocity, or the share of a contact in the plate's energy;
+* a sphere that a rigid plate throws forward at twice its velocity, or the fraction of a contact in
+the plate's energy;
 * a sphere against a wall, or against one that is held: m_eff = m, v_n = v if lines of contacts carry the pulse there
   undivided (chain, simple cubic), else v halved with each layer on the way; a wall that moves counts with the mass of
   its plate.

@@ -180,7 +180,7 @@ def plan(assembly: Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
 
 
 def _refuse_endless(case: Case) -> None:
-    """Refuse packings that are infinite along z, or with a cell under load: they have bands, and no
+    """Reject packings that are infinite along z, or with a cell under load: they have bands, and no
     runs.
     """
     stage = case.precompression

@@ -10,7 +10,7 @@ for n spheres of a brick, of which m move, and g ghosts: copies of spheres of ot
 `_REACH`. There are s axes with more than one brick. The wave is a box: the loaded spheres, and all
 that is nearer to them than the distance it has travelled along an axis; it grows until it fills the
 packing. A box takes a little more than the sphere or the cone of a wave, and it is a product of
-three intervals, so that the largest share of a brick is the product of the largest shares along
+three intervals, so that the largest fraction of a brick is the product of the largest shares along
 each axis.
 
 LAMMPS's own grid has the smallest surface. For a wave from one point, or from the top layer by
@@ -96,7 +96,7 @@ class Wave:
         return float(max((self.first - self.low).max(), (self.high - self.last).max()))
 
     def shares(self, grid: Grid, travelled: float) -> Floats:
-        """Return the share of the spheres that move and lie in each layer of bricks, along each
+        """Return the fraction of the spheres that move and lie in each layer of bricks, along each
         axis, at the brick with most of them, and of all bricks together: (3, 2).
         """
         shares = np.empty((3, 2))
@@ -141,7 +141,7 @@ class StepTimes:
 
     @property
     def efficiency(self) -> float:
-        """Share of the time in which a rank works on its own spheres."""
+        """Fraction of the time in which a rank works on its own spheres."""
         return (self.mean - self.communication) / self.busiest
 
 

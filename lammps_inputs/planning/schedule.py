@@ -62,7 +62,7 @@ class Schedule:
     block_steps
         Counts of a block of ``end_time = "auto"``; 0 if the run has an end time.
     ledger_every
-        Counts between rows of the energy ledger.
+        Counts between rows of the energy record.
     wall_every
         Counts between rows of the wall forces; the last step of the run has one.
     probe_every
@@ -266,7 +266,7 @@ def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, i
     duration
         Of the run or a block, s.
     rows
-        Of the ledger in that time.
+        Of the energy record in that time.
 
     Returns
     -------

@@ -21,7 +21,7 @@ in fcc. A bar limits dt to half the transit time of a wave through an element.
 dt is rounded down to two significant digits. At given velocity it is proportional to the diameter,
 like all times.
 
-No wave runs above the cut-off; grains then move by a share that falls with the square of the
+No wave runs above the cut-off; grains then move by a fraction that falls with the square of the
 frequency, and the timestep follows the load. Far above, a run takes long, and shows rounding.
 """
 

@@ -164,7 +164,7 @@ def find_columns(
     Parameters
     ----------
     notes
-        Warnings, to which columns that are left out are added.
+        Warnings, to which columns that are omitted are added.
     repeated
         The first of several columns of one name counts.
 
@@ -244,7 +244,7 @@ def _unit_below(table: TextTable, index: int) -> str:
 def require_columns(
     table: TextTable, columns: dict[str, GrainColumn], diameter: float | None
 ) -> None:
-    """Raise ValueError unless a table has places and, without a usual diameter, sizes."""
+    """Raise ValueError unless a table has positions and, without a usual diameter, sizes."""
     place = f"line {table.head_line}"
     if not table.heads and not columns:
         n_columns = table.frame.shape[1]
@@ -343,7 +343,7 @@ class ColumnReader:
         return in_si(values, self.scale(quantity))
 
     def vector(self, quantities: Sequence[str]) -> NDArray[np.float64] | None:
-        """Return a vector quantity: (n, 3), 0 along axes that are left out; None without any."""
+        """Return a vector quantity: (n, 3), 0 along axes that are omitted; None without any."""
         parts = [self.numbers(quantity) for quantity in quantities]
         if all(part is None for part in parts):
             return None
@@ -351,7 +351,7 @@ class ColumnReader:
         return np.stack([zeros if part is None else part for part in parts], axis=1)
 
     def half_units(self) -> NDArray[np.float64]:
-        """Return half a unit of the last place of each coordinate: (n, 3), m."""
+        """Return half a unit of the last digit of each coordinate: (n, 3), m."""
         columns = [self.columns[quantity].index for quantity in PLACE]
         values = [
             self.table.numbers(column, quantity)

@@ -31,7 +31,7 @@ class GrainTable:
     position
         Centres: (n, 3), m.
     half_unit
-        Half a unit of the last place of each coordinate: (n, 3), m; zero where it is not known.
+        Half a unit of the last digit of each coordinate: (n, 3), m; zero where it is not known.
     radius
         (n,), m; None if the file has none.
     ids

@@ -70,7 +70,7 @@ def read(source: GrainSource) -> GrainTable:
     Raises
     ------
     ValueError
-        There is no such step, it is truncated, or it lacks places or sizes.
+        There is no such step, it is truncated, or it lacks positions or sizes.
     """
     text = source.text
     matches = list(_FRAME.finditer(text))
@@ -320,7 +320,7 @@ class DumpFrame:
         return grains
 
     def _add_box(self, box: DumpBox, grains: GrainTable, scaled: set[str], power: float) -> None:
-        """Add the box to the grains, and place those whose places are fractions of it."""
+        """Add the box to the grains, and place those whose positions are fractions of it."""
         periodic = [flag == _PERIODIC for flag in self.flags] or [False] * 3
         if box.is_straight:
             grains.bounds = in_si(box.bounds, power)
@@ -352,7 +352,7 @@ class DumpFrame:
         return scaled
 
     def _require(self, columns: dict[str, GrainColumn], options: FileOptions) -> None:
-        """Raise ValueError unless the atoms have places and sizes."""
+        """Raise ValueError unless the atoms have positions and sizes."""
         has_size = options.diameter is not None or {DIAMETER, RADIUS} & set(columns)
         missing = [name for name in PLACE if name not in columns]
         if missing or not has_size:

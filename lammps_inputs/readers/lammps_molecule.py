@@ -1,4 +1,4 @@
-"""Molecule templates of LAMMPS (``molecule``), with places and diameters.
+"""Molecule templates of LAMMPS (``molecule``), with positions and diameters.
 
 https://docs.lammps.org/molecule.html
 """
@@ -37,7 +37,7 @@ _SECTIONS = {
 
 
 def recognises(source: GrainSource) -> bool:
-    """Return True for a text with a number of atoms and a section of places, but no box."""
+    """Return True for a text with a number of atoms and a section of positions, but no box."""
     has_atoms = _COUNT.search(source.head) and _COORDS.search(source.head)
     return bool(has_atoms) and not _BOX.search(source.head)
 

@@ -39,7 +39,7 @@ def read(source: GrainSource) -> GrainTable:
     Raises
     ------
     ValueError
-        There is no such step, it is truncated, or it lacks places or sizes.
+        There is no such step, it is truncated, or it lacks positions or sizes.
     """
     text = source.text
     starts = [match.start() for match in _DOCUMENT.finditer(text)]

@@ -50,7 +50,7 @@ def recognises(source: GrainSource) -> bool:
 
 
 def has_names(source: GrainSource) -> bool:
-    """Return True for a table whose columns have names of places."""
+    """Return True for a table whose columns have names of positions."""
     layout = without_count(layout_of(source.whole_lines))
     if source.is_binary or not layout.rows:
         return False

@@ -164,7 +164,7 @@ def _names_of_types(types: NDArray[np.generic]) -> list[str]:
 def _by_quantity(
     arrays: Mapping[str, NDArray[np.generic]], options: FileOptions, notes: list[str]
 ) -> Arrays:
-    """Return arrays by quantity; those that are left out are noted."""
+    """Return arrays by quantity; those that are omitted are noted."""
     values: Arrays = {}
     left_out: list[str] = []
     named = {str(name): quantity for quantity, name in options.names.items()}
@@ -203,7 +203,7 @@ def _vector(values: Arrays, names: tuple[str, ...]) -> NDArray[np.float64] | Non
 def _half_units(
     points: NDArray[np.generic], position: NDArray[np.float64], texts: list[str] | None
 ) -> NDArray[np.float64]:
-    """Return half a unit of the last place of each coordinate: (n, 3), in the unit of the file."""
+    """Return half a unit of the last digit of each coordinate: (n, 3), in the unit of the file."""
     if texts is not None:
         return half_units(texts, position)
     return significant_half_units(position, _DIGITS[points.dtype.itemsize])

@@ -62,7 +62,7 @@ def read(source: GrainSource) -> GrainTable:
     Raises
     ------
     ValueError
-        There is no such frame, it is truncated, or its grains have no places or sizes.
+        There is no such frame, it is truncated, or its grains have no positions or sizes.
     """
     options = source.options
     lines = source.text.splitlines()
@@ -127,7 +127,7 @@ def _starts(lines: list[str]) -> list[int]:
 
 
 def _heads(entries: dict[str, str], comment: list[str], layout: Layout) -> list[str]:
-    """Return the names of the columns; those behind the places of plain XYZ are empty."""
+    """Return the names of the columns; those behind the positions of plain XYZ are empty."""
     if _PROPERTIES in entries:
         return _heads_of_properties(entries[_PROPERTIES].strip('"'))
     n_columns = len(layout.cells(0))

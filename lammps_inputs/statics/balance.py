@@ -1,4 +1,5 @@
-"""Balance of grains at places of their own under a static load, near which the static stage starts.
+"""Balance of grains at user-defined positions under a static load, near which the static stage
+starts.
 
 FIRE, which finds the balance in LAMMPS, takes the more iterations the longer a row of grains is,
 and lets a row without a guide buckle on the way. Newton's method on the energy of elastic contacts

@@ -87,13 +87,13 @@ class Bodies:
     radius, mass
         (n,), m and kg.
     kind
-        Places of their materials and shapes in ``laws.bodies``: (n,).
+        Positions of their materials and shapes in ``laws.bodies``: (n,).
     moves
         True for the directions x, y, z, rx, ry, rz in which a grain moves: (n, 6).
     periods
         Periods of the packing before the load: (n_periods, 3), m; a finite packing has none.
     walls
-        Walls, in their final places.
+        Walls, in their final positions.
     dead_load
         Constant forces: (n, 3), N.
     stress
@@ -164,8 +164,8 @@ class Bodies:
         """Return pairs of rows from the vectors between their centres (n, 3), m, and True where
         nothing touches.
 
-        That is where the nearest places are beyond the end of a cylinder. Distances may be given:
-        (n,), m.
+        That is where the nearest positions are beyond the end of a cylinder. Distances may be
+        given: (n,), m.
         """
         apart = step
         turns = np.empty((len(first), 3, 3))

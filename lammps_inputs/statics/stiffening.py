@@ -58,7 +58,7 @@ class StiffenedBed:
     moved: float
 
     def case_of(self, case: Case) -> Case:
-        """Return the case with the grains at these places."""
+        """Return the case with the grains at these positions."""
         packing = case.packing
         assert packing.grains is not None
         found = packing.grains.found or packing.grains

@@ -1,6 +1,6 @@
 """Digits with which the numbers of a column were written.
 
-A number of a file stands for all that round to it: half a unit of its last place is the error that
+A number of a file stands for all that round to it: half a unit of its last digit is the error that
 it may have. Trailing zeros may be missing (``%g``), so that the last place follows from all
 coordinates together: either all numbers have as many decimals, or the longest has all its
 significant digits. Of a few short numbers that a person typed, it says little.
@@ -19,7 +19,7 @@ _SAMPLE = 2000  # numbers that are looked at
 
 
 def half_units(texts: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return half a unit of the last place of each number, in its unit, in the shape of the values.
+    """Return half a unit of the last digit of each number, in its unit, in the shape of the values.
 
     Parameters
     ----------

@@ -120,7 +120,7 @@ class TextTable:
     def half_units(
         self, columns: Sequence[int], values: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Return half a unit of the last place of each number of some columns: (n, n_columns)."""
+        """Return half a unit of the last digit of each number of some columns: (n, n_columns)."""
         first = len(self.layout.rows) - len(self)
         texts: list[str] = []
         for row in sample_of(len(self)).tolist():

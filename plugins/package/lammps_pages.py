@@ -45,7 +45,7 @@ def _escape(text: str) -> str:
 
 
 def _join(parts: list[str]) -> str:
-    """Parts of a line, those with markup apart from letters beside them by an escaped space."""
+    """Parts of a line, those with markup apart from letters next to them by an escaped space."""
     line = ""
     for part in parts:
         opens = re.match(r"[*`:]", part) and re.search(r"[^\s'\"(\[{<\-/:]$", line)

@@ -1,4 +1,4 @@
-"""Jobs of single commands: ``granwave run CASE --submit`` makes NAME.job beside the directory NAME
+"""Jobs of single commands: ``granwave run CASE --submit`` makes NAME.job next to the directory NAME
 of the results, with script, logs, and a record of the jobs.
 
 A chain is several jobs, each of which waits for the end of the previous job and continues from

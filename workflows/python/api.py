@@ -185,7 +185,7 @@ def run(
         The case is wrong, or the directory holds results or another case, or memory or disk space
         is insufficient. Nothing was run.
     RunError
-        LAMMPS failed, or the energy balance was refused; what was computed is kept.
+        LAMMPS failed, or the energy balance was rejected; what was computed is kept.
     KeyboardInterrupt
         The run was interrupted; it wrote a checkpoint, and ``resume=True`` continues it.
     """

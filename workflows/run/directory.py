@@ -133,7 +133,7 @@ class RunDirectory(ResultDirectory):
 
 
 def checkpoint_files(name: str) -> list[str]:
-    """Return the names of the files of a checkpoint: of parts, also the file beside them."""
+    """Return the names of the files of a checkpoint: of parts, also the file next to them."""
     return list(dict.fromkeys([name, name.replace(files.RANK, _BASE)]))
 
 

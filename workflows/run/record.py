@@ -47,7 +47,7 @@ class Record:
     Attributes
     ----------
     state
-        State: running, integrated, interrupted, failed (see ``reason``), refused (energy balance)
+        State: running, integrated, interrupted, failed (see ``reason``), rejected (energy balance)
         or finished.
     n_steps, end_time_s
         Steps and simulated time so far.

@@ -241,7 +241,7 @@ def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
     Parameters
     ----------
     case
-        Name of a built-in study, or path of a case file relative to the file ``beside``.
+        Name of a built-in study, or path of a case file relative to the file ``next to``.
     """
     text = f'case = "{case}"\nfigures = true\n'
     header = ScanHeader(name=Path(case).stem, case=case, figures=True)
@@ -294,7 +294,7 @@ def _build(
 def _check_fixed(
     path: Path, fixed: Mapping[str, Any], varied: Sequence[str], changes: Mapping[str, Any]
 ) -> None:
-    """Refuse keys that are set for all points and vary, too."""
+    """Reject keys that are set for all points and vary, too."""
     twice = [key for key in fixed if key in varied]
     if twice:
         fault = "varies in the scan, expected a key that does not"

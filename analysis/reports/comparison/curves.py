@@ -29,7 +29,7 @@ _LEAST_SHARE = 1e-4  # of the largest peak force: layers that a wave reached
 
 @dataclass(frozen=True, eq=False)
 class SampledCurve:
-    """Values at places or times, rising: (n,) each, SI units."""
+    """Values at positions or times, rising: (n,) each, SI units."""
 
     x: Array
     y: Array
@@ -42,11 +42,11 @@ class PeaksByDepth:
     Attributes
     ----------
     depth
-        Of the layers below the struck sphere, m: (n_layers,).
+        Of the layers below the impacted sphere, m: (n_layers,).
     largest, median
         Of the peak forces of their spheres, N: (n_layers,).
     decay
-        Fit of the largest; None with fewer than four layers below the struck one.
+        Fit of the largest; None with fewer than four layers below the impacted one.
     """
 
     depth: Array

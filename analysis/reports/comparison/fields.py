@@ -117,7 +117,7 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
 
 
 def corresponding(first: ForceField, other: ForceField) -> bool:
-    """Return True if two sections have the same grains at the same places."""
+    """Return True if two sections have the same grains at the same positions."""
     if not np.array_equal(first.ids, other.ids):
         return False
     apart = np.hypot(first.cut.across - other.cut.across, first.cut.down - other.cut.down)

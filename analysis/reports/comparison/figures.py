@@ -333,7 +333,7 @@ def _without_fit(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
 def draw_dissipation(
     curves: Mapping[ComparedRun, SampledCurve], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
-    """Draw the dissipated share of the input by layer."""
+    """Draw the dissipated fraction of the input by layer."""
     figure, axes = panels(2.7)
     columns: dict[str, Array] = {}
     highest = max(float(curve.y.max()) for curve in curves.values())

@@ -124,7 +124,8 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
 
 
 def spread_first(n_runs: int, most: int) -> list[int]:
-    """Return the places of runs, ``most`` that are evenly spread from first to last before others.
+    """Return the positions of runs, ``most`` that are evenly spread from first to last before
+    others.
 
     Parameters
     ----------

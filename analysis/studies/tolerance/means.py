@@ -164,8 +164,8 @@ def _kept(packing: PackingRuns) -> Iterator[tuple[str, ...]]:
 def _largest_kept(
     axis: ToleranceQuantity, along: Sequence[Setting], left: Means
 ) -> tuple[str, str]:
-    """Largest imperfection with which the share `KEPT` of the performance is left, and the largest
-    with which the lower ends of the confidence intervals are still above this share.
+    """Largest imperfection with which the fraction `KEPT` of the performance is left, and the
+    largest with which the lower ends of the confidence intervals are still above this fraction.
     """
     shares = {axis.of(setting): left[setting] for setting in along if setting in left}
     lows = {x: share.low for x, share in shares.items() if math.isfinite(share.half_width)}

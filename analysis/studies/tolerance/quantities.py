@@ -7,8 +7,8 @@ from typing import Literal, NamedTuple
 
 
 class Setting(NamedTuple):
-    """Imperfections of a packing: scatter of the diameters (m), coefficient of friction, share of
-    left out spheres.
+    """Imperfections of a packing: scatter of the diameters (m), coefficient of friction, fraction
+    of omitted spheres.
     """
 
     scatter: float = 0.0

@@ -111,7 +111,7 @@ class PackingRuns:
         return {setting: mean.over(ideal.mean) for setting, mean in means.items()}
 
     def left(self, quantity: ToleranceQuantity) -> Means:
-        """Shares of the ideal packing's performance; of a force that shall be small, the ideal
+        """Fractions of the ideal packing's performance; of a force that shall be small, the ideal
         value divided by the present one.
         """
         shares = self.over_ideal(quantity)

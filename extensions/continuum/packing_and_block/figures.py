@@ -3,7 +3,7 @@ packing.
 
 Dissipated fraction and volumes involved of both. Peak forces of a packing at several velocities:
 proportional to the impulse at every contact, and a planar front. The impulse is the momentum of the
-struck spheres; forces are in F_y.
+impacted spheres; forces are in F_y.
 """
 
 from __future__ import annotations
@@ -198,7 +198,7 @@ def against_velocity(runs: DataFrame, fit: QuadraticLaw) -> Drawing:
 
 
 def loading_area(curves: Curves) -> Drawing:
-    """Draw the dissipated fraction against input energy for 1, 3 and 7 struck spheres."""
+    """Draw the dissipated fraction against input energy for 1, 3 and 7 impacted spheres."""
     figure, axes = panels(2.6)
     for n, (name, runs) in enumerate(curves.items()):
         axes.plot(
@@ -394,7 +394,7 @@ def _front(result: Result, unit: float) -> DataFrame:
     Returns
     -------
     DataFrame
-        ``depth`` below the struck sphere, m; ``largest`` peak force of a sphere, in the unit (N);
+        ``depth`` below the impacted sphere, m; ``largest`` peak force of a sphere, in the unit (N);
         ``uniformity``, mean over largest: 1 where the front is planar.
     """
     depth = result["spheres/position"][:, 2] - result.origin[2]

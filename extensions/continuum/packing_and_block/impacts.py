@@ -230,14 +230,16 @@ def masses(impacts: Impacts) -> Curves:
 
 
 def by_area(impacts: Impacts) -> Curves:
-    """Runs of the reference material by the number of struck spheres, in rising order of energy."""
+    """Runs of the reference material by the number of impacted spheres, in rising order of
+    energy.
+    """
     runs = impacts.like_reference
     alike = runs[runs.substance.isin(impacts.reference.substance)].groupby("struck_spheres")
     return {f"W = {spheres}": rising(group, "energy_J") for spheres, group in alike}
 
 
 def area_table(curves: Curves) -> DataFrame:
-    """Dissipated fractions by normalised input energy and number of struck spheres, where several
+    """Dissipated fractions by normalised input energy and number of impacted spheres, where several
     numbers were.
     """
     if "W = 1" not in curves:

@@ -70,7 +70,7 @@ def zones(impacts: Impacts) -> dict[str, DataFrame]:
     -------
     dict
         Rows of runs under ``packing`` and ``continuum``, with the columns of the figure's data and
-        of the run. Runs without sizes of the zone in their summaries are left out.
+        of the run. Runs without sizes of the zone in their summaries are omitted.
     """
     zones_by_side = {
         "packing": _sizes("packing", _comparable(impacts)),
@@ -219,7 +219,7 @@ def _influence_of_bounds(impacts: Impacts, what: str) -> str:
 
 
 def _sizes(what: str, runs: DataFrame) -> DataFrame:
-    """Return the zones of runs; summaries of an older version without sizes are left out."""
+    """Return the zones of runs; summaries of an older version without sizes are omitted."""
     rows = []
     for run in runs.to_dict("records"):
         summary = run["run"].summary

@@ -96,8 +96,8 @@ def plastic_zone_volume(result: ContinuumResult) -> Drawing:
 
 
 def plastic_zone_size(result: ContinuumResult) -> Drawing | None:
-    """Draw the shares of plastic work beyond a depth and a radius, with the sizes of the zone; None
-    without any.
+    """Draw the fractions of plastic work beyond a depth and a radius, with the sizes of the zone;
+    None without any.
     """
     centres = result.centres
     ever = result.grid(result["fields/ever_yielded"])

@@ -7,7 +7,7 @@ Its rectangles, a tensor product, grow in proportion to the distance from the pu
 with L = `NEAR` times the radius a, k = `ASPECT` and ``I`` the integrals of ``s dx/h``: the number
 ``elements`` refines the whole mesh without changing its grading. The plastic zone begins at the
 edge and grows from there, and the wavelength scales with the contact time, so every length scale
-gets the same share of elements. If an edge size is given, L follows from it.
+gets the same fraction of elements. If an edge size is given, L follows from it.
 
 The radius a of the contact area (`contact_end`) lies midway between two nodes, as the contact of a
 mesh ends half an element beyond the last touching node. On the rounded edge it grows with the load,
@@ -64,7 +64,7 @@ SPREAD = 3.25  # factor of the contact width on the rounded edge, see `contact_e
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Mesh:
-    """Rectangles between the lines ``r`` and ``z``; the struck top is at z = 0, depth along +z.
+    """Rectangles between the lines ``r`` and ``z``; the impacted top is at z = 0, depth along +z.
 
     Attributes
     ----------

@@ -98,9 +98,9 @@ def library_basis(mesh: Mesh) -> Basis:
 def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
     """Return a timestep below the stability limit of central differences, s.
 
-    ``dt = (2/omega) (sqrt(1 + xi^2) - xi)`` with xi the share of critical damping that the linear
-    bulk viscosity adds and omega the highest frequency of any single element, which bounds that of
-    the mesh.
+    ``dt = (2/omega) (sqrt(1 + xi^2) - xi)`` with xi the fraction of critical damping that the
+    linear bulk viscosity adds and omega the highest frequency of any single element, which bounds
+    that of the mesh.
     """
     br, bz = np.meshgrid(operators.br, operators.bz)
     bt = np.broadcast_to(operators.bt, br.shape)

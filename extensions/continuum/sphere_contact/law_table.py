@@ -6,7 +6,7 @@ runs the contacts that neither the table nor DIR has, or with ``--all`` those th
 leaves a file for each contact in DIR, may be stopped and called again, and at the end writes
 ``law_table.csv`` next to this module: contacts by their name in `contacts`, those without a file in
 DIR as they were. Lengths are in units of R*, forces of E* R*^2. Each contact is unloaded from
-several depths; after each, loading goes on from a copy of the state before.
+several depths; after each, loading continues from a copy of the state before.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def contacts() -> dict[str, dict[str, float]]:
 
     ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and
     of the second its ``radius, modulus, strength`` over those of the first, and ``nu2``; equal ones
-    are left out. A radius of 100 counts as a flat. Names that begin with ``held`` do not enter the
+    are omitted. A radius of 100 counts as a flat. Names that begin with ``held`` do not enter the
     fit. Two equal spheres to a depth of 0.88 R* are one on a rigid flat to 0.22 R*.
     """
     table = pd.read_csv(CONTACTS, index_col="name", float_precision="round_trip")
@@ -82,7 +82,7 @@ def case_of(name: str, values: dict[str, float]) -> SphereContactCase:
 
 
 class TableRun(ContactRun):
-    """Run that unloads from several depths and goes on from each without reloading."""
+    """Run that unloads from several depths and continues from each without reloading."""
 
     def _cycle(self, cycle: int, *, last: bool) -> None:
         solver = self.solver

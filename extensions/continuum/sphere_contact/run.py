@@ -253,7 +253,9 @@ class ContactRun(ElementRun):
             raise _Refused
 
     def progress(self) -> tuple[float, str]:
-        """Share of the loading that is done, by the logarithm of the overlap, as its rate goes."""
+        """Fraction of the loading that is done, by the logarithm of the overlap, as its rate
+        goes.
+        """
         last = self.rows[-1]
         note = f"overlap {last['overlap'] / self._unit:.1f} alpha_y, cycle {last['cycle']}"
         return self._place(last["overlap"]), note

@@ -312,7 +312,7 @@ def examined(
     -------
     values, margins, fault
         Values of the packing by name; margins of their limits by name; reason why the design is
-        refused, empty if it is not.
+        rejected, empty if it is not.
     """
     limits = {limit.name: limit for limit in problem.limits}
     try:

@@ -50,7 +50,7 @@ class TriedDesign:
     Attributes
     ----------
     losses
-        Objectives, each to be minimised; None for designs that are refused or still running.
+        Objectives, each to be minimised; None for designs that are rejected or still running.
     margins
         Relative distance of a value beyond its limit, by limit; negative or 0 where it is met.
     in_work
@@ -88,7 +88,7 @@ def ordered(
     Parameters
     ----------
     designs
-        Earlier designs: complete, refused and running ones.
+        Earlier designs: complete, rejected and running ones.
     guided
         False: at random.
     """
@@ -296,7 +296,7 @@ def importance(space: Space, designs: Sequence[TriedDesign], n: int = 512) -> di
 
 
 def front(losses: Sequence[Sequence[float]]) -> list[int]:
-    """Return the places of the designs on the Pareto front, by the first objective.
+    """Return the positions of the designs on the Pareto front, by the first objective.
 
     A design is on the front if no other design is at least as good in all objectives and better in
     one. Of equal designs the first is taken.

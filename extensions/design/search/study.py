@@ -64,7 +64,7 @@ class Design:
     state
         `RUNNING`, `COMPLETE`, `PRUNED`, `REFUSED` or `FAILED`.
     reason
-        Reason why it was pruned or refused, or has failed.
+        Reason why it was pruned or rejected, or has failed.
     known
         Values of the packing that are known before a run, by name.
     runs

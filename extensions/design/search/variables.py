@@ -55,7 +55,7 @@ class Variable:
     ordered: bool = True
 
     def value(self, share: float) -> Any:
-        """Return the value at a share from 0 to 1 of the range, or of the choices."""
+        """Return the value at a fraction from 0 to 1 of the range, or of the choices."""
         if self.choices:
             return self.choices[min(int(share * len(self.choices)), len(self.choices) - 1)]
         if self.log:
@@ -209,7 +209,7 @@ class Space:
             yield dict(zip(keys, values, strict=True))
 
     def at(self, shares: Sequence[float]) -> Values:
-        """Return the design at a share of each variable's range."""
+        """Return the design at a fraction of each variable's range."""
         return {
             variable.key: variable.value(share)
             for variable, share in zip(self.variables, shares, strict=True)

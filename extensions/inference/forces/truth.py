@@ -345,7 +345,8 @@ def seen_by_camera(
     """Return accelerations and angular accelerations by second differences of three frames around a
     snapshot.
 
-    Places between snapshots follow from places and velocities, angles from spins and their rates.
+    Positions between snapshots follow from positions and velocities, angles from spins and their
+    rates.
 
     Parameters
     ----------

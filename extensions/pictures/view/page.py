@@ -61,7 +61,7 @@ class View:
     n_spheres, n_frames
         Numbers of spheres and snapshots on it.
     note
-        A sentence on what was left out; empty if nothing was.
+        A sentence on what was omitted; empty if nothing was.
     """
 
     path: Path
@@ -85,7 +85,7 @@ def write_view(
     path
         File to write, .html; by default view.html in the directory.
     spheres
-        Largest number of spheres: those nearest to the struck one; None for all.
+        Largest number of spheres: those nearest to the impacted one; None for all.
     frames
         Largest number of snapshots; by default as many as `MOST_VALUES` allows.
 

@@ -1,7 +1,7 @@
 """Objects of the page of a run, made with k3d: spheres with their fields, walls, bars, colour bars,
 clock and title.
 
-Lengths are in mm from the struck sphere, and times in µs, as in figures. Fields are values of the
+Lengths are in mm from the impacted sphere, and times in µs, as in figures. Fields are values of the
 spheres at every instant, as levels of a logarithmic scale.
 
 Instants are the snapshots of a run, or those at which a whole chain was recorded, which are more. A
@@ -259,7 +259,7 @@ def plot_of(
     found
         Fields; the first is shown at the start.
     note
-        A sentence on what is left out; empty if nothing is.
+        A sentence on what is omitted; empty if nothing is.
     """
     import k3d  # brings the widgets of notebooks along
 
@@ -333,8 +333,8 @@ def _spheres(
     found: Sequence[Field],
     place: NDArray[np.float64],
 ) -> Iterator[Any]:
-    """Make the grains of every field: cylinders, spheres that stay in their places, and those that
-    move.
+    """Make the grains of every field: cylinders, spheres that stay in their positions, and those
+    that move.
     """
     import k3d
 

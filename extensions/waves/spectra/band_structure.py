@@ -248,7 +248,7 @@ def band_structure(
         Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the one of the
         packing.
     allow_floppy
-        True to go on where motions meet no resistance; their frequencies are NaN.
+        True to continue where motions meet no resistance; their frequencies are NaN.
     slab
         True for a packing with an upper and a lower end, which repeats sideways alone.
 

@@ -247,7 +247,7 @@ def band_edges(bands: Bands) -> Array:
 def gaps(bands: Bands) -> list[Gap]:
     """Return the gaps between, below and above the bands of a path, by rising frequency.
 
-    The gap above the last band is left out if only the lowest bands of a large cell were sought.
+    The gap above the last band is omitted if only the lowest bands of a large cell were sought.
     """
     edges = band_edges(bands)
     intervals: list[Gap] = []
@@ -278,7 +278,7 @@ class Modes:
     participation
         Participation ratios: (n_modes,).
     density_frequency, density
-        Density of states, a share of all modes for each Hz, and its frequencies, Hz: (n,).
+        Density of states, a fraction of all modes for each Hz, and its frequencies, Hz: (n,).
     largest
         Upper bound of omega^2, s^-2.
     """

@@ -30,7 +30,7 @@ Table = Mapping[str, tuple[Any, str]]  # values and unit by name
 
 
 def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None:
-    """Write groups, and keep those that an earlier file of the same case has beside them."""
+    """Write groups, and keep those that an earlier file of the same case has next to them."""
     earlier: dict[str, Table] = {}
     with contextlib.suppress(OSError, KeyError), h5py.File(regular(path), "r") as file:
         if file.attrs["case"] == state.case.to_toml():

@@ -75,7 +75,7 @@ def _refuse_loads(assembly: Assembly) -> None:
 
 
 def refuse_moved(assembly: Assembly, bodies: Bodies, network: Network, position: Array) -> None:
-    """Refuse a state that a static stage would not accept, since grains rearrange on the way.
+    """Reject a state that a static stage would not accept, since grains rearrange on the way.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def refuse_moved(assembly: Assembly, bodies: Bodies, network: Network, position:
 
 
 def refuse_pushed(assembly: Assembly, network: Network, position: Array) -> None:
-    """Refuse a state in which grains press on a plate or on a striker, which nothing holds.
+    """Reject a state in which grains press on a plate or on a striker, which nothing holds.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ class AsLeft(NamedTuple):
     Attributes
     ----------
     bodies
-        Grains before the load, between walls in their final places.
+        Grains before the load, between walls in their final positions.
     network
         Springs.
     peaks

@@ -268,7 +268,7 @@ def _row(network: Network, grain: int, option: str) -> int:
 def _far(
     network: Network, drive: int, direction: int, n_layer: float
 ) -> tuple[NDArray[np.int64], Array]:
-    """Return the rows of the grains at the end far from the drive, and their places in the layer
+    """Return the rows of the grains at the end far from the drive, and their positions in the layer
     from 0 to 1.
     """
     place = network.position[:, direction]

@@ -25,7 +25,7 @@ K_0 - omega^2 M, and p = u_A, q = lambda u_B,
 
 This is exact too, and has as many unknowns as the faces. If contacts reach beyond the next plane,
 several cells are joined until they reach only the next joint cell. The phase is then known only up
-to multiples of 2 pi, and is left out.
+to multiples of 2 pi, and is omitted.
 """
 
 from __future__ import annotations

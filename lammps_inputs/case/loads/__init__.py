@@ -2,8 +2,8 @@
 
     impact         initial velocity of the impacted spheres
     striker        velocities of the [[striker]]s only
-    force          force on the struck spheres, or on the free end of the incident bar
-    displacement   prescribed displacement of the struck spheres
+    force          force on the impacted spheres, or on the free end of the incident bar
+    displacement   prescribed displacement of the impacted spheres
     plate          a rigid plate on the free top, with a mass and a velocity
     grains         velocities of the grains of packing.file only
 

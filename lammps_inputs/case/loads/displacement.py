@@ -1,4 +1,4 @@
-"""A prescribed displacement of the struck spheres."""
+"""A prescribed displacement of the impacted spheres."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MARGIN = 2.0  # of overlaps and speeds over those of the displacement
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class DisplacementLoad(DrivenLoad):
-    """Prescribed displacement of the struck spheres."""
+    """Prescribed displacement of the impacted spheres."""
 
     kind: ClassVar[str] = "displacement"
     means: ClassVar[str] = "a prescribed displacement"

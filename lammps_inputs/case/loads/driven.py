@@ -39,7 +39,7 @@ _FREQUENCY: dict[str, Any] = {"unit": hints.FREQUENCY, "above": 0, "default": No
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class DrivenLoad(LoadOnSpheres):
-    """Force or prescribed displacement of the struck spheres by a function of time.
+    """Force or prescribed displacement of the impacted spheres by a function of time.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A force on the struck spheres, or on the free end of the incident bar."""
+"""A force on the impacted spheres, or on the free end of the incident bar."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LARGEST_OF_CHAIN = 2.5  # upper bound of contact forces over the force that dri
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ForceLoad(DrivenLoad):
-    """Force on the struck spheres together, or on the free end of the incident bar."""
+    """Force on the impacted spheres together, or on the free end of the incident bar."""
 
     kind: ClassVar[str] = "force"
     means: ClassVar[str] = "a force"
@@ -49,7 +49,7 @@ class ForceLoad(DrivenLoad):
         return self.impulse
 
     def energy_in(self, packing: LoadedPacking) -> float:
-        """Return the energy of the impulse on the struck spheres, or of the wave in the bar."""
+        """Return the energy of the impulse on the impacted spheres, or of the wave in the bar."""
         if packing.bar_impedance is not None:
             return self.largest * self.impulse / packing.bar_impedance
         return self.impulse**2 / (2 * sum(map(packing.mass_of, self.struck(packing))))

@@ -1,4 +1,4 @@
-"""An impact: the struck spheres start with a velocity and a spin."""
+"""An impact: the impacted spheres start with a velocity and a spin."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Base of all kinds of ``[load]``, and the packing as a load sees it.
 
-A kind of load is a subclass of `Load` in a file beside this one, and its name in the table of
+A kind of load is a subclass of `Load` in a file next to this one, and its name in the table of
 `granwave.lammps_inputs.case.loads.registry`. No other code compares kinds of loads: packing, input
 script, plan, checks, results and reports use the attributes and methods of `Load`.
 """
@@ -132,15 +132,15 @@ class Load(ABC):
     hits_spheres
         True if the load acts on spheres of the packing that the case chooses.
     hits_one_place
-        True if the struck spheres are together in one place.
+        True if the impacted spheres are together in one position.
     gives_velocity
-        True if all struck spheres start with the same velocity.
+        True if all impacted spheres start with the same velocity.
     strikes
-        True if only struck spheres, or strikers, move at the start.
+        True if only impacted spheres, or strikers, move at the start.
     driven
         True if the load does work during the run: a `DrivenLoad`.
     prescribes_motion
-        True if the motion of the struck spheres is prescribed.
+        True if the motion of the impacted spheres is prescribed.
     takes_incident_bar
         True if the load can act on the free end of the incident bar.
     moves_grains
@@ -178,12 +178,12 @@ class Load(ABC):
 
     @property
     def spheres(self) -> int:
-        """Number of struck spheres at the centre of the top; 0 if the load strikes others."""
+        """Number of impacted spheres at the centre of the top; 0 if the load strikes others."""
         return 0
 
     @property
     def index(self) -> tuple[int, ...] | None:
-        """Ids of the struck spheres; None if the case does not name them."""
+        """Ids of the impacted spheres; None if the case does not name them."""
         return None
 
     @property
@@ -260,7 +260,7 @@ class Load(ABC):
 
     @property
     def may_stop(self) -> bool:
-        """True if the struck spheres may give back most of the energy put in."""
+        """True if the impacted spheres may give back most of the energy put in."""
         return False
 
     # Struck spheres and their motion at the start.
@@ -278,7 +278,7 @@ class Load(ABC):
 
     @abstractmethod
     def struck(self, packing: LoadedPacking) -> tuple[int, ...]:
-        """Return the ids of the struck spheres, the first one first."""
+        """Return the ids of the impacted spheres, the first one first."""
 
     def start_velocity(self, packing: LoadedPacking) -> Vector | None:
         """Return the velocity of the impacted spheres at the start, m/s; None if there is none
