@@ -61,7 +61,7 @@ class Quantity:
 
     @property
     def unit(self) -> str:
-        """Unit that the name ends in, such as ``m/s^2``; empty where there is none."""
+        """Unit at the end of the name, such as ``m/s^2``; empty if there is none."""
         return next((unit for ending, unit in UNITS.items() if self.name.endswith(ending)), "")
 
     @property
@@ -426,7 +426,7 @@ _OF_THE_CORE = {entry.name: entry for entry in ENTRIES}
 
 @cache
 def entries() -> tuple[Quantity, ...]:
-    """Return the entries of all values, those of extensions after `ENTRIES`."""
+    """Return the entries of all values, with extensions after `ENTRIES`."""
     found = list(ENTRIES)
     for more in added("quantities"):
         found += more
@@ -435,14 +435,14 @@ def entries() -> tuple[Quantity, ...]:
 
 @cache
 def quantities() -> dict[str, Quantity]:
-    """Return the entries of all values by name; of two of a name that of the core counts."""
+    """Return the entries of all values by name; the core takes precedence."""
     return {entry.name: entry for entry in reversed(entries())}
 
 
 @cache
 def quantity(name: str) -> Quantity:
-    """Entry of a value of a summary; of a value without one, as other programs may leave, what its
-    name tells.
+    """Entry of a value of a summary; without an entry, as from other programs, it follows from the
+    name.
     """
     if name in quantities():
         return quantities()[name]
@@ -452,7 +452,7 @@ def quantity(name: str) -> Quantity:
 
 
 def _changed(name: str, **changes: Any) -> Quantity:
-    """An entry that one place shows in another way."""
+    """An entry with a different label in one table."""
     return dataclasses.replace(_OF_THE_CORE[name], **changes)
 
 

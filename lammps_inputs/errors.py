@@ -81,7 +81,9 @@ class InputFault:
         return f"{self.place}: {self.message}" if self.place else self.message
 
     def inside(self, source: str) -> InputFault:
-        """Return the fault as one of a file that names the present file, or that holds the key."""
+        """Return the fault as a fault of a file that names the present file, or that contains the
+        key.
+        """
         return dataclasses.replace(
             self, source=": ".join(part for part in (source, self.source) if part), changed=False
         )
@@ -109,7 +111,7 @@ def fault_of(
 
 
 class InputError(GranwaveError, ValueError):
-    """Error of wrong input; nothing was run and nothing was written.
+    """Error of invalid input; nothing was run or written.
 
     Parameters
     ----------

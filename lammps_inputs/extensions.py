@@ -40,7 +40,7 @@ class ListEntry(Protocol):
 
     @property
     def after(self) -> str:
-        """Name of the entry that it stands behind; empty: at the end."""
+        """Name of the preceding entry; empty: at the end."""
 
 
 Listed = TypeVar("Listed", bound=ListEntry)

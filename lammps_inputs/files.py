@@ -78,7 +78,7 @@ def scratch_files(path: Path) -> Iterator[Callable[[], Path]]:
 
 @contextlib.contextmanager
 def naming(path: Path) -> Iterator[None]:
-    """Make system errors that name no file, such as that of a full disk, name this one.
+    """Add this file to system errors that name no file, such as a full disk.
 
     Errors that a library raises in their place (HDF5, PIL) are converted, too.
     """
@@ -408,7 +408,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
 
 
 def _not_toml(path: Path, content: str, error: Exception) -> InputFault:
-    """Return the fault of a file that is no TOML, with its line, if the parser tells it."""
+    """Return the fault of a file that is not valid TOML, with its line if known."""
     found = re.search(r"at line (\d+)", str(error))
     if found is None:
         return InputFault(source=str(path), sentence=f"not valid TOML: {error}")

@@ -184,7 +184,7 @@ def kind_names() -> tuple[str, ...]:
 
 
 def kind_of(name: str) -> PackingKind:
-    """Return the kind of packing of this name: a lattice, or the one of grains of a file."""
+    """Return the kind of packing of this name: a lattice, or grains of a file."""
     return _FREE if name in (FILE, RESTART) else lattice_kinds()[name]
 
 

@@ -78,7 +78,7 @@ def state(path: Path) -> State:
 
 
 def read_marker(path: Path) -> Marker:
-    """Read a marker; one without a kind if the file is missing, damaged or a link.
+    """Read a marker; without a kind if the file is missing, damaged or a link.
 
     Raises
     ------

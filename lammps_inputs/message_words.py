@@ -30,6 +30,6 @@ def printable(text: str) -> str:
 
 
 def did_you_mean(word: Any, known: Iterable[str], cutoff: float = 0.6) -> str:
-    """Return a hint at the known word most like another one; empty if none is like it."""
+    """Return a hint at the most similar known word; empty if none is similar."""
     near = difflib.get_close_matches(str(word).lower(), list(known), n=1, cutoff=cutoff)
     return f"; did you mean {near[0]}?" if near else ""

@@ -197,14 +197,14 @@ class OwnFiles(os.PathLike[str]):
         return list(dict.fromkeys(foreign))
 
     def _files(self, names: Iterable[str]) -> list[str]:
-        """Return the files that names of a marker stand for."""
+        """Return the files for names of a marker."""
         files: list[str] = []
         for name in names:
             files += files_of(self.path, name)
         return files
 
     def _own_names(self) -> set[str]:
-        """Return all names of the marker, and the files that they stand for."""
+        """Return all names of the marker, and their files."""
         names = self.marker.files
         return {*names, *self._files(names)}
 
@@ -502,7 +502,7 @@ class OwnFiles(os.PathLike[str]):
         return names_in
 
     def _remove_empty(self, names_in: dict[PurePosixPath, set[str]]) -> None:
-        """Remove folders that are empty but for scratch files of these names, the innermost
+        """Remove folders that are empty except for scratch files of these names, the innermost
         first.
         """
         for folder in sorted(names_in, key=lambda folder: -len(folder.parts)):

@@ -167,7 +167,9 @@ class PackingKind:
 
     @property
     def is_close_packed(self) -> bool:
-        """True if twelve spheres touch each one: the densest packings, with holes of two kinds."""
+        """True if each sphere has twelve contacts: the densest packings, with holes of two
+        kinds.
+        """
         return self.coordination == _CLOSE_PACKED_COORDINATION
 
     @cached_property

@@ -300,7 +300,7 @@ def _fixes(content: bytes) -> list[tuple[str, str]]:
 
 
 def _text(word: str) -> bytes:
-    """Return a word as it stands in a restart file."""
+    """Return a word in the format of a restart file."""
     return struct.pack("<i", len(word) + 1) + word.encode() + b"\0"
 
 
@@ -389,7 +389,7 @@ def _contacts_of(state: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.f
 
 
 def _bodies(fixes: _Fixes, states: _States) -> NDArray[np.int64]:
-    """Return the number of the body of each sphere, 0 for one that shares its number with none."""
+    """Return the number of the body of each sphere, 0 for single spheres."""
     bodies = np.zeros(len(states), dtype=np.int64)
     for number, (_, style) in enumerate(fixes):
         if style != _PROPERTIES:

@@ -360,8 +360,8 @@ class ResultDirectory(OwnFiles):
         self.write(marker)
 
     def changed_deck(self) -> list[str]:
-        """Return the names of the files of a deck that are not as granwave wrote them; missing ones
-        do not count.
+        """Return the names of the changed files of an input script; missing files do not
+        count.
         """
         return [
             name

@@ -85,7 +85,7 @@ _OF_THE_CORE = (
 
 @cache
 def result_kinds() -> dict[str, ResultKind]:
-    """Return all kinds by name, those of the core first."""
+    """Return all kinds by name, the kinds of the core first."""
     own = _by_name(_OF_THE_CORE)
     more = {name: _by_name(kinds) for name, kinds in loaded("result_kinds").items()}
     return joined("kind of results", own, more)
@@ -106,7 +106,7 @@ def read_files() -> tuple[str, ...]:
 
 @cache
 def kind_named(name: str) -> ResultKind:
-    """Return a kind by its name in a marker; one that no extension has is not ``installed``."""
+    """Return a kind by its name in a marker; a kind without an extension is not ``installed``."""
     if name in result_kinds():
         return result_kinds()[name]
     if not name:

@@ -155,7 +155,7 @@ def of_each_rank(name: str) -> str:
 
 
 def files_of(directory: Path, name: str) -> list[str]:
-    """Return the names of the files that a name stands for: itself, or those of all ranks that
+    """Return the names of the files for a name: itself, or those of all ranks that
     there are, in order.
     """
     if RANK not in name:

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 
 
 def num(value: float) -> str:
-    """Format a number with as few digits as reproduce it exactly; 0 for one below the smallest that
-    LAMMPS reads in formulas.
+    """Format a number with the fewest digits that reproduce it exactly; 0 below the smallest number
+    that LAMMPS reads in formulas.
     """
     if 0 < abs(value) < sys.float_info.min:
         return "0"

@@ -8,7 +8,7 @@ from typing import Any
 
 
 def is_terminal(stream: Any) -> bool:
-    """Return True if a stream is a terminal; False if it is None, closed, or cannot tell."""
+    """Return True if a stream is a terminal; False if it is None, closed, or unknown."""
     try:
         return bool(stream.isatty())
     except (AttributeError, ValueError):

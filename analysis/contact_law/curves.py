@@ -136,7 +136,7 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
 
 
 def _path(law: ContactLaw, overlap: NDArray[np.float64], velocity: float) -> NDArray[np.float64]:
-    """Return the forces on a way through different overlaps at one speed, N."""
+    """Return the forces along a path of overlaps at a constant speed, N."""
     return law.follow(overlap, np.cumsum(np.abs(np.diff(overlap, prepend=0.0))) / velocity)["force"]
 
 

@@ -65,8 +65,8 @@ class Cell:
 
 @dataclasses.dataclass(frozen=True)
 class TableColumn:
-    """Head of a column; ``key`` columns say what a row is, and are repeated where a table is too
-    wide for a page.
+    """Head of a column; ``key`` columns identify a row, and are repeated if a table is too wide
+    for a page.
 
     ``meaning`` is a sentence that explains the quantity, shown on hover.
     """

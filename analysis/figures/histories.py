@@ -304,8 +304,8 @@ def _common_zero(first: Axes, second: Axes) -> None:
 
 
 def target_moves(result: Result) -> bool:
-    """Return True for a target that moves, whose figure shows work and the force on the ground, and
-    for a bar as target; else the figure of the force on the bottom shows most of it.
+    """Return True for a moving target and for a bar; otherwise `bottom_force` shows the same
+    values.
     """
     return "walls/bottom" not in result or result.has("walls/bottom/displacement")
 

@@ -59,7 +59,7 @@ class RunFigure:
         return self.adds is None or self.adds(result)
 
     def draw(self, result: Result) -> Drawing | None:
-        """Draw it, with the grains called what they are: spheres, cylinders or grains; None if it
+        """Draw it, with the name of the grains: spheres, cylinders or grains; None if it
         does not apply.
         """
         drawing = self.function(result)

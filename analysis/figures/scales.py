@@ -329,7 +329,7 @@ def spread_scales(axes: Axes, places: Iterable[float]) -> str:
 
 
 def not_to_scale(places: Sequence[float]) -> str:
-    """Return words for the title of an axis of cells of one width, if its values are not equally
+    """Return a note for the title of an axis of equal cells, if its values are not equally
     spaced.
     """
     steps = np.diff(places)

@@ -352,7 +352,7 @@ def cut_of(result: Result, name: str) -> SpheresOnPlane | None:
 
 
 def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
-    """Return the plane with a label that says from where distances count: the impacted sphere,
+    """Return the plane with a label for the origin of distances: the impacted sphere,
     where the impact axis goes between several.
     """
     if np.array_equal(result.impact_axis, result.origin[:2]):

@@ -5,8 +5,8 @@ files. They load the drawing library, which takes most of a second, while the ru
 they and this process take fractions of the figures, the longest first, so that all end at about the
 same time: a thread for each helper hands it one share after the other. Only this process writes
 files, in the order of the figures, from the output of the helpers. A figure that fails in a
-helper, or gives a warning there, is drawn again here, so that errors and warnings are those of
-drawing in one process.
+helper, or gives a warning there, is drawn again here, so that errors and warnings do not depend
+on the number of processes.
 """
 
 from __future__ import annotations

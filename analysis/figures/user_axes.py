@@ -155,7 +155,7 @@ def _add_curve(axes: Axes, curve: Line2D, name: str) -> None:
 
 
 def _widened(own: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
-    """Return limits that hold those of both, in the direction of the first."""
+    """Return limits that include both, in the direction of the first."""
     ends = (*own, *other)
     if own[0] > own[1]:
         return max(ends), min(ends)

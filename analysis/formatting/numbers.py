@@ -65,7 +65,7 @@ def range_in(values: Sequence[float], unit: str) -> str:
 
 
 def in_any_unit(value: float, unit: str) -> str:
-    """Format a value with four digits and its unit, which has a prefix where it can have one.
+    """Format a value with four digits and its unit, with a suitable prefix.
 
     Parameters
     ----------

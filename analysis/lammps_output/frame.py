@@ -138,7 +138,7 @@ class Frame:
 
     @property
     def pairs(self) -> NDArray[np.int64]:
-        """Ids of the two particles of each contact, the lower one first: (n_rows, 2)."""
+        """Ids of the two particles of each contact, the lower id first: (n_rows, 2)."""
         return np.sort(self.vector("i", "j").astype(np.int64), axis=1)
 
     def with_rows(self, values: NDArray[np.float64], *, more: bool = False) -> Frame:

@@ -74,7 +74,7 @@ class SteadyMotion:
 
     @property
     def last(self) -> int:
-        """Id of the last sphere before the absorbing ones."""
+        """Id of the last sphere before the absorbing spheres."""
         return self.row.ends[1]
 
     @property

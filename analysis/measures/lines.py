@@ -1,8 +1,8 @@
 """Lines of grains of a run: front speed, decay, distribution of the largest speeds; and its
 sensors.
 
-Decay of a peak along a line: a continuous broken line in the logarithm of the peak, and where two
-lines part.
+Decay of a peak along a line: a continuous, piecewise linear fit of its logarithm, and the point
+where two lines diverge.
 
 ln(peak) = c - a1 x up to the border b, and on with the slope -a2 beyond it. For each border the
 rest is linear, so that only the border is searched: over each interval between grains that leaves

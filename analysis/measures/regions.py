@@ -90,7 +90,7 @@ def energy_of_regions(result: Result, regions: Mapping[str, ArrayLike]) -> Energ
 
 
 def usual_regions(result: Result, direction: Array) -> dict[str, Ids]:
-    """Return ids of the spheres of each region by name, as the head of this module says.
+    """Return ids of the spheres of each region by name, as defined at the top of this module.
 
     Parameters
     ----------

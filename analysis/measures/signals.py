@@ -46,7 +46,7 @@ def maxima(signal: ArrayLike, floor: float = 0.0) -> NDArray[np.intp]:
 
 
 def at_time(time: float, times: ArrayLike, rows: ArrayLike) -> Array:
-    """A record (n_times, n) at one time, between its rows by straight lines: (n,)."""
+    """A record (n_times, n) at one time, interpolated linearly: (n,)."""
     times = np.asarray(times, dtype=np.float64)
     rows = np.asarray(rows, dtype=np.float64)
     k = min(int(np.searchsorted(times, time)), len(times) - 1)

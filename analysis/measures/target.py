@@ -184,7 +184,7 @@ class Impactors:
 
 
 def no_bare_target(assembly: Assembly) -> str:
-    """Return why a packing has no bare target to compare with; empty if it has one."""
+    """Return the reason why a packing has no bare target for comparison; empty if it has one."""
     load = assembly.case.load
     if load.no_bare_target:
         return load.no_bare_target
@@ -252,8 +252,8 @@ def target_of(assembly: Assembly) -> Target | None:
 
 
 def impactors_of(assembly: Assembly, material: Material | None) -> list[Impactors]:
-    """The spheres that the load sets in motion, as far as they go towards the target, like ones
-    together.
+    """The spheres that the load moves towards the target, grouped by equal
+    motion.
     """
     velocities = velocities_of(assembly)
     kinds: dict[tuple[Material, float, float], list[int]] = {}
@@ -419,7 +419,7 @@ class _Collision:
 
 
 def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
-    """Spheres that hit the target, in phases between which one of them turns round."""
+    """Impact of spheres on the target, in phases between reversals of single spheres."""
     from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
 
     collision = _Collision(groups, target)

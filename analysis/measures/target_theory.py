@@ -206,7 +206,7 @@ def expected_displacement(held: Reached, plate: Plate, end: float) -> tuple[floa
 
 
 def spectrum_curves(held: Reached, plate: Plate, period: Array) -> Curves:
-    """Curves of plates like one but for the spring, at the periods (n_periods,), s."""
+    """Curves of plates with other springs, at the periods (n_periods,), s."""
     springs = plate.mass * (2 * math.pi / period) ** 2
     plates = (dataclasses.replace(plate, stiffness=spring) for spring in springs)
     ends = held.time[-1] + period

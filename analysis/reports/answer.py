@@ -314,7 +314,7 @@ def in_words(run: ReportRun) -> str:
 
 
 def _beside(force: float, bare: float | None) -> str:
-    """Compare a force with that without the packing; nothing where this is not known."""
+    """Compare a force with the force without the packing; empty if it is unknown."""
     if not bare:
         return ""
     change = force / bare - 1
@@ -345,7 +345,7 @@ def _decay(peaks: NDArray[np.float64]) -> str:
 
 
 def _peaks(run: ReportRun) -> NDArray[np.float64]:
-    """Return the largest force of each contact along a chain beyond the static one: (n_contacts,),
+    """Return the largest dynamic force of each contact along a chain: (n_contacts,),
     N; or nothing.
     """
     try:

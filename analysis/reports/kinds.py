@@ -129,7 +129,7 @@ class ReportRun:
 
 
 class ReportKind:
-    """Words, tables and figures of one kind of results in a report; here of runs with an energy
+    """Texts, tables and figures of one kind of results in a report; here of runs with an energy
     balance.
 
     Attributes
@@ -226,7 +226,7 @@ class ReportKind:
         return ReportRun(label, self, results, status, summary, case, record)
 
     def whole_report(self, directory: Path) -> Report | None:
-        """Return a report of its own of a directory that was given alone; None: the usual one."""
+        """Return the separate report of a single directory; None: the usual one."""
         return None
 
     def study_run(self, run: ReportRun) -> AnyRun[Any] | None:
@@ -306,7 +306,7 @@ class GranularKind(ReportKind):
         return read_run(run.label, run.directory, run.summary)
 
     def name_values(self, run: ReportRun, values: dict[str, str]) -> None:
-        """Tell the largest force between spheres from that of all contacts, walls included."""
+        """Distinguish the largest force between spheres from the largest force including walls."""
         pairs = values.pop("peak_force_N", "")
         if run.number("peak_force_N"):
             values["between_spheres"] = pairs
@@ -320,7 +320,7 @@ GRANULAR = GranularKind()
 
 @cache
 def report_kinds() -> tuple[ReportKind, ...]:
-    """Return all kinds, that of the core first."""
+    """Return all kinds, the kind of the core first."""
     kinds: list[ReportKind] = [GRANULAR]
     for more in added("report"):
         kinds += more

@@ -246,8 +246,8 @@ def _badge(count: int, total: int, good: str, bad: str, tone: Tone, section: str
 
 
 def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
-    """Return notes on points and runs that lack something or are doubtful; if there are none, one
-    that says so.
+    """Return notes on incomplete or doubtful points and runs, or a note that there are
+    none.
     """
     notes: list[Note] = []
     for scan in inputs.scans:
@@ -314,7 +314,9 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
 
 
 def _poor_balances(poor: Sequence[ReportRun]) -> list[tuple[str, Sequence[str], Tone, str]]:
-    """Return the text and the labels of runs with a poor balance, by the error accepted of them."""
+    """Return the text and the labels of runs with a large energy balance error, by their accepted
+    error.
+    """
     found: list[tuple[str, Sequence[str], Tone, str]] = []
     for accepted in sorted({run.accepted_error for run in poor}):
         runs = [run for run in poor if run.accepted_error == accepted]
@@ -329,7 +331,7 @@ def _beyond_law(run: ReportRun) -> bool:
 
 
 def _error_of(run: ReportRun) -> float:
-    """Return the error of the balance; infinite where it is no number."""
+    """Return the error of the balance; infinite if it is not a number."""
     error = run.number("energy_balance_error") or 0.0
     return math.inf if math.isnan(error) else error
 

@@ -175,7 +175,7 @@ def value_rows(run: ReportRun) -> DocumentTable:
 
 
 def _beside_others(summaries: Sequence[Mapping[str, Any]]) -> set[str]:
-    """Return the keys of values that the first section leaves out, as others there say the same."""
+    """Return the keys of redundant values, which the first section omits."""
     left_out = set(_IN_DETAIL)
     for by_layers, between in _BY_LAYERS.items():
         if all(summary.get(between) is not None for summary in summaries):
@@ -202,7 +202,7 @@ def _readable(key: str) -> tuple[str, float]:
 
 
 def _yields(run: ReportRun) -> bool:
-    """Return False if no contact of a run can yield, so that its zeros say nothing."""
+    """Return False if no contact of a run can yield, so that zeros are not meaningful."""
     if run.summary.get("plastic_zone_volume_m3", 0.0) is None:
         return False
     law = run.case.get("contact.law")

@@ -180,7 +180,7 @@ def _runs_of_studies(
 
 
 def _run_type(study: str) -> type[AnyRun[Any]]:
-    """Return the class of the runs that a study is made of."""
+    """Return the class of the runs of a study."""
     if study not in STUDIES:
         return FinishedRun
     kind: type[AnyRun[Any]] = getattr(
@@ -242,8 +242,8 @@ def _difference(deviation: float | None) -> Cell:
 
 
 def pictures_of(study: Study, inputs: ReportInputs, section: str) -> tuple[Gallery | Note, ...]:
-    """Pictures of a study, with links to their data where it was saved, and what of it could not be
-    made.
+    """Figures of a study, with links to saved data, and messages on figures that
+    failed.
 
     Parameters
     ----------
@@ -310,7 +310,7 @@ def _comparisons(runs: Sequence[AnyRun[Any]]) -> list[Study]:
 
 
 def _whole_runs(inputs: ReportInputs) -> list[AnyRun[Any]]:
-    """Return the runs with a closed balance, as comparisons take them; none where there is no
+    """Return the runs with a closed balance for comparison; empty if there is no
     comparison.
     """
     if not COMPARISON:

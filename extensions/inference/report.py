@@ -1,4 +1,4 @@
-"""Words, tables and figures of inferred contact forces in a report."""
+"""Texts, tables and figures of inferred contact forces in a report."""
 
 from __future__ import annotations
 

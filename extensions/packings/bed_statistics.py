@@ -1,4 +1,4 @@
-"""Statistics of a bed in its container: those of its inner part, away from walls and surface."""
+"""Statistics of the inner part of a bed, away from walls and surface."""
 
 from __future__ import annotations
 

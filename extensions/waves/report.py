@@ -1,4 +1,4 @@
-"""Words, tables and figures of bands, modes and transmission in a report."""
+"""Texts, tables and figures of bands, modes and transmission in a report."""
 
 from __future__ import annotations
 

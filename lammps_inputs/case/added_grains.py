@@ -291,7 +291,7 @@ def with_added_grains(
     periodic: bool = False,
     stored: bool = False,
 ) -> PackingSection:
-    """Return the packing with its added grains, as one of grains of a file.
+    """Return the packing with its added grains, as a packing of kind "file".
 
     Parameters
     ----------
@@ -426,7 +426,7 @@ def _places_of(
 
 
 def _joined(parts: Sequence[Grains]) -> Grains:
-    """Return grains as one table; the first are those that the others are added to."""
+    """Return grains as one table, starting with the original grains."""
     own = parts[0]
     materials = itertools.chain.from_iterable(part.material for part in parts)
     groups = itertools.chain.from_iterable(part.group for part in parts)
@@ -461,7 +461,7 @@ def _grains_at(
 
 
 def _name_of(material: Material | None, materials: dict[str, Material]) -> str:
-    """Return the name by which a material is found, and add one that has none to the further
+    """Return the name of a material, and add a material without a name to the further
     materials.
     """
     if material is None:

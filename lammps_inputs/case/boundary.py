@@ -430,7 +430,7 @@ class Boundary:
 
 
 def read_boundary(table: Any, errors: ErrorList) -> Boundary | None:
-    """Read ``[boundary]``, with the tables that may stand for a wall; faults are added to
+    """Read ``[boundary]``, with the tables that define a wall; faults are added to
     ``errors``.
     """
     before = len(errors.items)

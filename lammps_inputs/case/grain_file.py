@@ -1,4 +1,4 @@
-"""``packing.file`` and the keys that say how it is read; the case that is run holds the grains."""
+"""``packing.file`` and the keys for reading it; the stored case contains the grains."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ class MaterialOfTypesType(schema.ValueType):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class GrainFileSection:
-    """Keys of ``[packing]`` that say how ``packing.file`` is read."""
+    """Keys of ``[packing]`` for reading ``packing.file``."""
 
     file: str | None = schema.path(
         "grains of a packing of kind file: a table (x, y, z, diameter ...), a LAMMPS dump or data "

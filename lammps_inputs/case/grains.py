@@ -192,12 +192,12 @@ class Grains:
         return {number: tuple(ids.tolist()) for number, ids in parts if len(ids) > 1}
 
     def of_different_clumps(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Select the pairs of rows (n, 2) of grains that are not of one clump: (n,)."""
+        """Select the pairs of rows (n, 2) of grains of different clumps: (n,)."""
         first, second = self.clump[rows].T
         return np.asarray((first == 0) | (first != second))
 
     def key(self, *ids: int) -> str:
-        """Return the key of a case that gave some grains, of the last of them that were added."""
+        """Return the key of the case that added the last of some grains."""
         if entry := bisect_right(self.added_from, max(ids)):
             return f"grains.{entry}"
         return "packing.file" if self.file else "packing.grains"
@@ -282,7 +282,7 @@ def parse_grains(text: str, diameter: float | None) -> Grains:
 
 
 def _turn(table: GrainTable, up: str) -> None:
-    """Turn the grains of a file until a direction of it is up."""
+    """Rotate the grains of a file until a given direction points up."""
     if "axis" in table.words or "length" in table.numbers:
         raise ValueError(
             f'found packing.up = "{up}" with cylinders, whose axes are not rotated; write their '

@@ -100,7 +100,7 @@ def unusual(value: Any, usual: Usual) -> str:
         return ""
     shown = plain(odd)
     text = (
-        f"found {shown}{of_unit}, expected some {plain(usual.low)} to {plain(usual.high)}{of_unit}"
+        f"found {shown}{of_unit}, expected about {plain(usual.low)} to {plain(usual.high)}{of_unit}"
     )
     for other in usual.units:
         meant = odd * 10.0 ** _EXPONENTS[other]
@@ -117,7 +117,7 @@ def _numbers(value: Any) -> list[float]:
 
 
 def plain(number: float) -> str:
-    """Write a number as one would type it: 1e6, 0.01."""
+    """Write a number in its usual notation: 1e6, 0.01."""
     return re.sub(r"e([+-])0*", lambda match: "e-" if match[1] == "-" else "e", f"{number:g}")
 
 
@@ -191,7 +191,7 @@ _NOTES |= {word: _NOTES[known] for known, words in _OTHER_WORDS.items() for word
 
 
 def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequence[str] = ()) -> str:
-    """Suggest the key that an unknown one was probably meant to be.
+    """Suggest the intended key for an unknown key.
 
     Parameters
     ----------

@@ -56,7 +56,7 @@ def _annotation(parameter: _contact_laws.LawParameter) -> str:
 
 
 def _in_case(parameter: _contact_laws.LawParameter) -> float | str | None:
-    """Return the default of the key; None where the law alone has one, or there is none."""
+    """Return the default of the key; None if only the law has a default, or there is none."""
     return None if parameter.optional else parameter.default
 
 
@@ -90,7 +90,7 @@ def keywords(
 
 
 def value_of(holder: Any, parameter: _contact_laws.LawParameter) -> Any:
-    """Return the value that a contact or material has of a parameter, by default that of the law.
+    """Return the value of a parameter for a contact or material; default: the value of the law.
 
     Parameters
     ----------

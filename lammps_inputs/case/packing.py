@@ -201,7 +201,7 @@ class PackingSection:
         return self.grains is not None and bool(self.grains.clumps)
 
     def lattice(self, *, periodic: bool = False) -> Lattice:
-        """Return the lattice of the packing; that of grains of a file is none."""
+        """Return the lattice of the packing; grains of a file have none."""
         top_row = self.top_row if self.rule.is_plane_crystal else "equal"
         return Lattice(self.kind, self.size, self.diameter, periodic, top_row)
 

@@ -116,7 +116,7 @@ _NOT_OF_RESTART = {
 
 
 def _of_restart(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
-    """Return the packing of a restart file as one of grains of a file that start as they are."""
+    """Return the packing of a restart file as grains of a file that start unchanged."""
     file = table.get("file")
     kept = {name: value for name, value in table.items() if name not in ("file", TYPES)}
     kept |= {"kind": FILE, "grains": None}

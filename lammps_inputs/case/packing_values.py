@@ -121,7 +121,7 @@ class Enclosure:
     bottom: float | None = schema.number("depth of the bottom plane", "m", default=None)
 
     def around(self, faces: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the planes, those of the outermost grains where none is given: (2, 3), m.
+        """Return the planes; by default they touch the outermost grains: (2, 3), m.
 
         Parameters
         ----------

@@ -230,7 +230,7 @@ def parse_case(
 
 
 def _refuse_other_tables(data: Mapping[str, Any], errors: ErrorList) -> None:
-    """Add faults of tables that a case does not have, or that are those of other files."""
+    """Add faults of unknown tables, and of tables of other kinds of files."""
     for name, where in _OF_OTHERS.items():
         if name in data:
             errors.add_unknown(name, where)

@@ -45,7 +45,7 @@ class StaticLoad:
     takes_moves
         True if distances and forces of walls belong to it.
     moves_walls
-        True if there is no dead load but, perhaps, a force on the top.
+        True if there is no dead load except, possibly, a force on the top.
     from_overlaps
         True if the overlaps of grains at the start are all of it.
     on_all_faces
@@ -317,7 +317,7 @@ class Precompression:
 
     @property
     def moves_walls(self) -> bool:
-        """True if there is no dead load but, perhaps, a force on the top."""
+        """True if there is no dead load except, possibly, a force on the top."""
         return self.rule.moves_walls
 
     @property

@@ -184,7 +184,7 @@ _TWO_IDS = "two ids from 1 up"
 
 @dataclasses.dataclass(frozen=True)
 class Probe:
-    """Probe of one sphere or of the contact of two, recorded at its own rate."""
+    """Probe of a sphere, or of the contact of two spheres, recorded at its own rate."""
 
     sphere: int | None = schema.typed("id of the sphere", _PROBE_ID, default=None)
     contact: tuple[int, int] | None = schema.typed(

@@ -19,8 +19,8 @@ _LARGEST_PART_OF_PERIOD = 0.5  # beyond which the image of a grain is not known
 
 
 def check_clumps(case: Case, errors: ErrorList) -> None:
-    """Check that clumps are made of spheres that move together, and that nothing is asked of them
-    that only single grains can do.
+    """Check that clumps consist of spheres that move together, without features that only single
+    grains support.
     """
     grains = case.packing.grains
     if grains is None or not grains.clumps:
@@ -38,8 +38,8 @@ def check_clumps(case: Case, errors: ErrorList) -> None:
 
 
 def _check_static_load(case: Case, errors: ErrorList) -> None:
-    """Check that a static load on clumps is one that a damped run brings to balance, or that they
-    start as found.
+    """Check that a static load on clumps is applied by a damped run, or that clumps start as
+    found.
     """
     stage = case.precompression
     if stage is None or case.settles_damped or not case.seeks_balance:

@@ -38,8 +38,8 @@ _OF_LATTICES = {
 
 
 def check_columns(case: Case, errors: ErrorList) -> None:
-    """Check the materials of grains of a file, and that nothing is asked of them that only lattices
-    have.
+    """Check the materials of grains of a file, and reject features that only lattices
+    support.
     """
     grains = case.packing.grains
     stage = case.precompression
@@ -84,7 +84,7 @@ def check_restart(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def _missing_period(grains: Grains) -> str:
-    """Return the fault of a missing period, with that of the box of the file."""
+    """Return the fault of a missing period, with the period of the box of the file."""
     text = (
         'missing; boundary.sides = "periodic" of grains of a file needs [along x, along y] in m, '
         "or a file whose cell is a box, periodic along x and y"
@@ -215,8 +215,8 @@ def _check_enclosure(case: Case, grains: Grains, errors: ErrorList) -> None:
 
 
 def check_cylinders(case: Case, errors: ErrorList) -> None:
-    """Check that nothing is asked of cylinders that only spheres have, and that they lie along or
-    across walls.
+    """Reject features that only spheres support, and cylinders that are oblique to
+    walls.
     """
     packed = case.packing.grains
     shapes = [case.packing.of_grain] if packed is None else list(dict.fromkeys(packed.shape))

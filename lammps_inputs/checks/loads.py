@@ -314,7 +314,7 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def check_struck_spheres(case: Case, errors: ErrorList) -> None:
-    """Check that the packing has as many spheres in the middle of its top as the load strikes."""
+    """Check that the packing has the number of impacted spheres in the middle of its top."""
     if not case.load.hits_spheres or case.load.index is not None:
         return
     try:

@@ -11,7 +11,7 @@ _KEY = "contact.normals"
 
 
 def check_normals(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that nothing turns or leaves its neighbours where directions of forces are kept."""
+    """Check that contacts neither rotate nor open if the force directions are fixed."""
     case = assembly.case
     if case.contact.normals != INITIAL:
         return

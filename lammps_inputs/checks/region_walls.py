@@ -56,7 +56,7 @@ def check_region_walls(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def _check_units(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that no surface is as large as one whose file is in another unit than metres."""
+    """Check that no surface is so large that its file is probably not in metres."""
     size = float(np.ptp(assembly.bounds(), axis=0).max())
     for key, entry in numbered("wall", assembly.case.wall).items():
         if entry.triangles is None or entry.units is not None:

@@ -15,8 +15,8 @@ _BOUNDS_OF_TIMESTEP = ("smallest_timestep", "largest_timestep", "energy_toleranc
 
 
 def check_times(case: Case, errors: ErrorList) -> None:
-    """Check times against the end of the run, and the bounds of an automatic timestep, which a
-    fixed one lacks.
+    """Check times against the end of the run, and the bounds of an automatic
+    timestep.
     """
     run = case.run
     end = run.longest

@@ -209,7 +209,7 @@ def _of_cut_contacts(assembly: Assembly) -> Iterator[str]:
 
 
 def _of_overlaps_that_push_apart(assembly: Assembly) -> Iterator[str]:
-    """Warn of overlaps that press grains apart which nothing holds together."""
+    """Warn of overlaps that push unconfined grains apart."""
     case = assembly.case
     stage = case.precompression
     way = case.packing.contact_way

@@ -106,7 +106,7 @@ class ContactAdvice:
 
     @property
     def remedy(self) -> str:
-        """Remedy for overlaps, as a message says it."""
+        """Remedy for overlaps, for a message."""
         return f"move them apart, or choose {KEY}: {'; '.join(self.choices)}"
 
 

@@ -143,7 +143,7 @@ class Weight(DeadLoad):
 
 
 class PressOfWalls(LoadOnTop):
-    """None where walls or overlaps press, but for a force on the top."""
+    """None if walls or overlaps press, except for a force on the top."""
 
     def axes(self, assembly: Assembly) -> str:
         return "" if _stage_of(assembly).force is None else "z"

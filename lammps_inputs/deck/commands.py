@@ -207,7 +207,7 @@ def _word(value: float | str) -> str:
 
 
 def _slider(key: str, resistance: Resistance | str | None) -> list[str]:
-    """Return the words of a resistance to rolling or twisting; none without one."""
+    """Return the arguments of a resistance to rolling or twisting; empty without a resistance."""
     if not isinstance(resistance, Resistance):
         return [key, resistance] if resistance else []
     if not resistance.coefficient:
@@ -361,7 +361,7 @@ def _regions(assembly: Assembly) -> list[str]:
 
 
 def _wall_style(assembly: Assembly, wall: Wall) -> str:
-    """Return the words of the wall fix that say where a wall is."""
+    """Return the arguments of the wall fix for the position of a wall."""
     if wall.face is not None:
         return wall.face.style
     place = coordinate(assembly, wall)

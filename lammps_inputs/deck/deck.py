@@ -131,7 +131,7 @@ def _velocity_lines(assembly: Assembly) -> Iterator[str]:
 
 
 def _title(assembly: Assembly) -> str:
-    """Return the first line of the data file, which says where its origin is."""
+    """Return the first line of the data file, which gives its origin."""
     origin = assembly.deck_origin
     if isinstance(assembly.lattice, Places):
         place = f"origin at {joined(map(num, origin))} m of the file" if origin.any() else ""

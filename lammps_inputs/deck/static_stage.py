@@ -197,7 +197,7 @@ def may_lose_its_load(assembly: Assembly) -> bool:
 
 def largest_move(assembly: Assembly) -> float:
     """Return the largest displacement of a sphere in a packing that does not rearrange, m; infinite
-    for one that may.
+    if it may rearrange.
 
     Along the load the overlaps of all contacts add up, and so do the gaps that smaller spheres and
     dents leave.
@@ -220,7 +220,9 @@ def largest_move(assembly: Assembly) -> float:
 
 
 def _keeps_velocities(assembly: Assembly) -> bool:
-    """Return True if grains come to balance at rest, and have velocities of their own after it."""
+    """Return True if grains reach equilibrium at rest, and receive initial velocities
+    afterwards.
+    """
     return assembly.case.seeks_balance and bool(own_velocities(assembly))
 
 
@@ -458,7 +460,7 @@ def _moving_bed(assembly: Assembly) -> list[str]:
 
 
 def load_tables(assembly: Assembly) -> dict[str, str]:
-    """Return the texts of the files of dead loads and of displacements towards balance by name, one
+    """Return the texts of the files of dead loads and of displacements to equilibrium by name, one
     for each direction.
     """
     each = (dead_loads(assembly), striker_loads(assembly))

@@ -151,7 +151,7 @@ class Assembly:
 
     @cached_property
     def diameter(self) -> NDArray[np.float64]:
-        """Diameters by id, nominal ones where no sphere is: (last_sphere,), m."""
+        """Diameters by id, nominal diameters at vacancies: (last_sphere,), m."""
         diameters = [one.diameter or self.lattice.diameter for one, _ in self.strikers]
         return self._with_strikers(self.sites.diameter, diameters)
 

@@ -64,7 +64,7 @@ def has_gaps(case: Case) -> bool:
 
 
 def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
-    """Draw the deficits of the diameters from the nominal one: (n,), m, from 0 to
+    """Draw the deficits of the diameters from the nominal diameter: (n,), m, from 0 to
     ``diameter_scatter``.
     """
     place = _uniform(packing.seed, n, DIAMETERS)

@@ -93,8 +93,8 @@ def _slack(packing: PackingSection) -> float:
 def _with_usual_way(
     packing: PackingSection, stage: Precompression | None, period: Period, errors: ErrorList
 ) -> PackingSection:
-    """Return a packing that names no way with that of its tolerance or static load, or of a file
-    whose digits explain its overlaps.
+    """Complete ``packing.contacts`` from the tolerance, the static load, or the digits of the
+    file.
     """
     grains = packing.grains
     touching = dataclasses.replace(packing, contacts=TOUCH.name)

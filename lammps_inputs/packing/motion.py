@@ -94,8 +94,8 @@ def struck_site(assembly: Assembly) -> int | None:
 
 
 def impacted_of(assembly: Assembly) -> tuple[int, ...]:
-    """Return the ids of the spheres of the packing that the load acts on; of strikers, all spheres
-    that the moving ones touch.
+    """Return the ids of the loaded spheres of the packing; for strikers, all spheres that moving
+    strikers touch.
     """
     n_spheres = assembly.lattice.n_spheres
     pending = list(struck_of(assembly))
@@ -126,7 +126,7 @@ def _striker_velocities(assembly: Assembly) -> dict[int, tuple[float, float, flo
 
 
 def own_velocities(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
-    """Return the velocities of the grains of a file that have one, by id, the fastest first, m/s."""
+    """Return the velocities of moving grains of a file, by id, the fastest first, m/s."""
     if not isinstance(assembly.lattice, Places):
         return {}
     velocity = assembly.lattice.grains.velocity
@@ -136,7 +136,7 @@ def own_velocities(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
 
 
 def own_spins(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
-    """Return the angular velocities of the grains of a file that begin with one, by id, rad/s.
+    """Return the nonzero initial angular velocities of grains of a file, by id, rad/s.
 
     Without friction they have no effect. Grains that come to balance, that are part of a clump,
     whose rotation is held, and cylinders begin without spin.

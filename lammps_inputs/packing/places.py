@@ -96,7 +96,7 @@ class Places:
 
     def within_reach(self, radius: float) -> int:
         """Return the id of the grain nearest to the middle of the packing on whose top a sphere of
-        this radius (m) rests without touching another one.
+        this radius (m) rests without touching another grain.
         """
         position = self.grains.position
         radii = self.grains.diameter / 2

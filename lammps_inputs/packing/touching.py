@@ -112,8 +112,8 @@ class GrainGaps:
 
 
 def gaps_up_to(grains: Grains, largest: float, period: Period = None) -> GrainGaps:
-    """Return the gaps of all pairs of grains that overlap, or are at most so far apart; grains of
-    one clump are no pair.
+    """Return the gaps of all pairs of grains that overlap, or are at most so far apart; without
+    pairs within a clump.
 
     Parameters
     ----------

@@ -185,8 +185,8 @@ def _divisors(number: int) -> list[int]:
 
 
 def best_grid(wave: Wave, n_ranks: int, costs: StepCosts) -> Grid:
-    """Return the grid of ranks with the shortest steps; of equal ones the one with fewest bricks
-    along z, then along y.
+    """Return the grid of ranks with the shortest steps; of equal grids, the grid with the fewest
+    bricks along z, then along y.
     """
     lengths = wave.high - wave.low
     least = _LEAST_WIDTH / _REACH * wave.reach

@@ -410,7 +410,9 @@ class ColumnReader:
         return numbers
 
     def _note_units(self, notes: list[str]) -> None:
-        """Note lengths without a unit next to others with one, unless the user gives it."""
+        """Note lengths without a unit next to lengths with a unit, unless the user sets the
+        unit.
+        """
         names = [name for name in (*PLACE, RADIUS, DIAMETER) if name in self.columns]
         without = [self.columns[name].head for name in names if not self.columns[name].unit]
         if without and len(without) < len(names) and LENGTH not in self.powers:
@@ -421,7 +423,7 @@ class ColumnReader:
             )
 
     def grains(self, form: str, notes: list[str]) -> GrainTable:
-        """Return the grains of the table, of a format that is called ``form``."""
+        """Return the grains of the table, for the format ``form``."""
         position = self.vector(PLACE)
         assert position is not None
         self._note_units(notes)

@@ -140,8 +140,8 @@ def _heads(comment: str, layout: Layout, options: FileOptions) -> list[str]:
 
 
 def _of_style(words: list[str], n_columns: int) -> list[str]:
-    """Return the names of the columns of a style; of a file that says none, those of spheres, or of
-    atoms without sizes.
+    """Return the names of the columns of a style; for a file without a style, the columns of
+    spheres, or of atoms without sizes.
     """
     n_of_atomic = len(_STYLES["atomic"])
     has_no_sizes = n_columns in (n_of_atomic, n_of_atomic + len(_IMAGES))

@@ -279,7 +279,7 @@ class DumpFrame:
         return 2
 
     def check_complete(self, before: int | None) -> None:
-        """Raise ValueError if atoms are missing; ``before`` is the step before this one."""
+        """Raise ValueError if atoms are missing; ``before`` is the previous step."""
         n_rows = len(self.rows)
         remedy = "" if before is None else f"; packing.step = {before} reads the previous step"
         if not n_rows and not self.n_atoms:

@@ -26,7 +26,7 @@ _DAMAGED = (OSError, EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile)
 
 @dataclasses.dataclass(frozen=True)
 class OtherKind:
-    """Kind of files that are no grains.
+    """Kind of files without grains.
 
     Attributes
     ----------

@@ -19,7 +19,7 @@ _HEAD = 4096  # characters that show the format
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class FileOptions:
-    """Keys of a case that say how a file of grains is read.
+    """Keys of a case for reading a file of grains.
 
     Attributes
     ----------
@@ -118,12 +118,12 @@ class GrainSource:
 
     @property
     def whole_lines(self) -> str:
-        """First lines of the file, without one that the head cuts."""
+        """First complete lines of the file."""
         if len(self.content) <= _HEAD:
             return self.head
         return self.head.rpartition("\n")[0]
 
     @property
     def is_binary(self) -> bool:
-        """True if the file is no text."""
+        """True if the file is not text."""
         return _NUL in self.head

@@ -119,7 +119,7 @@ def _friction_of_walls(assembly: Assembly) -> Array:
 
 
 def _ratio_of_forces(bodies: Bodies, contacts: NeighbourPairs, friction: Array) -> float:
-    """Return the ratio of the forces in the bed to those of the overlaps; 0 without forces.
+    """Return the ratio of the forces in the bed to the forces of the overlaps; 0 without forces.
 
     Parameters
     ----------

@@ -112,7 +112,7 @@ def without_count(layout: Layout) -> Layout:
 
 
 def with_plain_exponents(rows: list[str]) -> list[str]:
-    """Return rows whose numbers have exponents of Fortran, such as 1.0D-3, with those of C."""
+    """Convert Fortran exponents, such as 1.0D-3, to C."""
     if not any(map(_FORTRAN.search, rows[:_SHOWN_ROWS])):
         return rows
     return [_FORTRAN.sub(r"\1e\2", row) for row in rows]
@@ -146,7 +146,7 @@ def is_number(cell: str) -> bool:
 
 
 def with_decimal_point(cell: str) -> str:
-    """Return a number with a decimal comma as one with a point; any other cell as it is."""
+    """Return a number with a decimal comma as one with a point; other cells are unchanged."""
     return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell
 
 

@@ -30,25 +30,31 @@ inline constexpr LawParameter VARIANT =
 /* Constants of the curve, for materials whose curve differs from the published one. a = alpha/alpha_y; pressure in units of
    sigma_y, area in units of pi R* alpha_y. */
 inline constexpr LawParameter PRESSURE_LIMIT =    // thesis 2.8
-    LawParameter("pressure_limit", "x", "c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1))").in_cases(POSITIVE).optional(2.48);
-inline constexpr LawParameter PRESSURE_RATE =
-    LawParameter("pressure_rate", "x", "c2 of the same").in_cases({1e-4, 10.0, true, true}).optional(0.098);
+    LawParameter("pressure_limit", "x", "constant c1 of the mean pressure, p = c1 - (c1 - 2C/3) exp(-c2 (a-1))")
+        .in_cases(POSITIVE)
+        .optional(2.48);
+inline constexpr LawParameter PRESSURE_RATE = LawParameter("pressure_rate", "x", "constant c2 of the mean pressure")
+                                                  .in_cases({1e-4, 10.0, true, true})
+                                                  .optional(0.098);
 inline constexpr LawParameter AREA_SWITCH =    // thesis 2.10
-    LawParameter("area_switch", "x", "a from which the area is A = c4 a - c5, a power of a below")
+    LawParameter("area_switch", "x", "normalised overlap a above which the contact area is linear, A = c4 a - c5")
         .in_cases({1.0})
         .optional(177.6);
 inline constexpr LawParameter AREA_SLOPE =
-    LawParameter("area_slope", "x", "c4 of the area").in_cases(POSITIVE).optional(2.37);
-inline constexpr LawParameter AREA_OFFSET = LawParameter("area_offset", "x", "c5 of the area").optional(59.96);
+    LawParameter("area_slope", "x", "constant c4 of the contact area").in_cases(POSITIVE).optional(2.37);
+inline constexpr LawParameter AREA_OFFSET =
+    LawParameter("area_offset", "x", "constant c5 of the contact area").optional(59.96);
 inline constexpr LawParameter RESIDUAL_SLOPE =    // thesis 2.13
-    LawParameter("residual_slope", "x", "c6 of a_R = c6 a_max - c7 + (c7 - c6) exp(-c8 (a_max - 1))")
+    LawParameter("residual_slope", "x",
+                 "constant c6 of the residual overlap, a_R = c6 a_max - c7 + (c7 - c6) exp(-c8 (a_max - 1))")
         .in_cases(POSITIVE)
         .optional(0.95);
-inline constexpr LawParameter RESIDUAL_OFFSET = LawParameter("residual_offset", "x", "c7 of the same").optional(25.94);
+inline constexpr LawParameter RESIDUAL_OFFSET =
+    LawParameter("residual_offset", "x", "constant c7 of the residual overlap").optional(25.94);
 inline constexpr LawParameter RESIDUAL_RATE =
-    LawParameter("residual_rate", "x", "c8 of the same").in_cases(POSITIVE).optional(0.015);
+    LawParameter("residual_rate", "x", "constant c8 of the residual overlap").in_cases(POSITIVE).optional(0.015);
 inline constexpr LawParameter UNLOADING_EXPONENT =    // thesis 2.12
-    LawParameter("unloading_exponent", "x", "n of f = f_max ((a - a_R)/(a_max - a_R))^n")
+    LawParameter("unloading_exponent", "x", "exponent n of unloading, f = f_max ((a - a_R)/(a_max - a_R))^n")
         .in_cases(AT_LEAST_ONE)
         .optional(1.35);
 

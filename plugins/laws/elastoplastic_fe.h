@@ -38,13 +38,14 @@
 
 namespace granwave {
 
-inline constexpr LawParameter HARDENING = LawParameter("hardening", "h",
-                                                       "tangent modulus after yield over Young's modulus; used only by the "
-                                                       "law elastoplastic-fe and by finite elements of two spheres")
-                                              .of_material()
-                                              .in(BELOW_ONE)
-                                              .in_cases({0.0, 0.2, true, true})
-                                              .optional(0.0, 0.02);
+inline constexpr LawParameter HARDENING =
+    LawParameter("hardening", "h",
+                 "tangent modulus after yield divided by Young's modulus; used only by the "
+                 "law elastoplastic-fe and by finite elements of two spheres")
+        .of_material()
+        .in(BELOW_ONE)
+        .in_cases({0.0, 0.2, true, true})
+        .optional(0.0, 0.02);
 
 class ElastoplasticFe : public NormalLaw {
  public:

@@ -16,8 +16,9 @@ namespace granwave {
 
 /* F = constant overlap^exponent of law power (elastic_contact.h). */
 inline constexpr LawParameter POWER_CONSTANT =
-    LawParameter("constant", "K", "law power: K of F = K overlap^p, N/m^p").in(POSITIVE).required(2e9);
-inline constexpr LawParameter POWER_EXPONENT = LawParameter("exponent", "p", "law power: p").in(AT_LEAST_ONE).required(1.5);
+    LawParameter("constant", "K", "law power: constant K of F = K overlap^p, N/m^p").in(POSITIVE).required(2e9);
+inline constexpr LawParameter POWER_EXPONENT =
+    LawParameter("exponent", "p", "law power: exponent p of F = K overlap^p").in(AT_LEAST_ONE).required(1.5);
 
 /* What a law is made of, besides materials. */
 struct LawOptions {

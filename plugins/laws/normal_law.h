@@ -144,7 +144,7 @@ inline constexpr LawParameter YIELD_FACTOR =
         .usually(1.6);
 
 inline constexpr LawParameter BETA =
-    LawParameter("beta", "b", "bilinear law: residual overlap over the largest overlap").in(BELOW_ONE).usually(0.8);
+    LawParameter("beta", "b", "bilinear law: residual overlap divided by the largest overlap").in(BELOW_ONE).usually(0.8);
 
 /* Bilinear law of Walton and Braun (thesis 4.2): F = k alpha on loading, k = 18.5 sigma_y R*; unloading slope k/(1-beta),
    residual overlap beta alpha_max. It has no elastic range. */

@@ -168,7 +168,7 @@ def submit(job: CommandJob, profile: Profile) -> list[str]:
             jobs.append(profile.queue.submit(script, folder))
         except RunError as error:
             queue = profile.queue
-            raise RunError(f"{queue.title} did not take the job: {queue.refusal(error)}") from None
+            raise RunError(f"{queue.title} rejected the job: {queue.refusal(error)}") from None
         replace_text(folder / RECORD, json.dumps({**record, "jobs": jobs}, indent=1) + "\n")
     return jobs
 

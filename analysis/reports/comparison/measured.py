@@ -1,4 +1,4 @@
-"""A measured curve next to those of runs, and its difference from each.
+"""Comparison of a measured curve with the curves of runs.
 
 The curve is a table of text with a column of times or lengths and one of forces or other values,
 each with its unit in its name, ``time_us, force_kN`` or ``t (ms); F (N)``, or in the row below the

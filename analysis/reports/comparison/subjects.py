@@ -96,7 +96,7 @@ class ComparedRun:
 
     @property
     def unfinished(self) -> str:
-        """Reason for which its results end early; empty for a finished run."""
+        """Reason why its results end early; empty for a finished run."""
         state = self.run.record.get("state")
         end = self.run.number("end_time_s")
         if state not in UNFINISHED or end is None:
@@ -199,7 +199,7 @@ def comparable_keys(keys: Sequence[str], runs: Sequence[ReportRun]) -> list[str]
 
 
 def is_physical(key: str) -> bool:
-    """Return False for keys that say how a run is followed."""
+    """Return False for keys of output and run control."""
     return not key.startswith(_NO_PHYSICS)
 
 

@@ -78,7 +78,8 @@ class ComparedValue:
 
     @property
     def ratio(self) -> float | None:
-        """Second over first value of two runs; of more the one of largest over smallest magnitude.
+        """Ratio of the second to the first value of two runs; for more runs, of the largest to the
+        smallest magnitude.
 
         None where a run has none, or with zero or different signs.
         """
@@ -125,7 +126,7 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
 def unknown_values(
     names: Iterable[str], runs: Sequence[ComparedRun], figures: Sequence[str]
 ) -> list[str]:
-    """Return a message for each name that is no number in the summary of any run, nor a figure."""
+    """Return a message for each name that is neither a number in a summary nor a figure."""
     present = {name for name in _keys(runs) if _value(name, runs).numbers}
     faults: list[str] = []
     for name in names:

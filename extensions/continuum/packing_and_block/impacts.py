@@ -179,7 +179,7 @@ def substances(runs: DataFrame, reference: DataFrame) -> Curves:
 def differences(first: pd.Series, other: pd.Series) -> str:
     """Label of another substance by what differs, for a legend: such as "modulus 230 GPa".
 
-    Materials with different names are distinguished by these.
+    Materials with different names are distinguished by name.
     """
     if first.material and other.material and first.material != other.material:
         word, size, unit = _DIFFERENCES["diameter"]

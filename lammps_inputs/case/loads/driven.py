@@ -143,7 +143,7 @@ class DrivenLoad(LoadOnSpheres):
 
     @property
     def keeps_oscillating(self) -> bool:
-        """True for a load of given frequencies that is no short burst."""
+        """True for a load of given frequencies, except a short burst."""
         return self.oscillates and self.shape != "burst"
 
     @property

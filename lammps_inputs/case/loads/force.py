@@ -33,8 +33,8 @@ class ForceLoad(DrivenLoad):
 
     @property
     def impulse(self) -> float:
-        """Largest magnitude of the impulse up to any time, N s; one that oscillates reaches it
-        after half a period.
+        """Largest magnitude of the impulse up to any time, N s; for an oscillating load after
+        half a period.
         """
         if self.table:
             time, force = np.array(self.table).T

@@ -61,7 +61,7 @@ class LoadedPacking(Protocol):
         """Impedance of the incident bar, N s/m; None without one."""
 
     def at_centre(self, count: int) -> tuple[int, ...]:
-        """Return the ids of 1, 3 or 7 spheres at the centre of the top, the middle one first."""
+        """Return the ids of 1, 3 or 7 spheres at the centre of the top, the middle sphere first."""
 
     def mass_of(self, sphere: int) -> float:
         """Return the mass of a sphere, kg."""
@@ -100,7 +100,7 @@ class Wording(NamedTuple):
 
 
 def velocity_field() -> Any:
-    """Make the key ``velocity`` of the loads that have one."""
+    """Make the key ``velocity`` of loads with a velocity."""
     return schema.number(
         "velocity of the impacted spheres, or of the plate, into the packing",
         hints.VELOCITY,
@@ -215,7 +215,7 @@ class Load(ABC):
 
     @property
     def way(self) -> Vector:
-        """Unit vector along which the load acts; of one without a direction of its own, +z."""
+        """Unit vector of the load direction; +z if none is set."""
         return DOWN
 
     @property
@@ -255,7 +255,7 @@ class Load(ABC):
 
     @property
     def keeps_oscillating(self) -> bool:
-        """True for a load of given frequencies that is no short burst."""
+        """True for a load of given frequencies, except a short burst."""
         return False
 
     @property
@@ -278,7 +278,7 @@ class Load(ABC):
 
     @abstractmethod
     def struck(self, packing: LoadedPacking) -> tuple[int, ...]:
-        """Return the ids of the impacted spheres, the first one first."""
+        """Return the ids of the impacted spheres, in order."""
 
     def start_velocity(self, packing: LoadedPacking) -> Vector | None:
         """Return the velocity of the impacted spheres at the start, m/s; None if there is none
@@ -325,8 +325,8 @@ class Load(ABC):
         return 0.0
 
     def contact_energy(self, energy: float, law: ContactLaw, packing: LoadedPacking) -> float:
-        """Return the energy that a contact absorbs at most, J, if without the limits of the load it
-        were ``energy``.
+        """Limit the largest ``energy`` that a contact absorbs, J, by the
+        load.
         """
         return energy
 

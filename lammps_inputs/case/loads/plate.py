@@ -70,8 +70,8 @@ class PlateLoad(Load):
         return _REBOUND * self.velocity
 
     def contact_energy(self, energy: float, law: ContactLaw, packing: LoadedPacking) -> float:
-        """Limit the energy by that of a sphere that the plate throws against a wall, or by a
-        fraction of the plate's energy if all layers are compressed alike.
+        """Limit the energy by the energy of a sphere that the plate throws against a wall, or
+        by a fraction of the plate's energy if all layers are compressed equally.
         """
         share = self.plate.energy / (len(packing.top_layer) * packing.n_layers)
         thrown = packing.masses[1] * (_REBOUND * self.velocity) ** 2 / 2

@@ -58,7 +58,7 @@ def load_keys(load: type[Load]) -> tuple[str, ...]:
 
 
 def _own_fields_first(load: type) -> list[Field]:
-    """Return the fields of a kind of load, those of its own before those of its base."""
+    """Return the fields of a kind of load, its own fields before the fields of its base class."""
     if load is Load:
         return []
     (base,) = load.__bases__
@@ -151,7 +151,7 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
 
 
 def _check_keys(load: type[Load], names: Sequence[str], errors: ErrorList) -> None:
-    """Check that the keys of the table are those of the kind of load."""
+    """Check that the keys of the table belong to the kind of load."""
     for name in names:
         kinds = [kind for kind, other in load_kinds().items() if name in load_keys(other)]
         belongs = f"applies only to loads of kind {' or '.join(map(show, kinds))}"

@@ -78,7 +78,7 @@ class ListType(ValueType):
         return {f"[]{name}": section for name, section in self.item.tables.items()}
 
     def is_meant(self, value: Any) -> bool:
-        """Return True for a list, or for the one value that stands for it."""
+        """Return True for a list, or for a single value in place of a list."""
         if isinstance(value, list | tuple):
             return True
         return self.alone and self.item.is_meant(value)
@@ -146,7 +146,7 @@ class EitherType(ValueType):
         raise ValidationError(self.expected)
 
     def _read_by(self, one: ValueType, value: Any) -> Any:
-        """Read a value by one of the types; where it is not valid, the words are those of all."""
+        """Read a value by one of the types; the message for an invalid value lists all types."""
         try:
             return one.read(value)
         except ValidationError as error:
@@ -173,7 +173,7 @@ class EitherType(ValueType):
         return found
 
     def is_meant(self, value: Any) -> bool:
-        """Return True if a value is meant to be of one of the types."""
+        """Return True if a value appears to be of one of the types."""
         return any(one.is_meant(value) for one in self.types)
 
 

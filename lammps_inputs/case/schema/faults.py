@@ -32,7 +32,7 @@ class ValidationError(Exception):
         self.found = found
 
     def below(self, name: str, value: Any) -> ValidationError:
-        """Return the error as one of the table that has the value under a name."""
+        """Return the error as an error of the table that contains the value."""
         found = self.found if self.key else value
         return ValidationError(self.expected, ".".join(filter(None, (name, self.key))), found)
 
@@ -85,7 +85,7 @@ class ErrorList:
         self.items.append(fault_of(what, source=source, key=key, changed=changed))
 
     def add_wrong(self, key: str, value: Any, error: ValidationError) -> None:
-        """Add the fault of a value of a key, or of one in it, that is not valid."""
+        """Add the fault of an invalid value of a key, or of a value in it."""
         inner = f"{key}.{error.key}" if error.key else key
         found = error.found if error.key else value
         self.add(inner, Mismatch(show(found), error.expected))

@@ -63,7 +63,7 @@ class ValueType(abc.ABC):
 
     @property
     def words(self) -> tuple[Any, ...]:
-        """Words, numbers or truth values of which a value is one."""
+        """List of the allowed words, numbers or truth values."""
         return ()
 
     @property
@@ -134,10 +134,20 @@ class NumberType(ValueType):
     @property
     def accepts(self) -> str:
         """Bounds in words."""
-        limits = {"above": self.above, "at least": self.at_least, "below": self.below}
-        limits["at most"] = self.at_most
+        if self.form:
+            return self.form
+        if math.isfinite(self.at_least):
+            return f"a number from {self.at_least:g} {self._last}"
+        limits = {"above": self.above, "below": self.below, "at most": self.at_most}
         bounds = [f"{name} {limit:g}" for name, limit in limits.items() if math.isfinite(limit)]
-        return self.form or f"a number {' and '.join(bounds)}".rstrip()
+        return f"a number {' and '.join(bounds)}".rstrip()
+
+    @property
+    def _last(self) -> str:
+        """Upper bound in words, after a lower bound."""
+        if math.isfinite(self.at_most):
+            return f"to {self.at_most:g}"
+        return f"to below {self.below:g}" if math.isfinite(self.below) else "up"
 
     @property
     def expected(self) -> str:  # type: ignore[override]

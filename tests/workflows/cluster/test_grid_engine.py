@@ -115,7 +115,7 @@ def test_refused_jobs_have_the_reason_of_grid_engine(granwave, tmp_path):
         "run", "fcc-small", "-o", "out", "--submit", "profile.toml", "--np", "2", *SHORT
     )
     assert done.returncode == 1
-    assert "Grid Engine did not take the job" in done.stderr and "nix" in done.stderr
+    assert "Grid Engine rejected the job" in done.stderr and "nix" in done.stderr
 
 
 def test_why_grid_engine_has_ended_a_job(granwave, tmp_path):

@@ -100,7 +100,7 @@ def test_a_job_that_slurm_does_not_take(submit, tmp_path):
     (tmp_path / "profile.toml").write_text(PROFILE.replace('"main"', '"nix"'))
     done = submit(*SHORT)
     assert done.returncode == 1
-    assert "Slurm did not take the job: invalid partition specified: nix" in done.stderr
+    assert "Slurm rejected the job: invalid partition specified: nix" in done.stderr
     (tmp_path / "profile.toml").write_text(PROFILE)
     done = submit(*SHORT)
     assert done.returncode == 0, done.stderr
