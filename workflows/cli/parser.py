@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -317,7 +317,7 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
 def _add_names(
     shown: argparse.ArgumentParser,
     parser: argparse.ArgumentParser,
-    verbs: dict[str, argparse.ArgumentParser],
+    verbs: Mapping[str, argparse.ArgumentParser],
 ) -> None:
     """Give `granwave help` the names of all commands, and their parsers."""
     shown.add_argument(

@@ -121,9 +121,11 @@ def _load(options: argparse.Namespace) -> Scan | Suite:
 def _check_directory(whole: Scan | Suite, directory: Path, options: argparse.Namespace) -> None:
     """Raise InputError if the results cannot be written into this directory."""
     results = ResultDirectory(directory)
-    check = decide if isinstance(whole, Scan) else check_suite
     try:
-        check(whole, results, resume=options.resume, force=options.force)
+        if isinstance(whole, Scan):
+            decide(whole, results, resume=options.resume, force=options.force)
+        else:
+            check_suite(whole, results, resume=options.resume, force=options.force)
     except OSError as error:  # it cannot be looked into
         raise InputError(
             f"{directory}: {error.strerror or error}; choose another directory with -o"
