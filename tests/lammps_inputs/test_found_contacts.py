@@ -23,7 +23,7 @@ from granwave.lammps_inputs.packing.touching import (
     last_place,
     tolerance_of,
 )
-from granwave.workflows.cli.check import plan_table
+from granwave.workflows.cli.tables.plan_table import plan_table
 
 D = 0.01
 PAIR = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.00999,0.01\n"

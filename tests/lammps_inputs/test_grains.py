@@ -23,7 +23,7 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.cylinders import grains_called, in_grains
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.places import Places
-from granwave.workflows.cli.check import plan_table
+from granwave.workflows.cli.tables.plan_table import plan_table
 
 ROW = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.01,0.01\n0,0,0.0225,0.015\n"
 SOFT = {"youngs_modulus": 1e9, "poisson_ratio": 0.4, "density": 1200, "yield_strength": 2e7}

@@ -18,7 +18,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import Plan, check_memory
-from granwave.workflows.cli.check import plan_table
+from granwave.workflows.cli.tables.plan_table import plan_table
 from granwave.workflows.cluster.profile import Profile
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import batches

@@ -67,7 +67,7 @@ def keys(options: argparse.Namespace) -> int:
     """Execute ``granwave keys``."""
     from granwave.workflows.cli.json_schema import schema_of
     from granwave.workflows.cli.keys import as_text, find, overview, tables
-    from granwave.workflows.cli.quantity_texts import is_quantity, quantity_text
+    from granwave.workflows.cli.tables.quantity_texts import is_quantity, quantity_text
 
     if options.schema:
         print(json.dumps(schema_of(options.schema), indent=1))
@@ -86,7 +86,7 @@ def keys(options: argparse.Namespace) -> int:
 
 def quantities(options: argparse.Namespace) -> int:
     """Execute ``granwave quantities``."""
-    from granwave.workflows.cli.quantity_texts import all_quantities, quantity_text
+    from granwave.workflows.cli.tables.quantity_texts import all_quantities, quantity_text
 
     print(quantity_text(options.name) if options.name else all_quantities())
     return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -288,8 +288,8 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
     Parameters
     ----------
     words
-        Words of the command line, if it is for these alone: then only the command that they name
-        has its options.
+        Words of a command line: the parser then has only the command that they name, if they name
+        one.
     """
     parser = _Parser(
         prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS."
@@ -298,24 +298,32 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(required=True, metavar=_COMMAND)
     parser._positionals._group_actions.clear()  # the groups list them
     listed = commands()
-    used = {command.name for command in listed}
-    if words and words[0] in used - {_HELP}:
-        used = {words[0]}
+    named = [command for command in listed if words and command.name == words[0] != _HELP]
+    if named:
+        listed = tuple(named)
     for title in dict.fromkeys(command.group for command in listed):
         group = parser.add_argument_group(title)
         first = len(verbs._choices_actions)
         for command in (command for command in listed if command.group == title):
             verb = verbs.add_parser(command.name, help=command.what, description=command.what)
             verb.set_defaults(command=command)
-            if command.name in used:
-                _add_options(verb, command)
+            _add_options(verb, command)
         group._group_actions.extend(verbs._choices_actions[first:])
-    shown = verbs.choices[_HELP]
-    shown.add_argument(
-        "name", nargs="?", choices=[*verbs.choices], metavar=_COMMAND, help="name of a command"
-    )
-    shown.set_defaults(parsers={None: parser, **verbs.choices})
+    if not named:
+        _add_names(verbs.choices[_HELP], parser, verbs.choices)
     return parser
+
+
+def _add_names(
+    shown: argparse.ArgumentParser,
+    parser: argparse.ArgumentParser,
+    verbs: Mapping[str, argparse.ArgumentParser],
+) -> None:
+    """Give `granwave help` the names of all commands, and their parsers."""
+    shown.add_argument(
+        "name", nargs="?", choices=[*verbs], metavar=_COMMAND, help="name of a command"
+    )
+    shown.set_defaults(parsers={None: parser, **verbs})
 
 
 def _add_options(verb: argparse.ArgumentParser, command: Command) -> None:

@@ -31,7 +31,7 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.workflows import run_case
-from granwave.workflows.cli.check import plan_table
+from granwave.workflows.cli.tables.plan_table import plan_table
 from granwave.workflows.cli.terminal import in_shell
 from granwave.workflows.run import driver
 from tests.conftest import BIN, PLAIN

@@ -28,8 +28,8 @@ from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.cost import expected_zone
-from granwave.workflows.cli.check import expected_cut
 from granwave.workflows.cli.main import main
+from granwave.workflows.cli.tables.zone import expected_cut
 from granwave.workflows.run.driver import run_case
 from tests.helpers.made_up.synthetic_report import blocks, build, notes, table, write_run
 from tests.helpers.made_up.synthetic_scan import grid, write_scan

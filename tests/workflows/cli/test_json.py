@@ -15,7 +15,7 @@ from granwave.workflows.cli import doctor
 from granwave.workflows.cli.doctor import Finding
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.main import main
-from granwave.workflows.cli.scan import outcome_values
+from granwave.workflows.cli.tables.scan_outcome import outcome_values
 from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.scanning.driver import ScanOutcome
 from tests.helpers.made_up.synthetic_scan import grid, write_scan

@@ -12,7 +12,7 @@ import pytest
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.workflows.cli.grain_file_values import grain_file_values
+from granwave.workflows.cli.tables.grain_file_values import grain_file_values
 from granwave.workflows.run.checks import warn_of_strikers
 
 D = 0.010

@@ -12,7 +12,7 @@ import pytest
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import library, load_case, load_scan
-from granwave.workflows.cli.scan import plan_text, plan_values
+from granwave.workflows.cli.tables.scan_plan import plan_text, plan_values
 from granwave.workflows.scanning.batches import Machine
 from granwave.workflows.scanning.directory import check_points
 from granwave.workflows.scanning.scan_file import Scan

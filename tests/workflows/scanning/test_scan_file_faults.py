@@ -11,7 +11,7 @@ import pytest
 from granwave.analysis.scans.result import ScanResult
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import load_profile
-from granwave.workflows.cli.scan import outcome_text
+from granwave.workflows.cli.tables.scan_outcome import outcome_text
 from granwave.workflows.scanning.batches import Machine
 from granwave.workflows.scanning.driver import ScanOutcome
 from granwave.workflows.scanning.engine import request_of

@@ -22,7 +22,7 @@ from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
-from granwave.workflows.cli.grain_file_values import grain_file_values
+from granwave.workflows.cli.tables.grain_file_values import grain_file_values
 
 _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 

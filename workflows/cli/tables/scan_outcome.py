@@ -1,0 +1,104 @@
+"""Outcome of a scan, as values and as a table."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_of
+from granwave.analysis.quantities import Quantity, quantity, scan_columns
+from granwave.analysis.scans.keys import means_of
+from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
+from granwave.workflows.cli.terminal import columns, in_shell
+from granwave.workflows.scanning.driver import ScanOutcome
+
+_MOST_ROWS = 40
+_MOST_MEANS = 4  # quantities in the table of means
+
+
+def outcome_values(outcome: ScanOutcome) -> dict[str, Any]:
+    """Return the points of a scan with their values; those that are missing have no summary."""
+    result = ScanResult(outcome.directory)
+    shown = ("number", "status", "reason", "directory", "labels", "summary")
+    return {
+        "name": result.name,
+        "directory": outcome.directory,
+        **{name: getattr(outcome, name) for name in ("done", "failed", "missing", "stopped")},
+        "varied": list(result.varied),
+        "points": [{name: getattr(point, name) for name in shown} for point in result.points],
+    }
+
+
+def outcome_text(outcome: ScanOutcome) -> str:
+    """Return the table of the main values of all points, and the place of the results."""
+    result = ScanResult(outcome.directory)
+    points = [point for point in result.points if point.status != "missing"]
+    asked = (
+        [quantity(REDUCTION)]
+        if protects(result.varied, [point.summary for point in points])
+        else []
+    )
+    shown = [
+        one
+        for one in [*asked, *scan_columns()]
+        if any(point.summary.get(one.name) is not None for point in points)
+    ]
+    head = ["", *result.varied, *(one.heading for one in shown), ""]
+    rows = [head]
+    for point in points[:_MOST_ROWS]:
+        summary = point.summary
+        values = [_value(one, summary.get(one.name)) for one in shown]
+        labels = [
+            f"{value:.5g}" if isinstance(value, float) else str(value)
+            for value in point.labels.values()
+        ]
+        ending = ""
+        if point.status != "done":
+            ending = in_shell(f"{point.status}: {point.reason}".rstrip(": "))
+        rows.append([str(point.number), *labels, *values, ending])
+    text = columns(rows, left=(len(head) - 1,))
+    if len(points) > _MOST_ROWS:
+        text += f"\n... {len(points) - _MOST_ROWS} more in scan.csv"
+    text = f"{text}\n\n{_means_text(result)}" if points else ""
+    marks = [mark_of(point.summary) for point in points]
+    for mark, label in LABELS.items():
+        if count := marks.count(mark):
+            text += (
+                f"plastic zone: {label} in {count} of {len(points)} points, as marked in "
+                "figures and report\n\n"
+            )
+    counts = ", ".join(f"{getattr(outcome, name)} {name}" for name in ("done", "failed", "missing"))
+    there = "the table"
+    if (outcome.directory / "report.html").exists():
+        there = "table, figures and report.html"
+    return f"{text}{counts}; {there} in {outcome.directory}"
+
+
+def _means_text(result: ScanResult) -> str:
+    """Return the results of all points: means over replicates, if there are any, and a
+    sentence.
+    """
+    means = means_of(result)
+    shown = [key for _, key in means.quantities()]
+    if not shown:
+        return ""
+    text = f"{means.sentence(shown[0])}\n\n"
+    if max(means.counts) < 2:
+        return text
+    units = [(key.naming.label, key.naming.unit) for key in means.keys]
+    units += [
+        (quantity(name).label, quantity(name).unit.replace("^", "")) for name in shown[:_MOST_MEANS]
+    ]
+    rows = [[f"{label} ({unit})" if unit else label for label, unit in units]]
+    for row in range(min(len(means.counts), _MOST_ROWS)):
+        values = [means.text(name, row) for name in shown[:_MOST_MEANS]]
+        rows.append([*(key.tick(row) for key in means.keys), *values])
+    counts = sorted(set(means.counts))
+    of = f"{counts[0]} to {counts[-1]}" if len(counts) > 1 else f"{counts[0]}"
+    return f"means of {of} replicates, with 95 % confidence intervals:\n{columns(rows)}\n\n{text}"
+
+
+def _value(shown: Quantity, value: Any) -> str:
+    """A value of a summary for the table at the end; empty where there is none."""
+    if value is None:
+        return ""
+    return bounds_in_words(value) if isinstance(value, list) else format(value, shown.digits)
