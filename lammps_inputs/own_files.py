@@ -116,7 +116,7 @@ class OwnFiles(os.PathLike[str]):
         self._marker = None
 
     def refuse_special(self, names: Iterable[str] | None = None) -> None:
-        """Raise InputError for files that are pipes or devices, which opening would wait for.
+        """Raise InputError for pipes and devices in place of files, since opening them could block.
 
         Parameters
         ----------

@@ -204,9 +204,7 @@ _LINE_NAME = schema.TextType(expected=schema.PLAIN_NAME.expected, finish=_line_n
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Line:
-    """``[[line]]``: grains in a line, whose motion is recorded: arrival, speed, decay and width of
-    a wave.
-    """
+    """``[[line]]``: grains in a line, for the arrival, speed, decay and width of a wave."""
 
     name: str = schema.typed("name of the line", _LINE_NAME)
     start: int | None = schema.typed(
