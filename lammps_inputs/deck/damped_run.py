@@ -157,7 +157,8 @@ def _unbalanced_weight(assembly: Assembly, group: str) -> list[str]:
     weight = float(np.linalg.norm(loads, axis=1).sum())
     return [
         "variable        static_weight atom abs(v_dead_z)",
-        "variable        static_loose atom v_static_net*(v_static_weight>0)/(v_static_weight+(v_static_weight==0))",
+        "variable        static_loose atom "
+        "v_static_net*(v_static_weight>0)/(v_static_weight+(v_static_weight==0))",
         f"compute         static_sum {group} reduce sum v_static_net",
         f"compute         {LEAST_HELD} {group} reduce max v_static_loose",
         f"variable        {UNBALANCED} equal c_static_sum/{num(weight)}",
