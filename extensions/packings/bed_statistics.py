@@ -17,6 +17,7 @@ from granwave.extensions.packings.statistics import (
     COORDINATION_WITHOUT_FRICTION,
     FORCE_TAIL,
     LEAST_CONTACTS,
+    LEAST_UNDER_GRAVITY,
     LEAST_WITHOUT_FRICTION,
     RANDOM_CLOSE_PACKING,
     RANDOM_LOOSE_PACKING,
@@ -39,6 +40,7 @@ _SMALL_INSIDE = (
     "the part one diameter away from walls and surface is less than one diameter deep or wide"
 )
 _NOBODY_INSIDE = "no grain is one diameter away from walls and surface"
+_PRESSED = 1e-10  # overlap with a wall over the radius from which on it is no rounding
 _CARRIES = 1e-3  # force of a contact over the mean from which on it carries load
 
 
@@ -86,8 +88,7 @@ def statistics_of(recipe: Recipe, bed: Bed) -> PackingStatistics:
     is_inside = ((position > low) & (position < high)).all(axis=1)
     carrying = bed.normal_force > _CARRIES * bed.normal_force.mean()
     pairs = bed.contacts[carrying]
-    least = LEAST_CONTACTS if recipe.friction else LEAST_WITHOUT_FRICTION
-    carries = without_rattlers(n, pairs, least)
+    carries = without_rattlers(n, pairs, _least_contacts(recipe), contacts_with_walls(bed))
     of_all = coordination(n, pairs)
     of_skeleton = coordination(n, pairs[carries[pairs].all(axis=1)])
     large = bool((high - low >= _LEAST_INNER * recipe.diameter.mean).all())
@@ -107,6 +108,35 @@ def statistics_of(recipe: Recipe, bed: Bed) -> PackingStatistics:
         largest_force=float(force.max()),
         pressure=bed.record.get("pressure", math.nan),
     )
+
+
+def _least_contacts(recipe: Recipe) -> int:
+    """Return the number of contacts that a grain needs to carry load."""
+    if recipe.friction:
+        return LEAST_CONTACTS
+    return LEAST_UNDER_GRAVITY if recipe.rests_under_gravity else LEAST_WITHOUT_FRICTION
+
+
+def contacts_with_walls(bed: Bed) -> NDArray[np.int64]:
+    """Return the number of walls that each grain was pressed against, the upper plane of a
+    compression included: (n,).
+    """
+    container = bed.container
+    position = bed.grains.position
+    radius = bed.grains.diameter / 2
+    gaps = []
+    if container.height is None:
+        gaps.append(bed.bottom - position[:, 2] - radius)
+        ceiling = bed.record.get("ceiling")
+        if ceiling is not None:
+            gaps.append(position[:, 2] - radius - ceiling)
+    if container.tube is not None:
+        gaps.append(container.tube - np.hypot(position[:, 0], position[:, 1]) - radius)
+    elif not container.periodic:
+        for axis, width in enumerate(container.box):
+            gaps += [position[:, axis] - radius, width - position[:, axis] - radius]
+    pressed = [gap < -_PRESSED * radius for gap in gaps]
+    return np.sum(pressed, axis=0, dtype=np.int64) if pressed else np.zeros(len(radius), np.int64)
 
 
 def _solid_fraction(bed: Bed, low: Floats, high: Floats) -> float:

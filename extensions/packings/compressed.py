@@ -121,6 +121,7 @@ class CompressedRecipe(Recipe):
             "steps": made.steps,
             "pressure": made.pressure,
             "solid_fraction": volume(diameter) / math.prod((x, y, z)),
+            "ceiling": None if self.endless else -top,
         }
         return Bed(
             Grains(position, diameter, ("",) * n, ("",) * n, np.zeros((n, 3))),

@@ -34,6 +34,7 @@ FORCE_TAIL = 1.5
 _POINTS_ALONG_AN_EDGE = 64  # of the inner part, in `solid_fraction`
 LEAST_CONTACTS = 2  # of a grain that carries load, with friction
 LEAST_WITHOUT_FRICTION = 4
+LEAST_UNDER_GRAVITY = 3  # without friction, with the weight as the fourth force
 TAIL_FROM = 1.0  # force over the mean from which on the tail is fitted
 _BINS = 30
 _CONTACTS_OF_LAYER = 60
@@ -119,7 +120,9 @@ def coordination(n_grains: int, pairs: Rows) -> NDArray[np.int64]:
     return np.bincount(pairs.ravel(), minlength=n_grains)
 
 
-def without_rattlers(n_grains: int, pairs: Rows, least: int = LEAST_CONTACTS) -> NDArray[np.bool_]:
+def without_rattlers(
+    n_grains: int, pairs: Rows, least: int = LEAST_CONTACTS, at_walls: Rows | None = None
+) -> NDArray[np.bool_]:
     """Return True for the grains that carry load: those with enough contacts among each other.
 
     Parameters
@@ -127,7 +130,9 @@ def without_rattlers(n_grains: int, pairs: Rows, least: int = LEAST_CONTACTS) ->
     pairs
         Rows of the grains in contact: (n_contacts, 2).
     least
-        Contacts that a grain needs: 2 with friction, 4 without.
+        Contacts that a grain needs: 2 with friction; without it 4, and 3 under gravity.
+    at_walls
+        Number of contacts of each grain with walls: (n_grains,); by default none.
 
     Returns
     -------
@@ -135,9 +140,10 @@ def without_rattlers(n_grains: int, pairs: Rows, least: int = LEAST_CONTACTS) ->
         (n_grains,).
     """
     carries = np.ones(n_grains, dtype=bool)
+    walls = np.zeros(n_grains, dtype=np.int64) if at_walls is None else at_walls
     while True:
         inside = pairs[carries[pairs].all(axis=1)]
-        enough = carries & (coordination(n_grains, inside) >= least)
+        enough = carries & (coordination(n_grains, inside) + walls >= least)
         if (enough == carries).all():
             return carries
         carries = enough

@@ -231,6 +231,13 @@ def force_of_contact(assembly: Assembly) -> float:
     return _dead_load(assembly).force_of_contact(assembly)
 
 
+def force_in_bed(assembly: Assembly) -> float:
+    """Estimate the largest force on a contact that carries the load, in a wide bed that of a
+    column, N.
+    """
+    return _dead_load(assembly).force_in_bed(assembly)
+
+
 def grains_at_wall(assembly: Assembly, wall: Wall) -> NDArray[np.int64]:
     """Return the ids of the grains that touch a wall before it moves, or are nearest to it; at
     least one.
@@ -272,7 +279,7 @@ def static_stiffness(assembly: Assembly) -> float:
 
 def stiffness_in_bed(assembly: Assembly) -> float:
     """Estimate the stiffness of the contacts of a disordered bed that carry most, N/m."""
-    share = _dead_load(assembly).force_in_bed(assembly) / force_of_contact(assembly)
+    share = force_in_bed(assembly) / force_of_contact(assembly)
     return static_stiffness(assembly) * share ** (1 / 3)
 
 

@@ -34,6 +34,7 @@ from granwave.lammps_inputs.contact.static_load import (
 from granwave.lammps_inputs.deck.motion import CLUMPS, integration
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import struck_of
+from granwave.lammps_inputs.packing.walls import plane_fixes
 from granwave.lammps_inputs.script_words import joined, num
 
 _DAMPING = "static_damping"  # fix, and prefix of its variables
@@ -41,6 +42,14 @@ _SPIN = "static_spin"  # compute, of angular velocities
 # net force, with the drag on the spin, over the largest contact force, at the end of a damped run
 QUIET = 4e-7
 _MOST_STEPS = 1_000_000  # of a damped run
+# steps times grains up to which `QUIET` is sought under gravity, and its bounds in steps
+_STRICT_WORK = 30_000_000
+_STRICT_STEPS = (10_000, 60_000)
+# after them: sum of the net forces over the weight of the bed, and net force over the weight of a
+# grain
+CALM = 3e-4
+HELD = 1.0
+LOOSE = 0.01  # net force over the weight of a grain, from which on it is named
 _DAMPED_PART = 0.5  # of a net force, taken from it where it speeds up a sphere in a damped run
 # drag on spin over sqrt(stiffness mass) times 0.4 radius^2; a third and 2.7 times of it take a
 # quarter more steps with 200 poured grains
@@ -49,6 +58,12 @@ _DRAG_ON_SPIN = 0.006
 _DRAG_ON_ROLLING = 0.5
 _DAMPED_STEP = 0.2  # timestep of a damped run over sqrt(mass/stiffness)
 _NET = "sqrt(fx^2+fy^2+fz^2)"  # of a sphere
+# columns of the log: largest force of a contact between grains, and with walls
+LARGEST_OF_PAIRS = "c_static_largest"
+LARGEST_OF_ALL = "v_static_carried"
+UNBALANCED = "static_unbalanced"  # variable: sum of the net forces over the weight of the bed
+LEAST_HELD = "static_worst"  # compute: largest net force over the weight of its grain
+ROLLING_GRAINS = "static_rolling"  # compute: number of grains above `LOOSE`
 _BODY = "static_body"  # compute of sums over clumps, and prefix of the others that it needs
 # first columns of it
 _FORCE_OF_BODY = 1
@@ -91,11 +106,64 @@ def damped_run(assembly: Assembly, group: str) -> list[str]:
         *lines,
         *_local_damping(assembly),
         f"timestep        {num(_DAMPED_STEP * math.sqrt(mass / stiffness))}",
-        "variable        static_quiet equal c_static_net/(c_static_largest+(c_static_largest==0))",
+        *_unbalanced_weight(assembly, group),
+        f"variable        static_quiet equal {_quiet(assembly)}",
         f"fix             static_quiet all halt 100 v_static_quiet < {num(QUIET)} error continue",
         f"run             {_MOST_STEPS} post no",
         *(f"unfix           {name}" for name in ("static_quiet", *fixes, *_dampings(assembly))),
         *_without_spin(assembly, group),
+    ]
+
+
+def largest_force(assembly: Assembly) -> str:
+    """Return the largest force of a contact, between grains and, for grains of a file, with walls:
+    these may touch nothing else.
+    """
+    return LARGEST_OF_ALL if counts_walls(assembly) else LARGEST_OF_PAIRS
+
+
+def counts_walls(assembly: Assembly) -> bool:
+    """Return True if the largest force of a contact includes those with walls."""
+    return assembly.case.packing.contact_way is not None and bool(plane_fixes(assembly))
+
+
+def bears_its_weight(assembly: Assembly) -> bool:
+    """Return True for a damped run of grains that each carry their own weight."""
+    stage = assembly.case.precompression
+    return assembly.case.settles_damped and stage is not None and stage.rule.grows_with_depth
+
+
+def _quiet(assembly: Assembly) -> str:
+    """Return the largest net force over the largest force of a contact; 0 where only single grains
+    of a bed still roll.
+    """
+    largest = largest_force(assembly)
+    ratio = f"c_static_net/({largest}+({largest}==0))"
+    if not bears_its_weight(assembly):
+        return ratio
+    low, high = _STRICT_STEPS
+    strict = min(max(_STRICT_WORK // assembly.lattice.n_spheres, low), high)
+    calm = f"(v_{UNBALANCED}<{num(CALM)})*(c_{LEAST_HELD}<{num(HELD)})"
+    return f"{ratio}*(1-(step>{strict})*{calm})"
+
+
+def _unbalanced_weight(assembly: Assembly, group: str) -> list[str]:
+    """Return the commands of net forces over weights: of all grains together, and of the grain with
+    the largest ratio.
+    """
+    if not bears_its_weight(assembly):
+        return []
+    _, loads = dead_loads(assembly)
+    weight = float(np.linalg.norm(loads, axis=1).sum())
+    return [
+        "variable        static_weight atom abs(v_dead_z)",
+        "variable        static_loose atom "
+        "v_static_net*(v_static_weight>0)/(v_static_weight+(v_static_weight==0))",
+        f"compute         static_sum {group} reduce sum v_static_net",
+        f"compute         {LEAST_HELD} {group} reduce max v_static_loose",
+        f"variable        {UNBALANCED} equal c_static_sum/{num(weight)}",
+        f"variable        static_rolls atom v_static_loose>{num(LOOSE)}",
+        f"compute         {ROLLING_GRAINS} {group} reduce sum v_static_rolls",
     ]
 
 

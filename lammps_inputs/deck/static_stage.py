@@ -38,6 +38,7 @@ from granwave.lammps_inputs.contact.static_load import (
     static_stiffness,
     striker_loads,
 )
+from granwave.lammps_inputs.deck import columns as table
 from granwave.lammps_inputs.deck.commands import (
     id_ranges,
     moved_wall,
@@ -45,7 +46,18 @@ from granwave.lammps_inputs.deck.commands import (
     plane_names,
     wall_commands,
 )
-from granwave.lammps_inputs.deck.damped_run import clump_sums, damped_run, net_force
+from granwave.lammps_inputs.deck.damped_run import (
+    LARGEST_OF_PAIRS,
+    LEAST_HELD,
+    ROLLING_GRAINS,
+    UNBALANCED,
+    bears_its_weight,
+    clump_sums,
+    counts_walls,
+    damped_run,
+    largest_force,
+    net_force,
+)
 from granwave.lammps_inputs.deck.inertia_relief import relief_commands, relief_state
 from granwave.lammps_inputs.deck.motion import FALL, MOVING_BED, POTENTIAL
 from granwave.lammps_inputs.deck.output import (
@@ -115,13 +127,14 @@ _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in
 # least slope of its power 2/3 over that of the line through the start: bounds the next distance
 _FLATTEST = 0.1
 
-# columns of the log: largest force of a contact, largest net force on a sphere
-LARGEST_FORCE = "c_static_largest"
+# column of the log: largest net force on a sphere
 NET_FORCE = "c_static_net"
 _START = "static_start"  # fix, of velocities before the stage
 _STILL = "velocity        all set 0.0 0.0 0.0 units box"
 _ENERGY = "c_static"  # of all contacts of pairs
 _SPHERE = "c_static_sphere"
+# column of the array of fix wall/gran/hysteretic
+_FORCE_OF_WALL = 1 + table.names(table.WALL_CONTACTS).index("force")
 _DISPLACEMENT = DisplacementColumn.MAGNITUDE.of("c_displacement")
 _WATCH_MOVES = f"compute         static_moved {_SPHERES} reduce max {_DISPLACEMENT}"
 # largest contact force
@@ -130,16 +143,23 @@ _FORCES = (
     f"compute         static_largest all reduce max {SphereColumn.FORCE.of(_SPHERE)}",
 )
 
-# residual: largest net force on a sphere over the largest contact force, or over the load if only
-# walls are touched
+# residual: largest net force on a sphere over the largest contact force, or over the load if no
+# force is known
 RECORD = {
-    "residual": "$(c_static_net/(c_static_largest+(c_static_largest==0)*v_static_load):%.6g)",
-    "largest_force": "$(c_static_largest:%.9g)",
+    "residual": "$(c_static_net/({largest}+({largest}==0)*v_static_load):%.6g)",
+    "largest_force": "$({largest}:%.9g)",
     "contacts": "$(c_static_borne/2:%.0f)",
     "yielded": "${static_yielded}",
     "stored": "$(v_static_stored:%.17g)",
     "displacement": "$(c_static_moved:%.9g)",
     "iterations": "${static_iterations}",
+}
+# of grains that each carry their weight, after a damped run: sum of the net forces over the weight
+# of all, largest net force over the weight of its grain, number of grains that still roll
+RECORD_OF_WEIGHT = {
+    "unbalanced": f"$(v_{UNBALANCED}:%.6g)",
+    "worst": f"$(c_{LEAST_HELD}:%.6g)",
+    "rolling": f"$(c_{ROLLING_GRAINS}:%.0f)",
 }
 
 
@@ -279,7 +299,7 @@ def first_half(assembly: Assembly) -> list[str]:
         f"timestep        {num(_STEP * math.sqrt(mass / static_stiffness(assembly)))}",
         *_FORCES,
         "thermo          1000",
-        f"thermo_style    custom step {LARGEST_FORCE}",
+        f"thermo_style    custom step {LARGEST_OF_PAIRS}",
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
         *_near_balance(assembly),
@@ -361,12 +381,12 @@ def second_half(assembly: Assembly) -> list[str]:
     columns = [
         _ENERGY,
         EnergyColumn.YIELDED.of(_ENERGY),
-        LARGEST_FORCE,
+        largest_force(assembly),
         "c_static_borne",
         NET_FORCE,
         "c_static_moved",
     ]
-    record = dict(RECORD)
+    record = _record(assembly)
     support = moving_fix(assembly)
     for name, pressed in pressed_walls(assembly).items():
         mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
@@ -387,6 +407,7 @@ def second_half(assembly: Assembly) -> list[str]:
         "compute         static all gran/hysteretic/energy",
         f"compute         static_borne all reduce sum {SphereColumn.COORDINATION.of(_SPHERE)}",
         *clump_sums(assembly),
+        *_with_walls(assembly),
         f"variable        static_net atom {net_force(assembly)}",
         f"compute         static_net {_SPHERES} reduce max v_static_net",
         f"thermo_style    custom step {joined(columns)} {POTENTIAL}",
@@ -416,11 +437,48 @@ def second_half(assembly: Assembly) -> list[str]:
         *(_moving_bed(assembly) if case.packing.restart else []),
         *(
             f"uncompute       static{name}"
-            for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")
+            for name in (
+                *_computes_of_weight(assembly),
+                "_moved",
+                "_net",
+                "_borne",
+                *(["_carried_each"] if counts_walls(assembly) else []),
+                "_largest",
+                "_sphere",
+                "",
+            )
         ),
         *(f"uncompute       {line.split()[1]}" for line in reversed(clump_sums(assembly))),
         _STAGE_END,
         "",
+    ]
+
+
+def _record(assembly: Assembly) -> dict[str, str]:
+    """Return the values of the record by column."""
+    largest = largest_force(assembly)
+    record = {name: value.replace("{largest}", largest) for name, value in RECORD.items()}
+    if bears_its_weight(assembly):
+        record |= RECORD_OF_WEIGHT
+    return record
+
+
+def _computes_of_weight(assembly: Assembly) -> tuple[str, ...]:
+    """Return the ends of the names of the computes of net forces over weights."""
+    if not bears_its_weight(assembly):
+        return ()
+    return ("_rolling", "_worst", "_sum")
+
+
+def _with_walls(assembly: Assembly) -> list[str]:
+    """Return the commands of the largest force of a contact, of those with walls too."""
+    if not counts_walls(assembly):
+        return []
+    forces = [f"f_{fix}[{_FORCE_OF_WALL}]" for fix in plane_fixes(assembly)]
+    own = SphereColumn.FORCE.of(_SPHERE)
+    return [
+        f"compute         static_carried_each all reduce max {own} {joined(forces)}",
+        "variable        static_carried equal max(c_static_carried_each)",
     ]
 
 

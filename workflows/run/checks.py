@@ -15,7 +15,13 @@ from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact_ways import DAMPED, KEEP, KEY, RELAX, RELAXATION
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
-from granwave.lammps_inputs.contact.static_load import FORCE_TOLERANCE, force_of_contact
+from granwave.lammps_inputs.contact.static_load import (
+    FORCE_TOLERANCE,
+    dead_loads,
+    force_in_bed,
+    force_of_contact,
+)
+from granwave.lammps_inputs.deck.damped_run import CALM, HELD, LOOSE
 from granwave.lammps_inputs.deck.deck import box_of
 from granwave.lammps_inputs.deck.static_stage import (
     LOST_LOAD,
@@ -31,6 +37,12 @@ from granwave.workflows.run.lammps_engine import Engine
 _LOG = logging.getLogger("granwave")
 _CLEAR = 1e-2  # diameters between a striker and its sphere that delay the impact
 _DEEP = 1e-3  # diameters by which a striker may overlap its sphere before the impact
+
+
+_MARGIN = (
+    1.5  # of net forces after the spin is set to zero, over those at the end of the damped run
+)
+_MOST_NAMED = 10  # ids in a warning
 
 
 @dataclasses.dataclass
@@ -175,7 +187,7 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
             f"the static stage, expected some {force_of_contact(assembly):.2g} N: the load has "
             f"pushed the grains apart; {_BORNE}"
         )
-    if not _relative_net_force(assembly, found) <= LARGEST_RESIDUAL:
+    if not _relative_net_force(assembly, found) <= LARGEST_RESIDUAL and not _is_calm(found):
         raise RunError(
             f"precompression: no equilibrium after {found['iterations']:.0f} iterations: a net "
             f"force of {found['residual']:.1e} of the largest contact force remains, expected at "
@@ -200,7 +212,64 @@ def _has_lost_load(assembly: Assembly, found: dict[str, float]) -> bool:
     way = assembly.case.packing.contact_way
     if way is None or may_lose_its_load(assembly):
         return False
-    return found["largest_force"] < LOST_LOAD * force_of_contact(assembly)
+    return found["largest_force"] < LOST_LOAD * force_in_bed(assembly)
+
+
+def _is_calm(found: Mapping[str, float]) -> bool:
+    """Return True for a bed in which nothing but single grains still rolls.
+
+    All net forces together are then a negligible part of its weight, and none is larger than the
+    weight of its grain.
+    """
+    if "unbalanced" not in found:
+        return False
+    return found["unbalanced"] <= _MARGIN * CALM and found["worst"] <= _MARGIN * HELD
+
+
+def rolls_on(found: Mapping[str, float]) -> bool:
+    """Return True if some grains of a bed still roll after the static stage."""
+    return found["residual"] > LARGEST_RESIDUAL and found.get("rolling", 0.0) > 0
+
+
+def warn_of_rolling(
+    assembly: Assembly, found: Mapping[str, float], forces: Mapping[int, NDArray[np.float64]]
+) -> None:
+    """Log a warning of the grains that still roll after the static stage.
+
+    Parameters
+    ----------
+    found
+        Values of the record, see `check_equilibrium`.
+    forces
+        Net forces on the bodies by id: (3,), N.
+    """
+    ids, loads = dead_loads(assembly)
+    each = zip(ids.tolist(), np.linalg.norm(loads, axis=1).tolist(), strict=True)
+    ratio = {sphere: float(np.linalg.norm(forces[sphere])) / load for sphere, load in each}
+    rolling = sorted(sphere for sphere, part in ratio.items() if part > LOOSE)
+    if not rolling:
+        return
+    _LOG.warning(
+        "%s: %d of %d grains still %s after the static stage, as their contacts do not hold them: "
+        "%s. Net forces are at most %.2g of the weight of a grain, and all together %.1g of the "
+        "weight of the bed. These grains start at rest and roll on during the run; "
+        "contact.rolling (0.01) stops them",
+        assembly.case.name,
+        len(rolling),
+        len(ids),
+        "rolls" if len(rolling) == 1 else "roll",
+        _listed(rolling),
+        max(ratio.values()),
+        found["unbalanced"],
+    )
+
+
+def _listed(ids: list[int]) -> str:
+    """Return ids in words, the first few of many."""
+    words = ", ".join(map(str, ids[:_MOST_NAMED]))
+    noun = "id" if len(ids) == 1 else "ids"
+    more = f" and {len(ids) - _MOST_NAMED} more" if len(ids) > _MOST_NAMED else ""
+    return f"{noun} {words}{more}"
 
 
 def _relative_net_force(assembly: Assembly, found: dict[str, float]) -> float:

@@ -12,6 +12,7 @@ import dataclasses
 import logging
 import threading
 import time
+from collections.abc import Mapping
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -417,6 +418,8 @@ class _Run:
                         "under the precompression"
                     )
                 self._look_at_strikers(engine)
+                if checks.rolls_on(found):
+                    self._look_at_rolling(engine, found)
             elif not saved:
                 expected = on_first(self.comm, lambda: checks.expected_neighbours(self.assembly))
                 checks.check_coordination(self.case.packing.kind, expected, engine)
@@ -433,6 +436,17 @@ class _Run:
         if gathered is not None:  # on the first rank
             everywhere = {number: np.array(at) for number, at in chain.from_iterable(gathered)}
             checks.warn_of_strikers(self.assembly, everywhere)
+
+    def _look_at_rolling(self, engine: Engine, found: Mapping[str, float]) -> None:
+        """Warn of grains that still roll after the static stage of a bed."""
+        n = self.assembly.lattice.n_spheres
+        forces = zip(engine.per_atom("id").tolist(), engine.per_atom("f").tolist(), strict=True)
+        gathered = self.comm.gather([row for row in forces if row[0] <= n])
+        if gathered is not None:  # on the first rank
+            everywhere = {
+                number: np.array(force) for number, force in chain.from_iterable(gathered)
+            }
+            checks.warn_of_rolling(self.assembly, found, everywhere)
 
     def _set_up(self, engine: Engine, commands: str, stop: StopRequest, *, static: bool) -> None:
         """Execute the commands before the first step; a request to stop ends them, as a static

@@ -12,9 +12,8 @@ import re
 import threading
 from collections.abc import Iterator, Mapping
 
-from granwave.lammps_inputs.deck.damped_run import QUIET
+from granwave.lammps_inputs.deck.damped_run import LARGEST_OF_ALL, LARGEST_OF_PAIRS, QUIET
 from granwave.lammps_inputs.deck.static_stage import (
-    LARGEST_FORCE,
     MOST_ITERATIONS,
     NET_FORCE,
 )
@@ -104,16 +103,22 @@ class StaticProgress:
 
 def net_over_largest(values: Mapping[str, float]) -> float:
     """Return the largest net force on a grain over the largest contact force; 0 if not known."""
-    largest = values.get(LARGEST_FORCE, 0.0)
+    largest = _largest(values) or 0.0
     net = values.get(NET_FORCE, 0.0)
     return net / largest if largest > 0 and net > 0 else 0.0
+
+
+def _largest(values: Mapping[str, float]) -> float | None:
+    """Return the largest force of a contact, N, as far as the output has it."""
+    return values.get(LARGEST_OF_ALL, values.get(LARGEST_OF_PAIRS))
 
 
 def note_of(values: Mapping[str, float]) -> str:
     """Return a line of output in words."""
     words = [f"{values.get('Step', 0.0):.0f} steps"]
-    if LARGEST_FORCE in values:
-        words.append(f"largest force {values[LARGEST_FORCE]:.3g} N")
+    largest = _largest(values)
+    if largest is not None:
+        words.append(f"largest force {largest:.3g} N")
     ratio = net_over_largest(values)
     if ratio:
         words.append(f"net force {ratio:.1e} of it")

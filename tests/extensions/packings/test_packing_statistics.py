@@ -65,6 +65,17 @@ def test_anisotropy_of_parallel_contacts_is_one():
     assert anisotropy(fabric(np.tile([0.0, 0.0, 1.0], (5, 1)))) == pytest.approx(1.0)
 
 
+def test_walls_hold_grains_too():
+    """A pyramid of four grains on a floor: the top one rests on three, each on the floor and it."""
+    pairs = np.array([[0, 3], [1, 3], [2, 3], [0, 1], [0, 2], [1, 2]])
+    floor = np.array([1, 1, 1, 0])
+    assert without_rattlers(4, pairs, least=3).all()
+    assert not without_rattlers(4, pairs, least=4).any()
+    pairs = pairs[:3]
+    assert not without_rattlers(4, pairs, least=2).any()
+    assert without_rattlers(4, pairs, least=2, at_walls=floor).all()
+
+
 def test_rattlers_are_removed_one_after_the_other():
     # a ring of four, with a tail of two grains and a free one
     pairs = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [3, 4], [4, 5]])

@@ -10,7 +10,7 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.load_case import load_assembly, load_case
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 from granwave.lammps_inputs.statics.stiffening import stiffened_bed
-from granwave.workflows.run.checks import check_equilibrium
+from granwave.workflows.run.checks import check_equilibrium, rolls_on, warn_of_rolling
 from granwave.workflows.run.driver import run_case
 from tests.extensions.packings.test_poured import TABLES, N, made
 
@@ -75,10 +75,43 @@ def test_a_soft_bed_is_soon_in_balance_and_closes_its_energy(hard, tmp_path):
     assert stage["displacement"] < 1e-3 * TABLES["packing"]["diameter"]["normal"][0]
     assert summary["energy_balance_error"] < 1e-5
     record = tmp_path / "run" / "dumps" / "prestage.txt"
-    residual = values.split()[0]
-    record.write_text(f"{names}\n{values.replace(residual, '2e-3', 1)}\n")
+    stage |= {"residual": 2e-3, "unbalanced": 2e-3}
+    record.write_text(f"{names}\n{' '.join(map(str, stage.values()))}\n")
     with pytest.raises(RunError, match="some grains still roll or swing"):
         check_equilibrium(load_assembly(hard), tmp_path / "run")
+
+
+def test_grains_that_still_roll_are_named_and_not_fatal(hard, tmp_path, caplog):
+    """The net forces of single grains are compared with their weight, and with that of the bed."""
+    assembly = load_assembly(hard)
+    stage = {
+        "residual": 2e-3, "largest_force": 0.5, "contacts": 600, "yielded": 0, "stored": 1e-6,
+        "displacement": 1e-3, "iterations": 60_100, "unbalanced": 2e-4, "worst": 0.4, "rolling": 1,
+    }  # fmt: skip
+    (tmp_path / "dumps").mkdir()
+    record = tmp_path / "dumps" / "prestage.txt"
+    for changes, fault in (
+        ({}, None),
+        ({"worst": 2.0}, "no equilibrium"),
+        ({"unbalanced": 1e-3}, "no equilibrium"),
+        ({"residual": np.nan}, None),
+        ({"residual": np.nan, "unbalanced": np.nan}, "no equilibrium"),
+    ):
+        values = stage | changes
+        record.write_text(f"# {' '.join(values)}\n{' '.join(map(str, values.values()))}\n")
+        if fault is None:
+            assert check_equilibrium(assembly, tmp_path) == pytest.approx(values, nan_ok=True)
+        else:
+            with pytest.raises(RunError, match=fault):
+                check_equilibrium(assembly, tmp_path)
+    assert rolls_on(stage)
+    assert not rolls_on(stage | {"residual": 1e-7})
+    weights = assembly.sphere_masses()[:N] * 9.81
+    forces = {sphere: np.zeros(3) for sphere in range(1, N + 1)}
+    forces[7] = np.array([0.4 * weights[6], 0.0, 0.0])
+    warn_of_rolling(assembly, stage, forces)
+    assert f"1 of {N} grains still rolls" in caplog.text
+    assert "do not hold them: id 7. Net forces are at most 0.4 of the weight" in caplog.text
 
 
 def test_a_bed_of_its_own_material_stays(hard, tmp_path):

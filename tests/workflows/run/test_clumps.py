@@ -232,3 +232,43 @@ def test_two_ranks(granwave: Any, tmp_path: Path) -> None:
         with Result(out) as result:
             ends.append(result.frame(1, "velocity"))
     assert ends[0] == pytest.approx(ends[1], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("relaxation", ["damped", "minimiser"])
+@pytest.mark.parametrize("clump", [True, False])
+def test_grains_that_touch_walls_alone(clump: bool, relaxation: str, tmp_path: Path) -> None:
+    """Three grains apart on the floor, two of them a clump or single: the floor carries each."""
+    if clump and relaxation == "minimiser":
+        pytest.skip("clumps come to balance by damped motion alone")
+    member = 1 if clump else ""
+    distance = 1.5 if clump else 3
+    places = {0.0: member, distance * RADIUS: member, 9 * RADIUS: ""}
+    rows = [f"{x},0,{-0.9999 * RADIUS},{2 * RADIUS},{of}" for x, of in places.items()]
+    packing = {
+        "kind": "file",
+        "grains": "\n".join(["x,y,z,diameter,clump", *rows, ""]),
+        "enclosure": {"bottom": 0.0},
+        "contacts": "relax",
+        "relaxation": relaxation,
+    }
+    case = clumps_case(
+        "",
+        material=SOFT,
+        packing=packing,
+        contact={"law": "hertz", "friction": 0.3 if relaxation == "damped" else 0.0},
+        boundary={"bottom": "wall", "sides": "free"},
+        precompression={"kind": "gravity"},
+        load={"kind": "impact", "index": 3, "velocity": 0.01},
+        run={"end_time": 1e-4, "frames": 2},
+    )
+    with ran(case, tmp_path / "run") as result:
+        weight = result["spheres/mass"][2] * 9.81
+        error = errors_of_balance(result).max()
+    dumps = tmp_path / "run" / "dumps"
+    floor = np.loadtxt(dumps / "initial_forces_bottom.dump", skiprows=9)
+    names, values = (dumps / "prestage.txt").read_text().splitlines()
+    stage = dict(zip(names.removeprefix("# ").split(), map(float, values.split()), strict=True))
+    assert floor[:, 1] == pytest.approx([weight] * 3, rel=1e-5)
+    assert stage["largest_force"] == pytest.approx(weight, rel=1e-5)
+    assert stage["residual"] < 1e-6
+    assert error < 1e-5
