@@ -14,6 +14,11 @@ from granwave.measures import Chain, first_peak
 SPEEDS = {"brass-composite": {3: 469.0, 24: 424.0}, "ptfe": {}}
 FROM_END = {"brass-composite": 1.25, "ptfe": 1.85}
 STRESSES = {"brass-composite": (1200.0, 1110.0), "ptfe": (35.0, 20.0)}
+# of the contact law, mean pressures over the yield strength: far beyond yield, at yield (2/3 of
+# 1.6), and their approach per overlap at yield
+DEEP_PRESSURE = 2.48
+YIELD_PRESSURE = 16 / 15
+PRESSURE_RATE = 0.098
 WATCHED = 6  # beads of the section whose waves and pressures are shown, as in source Fig. 6
 
 
@@ -64,6 +69,18 @@ class Section:
         return (
             6 * self.peak(bead) * law.effective_modulus**2 / (math.pi**3 * law.effective_radius**2)
         ) ** (1 / 3)
+
+    def yielded_pressure(self, bead):
+        """Mean pressure at the largest overlap between this bead and the next, Pa; of yielding
+        chains (thesis 2.8).
+        """
+        law = self.chain.law_between(bead, bead + 1)
+        contact = self.chain.contact_between(bead)
+        reduced = self.chain.of_contacts("peak_overlap")[contact] / law.yield_overlap
+        if reduced < 1:
+            raise ValueError(f"found {reduced:g} overlaps at yield, expected a yielded contact")
+        drop = (DEEP_PRESSURE - YIELD_PRESSURE) * math.exp(-PRESSURE_RATE * (reduced - 1))
+        return self.material.yield_strength * (DEEP_PRESSURE - drop)
 
 
 def sections(runs):

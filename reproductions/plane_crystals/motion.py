@@ -68,17 +68,16 @@ class Motion:
         ratio = shown / self.crystal.down.largest_speed
         return ratio.min(), ratio.max()
 
-    def later_peak(self):
-        """Time of the second pulse's peak in the deepest grains that the floor does not hold, s."""
-        time, velocity = (
-            self.crystal.run.result[f"lines/down/{name}"] for name in ("time", "velocity")
-        )
-        speed = np.linalg.norm(velocity, axis=2)
-        found = []
-        for one in speed.T[len(self.crystal.depth) // 2 : self.crystal.down.fitted.stop]:
-            first = one.argmax()
-            low = np.flatnonzero(one[first:] < QUIET * one[first])
-            rest = first + low[0] if low.size else len(one)
-            peaks = rest + find_peaks(one[rest:], prominence=SMALL * one[first])[0]
-            found += [time[peaks[one[peaks].argmax()]]] if len(peaks) else []
-        return np.median(found)
+
+def later_peak(crystal):
+    """Time of the second pulse's peak in the deepest grains that the floor does not hold, s."""
+    time, velocity = (crystal.run.result[f"lines/down/{name}"] for name in ("time", "velocity"))
+    speed = np.linalg.norm(velocity, axis=2)
+    found = []
+    for one in speed.T[len(crystal.depth) // 2 : crystal.down.fitted.stop]:
+        first = one.argmax()
+        low = np.flatnonzero(one[first:] < QUIET * one[first])
+        rest = first + low[0] if low.size else len(one)
+        peaks = rest + find_peaks(one[rest:], prominence=SMALL * one[first])[0]
+        found += [time[peaks[one[peaks].argmax()]]] if len(peaks) else []
+    return np.median(found)

@@ -146,6 +146,14 @@ def test_short_pulse_on_bilinear_chains(short: list[gw.Run]) -> None:
         found = row(study, f"Decay of the leading peak per contact, contacts 1 to 2, beta {beta}")
         assert f"gives {by_4_28}" in found.remark
         assert by_4_28 < found.theory < found.ours == pytest.approx(decay, abs=1e-3)
+    of_each, of_first = (
+        row(
+            study, f"Largest difference of 4.28 from the leading peaks 1 to 5{words}, beta 0.8"
+        ).ours
+        for words in ("", " over the first")
+    )
+    assert of_each == pytest.approx(0.194, abs=2e-3)
+    assert of_first < 0.1
 
 
 def test_bilinear_chains_of_other_beads_and_an_impact(short: list[gw.Run], tmp_path: Path) -> None:

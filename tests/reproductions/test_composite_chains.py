@@ -335,6 +335,31 @@ def test_pressures_are_those_of_hertz(chains: dict[tuple[int, str], gw.Run], bra
     assert last.ours == pytest.approx(0.98, abs=0.01)
 
 
+def test_mean_pressure_of_a_yielded_contact(
+    chains: dict[tuple[int, str], gw.Run], brass: Study
+) -> None:
+    """Force over the area of the law, pi R* alpha_y (alpha/alpha_y)^c3 (thesis 2.9, 2.10)."""
+    chain = Chain(chains[6, "elastoplastic"])
+    contact = chain.contact_between(8)
+    modulus, radius, strength = 103e9 / (2 * (1 - 0.34**2)), 2.5e-3, 550e6
+    at_yield = np.pi**2 / 4 * (1.6 * strength / modulus) ** 2 * radius
+    reduced = chain.of_contacts("peak_overlap")[contact] / at_yield
+    power = np.log(2.37 * 177.6 - 59.96) / np.log(177.6)
+    area = np.pi * radius * at_yield * reduced**power
+    expected = chain.of_contacts("peak_force")[contact] / area
+    mean = row(brass, "Mean pressure, first contact of the section, N2 = 6, yielding at 550 MPa")
+    assert mean.ours == pytest.approx(1e-6 * expected, rel=1e-6)
+    assert mean.source == 1200
+
+
+def test_speed_over_that_in_steel(brass: Study) -> None:
+    """The wave of the discrete chain of steel has 613.9 m/s; the source's elements have 595 m/s."""
+    found = row(brass, "V over the speed in a chain of steel, N2 = 3")
+    assert found.bound
+    assert found.source == pytest.approx(1.042 * 469 / 595)
+    assert found.ours == pytest.approx(row(brass, "V, N2 = 3, elastic").ours / 613.9, rel=1e-3)
+
+
 def test_friction_of_the_holder(tmp_path: Path) -> None:
     """Friction of the weight takes little of the pulse; the ledger is friction times weight times
     path.

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -97,6 +99,24 @@ def test_asymptotic_theory() -> None:
         [1.15, 0.042], rel=0.02
     )
     assert low.energy_decay > 2 * high.energy_decay > 0
+
+
+@pytest.mark.validation
+def test_decay_by_the_equations_of_the_source() -> None:
+    """Decay between contacts 50 and 100 of the run with the model of the source (stored rows)."""
+    run = SimpleNamespace(rows=waves.Rows.fitting(8, 0.0019), struck=10)
+    (decay,) = theory.decay_by_source(SimpleNamespace(runs=[run]))
+    stored = json.loads((FOLDER.parent / "docs/explanation/results.json").read_text("utf-8"))
+    rows = stored["suites"]["confined"]["studies"]["source_model"]["rows"]
+    near, far = (
+        next(
+            row["granwave"]
+            for row in rows
+            if row["quantity"].endswith(f"contact {contact}, n = 8, a = 0.0019")
+        )
+        for contact in (50, 100)
+    )
+    assert decay == pytest.approx(np.log(near / far) / 50, rel=0.1)
 
 
 def test_rows_that_yield(tmp_path: Path) -> None:

@@ -105,6 +105,17 @@ def peak_force(contact):
     )
 
 
+def common_decay(waves, last):
+    """Constants a and b of one law 2.25 for the leading peaks of several waves.
+
+    Least squares of ln(F/(E* R*^2 I)) against the contact, over contacts 1 to ``last`` of all waves.
+    """
+    contact = np.tile(np.arange(last), len(waves))
+    peaks = np.concatenate([wave.leading[:last] / wave.unit for wave in waves])
+    slope, start = np.polyfit(contact, np.log(peaks), 1)
+    return math.exp(start), -slope
+
+
 def groups(runs):
     """Waves by impulse, the largest first, each group by duration."""
     waves = [PlasticWave(run) for run in runs if run.case.contact.law == "elastoplastic"]

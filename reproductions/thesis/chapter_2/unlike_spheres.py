@@ -2,7 +2,8 @@
 
 12 impacts of two spheres, their contact probed: loading, and unloading to separation, beside the
 law's curve. The thesis prints curves, no values; its finite elements are the static contact of two
-spheres. Forces at one overlap are compared with the printed formulas, evaluated here.
+spheres. Forces at one overlap are held against the printed formulas, evaluated here: that tests
+the code, which has them as its law.
 """
 
 import math
@@ -91,7 +92,7 @@ class Pair:
         """Force at an overlap, recorded and by the printed formulas."""
         ours = np.interp(overlap, self.overlap[self.loading], self.force[self.loading])
         return gw.Row(f"Force at {what}", "kN", ours=ours / 1e3, theory=self.printed_force(overlap) / 1e3,
-                      where=where, remark=remark)  # fmt: skip
+                      where=where, remark=remark, verification=True)  # fmt: skip
 
 
 def groups(runs):
