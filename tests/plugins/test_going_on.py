@@ -97,6 +97,15 @@ RUNS = {
         script_of([*PAIR, (0, 0, 4 * R)], style=f"{BRASS} loss time 1e-6", velocities=[*HEADS_ON, (0, 0, 3)], box=BOX,
                   extra=LOSSES), 4500, ["c_en[1]", "c_en[8]", "f_wall[16]"],
     ),
+    "viscoelastic contacts": (
+        script_of([*PAIR, (0, 0, 4 * R)], style=f"{HERTZ} loss prony 0.3 2e-6 0.2 3e-4", velocities=[*HEADS_ON, (0, 0, 3)], box=BOX,
+                  extra=LOSSES.replace("loss dashpot 0.2", "loss prony 0.1 1e-5 0.1 1e-4 0.1 1e-3 0.1 1e-2")), 9000,
+        ["c_en", "c_en[8]", "f_wall", "f_wall[16]"],
+    ),
+    "viscoelastic contacts with friction": (
+        rubbed().replace(BRASS, HERTZ).replace("friction 0.3", "friction 0.3 loss prony 0.4 1e-5"), 3000,
+        ["c_en", *(f"c_en[{n}]" for n in (6, 7, 8))],
+    ),
     "damping along the surface": (
         rubbed().replace("friction 0.3", "friction 0.3 loss time 1e-7 loss_tangential 1"), 3000,
         [f"c_en[{n}]" for n in (1, 6, 7, 8)],
@@ -183,6 +192,8 @@ LAWS = {
         f"{HERTZ} friction 0.3 loss dashpot 0.1",
         f"{HERTZ} friction 0.3 loss dashpot 0.1 loss_tangential 1", False,
     ),
+    "loss, then relaxation": (f"{HERTZ} loss time 1e-7", f"{HERTZ} loss prony 0.1 1e-5", False),
+    "the same series": (f"{HERTZ} loss prony 0.1 1e-5", f"{HERTZ} loss prony 0.1 1e-5", True),
     "the same laws": (f"{HERTZ} friction 0.3 loss time 1e-7", f"{HERTZ} friction 0.3 loss time 1e-7", True),
 }  # fmt: skip
 

@@ -38,6 +38,8 @@ _GIB = 2**30
 _LOSS_ROWS = {
     "time_s": "time {:.4g} s",
     "dashpot": "dashpot {:.4g}",
+    "weights": "Prony series, weights {}",
+    "times_s": "times {} s",
     "tangential": "tangential {:.4g} times the normal value",
 }
 _TIMES = {
@@ -277,7 +279,9 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
         at = f"at first yield, {last:.4g} at the largest overlap, at {rate['velocity_m_s']:.4g} m/s"
         yield "yield strength", f"times {first:.4g} {at}"
     for name, size in (values["loss"] or {}).items():
-        yield "loss", _LOSS_ROWS[name].format(size)
+        is_list = isinstance(size, list)
+        shown = ", ".join(f"{one:.4g}" for one in size) if is_list else size
+        yield "loss", _LOSS_ROWS[name].format(shown)
     yield "plastic zone", _plastic_zone(plan.zone)
     yield from (("no peak reduction", reason) for reason in values["nulls"].values())
 

@@ -1,0 +1,72 @@
+"""Viscoelastic contacts in two other ways: by a solver of ordinary differential equations of scipy,
+and as a foundation of many springs, each of which relaxes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+Branches = list[tuple[float, float]]  # weight and time (s)
+
+
+def relaxation(branches: Branches, time: NDArray) -> NDArray:
+    """Modulus divided by the instantaneous one, (n_times,)."""
+    left = np.ones_like(time)
+    for weight, constant in branches:
+        left -= weight * (1 - np.exp(-time / constant))
+    return left
+
+
+def collision(constant: float, mass: float, speed: float, branches: Branches) -> float:
+    """Restitution of two bodies with this effective mass (kg) and Hertz's constant (N/m^1.5).
+
+    The force is P less the weighted delayed forces q, with dq/dt = (P - q)/tau. The collision ends
+    where it vanishes.
+    """
+    weights, times = np.array(branches).T
+
+    def force(state: NDArray) -> float:
+        return float(constant * max(state[0], 0.0) ** 1.5 - weights @ state[2:])
+
+    def rates(_: float, state: NDArray) -> NDArray:
+        law = constant * max(state[0], 0.0) ** 1.5
+        return np.concatenate([[state[1], -force(state) / mass], (law - state[2:]) / times])
+
+    def parted(_: float, state: NDArray) -> float:
+        return force(state) if state[1] < 0 else 1.0
+
+    parted.terminal = True
+    start = np.concatenate([[0.0, speed], np.zeros(len(weights))])
+    found = solve_ivp(rates, (0, 1.0), start, rtol=1e-11, atol=1e-18, events=parted, method="DOP853",
+                      max_step=np.inf)  # fmt: skip
+    return -float(found.y[1, -1]) / speed
+
+
+def foundation(
+    constant: float, overlap: NDArray, time: NDArray, branches: Branches, n_springs: int
+) -> tuple[NDArray, NDArray]:
+    """Force (N) and stored energy (J) of a foundation that a growing overlap (m) presses, each
+    (n_times,).
+
+    Hertz's P is the sum of springs that are met one after the other: that which is met at r has the
+    stiffness dk/dr for the overlap beyond r, with the slope k of P.
+    """
+    edges = np.linspace(0.0, overlap.max(), n_springs + 1) ** 2 / overlap.max()
+    stiffness = np.diff(1.5 * constant * np.sqrt(edges))
+    met = 0.5 * (edges[1:] + edges[:-1])
+    pressed = np.maximum(overlap[:, None] - met, 0.0)
+    rest = 1 - sum(weight for weight, _ in branches)
+    force = rest * pressed @ stiffness
+    energy = 0.5 * rest * pressed**2 @ stiffness
+    for weight, constant_of in branches:
+        elastic = np.zeros_like(met)
+        for k in range(1, len(time)):
+            step = time[k] - time[k - 1]
+            left = np.exp(-step / constant_of)
+            gain = (1 - left) * constant_of / step
+            elastic = left * elastic + gain * (pressed[k] - pressed[k - 1])
+            force[k] += weight * elastic @ stiffness
+            energy[k] += 0.5 * weight * elastic**2 @ stiffness
+    return force, energy
