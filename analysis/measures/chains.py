@@ -20,7 +20,12 @@ from granwave.analysis.measures.signals import Array, first_peak
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.loads.load import Load
-from granwave.lammps_inputs.contact.law import ContactLoss, pair_contact, sphere_contact, viscous_loss
+from granwave.lammps_inputs.contact.law import (
+    ContactLoss,
+    pair_contact,
+    sphere_contact,
+    viscous_loss,
+)
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 _ON_AXIS = 1e-6  # of a diameter

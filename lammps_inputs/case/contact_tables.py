@@ -89,7 +89,9 @@ _TIMES = schema.ListType(
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-@with_parameters(OF_LOSS, first=("time", "restitution", "velocity", "dashpot", "kind", "weights", "times"))
+@with_parameters(
+    OF_LOSS, first=("time", "restitution", "velocity", "dashpot", "kind", "weights", "times")
+)
 class Loss:
     """Viscous loss of contacts: a time, a restitution at a velocity, a dashpot, or a Prony series.
 
@@ -168,7 +170,6 @@ class Loss:
             missing = "the velocity at which the restitution applies is missing"
             raise ValidationError(f"{LOSS_FORM}; {missing}, and {at_any}")
         return self
-
 
     def _check_series(self) -> None:
         """Raise `ValidationError` for a series without its kind, its weights or its times."""

@@ -473,9 +473,7 @@ def _check_series(case: Case, errors: ErrorList) -> None:
         if contact.loss is None or not contact.loss.branches:
             continue
         series = f'with {key}.loss.kind = "{PRONY}"'
-        yields = Mismatch(
-            f'"{contact.law}" {series}', 'a law that does not yield, such as "hertz"'
-        )
+        yields = Mismatch(f'"{contact.law}" {series}', 'a law that does not yield, such as "hertz"')
         coheres = Mismatch(f"{key}.cohesion {series}", "no cohesion, or another loss")
         errors.check(
             (contact.yields, f"{key}.law", yields), (contact.coheres, f"{key}.cohesion", coheres)

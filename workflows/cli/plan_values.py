@@ -117,7 +117,10 @@ def _loss_values(contact: Contact, loss: ContactLoss | None) -> dict[str, Any] |
     if loss is None or contact.loss is None:
         return None
     if loss[0] == "prony":
-        return {"weights": list(contact.loss.weights or ()), "times_s": list(contact.loss.times or ())}
+        return {
+            "weights": list(contact.loss.weights or ()),
+            "times_s": list(contact.loss.times or ()),
+        }
     kind, size = loss
     values = {"time_s" if kind == "time" else "dashpot": size}
     if contact.loss.damps_surface and contact.friction:
