@@ -44,6 +44,38 @@ def collision(constant: float, mass: float, speed: float, branches: Branches) ->
     return -float(found.y[1, -1]) / speed
 
 
+def chain(
+    constant: float, mass: float, n: int, speed: float, end: float, branches: Branches
+) -> NDArray:
+    """Largest force of each contact (N), (n - 1,), of ``n`` bodies that just touch, of which the
+    first has a speed.
+
+    Where the delayed forces exceed P, the surfaces have parted and these forces take the place of P.
+    """
+    weights, times = np.array(branches).T
+    delayed = (n - 1, len(weights))
+
+    def forces(state: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+        overlap = np.maximum(-np.diff(state[:n]), 0.0)
+        late = state[2 * n :].reshape(delayed)
+        law = np.maximum(constant * overlap**1.5, late @ weights)
+        return law - late @ weights, law, late
+
+    def rates(_: float, state: NDArray) -> NDArray:
+        force, law, late = forces(state)
+        pushed = np.zeros(n)
+        pushed[:-1] -= force
+        pushed[1:] += force
+        relaxing = (law[:, None] - late) / times
+        return np.concatenate([state[n : 2 * n], pushed / mass, relaxing.ravel()])
+
+    start = np.zeros(2 * n + (n - 1) * len(weights))
+    start[n] = speed
+    at = np.linspace(0, end, 4001)
+    found = solve_ivp(rates, (0.0, end), start, rtol=1e-9, atol=1e-14, t_eval=at)
+    return np.max([forces(state)[0] for state in found.y.T], axis=0)
+
+
 def foundation(
     constant: float, overlap: NDArray, time: NDArray, branches: Branches, n_springs: int
 ) -> tuple[NDArray, NDArray]:
