@@ -97,8 +97,10 @@ void bind_contact(py::module_ &module)
            "effective_mass in kg, speed of approach in m/s; loss_time in s, the factor of Tsuji's dashpot, or the "
            "branches of a Prony series, (weight, time in s) each.")
       .def("relax", &BoundContact::relax, overlap, py::arg("time"), py::arg("loss_prony"),
-           "Path of a contact of viscoelastic bodies through overlaps at increasing times, s, pressed to the first of them just "
-           "then: arrays force (N), elastic_energy, dissipated_energy (J) and surface_overlap (m), the overlap of the recovering "
+           "Path of a contact of viscoelastic bodies through overlaps at increasing times, s, pressed to the first of them "
+           "just "
+           "then: arrays force (N), elastic_energy, dissipated_energy (J) and surface_overlap (m), the overlap of the "
+           "recovering "
            "surfaces.\n\n"
            "loss_prony: (weight, time in s) of each branch.")
       .def("follow", &BoundContact::follow, overlap, py::arg("time"),

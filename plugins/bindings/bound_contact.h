@@ -143,7 +143,8 @@ class BoundContact {
     require(series.remains() > 0.0, "the weights of a Prony series must sum to less than 1");
     return series;
   }
-  ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot, const Branches &branches) const
+  ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot,
+                      const Branches &branches) const
   {
     require(!(time && dashpot) && (branches.empty() || !(time || dashpot)),
             "use only one of loss_time, loss_dashpot and loss_prony");

@@ -154,7 +154,8 @@ std::string usage_of_laws()
          " E nu sigma_y [E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
          "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
          "[loss time A|dashpot alpha [" +
-         TANGENTIAL_LOSS.keyword + " " + TANGENTIAL_LOSS.symbol + "]|prony g1 tau1 ...] [cohesion jkr|dmt w]" + optional_words();
+         TANGENTIAL_LOSS.keyword + " " + TANGENTIAL_LOSS.symbol + "]|prony g1 tau1 ...] [cohesion jkr|dmt w]" +
+         optional_words();
 }
 
 /* A law made of the values of its parameters and the scales of the pair. */

@@ -48,8 +48,9 @@ struct PronySeries {
 
 /* A branch over a timestep of y times its time constant, with P linear in time. */
 struct PronyStep {
-  double stress_left, stress_gain;                 // s = stress_left s_before + stress_gain dP
-  double energy_left, work_before, work_after;    // e = energy_left e_before + (work_before s_before + work_after s) d(overlap)
+  double stress_left, stress_gain;    // s = stress_left s_before + stress_gain dP
+  double energy_left, work_before,
+      work_after;    // e = energy_left e_before + (work_before s_before + work_after s) d(overlap)
 
   PronyStep() = default;
   explicit PronyStep(double y)
@@ -74,11 +75,11 @@ struct PronyStep {
 
 /* State of the branches of a contact; all members are doubles, for communication. */
 struct PronyHistory {
-  double surface = 0.0;       // overlap of the surface, beyond that of the spheres while it recovers; 0: never touched
-  double law_force = 0.0;     // P there
-  double force = 0.0;         // F
-  double stored = 0.0;        // energy
-  double parted = 0.0;        // time at which the spheres parted
+  double surface = 0.0;      // overlap of the surface, beyond that of the spheres while it recovers; 0: never touched
+  double law_force = 0.0;    // P there
+  double force = 0.0;        // F
+  double stored = 0.0;       // energy
+  double parted = 0.0;       // time at which the spheres parted
   double stress[PronySeries::MOST] = {}, energy[PronySeries::MOST] = {};    // s_i and e_i
 
   static constexpr int SIZE = 5 + 2 * PronySeries::MOST;
@@ -95,8 +96,7 @@ struct PronyHistory {
 
   /* Advance by a timestep to this overlap, with the force of the law there: 0 for surfaces that have parted. Returns the energy
      lost. */
-  template <class Law>
-  double advance(const PronySeries &series, const Law &law, double overlap, double of_law, double dt)
+  template <class Law> double advance(const PronySeries &series, const Law &law, double overlap, double of_law, double dt)
   {
     const double rest = series.remains();
     double constant = 0.0, slope = rest;    // F = constant + slope P

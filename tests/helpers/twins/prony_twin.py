@@ -4,6 +4,8 @@ and as a foundation of many springs, each of which relaxes.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
@@ -19,20 +21,28 @@ def relaxation(branches: Branches, time: NDArray) -> NDArray:
     return left
 
 
-def collision(constant: float, mass: float, speed: float, branches: Branches) -> float:
-    """Restitution of two bodies with this effective mass (kg) and Hertz's constant (N/m^1.5).
+def collision(
+    law: Callable[[float], float], mass: float, speed: float, branches: Branches, longest: float
+) -> float:
+    """Restitution of two bodies with this effective mass (kg) and force of the law at an overlap.
 
     The force is P less the weighted delayed forces q, with dq/dt = (P - q)/tau. The collision ends
     where it vanishes.
+
+    Parameters
+    ----------
+    longest
+        Longest step of the solver, s.
     """
     weights, times = np.array(branches).T
 
     def force(state: NDArray) -> float:
-        return float(constant * max(state[0], 0.0) ** 1.5 - weights @ state[2:])
+        return float(law(max(state[0], 0.0)) - weights @ state[2:])
 
     def rates(_: float, state: NDArray) -> NDArray:
-        law = constant * max(state[0], 0.0) ** 1.5
-        return np.concatenate([[state[1], -force(state) / mass], (law - state[2:]) / times])
+        late = state[2:]
+        relaxing = (law(max(state[0], 0.0)) - late) / times
+        return np.concatenate([[state[1], -force(state) / mass], relaxing])
 
     def parted(_: float, state: NDArray) -> float:
         return force(state) if state[1] < 0 else 1.0
@@ -40,7 +50,7 @@ def collision(constant: float, mass: float, speed: float, branches: Branches) ->
     parted.terminal = True
     start = np.concatenate([[0.0, speed], np.zeros(len(weights))])
     found = solve_ivp(rates, (0, 1.0), start, rtol=1e-11, atol=1e-18, events=parted, method="DOP853",
-                      max_step=np.inf)  # fmt: skip
+                      max_step=longest)  # fmt: skip
     return -float(found.y[1, -1]) / speed
 
 
