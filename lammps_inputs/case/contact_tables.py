@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import POSSIBLE, VELOCITY
@@ -64,7 +64,7 @@ _DASHPOT = schema.EitherType(
 
 
 _LOSS_KINDS = ("time", "restitution", "dashpot", "kind")
-PRONY = "prony"
+PRONY: Final = "prony"
 MOST_BRANCHES = 4  # of a Prony series, as in the plugin
 _WEIGHTS_FORM = f"1 to {MOST_BRANCHES} weights, each above 0, with a sum below 1"
 _TIMES_FORM = f"1 to {MOST_BRANCHES} times above 0 and at most {_LONGEST_RELAXATION:g} s"

@@ -5,7 +5,7 @@ dents.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import combinations_with_replacement
+from itertools import chain, combinations_with_replacement
 
 import numpy as np
 
@@ -195,7 +195,7 @@ def _law_parameters(contact: Contact, materials: Sequence[Material]) -> list[str
 def _loss_words(loss: ContactLoss) -> list[str]:
     """Return the kind of a loss and its numbers."""
     if loss[0] == "prony":
-        return [loss[0], *(num(size) for branch in loss[1] for size in branch)]
+        return [loss[0], *(num(size) for size in chain.from_iterable(loss[1]))]
     return [loss[0], num(loss[1])]
 
 

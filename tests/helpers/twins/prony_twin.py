@@ -49,8 +49,8 @@ def collision(
 
     parted.terminal = True
     start = np.concatenate([[0.0, speed], np.zeros(len(weights))])
-    found = solve_ivp(rates, (0, 1.0), start, rtol=1e-11, atol=1e-18, events=parted, method="DOP853",
-                      max_step=longest)  # fmt: skip
+    accuracy = {"rtol": 1e-11, "atol": 1e-18, "max_step": longest}
+    found = solve_ivp(rates, (0, 1.0), start, events=parted, method="DOP853", **accuracy)
     return -float(found.y[1, -1]) / speed
 
 
@@ -60,7 +60,7 @@ def chain(
     """Largest force of each contact (N), (n - 1,), of ``n`` bodies that just touch, of which the
     first has a speed.
 
-    Where the delayed forces exceed P, the surfaces have parted and these forces take the place of P.
+    Where the delayed forces exceed P, the surfaces have parted, and these forces take its place.
     """
     weights, times = np.array(branches).T
     delayed = (n - 1, len(weights))

@@ -126,12 +126,14 @@ def test_restitution_against_another_solver(name, speed):
 
 @pytest.mark.parametrize(("speed", "expected"), [(1.0, 0.9643), (6.0, 0.9678)])
 def test_cylinders_of_polyurethane(lammps, speed, expected):
-    """Equation 7 of the paper on lateral constraints, with its time constants in ms; in s, as printed,
-    nothing is lost. The numbers are those of the page on losses.
+    """Equation 7 of the paper on lateral constraints, with its time constants in ms; in s, as
+    printed, nothing is lost. The numbers are those of the page on losses.
     """
     instantaneous = (15.7 + 253.1 + 1320.4) * 1e6
     series = [(1320.4e6 / instantaneous, 0.55e-3), (253.1e6 / instantaneous, 2.64e-3)]
-    radius, length, density = 6.35e-3, 0.0254, 1130.0
+    radius = 6.35e-3
+    length = 0.0254
+    density = 1130.0
     two = {
         "youngs_modulus": (instantaneous,) * 2,
         "poisson_ratio": (0.48,) * 2,
@@ -156,7 +158,8 @@ def test_cylinders_of_polyurethane(lammps, speed, expected):
     )  # fmt: skip
     lmp.commands_string(
         f"{text}\nfix shape all gran/cylinder 1 {length} 0 1 0 line plane-strain\ntimestep 2e-8\n"
-        "compute en all gran/hysteretic/energy\nthermo_style custom step c_ke c_en c_en[*]\nrun 0 post no"
+        "compute en all gran/hysteretic/energy\nthermo_style custom step c_ke c_en c_en[*]\n"
+        "run 0 post no"
     )
     start = value(lmp, ENERGY)
     lmp.command("run 4000 post no")
@@ -298,12 +301,13 @@ def test_the_wave_of_a_chain_decays_as_in_another_solver(lammps):
 
 
 def test_a_wall_relaxes_as_a_heavy_sphere(lammps):
-    """A sphere returns from a rigid wall as the binding says; the wall has stored and lost energy."""
+    """A sphere returns from a rigid wall as the binding says; the wall has lost energy."""
     series = SERIES["two branches"]
     lmp = lammps()
     text = script_of([(0, 0, 0)], velocities=[(0, 0, 1.0)], box=BOX, density=DENSITY)
     lmp.commands_string(
-        f"{text}\nfix wall all wall/gran/hysteretic zplane NULL {R:.17g} {HERTZ} {words_of(series)}\n"
+        f"{text}\nfix wall all wall/gran/hysteretic zplane NULL {R:.17g} {HERTZ} "
+        f"{words_of(series)}\n"
         "thermo_style custom step c_ke f_wall f_wall[*]\ntimestep 1e-7\nrun 0 post no"
     )
     energy = "c_ke+f_wall+f_wall[16]"
