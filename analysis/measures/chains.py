@@ -20,7 +20,12 @@ from granwave.analysis.measures.signals import Array, first_peak
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.loads.load import Load
-from granwave.lammps_inputs.contact.law import Viscous, pair_contact, sphere_contact, viscous_loss
+from granwave.lammps_inputs.contact.law import (
+    ContactLoss,
+    pair_contact,
+    sphere_contact,
+    viscous_loss,
+)
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
 _ON_AXIS = 1e-6  # of a diameter
@@ -82,9 +87,9 @@ class Chain:
         return pair_contact(self.assembly, first, second)
 
     @cached_property
-    def loss(self) -> Viscous | None:
-        """Loss between two such beads: "time" and the loss time (s), or "dashpot" and its factor;
-        None without.
+    def loss(self) -> ContactLoss | None:
+        """Loss between two such beads: "time" and the loss time (s), "dashpot" and its factor, or
+        "prony" and weight and time (s) of each branch; None without.
         """
         own = self.case.material
         return viscous_loss(self.assembly, self.case.contact, own, own)

@@ -11,6 +11,7 @@ LOSSES = {
     "time": {"time": 3e-7},
     "restitution": {"restitution": 0.95, "velocity": 1.0},
     "dashpot": {"dashpot": {"restitution": 0.97}},
+    "prony": {"kind": "prony", "weights": [0.1], "times": [2e-5]},
 }
 CONTACTS = 26  # the last beads fly off
 VELOCITY = np.geomspace(0.02, 10.0, 7)

@@ -244,6 +244,11 @@ class Case:
         return any(one.loss is not None for one in self.contact_laws)
 
     @property
+    def is_viscoelastic(self) -> bool:
+        """True if the modulus of any contact relaxes."""
+        return any(one.loss is not None and one.loss.branches for one in self.contact_laws)
+
+    @property
     def bears_along_z(self) -> bool:
         """True if a bottom, or a grain held along z, supports a force along z."""
         return self.boundary.bottom_rule.bears or any(

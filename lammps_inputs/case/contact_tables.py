@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import POSSIBLE, VELOCITY
@@ -35,9 +35,11 @@ class DashpotRestitution:
 
 LOSS_FORM = (
     "{time = ...} in s, {restitution = ..., velocity = ...} with the velocity in m/s, "
-    "{dashpot = ...} or {dashpot = {restitution = ...}}"
+    "{dashpot = ...}, {dashpot = {restitution = ...}} or "
+    '{kind = "prony", weights = [...], times = [...]} with the times in s'
 )
 _LONGEST_TIME = 1.0  # s
+_LONGEST_RELAXATION = 1e6  # s
 _TIME_FORM = f"a relaxation time from 0 to {_LONGEST_TIME:g} s"
 
 
@@ -61,13 +63,37 @@ _DASHPOT = schema.EitherType(
 )
 
 
-_LOSS_KINDS = ("time", "restitution", "dashpot")
+_LOSS_KINDS = ("time", "restitution", "dashpot", "kind")
+PRONY: Final = "prony"
+MOST_BRANCHES = 4  # of a Prony series, as in the plugin
+_WEIGHTS_FORM = f"1 to {MOST_BRANCHES} weights, each above 0, with a sum below 1"
+_TIMES_FORM = f"1 to {MOST_BRANCHES} times above 0 and at most {_LONGEST_RELAXATION:g} s"
+
+
+def _weights(weights: tuple[float, ...]) -> tuple[float, ...]:
+    refuse_if(sum(weights) >= 1, f"{_WEIGHTS_FORM}; at 1 nothing of the modulus is left")
+    return weights
+
+
+_WEIGHTS = schema.ListType(
+    item=NumberType(above=0, below=1, form=_WEIGHTS_FORM),
+    expected=_WEIGHTS_FORM,
+    at_most=MOST_BRANCHES,
+    finish=_weights,
+)
+_TIMES = schema.ListType(
+    item=NumberType(above=0, at_most=_LONGEST_RELAXATION, form=_TIMES_FORM),
+    expected=_TIMES_FORM,
+    at_most=MOST_BRANCHES,
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-@with_parameters(OF_LOSS, first=("time", "restitution", "velocity", "dashpot"))
+@with_parameters(
+    OF_LOSS, first=("time", "restitution", "velocity", "dashpot", "kind", "weights", "times")
+)
 class Loss:
-    """Viscous loss of contacts: a time, a restitution at a velocity, or a dashpot.
+    """Viscous loss of contacts: a time, a restitution at a velocity, a dashpot, or a Prony series.
 
     The parameters of the loss along the surface are fields as well, with the names of the plugin.
     """
@@ -96,6 +122,18 @@ class Loss:
         _DASHPOT,
         default=None,
     )
+    kind: str | None = schema.choice(
+        '"prony": viscoelastic grains, whose modulus relaxes by a Prony series from '
+        "`youngs_modulus`, the instantaneous one; for laws that do not yield",
+        (PRONY,),
+        default=None,
+    )
+    weights: tuple[float, ...] | None = schema.typed(
+        "fractions of the modulus that relax, with a sum below 1", _WEIGHTS, default=None
+    )
+    times: tuple[float, ...] | None = schema.typed(
+        "time constants of these fractions", _TIMES, unit="s", default=None
+    )
 
     if TYPE_CHECKING:
 
@@ -106,14 +144,20 @@ class Loss:
         """True if the contact is damped along its surface, where it has friction."""
         return bool(self.tangential)
 
+    @property
+    def branches(self) -> tuple[tuple[float, float], ...]:
+        """Weight and time (s) of each branch of a Prony series; empty for other losses."""
+        return tuple(zip(self.weights or (), self.times or (), strict=True))
+
     def checked(self) -> Loss:
-        """Return the loss; raise `ValidationError` for anything but one of the three kinds."""
+        """Return the loss; raise `ValidationError` for anything but one of the four kinds."""
         kinds = [name for name in _LOSS_KINDS if getattr(self, name) is not None]
         alone = self.damps_surface and not kinds
         refuse_if(
             alone,
             f"{LOSS_FORM}; tangential is a factor of the normal damping that one of these sets",
         )
+        self._check_series()
         both = " and ".join(kinds[:2])
         refuse_if(len(kinds) > 1, f"one of {LOSS_FORM}; {both} exclude each other")
         if kinds != ["restitution"]:
@@ -126,6 +170,21 @@ class Loss:
             missing = "the velocity at which the restitution applies is missing"
             raise ValidationError(f"{LOSS_FORM}; {missing}, and {at_any}")
         return self
+
+    def _check_series(self) -> None:
+        """Raise `ValidationError` for a series without its kind, its weights or its times."""
+        if self.kind is None:
+            alone = self.weights is not None or self.times is not None
+            refuse_if(alone, f'{LOSS_FORM}; weights and times require kind = "{PRONY}"')
+            return
+        whole = self.weights is not None and self.times is not None
+        refuse_if(not whole, f'{LOSS_FORM}; kind = "{PRONY}" requires weights and times')
+        numbers = len(self.weights or ()), len(self.times or ())
+        refuse_if(numbers[0] != numbers[1], f"{LOSS_FORM}; as many times as weights")
+        refuse_if(
+            self.damps_surface,
+            f"{LOSS_FORM}; a Prony series has no damping to which tangential is a ratio",
+        )
 
 
 LOSS = TableType(section=Loss, expected=LOSS_FORM, finish=Loss.checked)

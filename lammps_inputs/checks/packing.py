@@ -10,7 +10,7 @@ import numpy as np
 from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import RIGID, Contact
-from granwave.lammps_inputs.case.contact_tables import MARSHALL
+from granwave.lammps_inputs.case.contact_tables import MARSHALL, PRONY
 from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
@@ -430,6 +430,7 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
     if not case.has_loss:
         return
     _check_damping(case, errors)
+    _check_series(case, errors)
     wrong: dict[str, Mismatch] = {}
     for first, second, shapes in _material_pairs(assembly):
         contact = case.contact_between(first, second)
@@ -462,6 +463,26 @@ def _check_damping(case: Case, errors: ErrorList) -> None:
         "set contact.friction",
     )
     errors.check((largest and not slides, "contact.loss.tangential", without_friction))
+
+
+def _check_series(case: Case, errors: ErrorList) -> None:
+    """Check that contacts whose modulus relaxes have an elastic law, and are not settled before."""
+    keys = {"contact": case.contact}
+    keys |= {key: pair.contact for key, pair in numbered("pair", case.pair).items()}
+    for key, contact in keys.items():
+        if contact.loss is None or not contact.loss.branches:
+            continue
+        series = f'with {key}.loss.kind = "{PRONY}"'
+        yields = Mismatch(f'"{contact.law}" {series}', 'a law that does not yield, such as "hertz"')
+        coheres = Mismatch(f"{key}.cohesion {series}", "no cohesion, or another loss")
+        errors.check(
+            (contact.yields, f"{key}.law", yields), (contact.coheres, f"{key}.cohesion", coheres)
+        )
+    damped = Mismatch(
+        f'"damped" with contact.loss.kind = "{PRONY}", whose contacts would relax in it',
+        "another way to balance the packing, or another loss",
+    )
+    errors.check((case.is_viscoelastic and case.settles_damped, "packing.relaxation", damped))
 
 
 def check_rates(assembly: Assembly, errors: ErrorList) -> None:

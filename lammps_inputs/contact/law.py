@@ -23,7 +23,7 @@ from granwave.lammps_inputs.case.contact import (
     LAWS,
     Contact,
 )
-from granwave.lammps_inputs.case.contact_tables import Cohesion, DashpotRestitution
+from granwave.lammps_inputs.case.contact_tables import PRONY, Cohesion, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
@@ -245,6 +245,9 @@ _MOST_FACTOR = 50.0  # of a dashpot: restitution is below 0.01
 _ACCURACY = 1e-9  # of the time or factor found, relative to these
 
 Viscous = tuple[Literal["time", "dashpot"], float]  # kind, and loss time (s) or factor
+Branches = tuple[tuple[float, float], ...]  # weight and time (s) of each branch
+Relaxing = tuple[Literal["prony"], Branches]
+ContactLoss = Viscous | Relaxing
 
 
 def viscous_loss(
@@ -256,7 +259,7 @@ def viscous_loss(
     flat: bool = False,
     shapes: tuple[Shape, Shape] | None = None,
     behind: Backing | None = None,
-) -> Viscous | None:
+) -> ContactLoss | None:
     """Return the loss of contacts between grains of a material and their partners; None if they
     lose nothing.
 
@@ -278,6 +281,8 @@ def viscous_loss(
     """
     if (loss := contact.loss) is None:
         return None
+    if loss.branches:
+        return (PRONY, loss.branches)
     if loss.time is not None:
         return ("time", loss.time) if loss.time else None
     if loss.restitution is None or loss.velocity is None:
@@ -305,7 +310,7 @@ def viscous_loss(
 
 def loss_at_bar(
     assembly: Assembly, contact: Contact, material: Material, bar: PlacedBar
-) -> Viscous | None:
+) -> ContactLoss | None:
     """Return the loss of grains of a material at the face of a bar with free ends.
 
     The pair style takes the body of a face as immovable: the factor of a dashpot makes up for the

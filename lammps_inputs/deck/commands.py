@@ -5,7 +5,7 @@ dents.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import combinations_with_replacement
+from itertools import chain, combinations_with_replacement
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from granwave.lammps_inputs.case.law_parameters import OF_LOSS, is_set, keywords
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import (
     HERTZ,
-    Viscous,
+    ContactLoss,
     elastic_contact,
     loss_at_bar,
     viscous_loss,
@@ -130,7 +130,7 @@ def law_coefficients(
     first: Material,
     second: Material | None = None,
     friction: float = 0.0,
-    loss: Viscous | None = None,
+    loss: ContactLoss | None = None,
     *,
     resists: bool = False,
 ) -> str:
@@ -167,7 +167,7 @@ def law_coefficients(
         marshall = contact.twisting == MARSHALL
         words += [] if marshall and not friction else _slider("twisting", contact.twisting)
     if loss is not None:
-        words += ["loss", loss[0], num(loss[1])]
+        words += ["loss", *_loss_words(loss)]
         words += _loss_parameters(contact) if friction else []
     if contact.cohesion is not None and contact.coheres:
         words += ["cohesion", contact.cohesion.kind, num(contact.cohesion.energy)]
@@ -190,6 +190,13 @@ def _law_parameters(contact: Contact, materials: Sequence[Material]) -> list[str
             for holder in holders:
                 words += [_word(value_of(holder, parameter)) for parameter in parameters]
     return words
+
+
+def _loss_words(loss: ContactLoss) -> list[str]:
+    """Return the kind of a loss and its numbers."""
+    if loss[0] == "prony":
+        return [loss[0], *(num(size) for size in chain.from_iterable(loss[1]))]
+    return [loss[0], num(loss[1])]
 
 
 def _loss_parameters(contact: Contact) -> list[str]:
@@ -256,7 +263,7 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
 
 def _pair_loss(
     assembly: Assembly, contact: Contact, first: Species, second: Species
-) -> Viscous | None:
+) -> ContactLoss | None:
     """Return the loss of spheres with spheres, or with the face of a bar."""
     bodies = (first.material, second.material)
     for bar in assembly.bars:

@@ -38,7 +38,7 @@ from granwave.lammps_inputs.case.contact import NO_FORCE
 from granwave.lammps_inputs.case.loads.bounds import LARGEST_OVERLAP, work_to_force
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
-from granwave.lammps_inputs.contact.law import Viscous, flat_contact, pair_contact, viscous_loss
+from granwave.lammps_inputs.contact.law import ContactLoss, flat_contact, pair_contact, viscous_loss
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.motion import (
@@ -161,7 +161,7 @@ class Encounter:
     mass: float
     against_wall: bool = False
     dent: float = 0.0
-    loss: Viscous | None = None
+    loss: ContactLoss | None = None
     body: str = ""
 
     @cached_property
@@ -209,7 +209,7 @@ class Encounter:
         """Time in which the viscous force would stop the bodies at that overlap, s; infinite
         without one.
         """
-        if self.loss is None:
+        if self.loss is None or self.loss[0] == "prony":  # branches are exact in any timestep
             return math.inf
         kind, size = self.loss
         stiffness = max(self.law.unloading_stiffness(max(self.overlap, self.dent)), self.stiffness)
@@ -404,7 +404,7 @@ def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | Non
 
 def _loss(
     assembly: Assembly, first: Material, second: Material | None, *, flat: bool = False
-) -> Viscous | None:
+) -> ContactLoss | None:
     return viscous_loss(
         assembly, assembly.case.contact_between(first, second), first, second, flat=flat
     )

@@ -91,9 +91,18 @@ void bind_contact(py::module_ &module)
       .def("tangent_stiffness", py::vectorize(&BoundContact::tangent_stiffness), overlap, peak,
            "Slope dF/d(overlap) at an overlap, of loading at the peak and of unloading below it, N/m.")
       .def("collide", &BoundContact::collide, py::arg("effective_mass"), py::arg("speed"), py::kw_only(),
-           py::arg("loss_time") = py::none(), py::arg("loss_dashpot") = py::none(), py::arg("steps") = 400,
+           py::arg("loss_time") = py::none(), py::arg("loss_dashpot") = py::none(),
+           py::arg("loss_prony") = BoundContact::Branches(), py::arg("steps") = 400,
            "Head-on collision of the two bodies: restitution, duration (s), peak_force (N), peak_overlap (m).\n\n"
-           "effective_mass in kg, speed of approach in m/s; loss_time in s, or the factor of Tsuji's dashpot.")
+           "effective_mass in kg, speed of approach in m/s; loss_time in s, the factor of Tsuji's dashpot, or the "
+           "branches of a Prony series, (weight, time in s) each.")
+      .def("relax", &BoundContact::relax, overlap, py::arg("time"), py::arg("loss_prony"),
+           "Path of a contact of viscoelastic bodies through overlaps at increasing times, s, pressed to the first of them "
+           "just "
+           "then: arrays force (N), elastic_energy, dissipated_energy (J) and surface_overlap (m), the overlap of the "
+           "recovering "
+           "surfaces.\n\n"
+           "loss_prony: (weight, time in s) of each branch.")
       .def("follow", &BoundContact::follow, overlap, py::arg("time"),
            "Path of a new contact through overlaps at increasing times, s: arrays force (N), elastic_energy, "
            "dissipated_energy "

@@ -128,18 +128,36 @@ class BoundContact {
     if (!scaled.has_neck()) return scaled.tangent_stiffness(overlap, h);
     return scaled.joins(overlap, peak > 0.0, 0.0) ? scaled.cohesive_stiffness(overlap, h) : 0.0;
   }
-  ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot) const
+  /* Branches of a Prony series: pairs of a weight and a time. */
+  using Branches = std::vector<std::pair<double, double>>;
+  PronySeries series_of(const Branches &branches) const
   {
-    require(!(time && dashpot), "use only one of loss_time and loss_dashpot");
+    require(branches.size() <= PronySeries::MOST, "a Prony series has at most four branches");
+    require(!law.entry().yields() && !scaled.cohesive(), "a Prony series requires an elastic law without cohesion");
+    PronySeries series;
+    for (const auto &[weight, time] : branches) {
+      require(weight >= 0.0 && time > 0.0, "weights of a Prony series must not be negative, times must be positive");
+      series.weight[series.n] = weight;
+      series.time[series.n++] = time;
+    }
+    require(series.remains() > 0.0, "the weights of a Prony series must sum to less than 1");
+    return series;
+  }
+  ViscousLoss loss_of(const std::optional<double> &time, const std::optional<double> &dashpot,
+                      const Branches &branches) const
+  {
+    require(!(time && dashpot) && (branches.empty() || !(time || dashpot)),
+            "use only one of loss_time, loss_dashpot and loss_prony");
+    if (!branches.empty()) return {LossKind::PRONY, 0.0, 0.0, series_of(branches)};
     require(time.value_or(0.0) >= 0.0 && dashpot.value_or(0.0) >= 0.0, "damping must not be negative");
     if (time) return {LossKind::TIME, *time};
     return dashpot ? ViscousLoss{LossKind::DASHPOT, *dashpot} : ViscousLoss{};
   }
   py::dict collide(double mass, double speed, const std::optional<double> &time, const std::optional<double> &dashpot,
-                   int steps) const
+                   const Branches &branches, int steps) const
   {
     require(mass > 0.0 && speed > 0.0 && steps > 0, "mass, speed and steps must be positive");
-    const Collision found = bindings::collide(scaled, loss_of(time, dashpot), mass, speed, steps);
+    const Collision found = bindings::collide(scaled, loss_of(time, dashpot, branches), mass, speed, steps);
     using namespace py::literals;
     return py::dict("restitution"_a = found.restitution, "duration"_a = found.duration, "peak_force"_a = found.peak_force,
                     "peak_overlap"_a = found.peak_overlap);
@@ -165,6 +183,30 @@ class BoundContact {
     const auto array = [](const std::vector<double> &values) { return py::array_t<double>(values.size(), values.data()); };
     return py::dict("force"_a = array(force), "elastic_energy"_a = array(elastic), "dissipated_energy"_a = array(dissipated),
                     "rate_factor"_a = array(factor));
+  }
+  /* Path of a new contact that relaxes, from the overlaps at these times. */
+  py::dict relax(const std::vector<double> &overlap, const std::vector<double> &time, const Branches &series_given) const
+  {
+    require(overlap.size() == time.size(), "overlap and time must have the same length");
+    require(!series_given.empty(), "loss_prony must have a branch");
+    const PronySeries series = series_of(series_given);
+    PronyHistory branches;
+    double lost = 0.0;
+    std::vector<double> force, stored, dissipated, surface;
+    for (std::size_t k = 0; k < overlap.size(); k++) {
+      const double of_law = overlap[k] > 0.0 ? scaled.elastic_force(overlap[k]) : 0.0;
+      require(k == 0 || time[k] > time[k - 1], "times must increase");
+      if (k == 0) branches.start(series, scaled, std::max(overlap[k], 0.0), of_law);
+      else lost += branches.advance(series, scaled, overlap[k], of_law, time[k] - time[k - 1]);
+      force.push_back(branches.force);
+      stored.push_back(branches.stored);
+      dissipated.push_back(lost);
+      surface.push_back(branches.surface);
+    }
+    using namespace py::literals;
+    const auto array = [](const std::vector<double> &values) { return py::array_t<double>(values.size(), values.data()); };
+    return py::dict("force"_a = array(force), "elastic_energy"_a = array(stored), "dissipated_energy"_a = array(dissipated),
+                    "surface_overlap"_a = array(surface));
   }
   double rate_factor(double overlap, double velocity) const
   {

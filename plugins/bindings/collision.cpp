@@ -7,6 +7,29 @@
 
 namespace granwave::bindings {
 
+namespace {
+
+/* Collision of viscoelastic bodies, by velocity Verlet. */
+Collision collide_relaxing(const ScaledLaw &law, const PronySeries &series, double mass, double speed, double dt,
+                           double longest)
+{
+  PronyHistory branches;
+  double peak = 0.0, peak_force = 0.0, t = 0.0, x = 0.0, v = speed;
+  while (t < longest) {
+    v -= 0.5 * dt * branches.force / mass;
+    x += dt * v;
+    branches.advance(series, law, x, x > 0.0 ? law.elastic_force(x) : 0.0, dt);
+    v -= 0.5 * dt * branches.force / mass;
+    t += dt;
+    peak = std::max(peak, x);
+    peak_force = std::max(peak_force, branches.force);
+    if (v < 0.0 && branches.force == 0.0) break;
+  }
+  return {v < 0.0 ? -v / speed : 0.0, t, peak_force, peak};
+}
+
+}    // namespace
+
 Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, double speed, int steps)
 {
   constexpr double MOST_OVERLAP = 4.0;    // over the effective radius
@@ -23,6 +46,7 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
     (law.loading_work(middle, zero.data()) < energy ? low : high) = middle;
   }
   const double scale = 2.9432 * high / std::sqrt(2.0 * energy / mass);    // duration of a Hertzian collision
+  if (loss.relaxes()) return collide_relaxing(law, loss.prony, mass, speed, scale / steps, LONGEST * scale);
   const double least = -law.neck_length();
 
   std::vector<double> extra(zero);

@@ -8,7 +8,8 @@
 
 namespace granwave::bindings {
 
-/* Head-on collision of two bodies with a contact law and a viscous loss, by the classical Runge-Kutta method. */
+/* Head-on collision of two bodies with a contact law and a viscous loss, by the classical Runge-Kutta method; of viscoelastic
+   bodies by velocity Verlet. */
 struct Collision {
   double restitution;    // speed of separation over that of approach, 0 if the bodies do not part, NaN if nothing stops them
   double duration, peak_force, peak_overlap;

@@ -190,6 +190,10 @@ class ScaledLaw {
   {
     return elastic_ ? elastic_->stiffness(overlap) : 1.5 * hertz_ * std::sqrt(overlap);
   }
+  double elastic_overlap(double force) const    // with this force
+  {
+    return elastic_ ? elastic_->overlap(force) : std::cbrt(force / hertz_ * (force / hertz_));
+  }
   double largest_overlap() const { return elastic_ ? elastic_->largest_overlap() : INFINITE; }    // where the law ends
   /* Overlap beyond which the law is no longer that of the contact. */
   double valid_overlap() const

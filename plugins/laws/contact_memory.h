@@ -30,7 +30,7 @@ struct KnownContact {
 
 struct ContactMemory {
   bool friction = false, dents = false;    // a spring, and what initial dents need: no parts of the block
-  bool slip = false, cohesion = false, resistance = false, loss = false, damping = false;
+  bool slip = false, cohesion = false, resistance = false, loss = false, prony = false, damping = false;
   bool loss_first = false;    // of walls: the loss stands before the others, of pairs behind them
   int n = 0;                  // doubles of a block
 
@@ -38,6 +38,7 @@ struct ContactMemory {
   CohesionHistory &cohesion_of(double *block) const { return part<CohesionHistory>(block, to_cohesion()); }
   ResistanceHistory &resistance_of(double *block) const { return part<ResistanceHistory>(block, to_resistance()); }
   ViscousHistory &loss_of(double *block) const { return part<ViscousHistory>(block, to_loss()); }
+  PronyHistory &prony_of(double *block) const { return part<PronyHistory>(block, to_prony()); }
 
   DampingHistory &damping_of(double *block) const { return part<DampingHistory>(block, size()); }
 
@@ -48,6 +49,7 @@ struct ContactMemory {
     return copy<ResistanceHistory>(resistance, block, to_resistance());
   }
   ViscousHistory loss_of(const double *block) const { return copy<ViscousHistory>(loss, block, to_loss()); }
+  PronyHistory prony_of(const double *block) const { return copy<PronyHistory>(prony, block, to_prony()); }
 
   DampingHistory damping_of(const double *block) const { return copy<DampingHistory>(damping, block, size()); }
 
@@ -55,7 +57,14 @@ struct ContactMemory {
   double viscous_loss(const double *block) const { return loss_of(block).lost + damping_of(block).lost; }
 
   /* Doubles of all these histories. */
-  int size() const { return to_loss_or_slip() + (damping ? DampingHistory::SIZE : 0); }
+  int size() const { return to_prony() + (damping ? DampingHistory::SIZE : 0); }
+
+  /* Energy stored along the normal, of a contact whose surfaces touch; `of_law` where it does not relax. */
+  double elastic_energy(double of_law, const double *block) const
+  {
+    const PronyHistory history = prony_of(block);
+    return history.surface > 0.0 ? history.stored : of_law;
+  }
 
   /* Energy stored by friction. */
   double tangential_energy(const TangentialSpring &spring, const double *block) const
@@ -72,6 +81,7 @@ struct ContactMemory {
     if (resistance) resistance_of(block).rolling.loss = resistance_of(block).twisting.loss = 0.0;
     if (cohesion) cohesion_of(block).lost = 0.0;
     if (loss) loss_of(block) = {};
+    if (prony) prony_of(block) = {};
     if (damping) damping_of(block) = {};
   }
 
@@ -115,6 +125,7 @@ struct ContactMemory {
   int to_cohesion() const { return to_resistance() + (cohesion ? CohesionHistory::SIZE : 0); }
   int to_slip() const { return to_cohesion() + (slip ? SlipHistory::SIZE : 0); }
   int to_loss_or_slip() const { return to_slip() + (loss_first ? size_of_loss() : 0); }
+  int to_prony() const { return to_loss_or_slip() + (prony ? PronyHistory::SIZE : 0); }
   int to_loss() const { return loss_first ? to_loss_or_slip() : size_of_loss(); }
 
   template <class History> History &part(double *block, int to_end) const
@@ -169,6 +180,39 @@ double advance_loss(ViscousHistory &history, double overlap, double rounding, do
   if (step.advances) return history.advance(overlap, force, coefficient(), velocity, step.dt);
   if (history.continues(overlap, rounding)) return history.force;
   return history.start(overlap, force, coefficient(), velocity, step.dt);
+}
+
+/* Advance the loss of a contact of viscoelastic bodies. Returns F - P. Bodies that touch where a run begins have been pressed together
+   just then; those that meet again have recovered since they parted.
+
+   force    of the law
+   now      time */
+inline double advance_prony(const PronySeries &series, ViscousHistory &history, PronyHistory &branches, const ScaledLaw &law,
+                            double overlap, double rounding, double force, const Step &step, double now)
+{
+  if (!step.advances && history.continues(overlap, rounding)) return history.force;
+  if (!step.advances) {
+    branches.start(series, law, overlap, force);
+  } else {
+    if (history.step == 0.0 && branches.surface > 0.0) {
+      branches.recover(series, law, now - step.dt - branches.parted, step.dt);
+      history.lost -= branches.stored;    // counted as lost where they parted
+    }
+    history.lost += branches.advance(series, law, overlap, force, step.dt);
+  }
+  history.keep(overlap, force, branches.force - force, step.dt);
+  return history.force;
+}
+
+/* Part viscoelastic bodies: what they still store is lost, unless they meet before it is. */
+inline void part_prony(const PronySeries &series, ViscousHistory &history, PronyHistory &branches, const ScaledLaw &law,
+                       const Step &step, double now)
+{
+  if (history.step > 0.0) {
+    history.lost += branches.advance(series, law, 0.0, 0.0, step.dt) + branches.stored;
+    branches.parted = now;
+  }
+  history.forget_state();
 }
 
 }    // namespace granwave

@@ -89,6 +89,13 @@ class LineContact {
     return force_ / overlap_ / (exponent(overlap / overlap_) - 1.0);
   }
 
+  /* Overlap with this force. */
+  double overlap(double force) const
+  {
+    const double u = force / force_;
+    return u > 0.0 ? overlap_ * u * (1.0 - std::log(u)) : 0.0;
+  }
+
   /* Work of loading, which unloading gives back. */
   double energy(double overlap) const
   {
@@ -176,6 +183,7 @@ struct PowerContact {
     if (exponent == 1.0) return overlap > LineContact::LEAST ? constant : 0.0;
     return overlap > LineContact::LEAST ? exponent * constant * power(overlap, exponent - 1.0) : 0.0;
   }
+  double overlap(double force) const { return force > 0.0 ? std::pow(force / constant, 1.0 / exponent) : 0.0; }
   double energy(double overlap) const { return force(overlap) * overlap / (exponent + 1.0); }
 };
 
@@ -200,6 +208,10 @@ class ElasticContact {
   double energy(double overlap) const
   {
     return std::visit([&](const auto &law) { return law.energy(overlap); }, law_);
+  }
+  double overlap(double force) const
+  {
+    return std::visit([&](const auto &law) { return law.overlap(force); }, law_);
   }
   const LineContact *line() const { return std::get_if<LineContact>(&law_); }
   double valid() const { return valid_; }                // overlap beyond which the law is only an estimate

@@ -45,6 +45,38 @@ std::size_t read_slider(const std::vector<std::string> &words, std::size_t at, S
   return 4;
 }
 
+/* Read the branches of a Prony series, "g1 tau1 g2 tau2 ...". Returns the number of words after the two at `at`. */
+std::size_t read_series(const std::vector<std::string> &words, std::size_t at, ViscousLoss &loss)
+{
+  std::size_t count = 0;
+  while (at + 2 + count < words.size() && is_number(words[at + 2 + count])) count++;
+  const std::string most = std::to_string(PronySeries::MOST);
+  if (count == 0 || count % 2 == 1 || count > 2 * PronySeries::MOST)
+    refuse("loss prony needs a weight and a time for each of 1 to " + most + " branches, found " + std::to_string(count) +
+           (count == 1 ? " number" : " numbers"));
+  PronySeries &series = loss.prony;
+  series.n = static_cast<int>(count / 2);
+  for (int i = 0; i < series.n; i++) {
+    series.weight[i] = number(words[at + 2 + 2 * i], "weight of loss prony", BELOW_ONE);
+    series.time[i] = number(words[at + 3 + 2 * i], "time of loss prony", POSITIVE);
+  }
+  if (!(series.remains() > 0.0)) refuse("the weights of loss prony must sum to less than 1");
+  loss.kind = LossKind::PRONY;
+  return count;
+}
+
+/* Say why a contact cannot relax; nothing if it can. */
+void refuse_relaxing(const LawArguments &args, const std::string &name)
+{
+  if (!args.loss.relaxes()) return;
+  if (args.law->yields())
+    refuse("loss prony requires an elastic law, found '" + name + "', which yields: use law hertz, or loss time or dashpot");
+  if (args.options.cohesion) refuse("loss prony requires contacts without cohesion: remove cohesion or loss");
+  if (args.loss.tangential > 0.0)
+    refuse(TANGENTIAL_LOSS.keyword + std::string(" is a factor of a damping coefficient, which loss prony does not have: "
+                                                 "use loss time or loss dashpot"));
+}
+
 /* Value of a parameter from its word. */
 double value_of(const LawParameter &parameter, const std::string &word)
 {
@@ -122,7 +154,8 @@ std::string usage_of_laws()
          " E nu sigma_y [E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
          "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
          "[loss time A|dashpot alpha [" +
-         TANGENTIAL_LOSS.keyword + " " + TANGENTIAL_LOSS.symbol + "]] [cohesion jkr|dmt w]" + optional_words();
+         TANGENTIAL_LOSS.keyword + " " + TANGENTIAL_LOSS.symbol + "]|prony g1 tau1 ...] [cohesion jkr|dmt w]" +
+         optional_words();
 }
 
 /* A law made of the values of its parameters and the scales of the pair. */
@@ -246,9 +279,14 @@ LawArguments parse_law(const std::vector<std::string> &words)
       k += read_slider(words, k, key == "rolling" ? args.resistance.rolling : args.resistance.twisting) - 1;
     } else if (key == "loss" || key == "cohesion") {
       const bool loss = key == "loss", first = value == (loss ? "time" : "jkr");
-      if (!first && value != (loss ? "dashpot" : "dmt"))
-        refuse(key + " must be " + (loss ? "time or dashpot" : "jkr or dmt") + ", found '" + value + "'");
+      const bool prony = loss && value == "prony";
+      if (!first && !prony && value != (loss ? "dashpot" : "dmt"))
+        refuse(key + " must be " + (loss ? "time, dashpot or prony" : "jkr or dmt") + ", found '" + value + "'");
       if (loss ? bool(args.loss) : bool(args.options.cohesion)) refuse(key + " is given twice");
+      if (prony) {
+        k += read_series(words, k, args.loss);
+        continue;
+      }
       if (++k + 1 == words.size()) refuse("'" + key + " " + value + "' has no value; " + usage);
       const double size = number(words[k + 1], key + " " + value, NOT_NEGATIVE);
       if (size > 0.0 && loss) {
@@ -266,6 +304,7 @@ LawArguments parse_law(const std::vector<std::string> &words)
   }
   if (args.resistance.twisting.marshall && !(args.friction > 0.0))
     refuse("twisting marshall depends on the friction of the contact, which is 0: set friction mu");
+  refuse_relaxing(args, words[0]);
   if (args.loss.tangential > 0.0 && !args.loss)
     refuse(TANGENTIAL_LOSS.keyword +
            std::string(" is a factor of the normal damping, which is 0: set loss time A or loss dashpot alpha"));

@@ -40,6 +40,7 @@ struct LawArguments {
     has.cohesion |= bool(options.cohesion);
     has.resistance |= bool(resistance);
     has.loss |= bool(loss);
+    has.prony |= loss.relaxes();
     has.damping |= loss.tangential > 0.0;
   }
 

@@ -20,6 +20,7 @@
 #define GRANWAVE_VISCOUS_LOSS_H
 
 #include "law_parameters.h"
+#include "prony_loss.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,17 +36,19 @@ inline constexpr LawParameter TANGENTIAL_LOSS =
         .optional(0.0, 1.0)
         .after("loss_tangential");
 
-enum class LossKind { NONE, TIME, DASHPOT };
+enum class LossKind { NONE, TIME, DASHPOT, PRONY };
 
 struct ViscousLoss {
   LossKind kind = LossKind::NONE;
   double value = 0.0;         // loss time, or factor of the dashpot
   double tangential = 0.0;    // damping along the surface over that along the normal (tangential_damping.h)
+  PronySeries prony{};        // of viscoelastic grains, which have no damping coefficient (prony_loss.h)
 
   explicit operator bool() const { return kind != LossKind::NONE; }
+  bool relaxes() const { return kind == LossKind::PRONY; }
   bool operator==(const ViscousLoss &other) const
   {
-    return kind == other.kind && value == other.value && tangential == other.tangential;
+    return kind == other.kind && value == other.value && tangential == other.tangential && prony == other.prony;
   }
 
   /* Force over the rate of the overlap, from the tangent stiffness and the effective mass. */
@@ -101,6 +104,9 @@ struct ViscousHistory {
     if (step > 0.0) lost += 0.5 * force * (present - overlap);
     forget_state();
   }
+
+  /* Set the state from the force P of the law and the part F - P of another model. */
+  void keep(double present, double law_force, double other, double dt) { set(present, law_force, other, 0.0, dt); }
 
   void forget_state() { overlap = force = rate = step = 0.0; }
 

@@ -152,6 +152,7 @@ class FixWallGranHysteretic : public Fix {
   bool has_dashpot() const { return loss.kind == granwave::LossKind::DASHPOT; }
   double effective_mass(int i, int side, double stiffness) const;
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
+  void end_viscous(int i, int side, double overlap);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   void advance_friction(int i, int side, double lever, const Contact &);
   void friction_force(int i, int side, double force[3]);

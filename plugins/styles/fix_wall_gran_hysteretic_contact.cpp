@@ -89,6 +89,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
         side.lost_before = lost(i, which, scaled);
         side.dent = side.initial = 0.0;
         std::fill_n(extra(i, which), law.n_extra(), 0.0);
+        if (has.prony) has.prony_of(extra(i, which)) = {};
       }
     }
   }
@@ -183,7 +184,13 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
   ViscousHistory &history = viscous(i, which);
   if (update->whichflag != 1) {
     history.forget_state();
+    if (has.prony) has.prony_of(extra(i, which)) = {};
     if (has.damping) has.damping_of(extra(i, which)).release();
+    return;
+  }
+  if (loss.relaxes()) {
+    contact.force += advance_prony(loss.prony, history, has.prony_of(extra(i, which)), scaled, overlap,
+                                   ROUNDING * atom->radius[i], contact.force, step(), simulated_time(*update));
     return;
   }
   if (has.cohesion && !(contact.pressing > 0.0)) {
@@ -199,6 +206,14 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
     contact.damping = loss.tangential * coefficient;
     return coefficient;
   });
+}
+
+/* End the contact with one wall, with this overlap below 0. */
+void FixWallGranHysteretic::end_viscous(int i, int which, double overlap)
+{
+  ViscousHistory &history = viscous(i, which);
+  if (!loss.relaxes()) return history.release(overlap);
+  part_prony(loss.prony, history, has.prony_of(extra(i, which)), scaled_law(i), step(), simulated_time(*update));
 }
 
 /* Advance spring and damping of one wall at sphere i, with this lever arm, if a timestep was made. Where a run begins, the damping is
@@ -300,6 +315,7 @@ void FixWallGranHysteretic::part(int i)
   for (int side = 0; side < 2; side++) {
     sides(i)[side].touching = 0.0;
     if (loss) viscous(i, side).forget_state();
+    if (has.prony) has.prony_of(extra(i, side)) = {};
     if (friction > 0.0) has.release_spring(springs(i)[side], extra(i, side));
     if (resistance) resisted(i, side).release();
     if (has.cohesion) sticking(i, side) = {0.0, 0.0, 0.0, sticking(i, side).lost};
@@ -344,7 +360,7 @@ void FixWallGranHysteretic::tally()
         continue;
       }
       if (own.touching == 0.0 || overlap <= 0.0) continue;
-      mine[STORED] += scaled.elastic_energy(overlap, law_history(i, side));
+      mine[STORED] += has.elastic_energy(scaled.elastic_energy(overlap, law_history(i, side)), extra(i, side));
     }
   }
   MPI_Allreduce(mine, totals, N_TOTALS, MPI_DOUBLE, MPI_SUM, world);

@@ -180,7 +180,7 @@ void PairGranHysteretic::init_style()
     if (from_restart && !fix_history->restart_reset)
       error->all(FLERR, "The restart file is damaged: it contains no contacts of pair style gran/hysteretic");
     if (const int kept = fix_history->history.layout().n_extra;
-        (has.resistance || has.cohesion || has.slip || has.damping) && kept > 0 && kept != n_extra)
+        (has.resistance || has.cohesion || has.slip || has.damping || has.prony) && kept > 0 && kept != n_extra)
       error->all(FLERR,
                  "Restart file contains pair style gran/hysteretic with another loss, another cohesion, other resistances "
                  "to rolling and twisting or another tangential model: give them again as in the file");

@@ -124,7 +124,13 @@ void PairGranHysteretic::release_contact(int k)
   if (has.loss && has.loss_of(c.block(k)).step > 0.0) {
     const auto row = std::upper_bound(c.begin.begin(), c.begin.end(), k) - c.begin.begin() - 1;
     const int i = c.row[row], j = c.partner[k];
-    has.loss_of(c.block(k)).release(atom->radius[i] + atom->radius[j] - distance(i, j));
+    ViscousHistory &history = has.loss_of(c.block(k));
+    if (has.prony && has.prony_of(c.block(k)).surface > 0.0) {
+      const PairParameters p = pair_parameters(i, j);
+      part_prony(p.loss.prony, history, has.prony_of(c.block(k)), p.contact, step, now);
+    } else {
+      history.release(atom->radius[i] + atom->radius[j] - distance(i, j));
+    }
   }
   if (has.friction) has.release_spring(c.spring[k], c.block(k));
   if (has.resistance) has.resistance_of(c.block(k)).release();
@@ -171,7 +177,13 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
     const bool sticks = p.contact.cohesive();
     if (update->whichflag != 1) {
       history.forget_state();
+      if (has.prony) has.prony_of(c.block(k)) = {};
       if (has.damping) has.damping_of(c.block(k)).release();
+      continue;
+    }
+    if (p.loss.relaxes()) {
+      batch.force[m] += advance_prony(p.loss.prony, history, has.prony_of(c.block(k)), p.contact, overlap,
+                                      TouchingPairs::ROUNDING * p.radsum, force, step, now);
       continue;
     }
     if (sticks && !(batch.pressing[m] > 0.0)) {
@@ -339,6 +351,7 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
       elastic = has.cohesion_of(contacts.block(batch.k[m])).joined > 0.0
                     ? p.contact.cohesive_state(overlap, contacts.law_history(batch.k[m])).energy
                     : 0.0;
+    if (has.prony) elastic = has.elastic_energy(elastic, contacts.block(batch.k[m]));
     ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
   }
 }

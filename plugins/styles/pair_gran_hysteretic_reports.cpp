@@ -93,7 +93,8 @@ double PairGranHysteretic::tally_totals()
       if (overlap > 0.0 && !p.contact.cohesive()) elastic += weight * p.contact.elastic_energy(overlap, c.turnings[t]);
     } else {
       peak_force = p.contact.elastic_force(peak);
-      if (overlap > 0.0 && !p.contact.cohesive()) elastic += weight * p.contact.elastic_energy(overlap);
+      if (overlap > 0.0 && !p.contact.cohesive())
+        elastic += weight * has.elastic_energy(p.contact.elastic_energy(overlap), h.extra);
     }
     if (p.contact.cohesive() && has.cohesion_of(c.block(k)).joined > 0.0)
       elastic += weight * p.contact.cohesive_state(overlap, h).energy;
@@ -168,6 +169,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.force = contact.elastic_force(overlap);
     report.peak_force = contact.elastic_force(h.peak);
     report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.elastic_energy(overlap);
+    if (overlap > 0.0) report.elastic = has.elastic_energy(report.elastic, view.extra);
   }
   report.peak_force = largest_force_of_run(contact, h, view, overlap, report.peak_force);
   report.time_first = report.peak_force > 0.0 ? arrival(contact, report.dent, view) : -1.0;

@@ -206,7 +206,7 @@ CLOSED = {
     "friction_dents": BRASS, "friction_mindlin": BRASS, "friction_partial_slip": BRASS, "rolling_marshall": BRASS, "molecular": BRASS,
     "elastoplastic_published": scaled(LawTwin("published").force),
     "elastoplastic_constants": scaled(LawTwin(factor=1.7, **CHANGED).force, 1.7),
-    "thornton": scaled(thornton, 1.0), "bilinear": bilinear, "cohesion_jkr": jkr, "loss_time": lossy, "hybrid_overlay": BRASS,
+    "thornton": scaled(thornton, 1.0), "bilinear": bilinear, "cohesion_jkr": jkr, "loss_time": lossy, "loss_prony": hertz, "hybrid_overlay": BRASS,
 }  # fmt: skip
 
 

@@ -54,6 +54,7 @@ LOSSES = (
     f"comm_modify vel yes\nfix wall all wall/gran/hysteretic zplane NULL {5.0001 * R:.17g} {HERTZ} loss dashpot 0.2\n"
     "compute en all gran/hysteretic/energy\nthermo_style custom step c_en[*] f_wall[*]"
 )
+SERIES = "0.1 1e-5 0.1 1e-4 0.1 1e-3 0.1 1e-2"
 FACE = "set atom 2 density 1e12\nthermo_style custom step pe c_ep[1]"
 TICKS = (
     "timestep 5e-9\ncompute contact all gran/hysteretic/energy\nvariable given equal 0.0556\n"
@@ -96,6 +97,16 @@ RUNS = {
     "viscous losses": (
         script_of([*PAIR, (0, 0, 4 * R)], style=f"{BRASS} loss time 1e-6", velocities=[*HEADS_ON, (0, 0, 3)], box=BOX,
                   extra=LOSSES), 4500, ["c_en[1]", "c_en[8]", "f_wall[16]"],
+    ),
+    "viscoelastic contacts": (
+        script_of([*PAIR, (0, 0, 4 * R)], style=f"{HERTZ} loss prony 0.3 2e-6 0.2 3e-4",
+                  velocities=[*HEADS_ON, (0, 0, 3)], box=BOX,
+                  extra=LOSSES.replace("dashpot 0.2", f"prony {SERIES}")), 9000,
+        ["c_en", "c_en[8]", "f_wall", "f_wall[16]"],
+    ),
+    "viscoelastic contacts with friction": (
+        rubbed().replace(BRASS, f"{HERTZ} loss prony 0.4 1e-5"), 3000,
+        ["c_en", *(f"c_en[{n}]" for n in (6, 7, 8))],
     ),
     "damping along the surface": (
         rubbed().replace("friction 0.3", "friction 0.3 loss time 1e-7 loss_tangential 1"), 3000,
@@ -183,6 +194,8 @@ LAWS = {
         f"{HERTZ} friction 0.3 loss dashpot 0.1",
         f"{HERTZ} friction 0.3 loss dashpot 0.1 loss_tangential 1", False,
     ),
+    "loss, then relaxation": (f"{HERTZ} loss time 1e-7", f"{HERTZ} loss prony 0.1 1e-5", False),
+    "the same series": (f"{HERTZ} loss prony 0.1 1e-5", f"{HERTZ} loss prony 0.1 1e-5", True),
     "the same laws": (f"{HERTZ} friction 0.3 loss time 1e-7", f"{HERTZ} friction 0.3 loss time 1e-7", True),
 }  # fmt: skip
 

@@ -99,6 +99,10 @@ RUNS = {
     "initial dents": (row_with_dents, 6000, ["c_en[1]"], "f_end[*]"),
     "beads and bar": (lambda _: bar(60, beads=5, load="half-sine 5000 4e-5")[0], 2400, ["f_push", "c_ep[1]", "c_ep[2]", "ebond"], ""),
     "across the border": (lambda _: drifting(ACROSS), 2000, [*ENERGIES[:4], "c_en[8]"], ""),
+    "relaxation across the border": (
+        lambda _: drifting(f"{HERTZ} friction {MU} loss prony 0.3 1e-6 0.2 1e-4"), 2000,
+        ["c_en", *ENERGIES[2:4], "c_en[8]"], "",
+    ),
     "damping across the border": (
         lambda _: drifting(f"{ACROSS} loss_tangential 1"), 1000, [*ENERGIES[:4], "c_en[8]"], "",
     ),

@@ -128,6 +128,11 @@ def _state(
 ) -> State:
     """Return a state; raise InputError if no contact carries a force."""
     case = assembly.case
+    if case.is_viscoelastic:
+        raise InputError(
+            f'{case.name}: contact.loss: found kind = "prony"; small waves require a stiffness '
+            "that does not depend on the frequency: remove contact.loss, or set its time or dashpot"
+        )
     if not len(network.contacts):
         raise InputError(
             f"{case.name}: precompression: no contact carries a force, and an unloaded Hertzian "

@@ -42,7 +42,7 @@ from granwave.extensions.waves.spectra.stiffness import Stiffness, factorised, s
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact_tables import Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
-from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.law import ContactLoss, viscous_loss
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -389,7 +389,7 @@ def losses_of(
     @cache
     def loss_of(
         materials: tuple[Material, Material], shapes: tuple[Shape, Shape] | None
-    ) -> Viscous | None:
+    ) -> ContactLoss | None:
         """Loss of a pair, or without shapes of a contact with a wall."""
         more: dict[str, Any] = {"flat": True} if shapes is None else {"shapes": shapes}
         return viscous_loss(assembly, case.contact_between(*materials), *materials, **more)
@@ -407,7 +407,7 @@ def losses_of(
         else:
             materials = assembly.material_of(i), assembly.material_of(j)
             loss = loss_of(materials, (assembly.shape_of(i), assembly.shape_of(j)))
-        if loss is not None:
+        if loss is not None and loss[0] != "prony":  # of which there is no state
             kind, size = loss
             k = float(contacts.stiffness[row])
             damping[row] = size * (

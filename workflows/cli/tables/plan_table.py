@@ -21,6 +21,8 @@ from granwave.workflows.cli.tables.zone import plastic_zone
 _LOSS_ROWS = {
     "time_s": "time {:.4g} s",
     "dashpot": "dashpot {:.4g}",
+    "weights": "Prony series, weights {}",
+    "times_s": "times {} s",
     "tangential": "tangential {:.4g} times the normal value",
 }
 _TIMES = {
@@ -55,7 +57,8 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
     yield "largest overlap", _largest_overlap(plan, values)
     yield from _rate_rows(values["rate"])
     for name, size in (values["loss"] or {}).items():
-        yield "loss", _LOSS_ROWS[name].format(size)
+        shown = ", ".join(f"{value:.4g}" for value in size) if isinstance(size, list) else size
+        yield "loss", _LOSS_ROWS[name].format(shown)
     yield "plastic zone", plastic_zone(plan.zone)
     for reason in values["nulls"].values():
         yield "no peak reduction", reason

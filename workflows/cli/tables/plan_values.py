@@ -13,7 +13,7 @@ from granwave.analysis.measures.target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.contact.contact_advice import advice_on
-from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.law import ContactLoss, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.found_contacts import period_of
@@ -112,10 +112,15 @@ def _contacts_found(case: Case) -> dict[str, Any] | None:
     }
 
 
-def _loss_values(contact: Contact, loss: Viscous | None) -> dict[str, float] | None:
+def _loss_values(contact: Contact, loss: ContactLoss | None) -> dict[str, Any] | None:
     """Return the size of a loss and its ratio along the surface, if there is any; None without."""
     if loss is None or contact.loss is None:
         return None
+    if loss[0] == "prony":
+        return {
+            "weights": list(contact.loss.weights or ()),
+            "times_s": list(contact.loss.times or ()),
+        }
     kind, size = loss
     values = {"time_s" if kind == "time" else "dashpot": size}
     if contact.loss.damps_surface and contact.friction:
