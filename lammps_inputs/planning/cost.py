@@ -31,8 +31,8 @@ from __future__ import annotations
 
 import dataclasses
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
@@ -66,6 +66,11 @@ _PLACED_SITE = 120.0  # a site of a lattice against which strikers are placed
 _DRAWN = 2 * 600.0  # a sphere, in two processes that draw
 _DATA = 75.0  # a sphere in the data file
 _VALUE = 8.0  # a number in a binary snapshot
+# numbers of a sphere in a snapshot; in addition with friction, losses, and contact forces
+_NUMBERS = 17
+_NUMBERS_OF_FRICTION = 2
+_NUMBERS_OF_LOSS = 1
+_NUMBERS_OF_FORCES = 9
 _TEXT_FRAME = 200.0  # a sphere in a snapshot as text
 _STORED = 30.0  # a sphere in result.h5; where it has moved, a snapshot of it in addition
 _STORED_FRAME = 90.0
@@ -166,11 +171,22 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunS
     )
 
 
+def numbers_in_snapshot(case: Case) -> int:
+    """Return the number of values of a sphere in a snapshot."""
+    return (
+        _NUMBERS
+        + case.has_friction * _NUMBERS_OF_FRICTION
+        + case.has_loss * _NUMBERS_OF_LOSS
+        + case.output.contact_forces * _NUMBERS_OF_FORCES
+    )
+
+
 def _dumped(assembly: Assembly) -> float:
     """Estimate the size of a snapshot as LAMMPS writes it, bytes."""
     case = assembly.case
-    n_columns = len(columns.sources(columns.SNAPSHOT, *columns.recorded(case)))
-    sphere = _TEXT_FRAME if case.output.dump_format == "text" else _VALUE * n_columns
+    sphere = (
+        _TEXT_FRAME if case.output.dump_format == "text" else _VALUE * numbers_in_snapshot(case)
+    )
     forces = _FRAME_FORCE * assembly.n_neighbours * _reached(assembly)
     return assembly.n_particles * sphere + (forces if case.output.contact_forces else 0.0)
 
