@@ -312,7 +312,7 @@ def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
 
 
 def _of_block(path: Path, size: int, assembly: Assembly, first: int) -> dict[str, float]:
-    with Result(path, size, assembly) as result:
+    with Result(path, size, assembly, checked=True) as result:
         return _of_rows(_columns(result, slice(first, first + size)))
 
 

@@ -10,7 +10,6 @@ then held would be compared with an energy that no other grain ever had.
 from __future__ import annotations
 
 import contextlib
-import copy
 import json
 import math
 import tomllib
@@ -88,6 +87,8 @@ class Result:
         Largest number of rows that `blocks` gives.
     assembly
         All bodies of the case that was run, if it was read before.
+    checked
+        True if the file has been opened before, and is known to be the result of a run.
 
     Raises
     ------
@@ -98,7 +99,12 @@ class Result:
     """
 
     def __init__(
-        self, source: AnyPath, at_once: int = AT_ONCE, assembly: Assembly | None = None
+        self,
+        source: AnyPath,
+        at_once: int = AT_ONCE,
+        assembly: Assembly | None = None,
+        *,
+        checked: bool = False,
     ) -> None:
         path = Path(source)
         self.at_once = at_once
@@ -113,6 +119,14 @@ class Result:
             self.file = h5py.File(regular(self.path), "r")
         except OSError as error:
             raise OutputFormatError(self._not_opened(path, error)) from None
+        if not checked:
+            self._check()
+        self._read: dict[str, NDArray] = {}
+        # rows of some spheres, and what was read of them
+        self._part: tuple[slice, dict[str, NDArray]] | None = None
+
+    def _check(self) -> None:
+        """Close the file and raise OutputFormatError if it is not the result of a run."""
         fault = ""
         try:
             made = json.loads(self.file.attrs.get("versions", "{}"))
@@ -135,9 +149,6 @@ class Result:
         if fault:
             self.file.close()
             raise OutputFormatError(fault)
-        self._read: dict[str, NDArray] = {}
-        # rows of some spheres, and what was read of them
-        self._part: tuple[slice, dict[str, NDArray]] | None = None
 
     def _not_opened(self, given: Path, error: OSError) -> str:
         """Describe why the file cannot be opened."""
@@ -432,9 +443,21 @@ class Result:
             yield self
             return
         for first in range(0, self.n_spheres, self.at_once):
-            part = copy.copy(self)
-            part._part = slice(first, first + self.at_once), {}
-            yield part
+            yield self._part_of(slice(first, first + self.at_once))
+
+    def _part_of(self, rows: slice) -> Result:
+        """Return the result with some of the spheres. It reads the same open file; what it has read
+        is freed with it.
+        """
+        part = type(self).__new__(type(self))
+        part.path = self.path
+        part.results = self.results
+        part.at_once = self.at_once
+        part.file = self.file
+        part._assembly = self.assembly
+        part._read = {}
+        part._part = rows, {}
+        return part
 
     @property
     def in_packing(self) -> NDArray[np.bool_]:

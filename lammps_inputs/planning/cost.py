@@ -31,12 +31,15 @@ from __future__ import annotations
 
 import dataclasses
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.lattices import Lattice
-from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.motion import struck_site
+from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.encounters import expected_energy
+from granwave.lammps_inputs.planning.ranks import wave_of
 from granwave.lammps_inputs.planning.schedule import Schedule
 
 ANALYSED_AT_ONCE = (
@@ -55,14 +58,24 @@ _STATIC_STAGE = 2.0  # times the memory of a run without one
 # of the analysis of a part, all contacts dented
 _ANALYSED_SPHERE = 550.0
 _ANALYSED_PAIR = 310.0
+_FASTEST = 2.0  # speed of the wave near the load, over its mean speed to the bottom
 _LAYERS = 4  # next to a part: at most so many hold spheres that may touch it
 _LEAST_OF_RANK = 0.8e9  # memory that the analysis may take for each rank of the run
 _SITE = 170.0  # a site of a lattice of unlike or missing spheres, while the deck is written
 _PLACED_SITE = 120.0  # a site of a lattice against which strikers are placed
 _DRAWN = 2 * 600.0  # a sphere, in two processes that draw
 _DATA = 75.0  # a sphere in the data file
-_FRAME = 230.0  # a sphere in a snapshot: all digits, and the compressed copy in result.h5
-_DENT = 110.0  # a pair among the contacts at the end
+_VALUE = 8.0  # a number in a binary snapshot
+# numbers of a sphere in a snapshot; in addition with friction, losses, and contact forces
+_NUMBERS = 17
+_NUMBERS_OF_FRICTION = 2
+_NUMBERS_OF_LOSS = 1
+_NUMBERS_OF_FORCES = 9
+_TEXT_FRAME = 200.0  # a sphere in a snapshot as text
+_STORED = 30.0  # a sphere in result.h5; where it has moved, a snapshot of it in addition
+_STORED_FRAME = 90.0
+_DENT = 110.0  # a pair that has touched, among the contacts at the end
+_FRAME_FORCE = 160.0  # a pair that has touched, among the contact forces of a snapshot
 # a pair among the forces after the static stage: in scratch files and result.h5
 _INITIAL_FORCE = 70.0
 # in scratch files of an analysis in parts
@@ -70,7 +83,7 @@ _SCRATCH_SPHERE = 56.0
 _SCRATCH_PAIR = 150.0
 # measured with friction, all yielded
 _CHECKPOINT_SPHERE = 250.0
-_CHECKPOINT_PAIR = 285.0  # 250 measured, and the front in both records of a pair since
+_CHECKPOINT_PAIR = 250.0  # 240 measured: the records of both spheres
 _CHECKPOINT_SLIPPING_PAIR = 630.0  # with partial slip in addition
 _ROW = 400.0  # of the ledger
 # disk space of a particle at an instant of a chain's history, in rows of the ledger
@@ -127,6 +140,7 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunS
     case = assembly.case
     n = assembly.n_particles
     pairs = assembly.n_neighbours
+    touched = pairs * _reached(assembly)
     kept_pair = _CHECKPOINT_PAIR + case.has_partial_slip * _CHECKPOINT_SLIPPING_PAIR
     of_step = _of_steps(assembly) / n_ranks
     part = _of_part(assembly)
@@ -135,23 +149,61 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunS
         analysis = n * _ANALYSED_SPHERE + pairs * _ANALYSED_PAIR
     if n <= MOST_DRAWN:
         analysis = max(analysis, n * _DRAWN)
-    scratch = n * _SCRATCH_SPHERE + pairs * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
+    scratch = n * _SCRATCH_SPHERE + touched * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
     sites = (0.0 if assembly.sites.uniform else _SITE) + (
         _PLACED_SITE if assembly.strikers else 0.0
     )
-    pair_on_disk = _DENT + (_INITIAL_FORCE if case.precompression else 0.0)
+    contacts = touched * (_DENT + (_INITIAL_FORCE if case.precompression else 0.0))
+    frame = _dumped(assembly)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * n * schedule.n_steps / schedule.history_every
-    frames = n * (_DATA + schedule.n_frames * _FRAME)
     return RunSpace(
         first_rank=2 * _PROGRAM + max(of_step, analysis) + assembly.lattice.n_spheres * sites,
         other_rank=_PROGRAM + max(of_step, part),
         idle_rank=_PROGRAM + of_step,
         n_analysing=analysing_ranks(assembly, n_ranks),
-        disk=frames + pairs * pair_on_disk + rows * _ROW + scratch,
-        disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * kept_pair,
+        disk=n * (_DATA + _STORED)
+        + schedule.n_frames * (frame + _STORED_FRAME * n * _reached(assembly))
+        + contacts
+        + rows * _ROW,
+        disk_reserve=scratch + frame + n * _CHECKPOINT_SPHERE + pairs * kept_pair,
     )
+
+
+def numbers_in_snapshot(case: Case) -> int:
+    """Return the number of values of a sphere in a snapshot."""
+    return (
+        _NUMBERS
+        + case.has_friction * _NUMBERS_OF_FRICTION
+        + case.has_loss * _NUMBERS_OF_LOSS
+        + case.output.contact_forces * _NUMBERS_OF_FORCES
+    )
+
+
+def _dumped(assembly: Assembly) -> float:
+    """Estimate the size of a snapshot as LAMMPS writes it, bytes."""
+    case = assembly.case
+    sphere = (
+        _TEXT_FRAME if case.output.dump_format == "text" else _VALUE * numbers_in_snapshot(case)
+    )
+    forces = _FRAME_FORCE * assembly.n_neighbours * _reached(assembly)
+    return assembly.n_particles * sphere + (forces if case.output.contact_forces else 0.0)
+
+
+@kept_by_assembly
+def _reached(assembly: Assembly) -> float:
+    """Estimate the share of the packing that the wave of the load reaches until the end of the run;
+    1 where the wave is not known, or all contacts are loaded from the start.
+    """
+    case = assembly.case
+    arrival = expected_arrival(assembly)
+    loaded = case.precompression is not None or case.packing.has_history or case.packing.restart
+    if arrival is None or loaded:
+        return 1.0
+    wave = wave_of(assembly)
+    travelled = _FASTEST * (wave.high - wave.last)[2] * case.run.longest / arrival
+    return float(wave.shares((1, 1, 1), travelled)[:, 1].prod())
 
 
 # s per step

@@ -48,9 +48,10 @@ class Plan:
     n_analysing
         Number of ranks that take part in the analysis, the first included.
     disk
-        Disk space, bytes.
+        Disk space of the files at the end, bytes.
     disk_reserve
-        Space that must stay free during the run, for one more snapshot and checkpoint, bytes.
+        Space that must stay free during the run, for one more snapshot, a checkpoint and the
+        scratch files of the analysis, bytes.
     peak_overlap
         Upper bound on the largest overlap of two spheres, m.
     peak_overlap_yield

@@ -14,6 +14,7 @@
 #include "front.h"
 #include "tangential.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <vector>
@@ -61,35 +62,45 @@ struct ForgottenContacts {
 };
 static_assert(sizeof(ForgottenContacts) == ForgottenContacts::SIZE * sizeof(double));
 
-/* State of a contact with friction or initial dents; all members are doubles, for communication. */
-struct ExtendedState {
-  TangentialSpring spring;
-  double initial = 0.0, reached = 0.0;    // initial dent, largest overlap of this run
-};
-
-/* Layout of the block of a record: doubles of the law, and if extended an ExtendedState and initial doubles of the law. */
+/* Layout of the block of a record: doubles of the law; with friction the spring; with initial dents the initial dent, the
+   largest overlap of this run, and the initial doubles of the law. */
 struct BlockLayout {
-  static constexpr int N_EXTENDED = sizeof(ExtendedState) / sizeof(double);
+  static constexpr int N_SPRING = sizeof(TangentialSpring) / sizeof(double);    // all its members are doubles
+  static constexpr int N_DENT = 2;
 
-  int n_extra = 0;          // doubles of the law; the largest number of several laws
-  bool extended = false;    // with friction or initial dents
+  int n_extra = 0;    // doubles of the law; the largest number of several laws
+  bool friction = false, dents = false;
 
-  int size() const { return extended ? 2 * n_extra + N_EXTENDED : n_extra; }
-  int initial_extra() const { return n_extra + N_EXTENDED; }
+  int spring() const { return n_extra; }
+  int initial() const { return spring() + (friction ? N_SPRING : 0); }
+  int initial_extra() const { return initial() + N_DENT; }
+  int size() const { return initial() + (dents ? N_DENT + n_extra : 0); }
 
-  bool operator!=(const BlockLayout &other) const { return n_extra != other.n_extra || extended != other.extended; }
+  /* Return the smallest layout that contains both. */
+  BlockLayout with(const BlockLayout &other) const
+  {
+    return {std::max(n_extra, other.n_extra), friction || other.friction, dents || other.dents};
+  }
+  bool operator!=(const BlockLayout &other) const
+  {
+    return n_extra != other.n_extra || friction != other.friction || dents != other.dents;
+  }
 };
 
-/* Components of a block. */
-struct BlockView : ExtendedState {
+/* Components of a block; without friction or initial dents those of a contact that has none. */
+struct BlockView {
   BlockView(const BlockLayout &layout, const double *block) : extra(block)
   {
-    if (!layout.extended) return;
-    std::memcpy(static_cast<void *>(static_cast<ExtendedState *>(this)), block + layout.n_extra, sizeof(ExtendedState));
+    if (layout.friction) std::memcpy(static_cast<void *>(&spring), block + layout.spring(), sizeof(spring));
+    if (!layout.dents) return;
+    initial = block[layout.initial()];
+    reached = block[layout.initial() + 1];
     initial_extra = block + layout.initial_extra();
   }
   BlockView() = default;
 
+  TangentialSpring spring;
+  double initial = 0.0, reached = 0.0;    // initial dent, largest overlap of this run
   const double *extra = nullptr, *initial_extra = nullptr;
   double side = 1.0;    // -1: the spring is seen from the second sphere; vectors in `extra` never are
 };
@@ -99,10 +110,9 @@ class ContactHistory {
   const BlockLayout &layout() const { return layout_; }
 
   /* Extend all blocks to this layout, keeping their contents. */
-  void extend(BlockLayout wanted)
+  void extend(const BlockLayout &other)
   {
-    wanted.n_extra = std::max(wanted.n_extra, layout_.n_extra);
-    wanted.extended = wanted.extended || layout_.extended;
+    const BlockLayout wanted = layout_.with(other);
     if (!(wanted != layout_)) return;
     const int before = layout_.size(), after = wanted.size();
     std::vector<double> fresh(pool_.size() * after, 0.0);
@@ -117,8 +127,9 @@ class ContactHistory {
   {
     const int n = std::min(from.n_extra, to.n_extra);
     std::copy_n(source, n, target);
-    if (!from.extended || !to.extended) return;
-    std::copy_n(source + from.n_extra, static_cast<int>(BlockLayout::N_EXTENDED), target + to.n_extra);
+    if (from.friction) std::copy_n(source + from.spring(), static_cast<int>(BlockLayout::N_SPRING), target + to.spring());
+    if (!from.dents) return;
+    std::copy_n(source + from.initial(), static_cast<int>(BlockLayout::N_DENT), target + to.initial());
     std::copy_n(source + from.initial_extra(), n, target + to.initial_extra());
   }
 

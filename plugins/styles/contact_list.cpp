@@ -97,9 +97,13 @@ void ContactList::pack(int k, double side, const BlockLayout &layout, double *pa
   if (layout.size() == 0) return;
   BlockView seen = view(k);
   std::copy_n(seen.extra, has.n, packed);
-  if (!layout.extended) return;
-  for (double &force : seen.spring.force) force *= side;
-  std::memcpy(packed + layout.n_extra, static_cast<const ExtendedState *>(&seen), sizeof(ExtendedState));
+  if (layout.friction) {
+    for (double &force : seen.spring.force) force *= side;
+    std::memcpy(packed + layout.spring(), &seen.spring, sizeof(seen.spring));
+  }
+  if (!layout.dents) return;
+  packed[layout.initial()] = seen.initial;
+  packed[layout.initial() + 1] = seen.reached;
   if (has.dents) std::copy_n(seen.initial_extra, has.n, packed + layout.initial_extra());
 }
 
@@ -116,7 +120,7 @@ void ContactList::unpack(int k, double side, const BlockLayout &layout, const do
   if (!has.dents) return;
   initial[k] = seen.initial;
   reached[k] = seen.reached;
-  std::copy_n(seen.initial_extra, has.n, initial_extra.data() + static_cast<std::size_t>(k) * has.n);
+  if (layout.dents) std::copy_n(seen.initial_extra, has.n, initial_extra.data() + static_cast<std::size_t>(k) * has.n);
 }
 
 void ContactList::begin_anew(int k, double new_peak, bool dented)

@@ -13,7 +13,23 @@ using namespace granwave;
 namespace {
 
 // the state of a sphere: this head, sums over forgotten contacts if there are any, records with their blocks
-enum { COUNT, OWNER, BIRTH, EXTRA, EXTENDED, SUMS, N_HEAD };
+enum { COUNT, OWNER, BIRTH, EXTRA, PARTS, SUMS, N_HEAD };
+
+/* Number of the parts of a block behind the doubles of the law. Restart files of format 12 have both or none. */
+int parts_of(const BlockLayout &layout)
+{
+  enum { NONE, BOTH, SPRING, DENT };
+  if (layout.friction) return layout.dents ? BOTH : SPRING;
+  return layout.dents ? DENT : NONE;
+}
+
+BlockLayout layout_of(int n_extra, int parts)
+{
+  for (const bool friction : {false, true})
+    for (const bool dents : {false, true})
+      if (const BlockLayout layout{n_extra, friction, dents}; parts_of(layout) == parts) return layout;
+  return {n_extra};
+}
 
 }    // namespace
 
@@ -125,9 +141,9 @@ void FixGranHystereticHistory::expect_records(int n)
 void FixGranHystereticHistory::agree_on_layout()
 {
   const BlockLayout mine = history.layout();
-  int most[2] = {mine.n_extra, mine.extended ? 1 : 0};
-  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_INT, MPI_MAX, world);
-  history.extend({most[0], most[1] != 0});
+  int most[] = {mine.n_extra, mine.friction ? 1 : 0, mine.dents ? 1 : 0};
+  MPI_Allreduce(MPI_IN_PLACE, most, 3, MPI_INT, MPI_MAX, world);
+  history.extend({most[0], most[1] != 0, most[2] != 0});
 }
 
 int FixGranHystereticHistory::most_numbers(int further) const
@@ -145,7 +161,7 @@ int FixGranHystereticHistory::pack(int i, double *buf) const
   buf[OWNER] = ubuf(static_cast<int64_t>(history.owner(i))).d;
   buf[BIRTH] = ubuf(history.birth(i)).d;
   buf[EXTRA] = layout.n_extra;
-  buf[EXTENDED] = layout.extended;
+  buf[PARTS] = parts_of(layout);
   buf[SUMS] = !sums.none();
   double *at = buf + N_HEAD;
   if (!sums.none()) at = std::copy_n(reinterpret_cast<const double *>(&sums), static_cast<int>(ForgottenContacts::SIZE), at);
@@ -160,7 +176,7 @@ int FixGranHystereticHistory::pack(int i, double *buf) const
 
 int FixGranHystereticHistory::unpack(int i, const double *buf)
 {
-  const BlockLayout packed{static_cast<int>(buf[EXTRA]), buf[EXTENDED] != 0.0};
+  const BlockLayout packed = layout_of(static_cast<int>(buf[EXTRA]), static_cast<int>(buf[PARTS]));
   const double *at = buf + N_HEAD;
   history.forget_sphere(i);
   history.list(i, -1);

@@ -12,6 +12,8 @@
 #include "neighbor.h"
 #include "pair_gran_hysteretic.h"
 
+#include <set>
+
 #if defined(MPI_STUBS) && !defined(MPI_BOR)
 #define MPI_BOR MPI_LOR    // older stubs for one process lack it; they combine nothing
 #endif
@@ -23,7 +25,7 @@ namespace {
 
 constexpr std::size_t N_DENT = 3, N_SPRING = 4, N_PLACE = 2;    // words of a line: a dent, and what may follow
 
-enum { FIRST_SEEN = 1, SECOND_SEEN = 2 };    // status of a line together with DentStatus, combined over processors
+enum { FIRST_SEEN = 1, SECOND_SEEN = 2 };    // spheres of a line, combined over processors
 
 bool is_id(const std::string &word)
 {
@@ -61,7 +63,7 @@ void GranDents::command(int narg, char **arg)
   if (!pair) error->all(FLERR, "Command {} requires pair style {}", STYLE, PairGranHysteretic::STYLE);
   build_lists();
   pair->prepare_initial_dents();
-  if (word == "read") set(arg[1], read(arg[1]));
+  if (word == "read") read(arg[1]);
   else begin(word == "begin");
   for (auto *compute : modify->get_compute_list())
     compute->invoked_flag = 0;    // their values of this timestep are outdated
@@ -92,90 +94,139 @@ void GranDents::build_lists()
   if (domain->triclinic) comm->forward_comm();    // ghosts are shifted as in a run
 }
 
-std::vector<GranDents::Line> GranDents::read(const std::string &file)
+/* Read the file piece by piece. A processor keeps only the contacts of its own spheres. */
+void GranDents::read(const std::string &file)
 {
-  std::vector<Line> lines;
-  for (const auto &[number, text, w] : read_rows(lmp, file, fmt::format("{}: cannot read file {}", STYLE, file))) {
-    const auto wrong = [&, number = number, &text = text](const std::string &what) {
-      error->all(FLERR, "{}: line {} of {}: {}, found '{}'", STYLE, number, file, what, text);
-    };
-    const auto id = [&](const std::string &word) {
-      const long long value = std::stoll(word);
-      if (value > MAXTAGINT) wrong("there is no sphere " + word);
-      return static_cast<tagint>(value);
-    };
-    if (w.size() < N_DENT || !is_id(w[1]))
-      wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
-    Line line{number, nullptr, 0, id(w[1]), {}};
-    bool swapped = false;
-    if (is_id(w[0])) {
-      line.i = id(w[0]);
-      if (line.i == line.j) wrong("a sphere has no contact with itself");
-      swapped = line.i > line.j;
-      if (swapped) std::swap(line.i, line.j);
-    } else {
-      line.wall = dynamic_cast<FixWallGranHysteretic *>(modify->get_fix_by_id(w[0]));
-      if (!line.wall) wrong("there is no fix " + std::string(FixWallGranHysteretic::STYLE) + " with the ID '" + w[0] + "'");
-    }
-    std::vector<double> values;
-    for (std::size_t k = N_DENT - 1; k < w.size(); k++) {
-      char *end = nullptr;
-      values.push_back(std::strtod(w[k].c_str(), &end));
-      if (*end != '\0' || !std::isfinite(values.back()))
-        wrong(k < N_DENT ? "the dent must be a number" : "the state of the contact must be numbers");
-    }
-    line.contact.peak = values[0];
-    if (line.contact.peak < 0.0) wrong("the dent must not be negative");
-    if (w.size() > N_DENT && !complete(line.contact, values, line.wall != nullptr))
-      wrong(line.wall ? "expected 'FIXID i peak', or behind it fx fy fz compliance, two coordinates and a block"
-                      : "expected 'i j peak', or behind it fx fy fz compliance and a block");
-    for (double &force : line.contact.force) force *= swapped ? -1.0 : 1.0;
-    lines.push_back(line);
+  owned.clear();
+  for (int i = 0; i < atom->nlocal; i++) owned[atom->tag[i]] = i;
+  TextRows text(lmp, file, fmt::format("{}: cannot read file {}", STYLE, file));
+  std::vector<TextRow> rows;
+  std::vector<Line> mine;
+  while (text.next(rows)) {
+    std::vector<Line> lines;
+    for (const TextRow &row : rows) lines.push_back(line_of(file, row));
+    require_spheres(file, lines);
+    for (Line &line : lines)
+      if (owned.count(line.j) || (!line.wall && owned.count(line.i))) mine.push_back(std::move(line));
   }
-  return lines;
+  set(file, mine);
 }
 
-void GranDents::set(const std::string &file, const std::vector<Line> &lines)
+GranDents::Line GranDents::line_of(const std::string &file, const TextRow &row)
 {
-  const auto wrong = [&](const Line &line, const std::string &what) {
-    error->all(FLERR, "{}: line {} of {}: {}", STYLE, line.number, file, what);
+  const std::vector<std::string> &w = row.words;
+  const auto wrong = [&](const std::string &what) {
+    error->all(FLERR, "{}: line {} of {}: {}, found '{}'", STYLE, row.number, file, what, row.text);
   };
-  std::map<PairGranHysteretic::Ids, int> pairs;    // line of each pair
-  std::map<PairGranHysteretic::Ids, KnownContact> known;
-  std::map<std::pair<FixWallGranHysteretic *, tagint>, int> on_walls;
-  std::map<tagint, int> owned;
-  for (int i = 0; i < atom->nlocal; i++) owned[atom->tag[i]] = i;
-  std::vector<int> mine(lines.size(), 0), state(lines.size(), 0);
-  for (int k = 0; k < static_cast<int>(lines.size()); k++) {
-    const Line &line = lines[k];
-    const bool fresh = line.wall ? on_walls.emplace(std::pair(line.wall, line.j), k).second
-                                 : pairs.emplace(std::pair(line.i, line.j), k).second;
-    if (!fresh) wrong(line, "this contact was given before");
-    if (!line.wall) known[{line.i, line.j}] = line.contact;
-    if (owned.count(line.i)) mine[k] |= FIRST_SEEN;
-    const auto found = owned.find(line.j);
-    if (found == owned.end()) continue;
-    mine[k] |= SECOND_SEEN;
-    if (line.wall && line.contact.peak > atom->radius[found->second]) mine[k] |= PairGranHysteretic::TOO_DEEP;
+  const auto id = [&](const std::string &word) {
+    const long long value = std::stoll(word);
+    if (value > MAXTAGINT) wrong("there is no sphere " + word);
+    return static_cast<tagint>(value);
+  };
+  if (w.size() < N_DENT || !is_id(w[1])) wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
+  Line line{row.number, nullptr, 0, id(w[1]), {}};
+  bool swapped = false;
+  if (is_id(w[0])) {
+    line.i = id(w[0]);
+    if (line.i == line.j) wrong("a sphere has no contact with itself");
+    swapped = line.i > line.j;
+    if (swapped) std::swap(line.i, line.j);
+  } else {
+    line.wall = dynamic_cast<FixWallGranHysteretic *>(modify->get_fix_by_id(w[0]));
+    if (!line.wall) wrong("there is no fix " + std::string(FixWallGranHysteretic::STYLE) + " with the ID '" + w[0] + "'");
   }
-  for (const auto &[ids, status] : pair->set_contacts(known)) mine[pairs[ids]] |= status;
-  MPI_Allreduce(mine.data(), state.data(), static_cast<int>(lines.size()), MPI_INT, MPI_BOR, world);
+  std::vector<double> values;
+  for (std::size_t k = N_DENT - 1; k < w.size(); k++) {
+    char *end = nullptr;
+    values.push_back(std::strtod(w[k].c_str(), &end));
+    if (*end != '\0' || !std::isfinite(values.back()))
+      wrong(k < N_DENT ? "the dent must be a number" : "the state of the contact must be numbers");
+  }
+  line.contact.peak = values[0];
+  if (line.contact.peak < 0.0) wrong("the dent must not be negative");
+  if (w.size() > N_DENT && !complete(line.contact, values, line.wall != nullptr))
+    wrong(line.wall ? "expected 'FIXID i peak', or behind it fx fy fz compliance, two coordinates and a block"
+                    : "expected 'i j peak', or behind it fx fy fz compliance and a block");
+  for (double &force : line.contact.force) force *= swapped ? -1.0 : 1.0;
+  return line;
+}
 
-  for (int k = 0; k < static_cast<int>(lines.size()); k++) {
-    const Line &line = lines[k];
-    if (!line.wall && !(state[k] & FIRST_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.i));
-    if (!(state[k] & SECOND_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.j));
-    if (state[k] & PairGranHysteretic::TOO_DEEP)
-      wrong(line, fmt::format("the dent, {:.6g}, exceeds the radius of the {}", line.contact.peak,
-                              line.wall ? "sphere" : "smaller sphere"));
-    if (state[k] & PairGranHysteretic::OTHER_LAW) wrong(line, OTHER);
-    if (!line.wall && !(state[k] & PairGranHysteretic::SET))
-      wrong(line, fmt::format("spheres {} and {} are farther apart than the gap beyond which an indentation is forgotten",
-                              line.i, line.j));
-    if (!line.wall || !owned.count(line.j)) continue;
-    const int i = owned[line.j];
-    if (!line.contact.whole) line.wall->set_dent(i, line.contact.peak);
-    else if (!line.wall->set_contact(i, line.contact))
-      error->one(FLERR, "{}: line {} of {}: {}", STYLE, line.number, file, OTHER);
+/* Stop with an error if no processor has a sphere of these lines. */
+void GranDents::require_spheres(const std::string &file, const std::vector<Line> &lines)
+{
+  const int n = static_cast<int>(lines.size());
+  std::vector<int> mine(n, 0), seen(n, 0);
+  for (int k = 0; k < n; k++)
+    mine[k] = (lines[k].wall || owned.count(lines[k].i) ? FIRST_SEEN : 0) | (owned.count(lines[k].j) ? SECOND_SEEN : 0);
+  MPI_Allreduce(mine.data(), seen.data(), n, MPI_INT, MPI_BOR, world);
+  for (int k = 0; k < n; k++)
+    if (seen[k] != (FIRST_SEEN | SECOND_SEEN))
+      error->all(FLERR, "{}: line {} of {}: there is no sphere {}", STYLE, lines[k].number, file,
+                 seen[k] & FIRST_SEEN ? lines[k].j : lines[k].i);
+}
+
+/* Set the contacts of the spheres of this processor. The first line at fault on any of them stops all. */
+void GranDents::set(const std::string &file, std::vector<Line> &mine)
+{
+  std::set<Ids> pairs;
+  std::set<std::pair<FixWallGranHysteretic *, tagint>> on_walls;
+  std::map<Ids, KnownContact> known;
+  bigint first = MAXBIGINT;
+  std::string fault;
+  for (Line &line : mine) {
+    const bool fresh = line.wall ? on_walls.emplace(line.wall, line.j).second : pairs.emplace(line.i, line.j).second;
+    if (!fresh && line.number < first) {
+      first = line.number;
+      fault = "this contact was given before";
+    }
+    if (!line.wall) known[{line.i, line.j}] = std::move(line.contact);
   }
+  stop_at_first(file, first, fault);
+
+  std::map<Ids, int> status;
+  for (const auto &[ids, how] : pair->set_contacts(known)) status[ids] = how;
+  known.clear();
+  for (Line &line : mine) {
+    const std::string found = fault_of(line, status);
+    if (found.empty() || line.number > first) continue;
+    first = line.number;
+    fault = found;
+  }
+  stop_at_first(file, first, fault);
+}
+
+/* Stop with an error if there is a line at fault on a processor. */
+void GranDents::stop_at_first(const std::string &file, bigint first, std::string fault)
+{
+  bigint least;
+  MPI_Allreduce(&first, &least, 1, MPI_LMP_BIGINT, MPI_MIN, world);
+  if (least == MAXBIGINT) return;
+  const int mine = first == least ? comm->me : comm->nprocs;
+  int rank, length = static_cast<int>(fault.size());
+  MPI_Allreduce(&mine, &rank, 1, MPI_INT, MPI_MIN, world);
+  MPI_Bcast(&length, 1, MPI_INT, rank, world);
+  fault.resize(length);
+  MPI_Bcast(fault.data(), length, MPI_CHAR, rank, world);
+  error->all(FLERR, "{}: line {} of {}: {}", STYLE, least, file, fault);
+}
+
+/* Return the fault of a line on the processor of its first sphere, empty if there is none; set the contact of a line with a wall. */
+std::string GranDents::fault_of(const Line &line, const std::map<Ids, int> &status)
+{
+  const auto sphere = owned.find(line.wall ? line.j : line.i);
+  if (sphere == owned.end()) return "";
+  const double peak = line.contact.peak;
+  const auto found = status.find({line.i, line.j});
+  const int how = found == status.end() ? 0 : found->second;
+  const bool too_deep = line.wall ? peak > atom->radius[sphere->second] : how & PairGranHysteretic::TOO_DEEP;
+  if (too_deep)
+    return fmt::format("the dent, {:.6g}, exceeds the radius of the {}", peak, line.wall ? "sphere" : "smaller sphere");
+  if (how & PairGranHysteretic::OTHER_LAW) return OTHER;
+  if (!line.wall && !(how & PairGranHysteretic::SET))
+    return fmt::format("spheres {} and {} are farther apart than the gap beyond which an indentation is forgotten", line.i,
+                       line.j);
+  if (!line.wall) return "";
+  if (line.contact.whole) return line.wall->set_contact(sphere->second, line.contact) ? "" : OTHER;
+  line.wall->set_dent(sphere->second, peak);
+  return "";
 }

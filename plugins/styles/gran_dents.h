@@ -17,8 +17,11 @@ CommandStyle(gran/dents,GranDents);
 
 #include "../laws/contact_memory.h"
 #include "command.h"
+#include "motion.h"
 
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace LAMMPS_NS {
@@ -34,8 +37,9 @@ class GranDents : public Command {
   void command(int, char **) override;
 
  private:
+  using Ids = std::pair<tagint, tagint>;    // of two spheres, the lower first
   struct Line {
-    int number;
+    bigint number;
     FixWallGranHysteretic *wall;    // null for a pair of spheres
     tagint i, j;                    // lower ID first; for a wall only j is used
     granwave::KnownContact contact;
@@ -43,10 +47,15 @@ class GranDents : public Command {
 
   void build_lists();
   void begin(bool keeps);
-  std::vector<Line> read(const std::string &file);
-  void set(const std::string &file, const std::vector<Line> &);
+  void read(const std::string &file);
+  Line line_of(const std::string &file, const granwave::TextRow &);
+  void require_spheres(const std::string &file, const std::vector<Line> &);
+  void set(const std::string &file, std::vector<Line> &);
+  void stop_at_first(const std::string &file, bigint first, std::string fault);
+  std::string fault_of(const Line &, const std::map<Ids, int> &status);
 
   PairGranHysteretic *pair = nullptr;
+  std::map<tagint, int> owned;    // local index by ID
 };
 
 }    // namespace LAMMPS_NS

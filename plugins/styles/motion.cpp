@@ -9,9 +9,8 @@
 #include "force.h"
 #include "modify.h"
 
-#include <fstream>
+#include <algorithm>
 #include <iterator>
-#include <sstream>
 
 using namespace LAMMPS_NS;
 
@@ -94,28 +93,63 @@ double granwave::positive_number(LAMMPS *lmp, const std::string &style, const st
   return number;
 }
 
-std::vector<granwave::TextRow> granwave::read_rows(LAMMPS *lmp, const std::string &file, const std::string &fault)
+granwave::TextRows::TextRows(LAMMPS *lmp, const std::string &file, const std::string &fault) : lmp_(lmp)
+{
+  int opened = 0;
+  if (lmp->comm->me == 0) {
+    stream_.open(file);
+    opened = stream_ ? 1 : 0;
+  }
+  MPI_Bcast(&opened, 1, MPI_INT, 0, lmp->world);
+  if (!opened) lmp->error->all(FLERR, fault);
+}
+
+/* Read rows up to the size of a piece, a line each, without comments and empty lines. */
+void granwave::TextRows::read_piece(std::string &text, std::vector<bigint> &numbers)
+{
+  constexpr std::size_t PIECE = 8 << 20;    // bytes
+  std::string line;
+  while (text.size() < PIECE && std::getline(stream_, line)) {
+    number_++;
+    constexpr const char *BLANKS = " \t\r\f\v";
+    line.resize(std::min(line.size(), line.find('#')));
+    const std::size_t begin = line.find_first_not_of(BLANKS);
+    if (begin == std::string::npos) continue;
+    text.append(line, begin, line.find_last_not_of(BLANKS) + 1 - begin);
+    text += '\n';
+    numbers.push_back(number_);
+  }
+}
+
+bool granwave::TextRows::next(std::vector<TextRow> &rows)
 {
   std::string text;
-  int length = -1;
-  if (lmp->comm->me == 0)
-    if (std::ifstream stream(file); stream) {
-      text.assign(std::istreambuf_iterator<char>(stream), {});
-      length = static_cast<int>(text.size());
-    }
-  MPI_Bcast(&length, 1, MPI_INT, 0, lmp->world);
-  if (length < 0) lmp->error->all(FLERR, fault);
-  text.resize(length);
-  MPI_Bcast(text.data(), length, MPI_CHAR, 0, lmp->world);
-
-  std::vector<TextRow> rows;
-  std::istringstream stream(text);
-  std::string line;
-  for (int number = 1; std::getline(stream, line); number++) {
-    std::vector<std::string> words = utils::split_words(line.substr(0, line.find('#')));
-    if (!words.empty()) rows.push_back({number, utils::trim(line), std::move(words)});
+  std::vector<bigint> numbers;
+  if (lmp_->comm->me == 0) read_piece(text, numbers);
+  int sizes[2] = {static_cast<int>(text.size()), static_cast<int>(numbers.size())};
+  MPI_Bcast(sizes, 2, MPI_INT, 0, lmp_->world);
+  text.resize(sizes[0]);
+  numbers.resize(sizes[1]);
+  MPI_Bcast(text.data(), sizes[0], MPI_CHAR, 0, lmp_->world);
+  MPI_Bcast(numbers.data(), sizes[1], MPI_LMP_BIGINT, 0, lmp_->world);
+  rows.clear();
+  std::size_t begin = 0;
+  for (const bigint number : numbers) {
+    const std::size_t end = text.find('\n', begin);
+    std::string row = text.substr(begin, end - begin);
+    std::vector<std::string> words = utils::split_words(row);
+    rows.push_back({number, std::move(row), std::move(words)});
+    begin = end + 1;
   }
-  return rows;
+  return !rows.empty();
+}
+
+std::vector<granwave::TextRow> granwave::read_rows(LAMMPS *lmp, const std::string &file, const std::string &fault)
+{
+  TextRows text(lmp, file, fault);
+  std::vector<TextRow> all, piece;
+  while (text.next(piece)) std::move(piece.begin(), piece.end(), std::back_inserter(all));
+  return all;
 }
 
 void granwave::require_mechanical_units(LAMMPS *lmp, const std::string &what)

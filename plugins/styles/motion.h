@@ -11,6 +11,7 @@
 #include "fix.h"
 #include "update.h"
 
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -50,9 +51,26 @@ double positive_number(LAMMPS_NS::LAMMPS *, const std::string &style, const std:
 
 /* Row of a text file that is not empty: its number, and its words up to a #. */
 struct TextRow {
-  int number;
+  LAMMPS_NS::bigint number;
   std::string text;
   std::vector<std::string> words;
+};
+
+/* Rows of a text file of any size. The first processor reads them and passes them to all others, in pieces of a few megabytes. */
+class TextRows {
+ public:
+  /* Stops with an error, `fault`, if the file cannot be read. */
+  TextRows(LAMMPS_NS::LAMMPS *, const std::string &file, const std::string &fault);
+
+  /* Replace the rows by those of the next piece; false at the end of the file. A collective call. */
+  bool next(std::vector<TextRow> &rows);
+
+ private:
+  LAMMPS_NS::LAMMPS *lmp_;
+  std::ifstream stream_;    // on the first processor
+  LAMMPS_NS::bigint number_ = 0;
+
+  void read_piece(std::string &text, std::vector<LAMMPS_NS::bigint> &numbers);
 };
 
 /* Read a text file on all processors. Stops with an error, `fault`, if that cannot be. */

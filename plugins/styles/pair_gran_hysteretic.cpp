@@ -185,7 +185,7 @@ void PairGranHysteretic::init_style()
                  "Restart file contains pair style gran/hysteretic with another loss, another cohesion, other resistances "
                  "to rolling and twisting or another tangential model: give them again as in the file");
   }
-  fix_history->history.extend({n_extra, has.friction || has.dents});
+  fix_history->history.extend({n_extra, has.friction, has.dents});
 
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->radius[i] >= 0.0))
@@ -314,9 +314,9 @@ void PairGranHysteretic::read_restart_settings(FILE *fp)
   int format = 0;
   if (comm->me == 0) utils::sfread(FLERR, &format, sizeof(int), 1, fp, nullptr, error);
   MPI_Bcast(&format, 1, MPI_INT, 0, world);
-  if (format != RESTART_FORMAT)
-    error->all(FLERR, "Restart file contains format {} of pair style gran/hysteretic; this version reads format {}", format,
-               RESTART_FORMAT);
+  if (format < EARLIEST_RESTART_FORMAT || format > RESTART_FORMAT)
+    error->all(FLERR, "Restart file contains format {} of pair style gran/hysteretic; this version reads formats {} to {}",
+               format, EARLIEST_RESTART_FORMAT, RESTART_FORMAT);
   const std::vector<double> settings = read_state(lmp, fp, "the settings of pair style gran/hysteretic");
   from_restart = true;
   const double *setting = settings.data();

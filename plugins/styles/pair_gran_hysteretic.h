@@ -126,8 +126,9 @@ class PairGranHysteretic : public Pair {
  private:
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
-  int evaluations = 0;
-  static constexpr int RESTART_FORMAT = 12;
+  bigint evaluations = 0;
+  // 13: the blocks of records have only what is in use (fix_gran_hysteretic_history.cpp)
+  static constexpr int EARLIEST_RESTART_FORMAT = 12, RESTART_FORMAT = 13;
 
   /* Columns of compute pair/local. The first ten are those of LAMMPS's pair styles gran/..., which compute fabric reads. */
   enum {

@@ -195,7 +195,7 @@ void PairGranHysteretic::prepare_initial_dents()
 {
   release_contacts();
   has.dents = true;
-  fix_history->history.extend({0, true});
+  fix_history->history.extend({0, false, true});
   build_contacts();
 }
 

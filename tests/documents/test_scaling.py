@@ -37,3 +37,20 @@ def test_estimates_are_those_of_check(row: tuple[str, ...]) -> None:
     total = steps + found.times.rest + found.times.figures
     assert found.memory / 1e6 == pytest.approx(int(row[2]), rel=0.02)
     assert total == pytest.approx(float(row[4]), abs=0.3)
+
+
+def test_disk_space_is_that_of_the_files_at_the_end() -> None:
+    """The page compares the estimate with the files of the run of 101 376 spheres."""
+    match = re.search(
+        r"([\d.]+) MB for\s+the run of 101 376 spheres, whose files took ([\d.]+) MB",
+        PAGE.read_text("utf-8"),
+    )
+    assert match is not None
+    told, used = map(float, match.groups())
+    changes = {"packing.size": list(SIZES[101376]), "run.frames": 2, "run.end_time": 1.5e-5}
+    found = plan(assemble(load_case(library.find("fcc-impact"), changes)))
+    assert found.disk / 1e6 == pytest.approx(told, abs=0.1)
+    assert found.disk / 1e6 == pytest.approx(used, rel=0.1)
+    whole = plan(assemble(load_case(library.find("fcc-impact"), changes | {"run.end_time": 1e-3})))
+    assert whole.disk - found.disk > 50e6  # all contacts have touched
+    assert whole.disk_reserve == pytest.approx(found.disk_reserve)

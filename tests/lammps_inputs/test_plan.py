@@ -14,9 +14,11 @@ import pytest
 
 from granwave.lammps_inputs import plan
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.deck.columns import SNAPSHOT, recorded, sources
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.planning.cost import numbers_in_snapshot
 from granwave.lammps_inputs.planning.plan import Plan, check_memory
 from granwave.workflows.cli.tables.plan_table import plan_table
 from granwave.workflows.cluster.profile import Profile
@@ -344,3 +346,18 @@ def test_too_many_steps_name_their_cause() -> None:
         InputError, match=r"are more than 2e\+09 steps; .* load\.duration = 1e-11 s sets"
     ):
         plan(make((6, 6, 4), run={"end_time": 1e-3}, load=TINY | {"duration": 1e-11}))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"contact": {"friction": 0.3}},
+        {"contact": {"loss": {"dashpot": 100.0}}},
+        {"output": {"contact_forces": True}},
+    ],
+)
+def test_numbers_in_a_snapshot_are_those_of_the_script(changes: dict[str, Any]) -> None:
+    case = make(**changes)
+    columns = sources(SNAPSHOT, *recorded(case))
+    assert numbers_in_snapshot(case) == len(columns)

@@ -377,7 +377,7 @@ def test_a_restart_needs_what_it_was_written_with(lammps, tmp_path, before, fix,
     ("style", "skipped", "found", "message"),
     [
         ("gran/load", 4, struct.pack("<d", 2.0), "format 2 of fix gran/load; this version reads format 3"),
-        ("gran/hysteretic", 0, struct.pack("<i", 99), "format 99 of pair style gran/hysteretic; this version reads format 12"),
+        ("gran/hysteretic", 0, struct.pack("<i", 99), "format 99 of pair style gran/hysteretic; this version reads formats 12 to 13"),
     ],
 )  # fmt: skip
 def test_restart_of_another_format(lammps, tmp_path, style, skipped, found, message):
