@@ -12,10 +12,10 @@
 #define GRANWAVE_CONTACT_HISTORY_H
 
 #include "front.h"
+#include "stored.h"
 #include "tangential.h"
 
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 namespace granwave {
@@ -43,7 +43,7 @@ struct ContactRecord {
   std::int32_t live;
   Dent dent;
 };
-static_assert(sizeof(ContactRecord) == ContactRecord::SIZE * sizeof(double));
+static_assert(doubles_of<ContactRecord>() == ContactRecord::SIZE);
 
 /* Sums over the forgotten contacts of a sphere; all members are doubles, for communication. */
 struct ForgottenContacts {
@@ -59,7 +59,7 @@ struct ForgottenContacts {
 
   bool none() const { return peak_overlap == 0.0; }
 };
-static_assert(sizeof(ForgottenContacts) == ForgottenContacts::SIZE * sizeof(double));
+static_assert(doubles_of<ForgottenContacts>() == ForgottenContacts::SIZE);
 
 /* State of a contact with friction or initial dents; all members are doubles, for communication. */
 struct ExtendedState {
@@ -69,7 +69,7 @@ struct ExtendedState {
 
 /* Layout of the block of a record: doubles of the law, and if extended an ExtendedState and initial doubles of the law. */
 struct BlockLayout {
-  static constexpr int N_EXTENDED = sizeof(ExtendedState) / sizeof(double);
+  static constexpr int N_EXTENDED = doubles_of<ExtendedState>();
 
   int n_extra = 0;          // doubles of the law; the largest number of several laws
   bool extended = false;    // with friction or initial dents
@@ -85,7 +85,7 @@ struct BlockView : ExtendedState {
   BlockView(const BlockLayout &layout, const double *block) : extra(block)
   {
     if (!layout.extended) return;
-    std::memcpy(static_cast<void *>(static_cast<ExtendedState *>(this)), block + layout.n_extra, sizeof(ExtendedState));
+    static_cast<ExtendedState &>(*this) = from_doubles<ExtendedState>(block + layout.n_extra);
     initial_extra = block + layout.initial_extra();
   }
   BlockView() = default;

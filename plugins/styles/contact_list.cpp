@@ -99,7 +99,7 @@ void ContactList::pack(int k, double side, const BlockLayout &layout, double *pa
   std::copy_n(seen.extra, has.n, packed);
   if (!layout.extended) return;
   for (double &force : seen.spring.force) force *= side;
-  std::memcpy(packed + layout.n_extra, static_cast<const ExtendedState *>(&seen), sizeof(ExtendedState));
+  to_doubles(static_cast<const ExtendedState &>(seen), packed + layout.n_extra);
   if (has.dents) std::copy_n(seen.initial_extra, has.n, packed + layout.initial_extra());
 }
 
