@@ -13,6 +13,7 @@
 # make lint      ruff, mypy, clang-format, a strict build of the plugin; make format mends what can be mended
 # make coverage  which lines the tests run
 # make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
+# make compare-headers LAMMPS=DIR    what the styles use of LAMMPS, compared with the headers in DIR
 # Everything is installed into .venv; PYTHON chooses the interpreter that makes it. Without `make setup` before, and in CI, the others
 # install the package as a user's is.
 
@@ -36,7 +37,7 @@ BUILD := build/linked
 TYPED := build/typed
 REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
-.PHONY: law setup plugin package demo test validate validate-one docs docs-links gallery results wheel wheels release-check compat lint format coverage clean
+.PHONY: law setup plugin package demo test validate validate-one docs docs-links gallery results wheel wheels release-check compat compare-headers lint format coverage clean
 
 setup: $(if $(CI),$(VENV)/installed,$(VENV)/linked)
 
@@ -150,6 +151,10 @@ compat:
 	PATH=$(abspath $(OLD))/bin:$$PATH $(OLD)/bin/python -m pip install --quiet --no-build-isolation --no-deps .
 	$(OLD)/bin/python -m pytest tests/plugins tests/workflows/run/test_impact.py tests/workflows/cli/test_cli.py \
 	  tests/workflows/cli/test_resume.py
+
+# what the styles use of LAMMPS, compared with other headers, and a compilation with them
+compare-headers: $(READY)
+	$(BIN)/python plugins/package/lammps_interface.py $(or $(LAMMPS),$(error LAMMPS=DIR names no folder, expected the one with pair.h)) --compile
 
 # ruff, mypy, clang-format, and a build of the plugin in which every warning is an error
 lint: $(READY)

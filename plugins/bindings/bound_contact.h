@@ -15,6 +15,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -244,7 +245,8 @@ class BoundContact {
     const TangentialModel kind = tangential_model(model);
     py::array_t<double> force({n, py::ssize_t(2)}), stored(n), lost(n);
     TangentialSpring spring;
-    SlipCells<N> cells;
+    std::array<double, SlipCells<N>::SIZE> doubles{};
+    SlipCells<N> cells(doubles.data());
     double peak = 0.0;
     for (py::ssize_t m = 0; m < n; m++) {
       peak = std::max(peak, overlap(m));
@@ -264,7 +266,7 @@ class BoundContact {
         release(spring);
       }
       for (int d = 0; d < 2; d++) force.mutable_at(m, d) = spring.force[d];
-      stored.mutable_at(m) = cells.energy(spring);
+      stored.mutable_at(m) = SlipCells<N>::energy(doubles.data(), spring);
       lost.mutable_at(m) = spring.loss;
     }
     using namespace py::literals;

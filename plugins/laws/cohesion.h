@@ -127,6 +127,7 @@ struct CohesionHistory {
   static constexpr int SIZE = 4;
 
   bool active() const { return joined > 0.0 || added != 0.0; }
+  void forget_state() { joined = overlap = added = 0.0; }
 
   /* Advance by a step to the present overlap. Returns the force to be added.
 
@@ -166,8 +167,6 @@ struct CohesionHistory {
     added = adds;
   }
 };
-
-static_assert(sizeof(CohesionHistory) == CohesionHistory::SIZE * sizeof(double));
 
 }    // namespace granwave
 

@@ -13,8 +13,14 @@ namespace {
 using Two = TwoDoubles;
 using Four = FourDoubles;
 
+/* Return vector i of an array of components. */
+template <class Component> inline Component *vector_of(Component *components, int i)
+{
+  return components + 3 * static_cast<std::ptrdiff_t>(i);
+}
+
 /* Add a vector, whose first two components are added at once. */
-inline void add(double (&to)[3], const Two &xy, double z)
+inline void add(double *to, const Two &xy, double z)
 {
   Two sum;
   std::memcpy(&sum, to, sizeof(sum));
@@ -26,7 +32,7 @@ inline void add(double (&to)[3], const Two &xy, double z)
 constexpr int SPRINGS_AHEAD = 400;    // pairs of the batches after the next, whose springs are fetched meanwhile
 
 /* Read or write springs and motion of pairs from the first on, four at a time, and return the number of pairs done. */
-FOR_OTHERS int read_fours(ContactBatch &, const double (*)[3], const double (*)[3], const TangentialSpring *) { return 0; }
+FOR_OTHERS int read_fours(ContactBatch &, const double *, const double *, const TangentialSpring *) { return 0; }
 
 FOR_OTHERS int write_fours(const ContactBatch &, TangentialSpring *) { return 0; }
 
@@ -47,9 +53,10 @@ FOR_AVX2 inline Four two_pairs(const double *a, const double *c)
   return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c), 1);
 }
 
-FOR_AVX2 inline FourVectors four_vectors(const double (*of)[3], const int *at)
+FOR_AVX2 inline FourVectors four_vectors(const double *of, const int *at)
 {
-  const double *const a = of[at[0]], *const b = of[at[1]], *const c = of[at[2]], *const d = of[at[3]];
+  const double *const a = vector_of(of, at[0]), *const b = vector_of(of, at[1]);
+  const double *const c = vector_of(of, at[2]), *const d = vector_of(of, at[3]);
   const Four ac = two_pairs(a, c), bd = two_pairs(b, d);
   return {_mm256_unpacklo_pd(ac, bd), _mm256_unpackhi_pd(ac, bd), four(a + 2, b + 2, c + 2, d + 2)};
 }
@@ -57,7 +64,7 @@ FOR_AVX2 inline FourVectors four_vectors(const double (*of)[3], const int *at)
 // the compliance is read and written together with the third component of the force
 static_assert(offsetof(TangentialSpring, compliance) == 3 * sizeof(double));
 
-FOR_AVX2 int read_fours(ContactBatch &to, const double (*v)[3], const double (*omega)[3], const TangentialSpring *springs)
+FOR_AVX2 int read_fours(ContactBatch &to, const double *v, const double *omega, const TangentialSpring *springs)
 {
   int m = 0;
   for (; m + 4 <= to.size; m += 4) {
@@ -161,10 +168,11 @@ FOR_EACH_PROCESSOR bool ContactBatch::prepare_friction()
   return without > 0;
 }
 
-void ContactBatch::read(const double (*v)[3], const double (*omega)[3], const TangentialSpring *springs)
+void ContactBatch::read(const double *v, const double *omega, const TangentialSpring *springs)
 {
   for (int m = read_fours(*this, v, omega, springs); m < size; m++) {
-    const double *const vi = v[i[m]], *const vj = v[j[m]], *const oi = omega[i[m]], *const oj = omega[j[m]];
+    const double *const vi = vector_of(v, i[m]), *const vj = vector_of(v, j[m]);
+    const double *const oi = vector_of(omega, i[m]), *const oj = vector_of(omega, j[m]);
     const TangentialSpring &spring = springs[k[m]];
     for (int d = 0; d < 3; d++) {
       velocity[d][m] = vi[d] - vj[d];
@@ -212,46 +220,44 @@ template <bool ADVANCES> ALWAYS_INLINE void ContactBatch::compute_friction(doubl
 FOR_EACH_PROCESSOR void ContactBatch::compute_forces_and_torques() { compute_friction<false>(0.0); }
 FOR_EACH_PROCESSOR void ContactBatch::advance_forces_and_torques(double dt) { compute_friction<true>(dt); }
 
-void ContactBatch::add_normal(double (*forces)[3], int owned) const
+void ContactBatch::add_normal(double *forces, int owned) const
 {
   for (int m = 0; m < size; m++) {
     const Two f = Two{del[0][m], del[1][m]} * pair_force[m];
     const double fz = del[2][m] * pair_force[m];
-    if (i[m] < owned) add(forces[i[m]], f, fz);
-    if (j[m] < owned) add(forces[j[m]], -f, -fz);
+    if (i[m] < owned) add(vector_of(forces, i[m]), f, fz);
+    if (j[m] < owned) add(vector_of(forces, j[m]), -f, -fz);
   }
 }
 
-void ContactBatch::add_forces_and_torques(double (*forces)[3], double (*torques)[3], int owned,
-                                          const TangentialSpring *springs) const
+void ContactBatch::add_forces_and_torques(double *forces, double *torques, int owned, const TangentialSpring *springs) const
 {
   for (int m = 0; m < size; m++) {
     const Two f = {force_i[0][m], force_i[1][m]}, t = {torque[0][m], torque[1][m]};
     FETCH_AHEAD_TO_WRITE(springs + k[m] + SPRINGS_AHEAD);    // with the next, for about every second pair touches
     FETCH_AHEAD_TO_WRITE(springs + k[m] + SPRINGS_AHEAD + 1);
     if (i[m] < owned) {
-      add(forces[i[m]], f, force_i[2][m]);
-      add(torques[i[m]], lever_i[m] * t, lever_i[m] * torque[2][m]);
+      add(vector_of(forces, i[m]), f, force_i[2][m]);
+      add(vector_of(torques, i[m]), lever_i[m] * t, lever_i[m] * torque[2][m]);
     }
     if (j[m] < owned) {
-      add(forces[j[m]], -f, -force_i[2][m]);
-      add(torques[j[m]], lever_j[m] * t, lever_j[m] * torque[2][m]);
+      add(vector_of(forces, j[m]), -f, -force_i[2][m]);
+      add(vector_of(torques, j[m]), lever_j[m] * t, lever_j[m] * torque[2][m]);
     }
   }
 }
 
-void ContactBatch::add_forces_and_moments(double (*forces)[3], double (*torques)[3], int owned,
-                                          const double (*moment)[3]) const
+void ContactBatch::add_forces_and_moments(double *forces, double *torques, int owned, const double (*moment)[3]) const
 {
   for (int m = 0; m < size; m++)
     for (int d = 0; d < 3; d++) {
       if (i[m] < owned) {
-        forces[i[m]][d] += force_i[d][m];
-        torques[i[m]][d] += lever_i[m] * torque[d][m] + moment[m][d];
+        vector_of(forces, i[m])[d] += force_i[d][m];
+        vector_of(torques, i[m])[d] += lever_i[m] * torque[d][m] + moment[m][d];
       }
       if (j[m] < owned) {
-        forces[j[m]][d] -= force_i[d][m];
-        torques[j[m]][d] += lever_j[m] * torque[d][m] - moment[m][d];
+        vector_of(forces, j[m])[d] -= force_i[d][m];
+        vector_of(torques, j[m])[d] += lever_j[m] * torque[d][m] - moment[m][d];
       }
     }
 }

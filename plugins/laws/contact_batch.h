@@ -69,8 +69,8 @@ struct ContactBatch {
   void compute_normal();
   /* Compute normals, lever arms and Coulomb's limits. Returns true if a limit is 0. */
   bool prepare_friction();
-  /* Read velocities and angular velocities of the spheres and the springs of the pairs. */
-  void read(const double (*velocities)[3], const double (*omegas)[3], const TangentialSpring *springs);
+  /* Read velocities and angular velocities of the spheres, three components each, and the springs of the pairs. */
+  void read(const double *velocities, const double *omegas, const TangentialSpring *springs);
   /* Write the springs of the pairs; those whose limit is 0 are left as they are. */
   void write(TangentialSpring *springs) const;
   /* Compute forces and torques on the spheres, including friction. */
@@ -78,11 +78,11 @@ struct ContactBatch {
   /* The same after tangential force, compliance and loss have been advanced by a timestep dt; the force is 0 if the limit is 0. */
   void advance_forces_and_torques(double dt);
   /* Add the normal forces to those of both spheres, as far as their indices are below `owned`. */
-  void add_normal(double (*forces)[3], int owned) const;
+  void add_normal(double *forces, int owned) const;
   /* Add forces and torques including friction likewise, and meanwhile fetch springs of later pairs. */
-  void add_forces_and_torques(double (*forces)[3], double (*torques)[3], int owned, const TangentialSpring *springs) const;
+  void add_forces_and_torques(double *forces, double *torques, int owned, const TangentialSpring *springs) const;
   /* The same with torques of rolling and twisting on sphere i, the opposite on j. */
-  void add_forces_and_moments(double (*forces)[3], double (*torques)[3], int owned, const double (*moment)[3]) const;
+  void add_forces_and_moments(double *forces, double *torques, int owned, const double (*moment)[3]) const;
 
  private:
   template <bool ADVANCES> void compute_friction(double dt);

@@ -12,11 +12,11 @@
 #define GRANWAVE_CONTACT_HISTORY_H
 
 #include "front.h"
+#include "stored.h"
 #include "tangential.h"
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 namespace granwave {
@@ -44,7 +44,7 @@ struct ContactRecord {
   std::int32_t live;
   Dent dent;
 };
-static_assert(sizeof(ContactRecord) == ContactRecord::SIZE * sizeof(double));
+static_assert(doubles_of<ContactRecord>() == ContactRecord::SIZE);
 
 /* Sums over the forgotten contacts of a sphere; all members are doubles, for communication. */
 struct ForgottenContacts {
@@ -60,12 +60,12 @@ struct ForgottenContacts {
 
   bool none() const { return peak_overlap == 0.0; }
 };
-static_assert(sizeof(ForgottenContacts) == ForgottenContacts::SIZE * sizeof(double));
+static_assert(doubles_of<ForgottenContacts>() == ForgottenContacts::SIZE);
 
 /* Layout of the block of a record: doubles of the law; with friction the spring; with initial dents the initial dent, the
    largest overlap of this run, and the initial doubles of the law. */
 struct BlockLayout {
-  static constexpr int N_SPRING = sizeof(TangentialSpring) / sizeof(double);    // all its members are doubles
+  static constexpr int N_SPRING = doubles_of<TangentialSpring>();
   static constexpr int N_DENT = 2;
 
   int n_extra = 0;    // doubles of the law; the largest number of several laws
@@ -91,7 +91,7 @@ struct BlockLayout {
 struct BlockView {
   BlockView(const BlockLayout &layout, const double *block) : extra(block)
   {
-    if (layout.friction) std::memcpy(static_cast<void *>(&spring), block + layout.spring(), sizeof(spring));
+    if (layout.friction) spring = from_doubles<TangentialSpring>(block + layout.spring());
     if (!layout.dents) return;
     initial = block[layout.initial()];
     reached = block[layout.initial() + 1];

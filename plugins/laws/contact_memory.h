@@ -11,6 +11,7 @@
 #include "contact_law.h"
 #include "partial_slip.h"
 #include "resistance.h"
+#include "stored.h"
 #include "tangential_damping.h"
 #include "viscous_loss.h"
 
@@ -34,13 +35,13 @@ struct ContactMemory {
   bool loss_first = false;    // of walls: the loss stands before the others, of pairs behind them
   int n = 0;                  // doubles of a block
 
-  SlipHistory &slip_of(double *block) const { return part<SlipHistory>(block, to_slip()); }
-  CohesionHistory &cohesion_of(double *block) const { return part<CohesionHistory>(block, to_cohesion()); }
-  ResistanceHistory &resistance_of(double *block) const { return part<ResistanceHistory>(block, to_resistance()); }
-  ViscousHistory &loss_of(double *block) const { return part<ViscousHistory>(block, to_loss()); }
-  PronyHistory &prony_of(double *block) const { return part<PronyHistory>(block, to_prony()); }
-
-  DampingHistory &damping_of(double *block) const { return part<DampingHistory>(block, size()); }
+  /* Histories of a block, to be changed. */
+  SlipHistory slip_of(double *block) const { return SlipHistory(block + n - to_slip()); }
+  Stored<CohesionHistory> cohesion_of(double *block) const { return part<CohesionHistory>(block, to_cohesion()); }
+  Stored<ResistanceHistory> resistance_of(double *block) const { return part<ResistanceHistory>(block, to_resistance()); }
+  Stored<ViscousHistory> loss_of(double *block) const { return part<ViscousHistory>(block, to_loss()); }
+  Stored<PronyHistory> prony_of(double *block) const { return part<PronyHistory>(block, to_prony()); }
+  DampingHistory damping_of(double *block) const { return DampingHistory(block + n - size()); }
 
   /* Copies, which are those of a new contact where there is no such history. */
   CohesionHistory cohesion_of(const double *block) const { return copy<CohesionHistory>(cohesion, block, to_cohesion()); }
@@ -51,10 +52,14 @@ struct ContactMemory {
   ViscousHistory loss_of(const double *block) const { return copy<ViscousHistory>(loss, block, to_loss()); }
   PronyHistory prony_of(const double *block) const { return copy<PronyHistory>(prony, block, to_prony()); }
 
-  DampingHistory damping_of(const double *block) const { return copy<DampingHistory>(damping, block, size()); }
+  /* Doubles of the damping along the surface; null without. */
+  const double *damping_of(const double *block) const { return damping ? block + n - size() : nullptr; }
 
   /* Energy lost by viscous forces along the normal and along the surface. */
-  double viscous_loss(const double *block) const { return loss_of(block).lost + damping_of(block).lost; }
+  double viscous_loss(const double *block) const
+  {
+    return loss_of(block).lost + (damping ? damping_of(block)[DampingHistory::LOST] : 0.0);
+  }
 
   /* Doubles of all these histories. */
   int size() const { return to_prony() + (damping ? DampingHistory::SIZE : 0); }
@@ -69,8 +74,7 @@ struct ContactMemory {
   /* Energy stored by friction. */
   double tangential_energy(const TangentialSpring &spring, const double *block) const
   {
-    return slip ? part<SlipHistory>(const_cast<double *>(block), to_slip()).energy(spring)
-                : granwave::tangential_energy(spring);
+    return slip ? SlipHistory::energy(block + n - to_slip(), spring) : granwave::tangential_energy(spring);
   }
 
   /* Turn what a block holds into the start of a run: springs and necks stay, losses are 0. `keeps_law` if the doubles of the law
@@ -78,11 +82,11 @@ struct ContactMemory {
   void begin(double *block, bool keeps_law) const
   {
     if (!keeps_law) std::fill_n(block, n - size(), 0.0);
-    if (resistance) resistance_of(block).rolling.loss = resistance_of(block).twisting.loss = 0.0;
-    if (cohesion) cohesion_of(block).lost = 0.0;
-    if (loss) loss_of(block) = {};
-    if (prony) prony_of(block) = {};
-    if (damping) damping_of(block) = {};
+    if (resistance) resistance_of(block)->begin();
+    if (cohesion) cohesion_of(block)->lost = 0.0;
+    if (loss) *loss_of(block) = {};
+    if (prony) *prony_of(block) = {};
+    if (damping) damping_of(block).begin();
   }
 
   /* True if a contact of this memory can be as the file has it. */
@@ -109,11 +113,11 @@ struct ContactMemory {
     const auto &[normal, moved, circle, stiffness, limit, radius] = contact;
     if (!coefficient && slips) return slip_of(block).advance(spring, contact);
     if (!coefficient) return compute_tangential(spring, normal, moved, stiffness, limit, model);
-    DampingHistory &history = damping_of(block);
+    DampingHistory history = damping_of(block);
     if (!slips) return compute_damped(spring, history, normal, moved, stiffness, limit, model, *coefficient, dt);
     SlipDamping damped{};
     history.drag_of_step(normal, moved, *coefficient, dt, damped.force);
-    std::copy_n(history.force, 3, damped.before);
+    std::copy_n(history.force(), 3, damped.before);
     slip_of(block).advance(spring, contact, &damped);
     history.finish_step(damped.force, damped.lost);
   }
@@ -128,13 +132,14 @@ struct ContactMemory {
   int to_prony() const { return to_loss_or_slip() + (prony ? PronyHistory::SIZE : 0); }
   int to_loss() const { return loss_first ? to_loss_or_slip() : size_of_loss(); }
 
-  template <class History> History &part(double *block, int to_end) const
+  template <class History> Stored<History> part(double *block, int to_end) const
   {
-    return *reinterpret_cast<History *>(block + n - to_end);
+    static_assert(doubles_of<History>() == History::SIZE);
+    return Stored<History>(block + n - to_end);
   }
   template <class History> History copy(bool has, const double *block, int to_end) const
   {
-    return has ? *reinterpret_cast<const History *>(block + n - to_end) : History();
+    return has ? from_doubles<History>(block + n - to_end) : History();
   }
 };
 

@@ -51,23 +51,30 @@ struct SlipDamping {
   double lost;         // energy, from the stretch of the cells
 };
 
-/* History of a contact with partial slip; all members are doubles, for communication. Force, compliance and loss of the whole are those
-   of the contact's TangentialSpring. */
-template <int N> struct SlipCells {
+/* History of a contact with partial slip, in its doubles. Force, compliance and loss of the whole are those of the contact's
+   TangentialSpring. */
+template <int N> class SlipCells {
+ public:
   static_assert(N % 2 == 0);
 
-  double axis[3] = {};        // in the tangent plane: the forces have a component along it, and one along normal x axis
-  double reach = 0.0;         // 0: no cells
-  double circle = 0.0;        // at the last step
-  double stored = 0.0;        // energy
-  double force[N][2] = {};    // on the first body
+  enum {
+    AXIS,         // in the tangent plane: the forces have a component along it, and one along normal x axis
+    REACH = 3,    // 0: no cells
+    CIRCLE,       // at the last step
+    STORED,       // energy
+    FORCES,       // of the cells on the first body, two components each
+    SIZE = FORCES + 2 * N
+  };
 
-  static constexpr int SIZE = 6 + 2 * N;
+  explicit SlipCells(double *doubles) : doubles_(doubles) {}
 
-  bool active() const { return reach > 0.0; }
+  bool active() const { return doubles_[REACH] > 0.0; }
 
   /* Stored energy; without cells, that of the single spring. */
-  double energy(const TangentialSpring &spring) const { return active() ? stored : tangential_energy(spring); }
+  static double energy(const double *doubles, const TangentialSpring &spring)
+  {
+    return doubles[REACH] > 0.0 ? doubles[STORED] : tangential_energy(spring);
+  }
 
   /* Advance by the slip of a timestep, with a positive normal force. */
   void advance(TangentialSpring &spring, const SlipContact &c, SlipDamping *damping = nullptr)
@@ -75,7 +82,8 @@ template <int N> struct SlipCells {
     const double per_length = c.stiffness / c.circle;
     turn(c.normal);
     follow(c.circle, c.effective_radius);
-    const double (&n)[3] = c.normal, (&u)[3] = axis;
+    const double (&n)[3] = c.normal;
+    const double u[3] = {doubles_[AXIS], doubles_[AXIS + 1], doubles_[AXIS + 2]}, circle = doubles_[CIRCLE];
     const double v[3] = {n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]};
     const double slip[2] = {dot(c.slip, u), dot(c.slip, v)};
     double sum[2] = {}, before[2] = {}, energy = 0.0, first = 0.0;
@@ -86,7 +94,7 @@ template <int N> struct SlipCells {
         before[d] = last_drag[d] = dot(damping->before, d == 0 ? u : v);
       }
     for (int m = 0; m < N; m++) {
-      double (&f)[2] = force[m];
+      double *const f = force(m);
       const double k_before = per_length * covered(m, circle), k = per_length * covered(m, c.circle);
       const double last = share(edge(m + 1) / c.circle), limit = c.limit * (last - first);
       const double kept = k < k_before ? k / k_before : 1.0;
@@ -117,22 +125,22 @@ template <int N> struct SlipCells {
     for (int d = 0; d < 3; d++) spring.force[d] = sum[0] * u[d] + sum[1] * v[d];
     spring.compliance = 1.0 / c.stiffness;
     // without damping it is negative only by rounding, or negligibly if the slip of a step exceeds the elongation of a cell
-    const double lost = work - (energy - stored) - lost_by_damping;
+    const double lost = work - (energy - doubles_[STORED]) - lost_by_damping;
     spring.loss += damping ? lost : std::max(lost, 0.0);
     if (damping) {
       damping->lost = lost_by_damping;
       for (int d = 0; d < 3; d++) damping->force[d] = damped[0] * u[d] + damped[1] * v[d];
     }
-    stored = energy;
-    circle = c.circle;
+    doubles_[STORED] = energy;
+    doubles_[CIRCLE] = c.circle;
   }
 
   /* End the contact: the stored energy is dissipated. */
   void release(TangentialSpring &spring)
   {
-    const double lost = spring.loss + stored;
+    const double lost = spring.loss + doubles_[STORED];
     spring = {{0.0, 0.0, 0.0}, 0.0, lost};
-    *this = {};
+    std::fill_n(doubles_, static_cast<int>(SIZE), 0.0);
   }
 
  private:
@@ -146,16 +154,16 @@ template <int N> struct SlipCells {
   }();
 
   /* Scale the force of a cell to its limit. Returns its square. */
-  static double limit_cell(double (&f)[2], double limit)
+  static double limit_cell(double *f, double limit)
   {
     const double square = f[0] * f[0] + f[1] * f[1];
     const double factor = square > limit * limit ? limit / std::sqrt(square) : 1.0;
-    for (double &component : f) component *= factor;
+    for (int d = 0; d < 2; d++) f[d] *= factor;
     return factor * factor * square;
   }
 
   /* The same of the sum of the force and a part of the damping, by a change of the force. */
-  static double limit_cell_sum(double (&f)[2], const double (&part)[2], double limit)
+  static double limit_cell_sum(double *f, const double (&part)[2], double limit)
   {
     double both[2] = {f[0] + part[0], f[1] + part[1]};
     if (both[0] * both[0] + both[1] * both[1] > limit * limit) {
@@ -165,7 +173,9 @@ template <int N> struct SlipCells {
     return f[0] * f[0] + f[1] * f[1];
   }
 
-  double edge(int m) const { return reach * EDGES[m]; }
+  double *force(int m) const { return doubles_ + FORCES + 2 * m; }
+
+  double edge(int m) const { return doubles_[REACH] * EDGES[m]; }
 
   /* Length of a cell within a circle. */
   double covered(int m, double circle) const { return std::max(std::min(edge(m + 1), circle) - edge(m), 0.0); }
@@ -176,6 +186,7 @@ template <int N> struct SlipCells {
   /* Rotate the axis into the plane normal to n. */
   void turn(const double (&n)[3])
   {
+    double *const axis = doubles_ + AXIS;
     double along = dot(axis, n), square = dot(axis, axis) - along * along;
     if (!(square > 0.25)) {    // new, or turned so far that the forces have lost their direction
       const int least = std::fabs(n[0]) < 0.6 ? 0 : 1;
@@ -189,29 +200,31 @@ template <int N> struct SlipCells {
   /* Have the cells follow the circle. */
   void follow(double now, double unit)
   {
+    double &reach = doubles_[REACH], &circle = doubles_[CIRCLE];
     if (reach == 0.0) {
       reach = unit * std::exp2(std::ceil(1.5 * std::log2(now / unit)) / 1.5);
       circle = now;
     }
     for (; now > reach; reach *= STEP)
       for (int m = 0; m < N; m++)
-        for (int d = 0; d < 2; d++) force[m][d] = 2 * m < N ? force[2 * m][d] + force[2 * m + 1][d] : 0.0;
+        for (int d = 0; d < 2; d++) force(m)[d] = 2 * m < N ? force(2 * m)[d] + force(2 * m + 1)[d] : 0.0;
     while (std::max(now, circle) < reach / (STEP * STEP)) {
       reach /= STEP;
       for (int m = N / 2 - 1; m >= 0; m--) {    // from the last on, for two take the place of each
         const double inner = covered(2 * m, circle), outer = covered(2 * m + 1, circle), both = inner + outer;
         for (int d = 0; d < 2; d++) {
-          const double whole = force[m][d];
-          force[2 * m][d] = both > 0.0 ? whole * inner / both : 0.0;
-          force[2 * m + 1][d] = both > 0.0 ? whole * outer / both : 0.0;
+          const double whole = force(m)[d];
+          force(2 * m)[d] = both > 0.0 ? whole * inner / both : 0.0;
+          force(2 * m + 1)[d] = both > 0.0 ? whole * outer / both : 0.0;
         }
       }
     }
   }
+
+  double *doubles_;
 };
 
 using SlipHistory = SlipCells<16>;
-static_assert(sizeof(SlipHistory) == SlipHistory::SIZE * sizeof(double));
 
 }    // namespace granwave
 

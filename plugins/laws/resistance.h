@@ -115,6 +115,9 @@ struct ResistanceHistory {
   double loss() const { return rolling.loss + twisting.loss; }
   double stored() const { return rolling.stored() + twisting.stored(); }
 
+  /* Start a run: springs stay, losses are 0. */
+  void begin() { rolling.loss = twisting.loss = 0.0; }
+
   void advance(const ResistanceModel &model, const RollingContact &c, double dt)
   {
     const double (&n)[3] = c.normal, (&w)[3] = c.spin;
@@ -150,8 +153,6 @@ struct ResistanceHistory {
     twisting.release();
   }
 };
-
-static_assert(sizeof(ResistanceHistory) == ResistanceHistory::SIZE * sizeof(double));
 
 }    // namespace granwave
 

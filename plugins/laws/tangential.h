@@ -36,7 +36,7 @@ struct TangentialSpring {
   double loss = 0.0;          // frictional, since the first contact
 };
 
-inline double dot(const double (&a)[3], const double (&b)[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 inline double tangential_force(const TangentialSpring &spring) { return std::sqrt(dot(spring.force, spring.force)); }
 

@@ -25,11 +25,11 @@
 namespace granwave {
 
 /* Scale a vector to a magnitude of at most `most`. */
-inline void limit_magnitude(double (&vector)[3], double most)
+inline void limit_magnitude(double *vector, double most)
 {
   const double square = dot(vector, vector);
   const double factor = square > most * most ? most / std::sqrt(square) : 1.0;
-  for (double &component : vector) component *= factor;
+  for (int d = 0; d < 3; d++) vector[d] *= factor;
 }
 
 /* Scale the sum of spring force and damping force to a limit, by a change of the spring force. */
@@ -43,27 +43,34 @@ inline void limit_sum(double (&spring)[3], const double (&damping)[3], double li
 }
 
 /* Rotate a vector into the plane normal to n with unchanged magnitude. */
-inline void turn_into_plane(double (&vector)[3], const double (&n)[3])
+inline void turn_into_plane(double *vector, const double (&n)[3])
 {
   TangentialSpring as{{vector[0], vector[1], vector[2]}};
   rotate(as, dot(vector, vector), n);
   std::copy_n(as.force, 3, vector);
 }
 
-/* History of the damping of a contact; all members are doubles, for communication. Vectors are those of the first body. The energy
-   lost is kept after separation, the others are zero. */
-struct DampingHistory {
-  double force[3] = {};    // D at the last step
-  double rate[3] = {};     // V, mean of the last step
-  double step = 0.0;       // duration of that step; 0: no earlier state
-  double lost = 0.0;       // energy
+/* History of the damping of a contact, in its doubles. Vectors are those of the first body. The energy lost is kept after
+   separation, the others are zero. */
+class DampingHistory {
+ public:
+  enum {
+    FORCE,       // D at the last step
+    RATE = 3,    // V, mean of the last step
+    STEP = 6,    // duration of that step; 0: no earlier state
+    LOST,        // energy
+    SIZE
+  };
 
-  static constexpr int SIZE = 8;
+  explicit DampingHistory(double *doubles) : doubles_(doubles) {}
+
+  const double *force() const { return doubles_ + FORCE; }
 
   /* Begin a timestep: rotate into the present tangent plane, and compute -c V at its end, from the slip of the step. */
   void drag_of_step(const double (&n)[3], const double (&slip)[3], double coefficient, double dt, double (&drag)[3])
   {
-    turn_into_plane(force, n);
+    double *const rate = doubles_ + RATE, &step = doubles_[STEP];
+    turn_into_plane(doubles_ + FORCE, n);
     turn_into_plane(rate, n);
     for (int d = 0; d < 3; d++) {
       const double mean = slip[d] / dt;
@@ -77,29 +84,31 @@ struct DampingHistory {
   /* End it with the force D that was found, and the energy lost in it. */
   void finish_step(const double (&found)[3], double energy)
   {
-    std::copy_n(found, 3, force);
-    lost += energy;
+    std::copy_n(found, 3, doubles_ + FORCE);
+    doubles_[LOST] += energy;
   }
 
   /* Start from a state whose velocities are those of the same instant; the spring is at rest. */
   void start(const double (&n)[3], const double (&slip)[3], const double (&spring)[3], double coefficient, double limit,
              double dt)
   {
-    step = 0.0;
-    drag_of_step(n, slip, coefficient, dt, force);
-    double sum[3];
-    for (int d = 0; d < 3; d++) sum[d] = force[d] + spring[d];
+    doubles_[STEP] = 0.0;
+    double drag[3], sum[3];
+    drag_of_step(n, slip, coefficient, dt, drag);
+    for (int d = 0; d < 3; d++) sum[d] = drag[d] + spring[d];
     limit_magnitude(sum, limit);
-    for (int d = 0; d < 3; d++) force[d] = sum[d] - spring[d];
+    for (int d = 0; d < 3; d++) doubles_[FORCE + d] = sum[d] - spring[d];
   }
 
-  void release() { *this = {{}, {}, 0.0, lost}; }
+  void release() { std::fill_n(doubles_, static_cast<int>(LOST), 0.0); }
+  void begin() { std::fill_n(doubles_, static_cast<int>(SIZE), 0.0); }
+
+ private:
+  double *doubles_;
 };
 
-static_assert(sizeof(DampingHistory) == DampingHistory::SIZE * sizeof(double));
-
 /* Advance spring and damping by one timestep of a contact with positive normal force and one spring. */
-inline void compute_damped(TangentialSpring &spring, DampingHistory &damping, const double (&n)[3], const double (&slip)[3],
+inline void compute_damped(TangentialSpring &spring, DampingHistory damping, const double (&n)[3], const double (&slip)[3],
                            double stiffness, double limit, TangentialModel model, double coefficient, double dt)
 {
   const double before = dot(spring.force, spring.force), stored = tangential_energy(spring);
@@ -107,7 +116,7 @@ inline void compute_damped(TangentialSpring &spring, DampingHistory &damping, co
   double drag[3];
   damping.drag_of_step(n, slip, coefficient, dt, drag);
   limit_magnitude(drag, limit);
-  double work = -0.5 * (dot(spring.force, slip) + dot(damping.force, slip));
+  double work = -0.5 * (dot(spring.force, slip) + dot(damping.force(), slip));
   const double ratio = spring.compliance > 0.0 ? stiffness * spring.compliance : 1.0;
   const double kept = model == TangentialModel::MINDLIN ? 1.0 : std::min(ratio, 1.0);
   double stretch[3];
@@ -119,7 +128,7 @@ inline void compute_damped(TangentialSpring &spring, DampingHistory &damping, co
   limit_sum(spring.force, drag, limit);
   for (int d = 0; d < 3; d++) stretch[d] = (stretch[d] - spring.force[d]) * spring.compliance;
   work -= 0.5 * (dot(spring.force, slip) + dot(drag, slip));
-  const double damped = -0.5 * (dot(damping.force, stretch) + dot(drag, stretch));
+  const double damped = -0.5 * (dot(damping.force(), stretch) + dot(drag, stretch));
   spring.loss += work - (tangential_energy(spring) - stored) - damped;
   damping.finish_step(drag, damped);
 }

@@ -121,8 +121,6 @@ struct ViscousHistory {
   }
 };
 
-static_assert(sizeof(ViscousHistory) == ViscousHistory::SIZE * sizeof(double));
-
 }    // namespace granwave
 
 #endif

@@ -99,7 +99,7 @@ void ContactList::pack(int k, double side, const BlockLayout &layout, double *pa
   std::copy_n(seen.extra, has.n, packed);
   if (layout.friction) {
     for (double &force : seen.spring.force) force *= side;
-    std::memcpy(packed + layout.spring(), &seen.spring, sizeof(seen.spring));
+    to_doubles(seen.spring, packed + layout.spring());
   }
   if (!layout.dents) return;
   packed[layout.initial()] = seen.initial;

@@ -139,7 +139,8 @@ void FixGranCylinder::write_restart(FILE *fp)
 void FixGranCylinder::restart(char *buffer)
 {
   const auto &shapes = cylinders->shapes;
-  const double *value = read_state(lmp, *this, buffer, 1 + 4 * shapes.size(), "other cylinders");
+  const std::vector<double> state = read_state(lmp, *this, buffer, 1 + 4 * shapes.size(), "other cylinders");
+  const double *value = state.data();
   bool same = *value++ == static_cast<double>(shapes.size());
   for (std::size_t type = 0; same && type < shapes.size(); type++, value += 4)
     same = shapes[type] == Cylinder{value[0], {value[1], value[2], value[3]}};

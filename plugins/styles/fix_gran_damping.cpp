@@ -61,7 +61,7 @@ void FixGranDamping::write_restart(FILE *fp)
   if (comm->me == 0) write_state(fp, {taken});
 }
 
-void FixGranDamping::restart(char *buffer) { taken = *read_state(lmp, *this, buffer, 1); }
+void FixGranDamping::restart(char *buffer) { taken = read_state(lmp, *this, buffer, 1)[0]; }
 
 /* ---------------------------------------------------------------------- absorb */
 

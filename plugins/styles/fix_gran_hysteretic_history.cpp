@@ -164,11 +164,10 @@ int FixGranHystereticHistory::pack(int i, double *buf) const
   buf[PARTS] = parts_of(layout);
   buf[SUMS] = !sums.none();
   double *at = buf + N_HEAD;
-  if (!sums.none()) at = std::copy_n(reinterpret_cast<const double *>(&sums), static_cast<int>(ForgottenContacts::SIZE), at);
+  if (!sums.none()) at = to_doubles(sums, at);
   const ContactRecord *record = history.records(i);
   for (int k = 0; k < history.count(i); k++, record++) {
-    std::memcpy(at, record, sizeof(*record));
-    at += ContactRecord::SIZE;
+    at = to_doubles(*record, at);
     at = std::copy_n(history.block(i, k), layout.size(), at);
   }
   return static_cast<int>(at - buf);
@@ -184,14 +183,13 @@ int FixGranHystereticHistory::unpack(int i, const double *buf)
   history.set_birth(i, static_cast<std::int64_t>(ubuf(buf[BIRTH]).i));
   images_[i] = {};
   if (buf[SUMS] != 0.0) {
-    std::copy_n(at, static_cast<int>(ForgottenContacts::SIZE), reinterpret_cast<double *>(&history.forgotten_to_change(i)));
+    history.forgotten_to_change(i) = from_doubles<ForgottenContacts>(at);
     at += ForgottenContacts::SIZE;
   }
   history.extend(packed);
   std::vector<double> block;
   for (int k = 0; k < static_cast<int>(buf[COUNT]); k++) {
-    ContactRecord record;
-    std::memcpy(static_cast<void *>(&record), at, sizeof(record));
+    const ContactRecord record = from_doubles<ContactRecord>(at);
     at += ContactRecord::SIZE;
     block.assign(history.layout().size(), 0.0);
     ContactHistory::copy_block(packed, at, history.layout(), block.data());
@@ -247,5 +245,5 @@ void FixGranHystereticHistory::write_restart(FILE *fp)
 
 void FixGranHystereticHistory::restart(char *buffer)
 {
-  births = static_cast<std::int64_t>(*read_state(lmp, *this, buffer, 1));
+  births = static_cast<std::int64_t>(read_state(lmp, *this, buffer, 1)[0]);
 }

@@ -354,10 +354,10 @@ void FixGranLoad::write_restart(FILE *fp)
 
 void FixGranLoad::restart(char *buffer)
 {
-  const double *const state = read_state(lmp, *this, buffer, N_STATE);
+  const std::vector<double> state = read_state(lmp, *this, buffer, N_STATE);
   if ((state[1] != 0.0) != moves)
     error->all(FLERR, "Restart file contains fix {} {} with a {}: define it again with the arguments of the file", STYLE, id,
                moves ? "force" : "displacement");
   started = state[0] != 0.0;
-  if (comm->me == 0) std::copy_n(state + 2, N_TOTALS - 1, total);
+  if (comm->me == 0) std::copy_n(state.data() + 2, N_TOTALS - 1, total);
 }

@@ -461,7 +461,8 @@ void FixGranTimestep::write_restart(FILE *fp)
 
 void FixGranTimestep::restart(char *buffer)
 {
-  const double *state = read_state(lmp, *this, buffer, 10 + controller.state().size());
+  const std::vector<double> stored = read_state(lmp, *this, buffer, 10 + controller.state().size());
+  const double *state = stored.data();
   if (state[0] != tick)
     error->all(FLERR, "Restart file contains fix {} {} with ticks of {:.17g}, found a timestep of {:.17g}", STYLE, id,
                state[0], tick);

@@ -82,6 +82,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
       throw std::invalid_argument("a mesh holds spheres without cohesion");
     has.loss_first = true;
     has.n = law.n_extra() + has.size();
+    histories.set_contents(friction > 0.0, has.n, law.n_extra());
   } catch (const std::invalid_argument &fault) {
     error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
   }
@@ -181,7 +182,7 @@ void FixWallGranHysteretic::keep_start()
 {
   const std::size_t n = atom->nlocal;
   start.kept = true;
-  start.histories.assign(histories.begin(), histories.begin() + static_cast<std::ptrdiff_t>(n * n_history()));
+  start.histories = histories;
   start.fronts.assign(fronts.begin(), fronts.begin() + static_cast<std::ptrdiff_t>(n));
   start.reports.clear();
   for (std::size_t i = 0; i < n; i++) start.reports.insert(start.reports.end(), array_atom[i], array_atom[i] + N_REPORTED);
@@ -193,7 +194,7 @@ void FixWallGranHysteretic::return_to_start()
   if (!start.kept) return;
   for (int i = 0; i < atom->nlocal; i++) {
     if (!touched[i]) continue;
-    std::copy_n(start.histories.data() + static_cast<std::size_t>(i) * n_history(), n_history(), at_walls(i));
+    histories.take(start.histories, i, i);
     std::copy_n(start.reports.data() + static_cast<std::size_t>(i) * N_REPORTED, static_cast<int>(N_REPORTED),
                 array_atom[i]);
     fronts[i] = start.fronts[i];
@@ -301,7 +302,7 @@ void FixWallGranHysteretic::evaluate()
     near[i] = touches[0] || touches[1];
     array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;
     for (int side = 0; side < 2; side++) {
-      Side &mine = sides(i)[side];
+      Side &mine = histories.side(i, side);
       if (!touches[side] && mine.touching == 0.0) continue;
       Contact contact{};
       if (touches[side]) {
@@ -322,7 +323,7 @@ void FixWallGranHysteretic::evaluate()
         }
       } else {
         mine.touching = 0.0;
-        if (loss) end_viscous(i, side, overlap[side]);
+          if (loss) end_viscous(i, side, overlap[side]);
       }
       if (friction > 0.0) compute_tangential(i, side, overlap[side], contact);
       if (resistance) compute_resistance(i, side, contact);

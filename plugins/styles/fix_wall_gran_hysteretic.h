@@ -32,6 +32,7 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #include "fix_gran_cylinder.h"
 #include "moved_mass.h"
 #include "region_wall.h"
+#include "wall_history.h"
 #include "update.h"
 
 #include <map>
@@ -114,12 +115,7 @@ class FixWallGranHysteretic : public Fix {
     N_REPORTED
   };
 
-  struct Side {    // dent of a sphere on one of the walls; all members are doubles, for communication
-    double dent = 0.0, place[3] = {}, lost_before = 0.0, touching = 0.0;
-    double initial = 0.0;    // initial dent, if beyond the elastic limit
-  };
-  static constexpr int N_SIDE = sizeof(Side) / sizeof(double),
-                       N_SPRING = sizeof(granwave::TangentialSpring) / sizeof(double);
+  using Side = granwave::WallSide;
 
   static constexpr double ROUNDING = 1e-12;    // relative to the radius: smaller overlaps are rounding errors of positions
 
@@ -159,15 +155,9 @@ class FixWallGranHysteretic : public Fix {
   void compute_resistance(int i, int side, const Contact &);
   void report_losses(int i);
   double distance_squared(const double from[3], const double to[3]) const;
-  double *at_walls(int i) { return histories.data() + static_cast<std::size_t>(i) * n_history(); }
-  Side *sides(int i) { return reinterpret_cast<Side *>(at_walls(i)); }
-  granwave::TangentialSpring *springs(int i)
-  {
-    return reinterpret_cast<granwave::TangentialSpring *>(at_walls(i) + 2 * N_SIDE);
-  }
-  double *extra(int i, int side) { return initial_extra(i, 0) - (2 - side) * has.n; }
-  double *initial_extra(int i, int side) { return at_walls(i) + n_history() - (2 - side) * law.n_extra(); }
-  granwave::LawHistory law_history(int i, int side) { return {sides(i)[side].dent, extra(i, side)}; }
+  double *extra(int i, int side) { return histories.block(i, side); }
+  double *initial_extra(int i, int side) { return histories.initial(i, side); }
+  granwave::LawHistory law_history(int i, int side) { return {histories.side(i, side).dent, extra(i, side)}; }
   double approach(int i, int side) const;
   int nearer(int i) const { return depth(i, 0) > depth(i, 1) ? 0 : 1; }
   void require_dented(int i, double peak);
@@ -180,12 +170,11 @@ class FixWallGranHysteretic : public Fix {
   void tally();
   granwave::Step step() const { return {update->dt, update->whichflag == 1 && !update->setupflag}; }
   // histories at one of the walls
-  granwave::CohesionHistory &sticking(int i, int side) { return has.cohesion_of(extra(i, side)); }
-  granwave::ResistanceHistory &resisted(int i, int side) { return has.resistance_of(extra(i, side)); }
-  granwave::ViscousHistory &viscous(int i, int side) { return has.loss_of(extra(i, side)); }
+  granwave::Stored<granwave::CohesionHistory> sticking(int i, int side) { return has.cohesion_of(extra(i, side)); }
+  granwave::Stored<granwave::ResistanceHistory> resisted(int i, int side) { return has.resistance_of(extra(i, side)); }
+  granwave::Stored<granwave::ViscousHistory> viscous(int i, int side) { return has.loss_of(extra(i, side)); }
   double viscous_loss(int i, int side) { return has.viscous_loss(extra(i, side)); }
-  int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (has.n + law.n_extra()); }
-  int n_state() const { return N_REPORTED + granwave::Front::LEVELS + n_history(); }
+  int n_state() const { return N_REPORTED + granwave::Front::LEVELS + histories.size(); }
 
   int axis = 2;
   std::unique_ptr<granwave::CurvedWall> curved;    // in place of planes
@@ -220,16 +209,15 @@ class FixWallGranHysteretic : public Fix {
   bool listed = false;          // true if this list is current
   bool grows = false;           // true if radii may change during a run
   double listed_level = 0.0;    // position of the movable plane when it was made
-  // n_history() numbers per sphere: at lower and upper wall the sides, springs if there is friction, and further history
-  // variables of the law, present and initial
-  std::vector<double> histories;
+  granwave::WallHistory histories;
   std::vector<granwave::Front> fronts;    // of the largest force of each sphere
 
   /* Histories and output of the spheres at the start of a minimization, which every evaluation in it continues from: a position that
      it tries and does not keep leaves no dent. */
   struct Start {
     bool kept = false;
-    std::vector<double> histories, reports;
+    granwave::WallHistory histories;
+    std::vector<double> reports;
     std::vector<granwave::Front> fronts;
   };
   Start start;

@@ -39,7 +39,7 @@ double FixWallGranHysteretic::distance_squared(const double from[3], const doubl
 /* Energy dissipated by yielding at one wall in this run. */
 double FixWallGranHysteretic::lost(int i, int which, const ScaledLaw &scaled)
 {
-  const Side &side = sides(i)[which];
+  const Side &side = histories.side(i, which);
   return side.lost_before + scaled.dissipated_energy(law_history(i, which)) -
          scaled.dissipated_energy({side.initial, initial_extra(i, which)});
 }
@@ -60,7 +60,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
                                                                      std::size_t line)
 {
   double *const state = array_atom[i];
-  Side &side = sides(i)[which];
+  Side &side = histories.side(i, which);
   const double radius = atom->radius[i];
   if (!(overlap <= radius)) {
     require_finite_motion(lmp, i);
@@ -89,7 +89,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
         side.lost_before = lost(i, which, scaled);
         side.dent = side.initial = 0.0;
         std::fill_n(extra(i, which), law.n_extra(), 0.0);
-        if (has.prony) has.prony_of(extra(i, which)) = {};
+        if (has.prony) *has.prony_of(extra(i, which)) = {};
       }
     }
   }
@@ -150,7 +150,7 @@ void FixWallGranHysteretic::note_largest_force(int i, double force, double now)
 /* Return true if sphere i touches one wall, is held by a neck, or has just parted. */
 bool FixWallGranHysteretic::joins(int i, int which, double overlap)
 {
-  return !(overlap <= ROUNDING * atom->radius[i]) || (has.cohesion && sticking(i, which).active());    // also true for NaN
+  return !(overlap <= ROUNDING * atom->radius[i]) || (has.cohesion && sticking(i, which)->active());    // also true for NaN
 }
 
 /* Overwrite force and contact circle of a contact with cohesion, as the pair style does. */
@@ -159,7 +159,7 @@ void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, c
   const LawHistory h = law_history(i, which);
   const bool yielded = scaled.yielded(h.peak);
   const Turning turning = yielded ? scaled.turning(h) : Turning{};
-  const CohesiveState state = advance_cohesion(scaled, sticking(i, which), h, yielded ? &turning : nullptr, overlap,
+  const CohesiveState state = advance_cohesion(scaled, *sticking(i, which), h, yielded ? &turning : nullptr, overlap,
                                                ROUNDING * atom->radius[i], approach(i, which), step());
   contact.force = state.force;
   contact.circle_sq = state.circle_squared;
@@ -181,24 +181,24 @@ double FixWallGranHysteretic::effective_mass(int i, int which, double stiffness)
 /* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */
 void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
 {
-  ViscousHistory &history = viscous(i, which);
+  Stored<ViscousHistory> history = viscous(i, which);
   if (update->whichflag != 1) {
-    history.forget_state();
-    if (has.prony) has.prony_of(extra(i, which)) = {};
+    history->forget_state();
+    if (has.prony) *has.prony_of(extra(i, which)) = {};
     if (has.damping) has.damping_of(extra(i, which)).release();
     return;
   }
   if (loss.relaxes()) {
-    contact.force += advance_prony(loss.prony, history, has.prony_of(extra(i, which)), scaled, overlap,
+    contact.force += advance_prony(loss.prony, *history, *has.prony_of(extra(i, which)), scaled, overlap,
                                    ROUNDING * atom->radius[i], contact.force, step(), simulated_time(*update));
     return;
   }
   if (has.cohesion && !(contact.pressing > 0.0)) {
-    history.release(overlap);
+    history->release(overlap);
     return;
   }
   const double pressing = contact.force + scaled.pull_off();
-  contact.force += advance_loss(history, overlap, ROUNDING * atom->radius[i], pressing, approach(i, which), step(), [&] {
+  contact.force += advance_loss(*history, overlap, ROUNDING * atom->radius[i], pressing, approach(i, which), step(), [&] {
     const LawHistory h = law_history(i, which);
     const double stiffness = has.cohesion && !scaled.yielded(h.peak) ? 2.0 * law.modulus() * std::sqrt(contact.circle_sq)
                                                                      : scaled.tangent_stiffness(overlap, h);
@@ -211,9 +211,9 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
 /* End the contact with one wall, with this overlap below 0. */
 void FixWallGranHysteretic::end_viscous(int i, int which, double overlap)
 {
-  ViscousHistory &history = viscous(i, which);
-  if (!loss.relaxes()) return history.release(overlap);
-  part_prony(loss.prony, history, has.prony_of(extra(i, which)), scaled_law(i), step(), simulated_time(*update));
+  Stored<ViscousHistory> history = viscous(i, which);
+  if (!loss.relaxes()) return history->release(overlap);
+  part_prony(loss.prony, *history, *has.prony_of(extra(i, which)), scaled_law(i), step(), simulated_time(*update));
 }
 
 /* Advance spring and damping of one wall at sphere i, with this lever arm, if a timestep was made. Where a run begins, the damping is
@@ -223,7 +223,7 @@ void FixWallGranHysteretic::advance_friction(int i, int which, double lever, con
   const Step now = step();
   const bool starts = has.damping && !now.advances && contact.damping >= 0.0;
   if (!now.advances && !starts) return;
-  TangentialSpring &spring = springs(i)[which];
+  TangentialSpring &spring = histories.spring(i, which);
   double *const block = extra(i, which);
   const double *const v = atom->v[i], *const omega = atom->omega[i];
   const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
@@ -243,10 +243,10 @@ void FixWallGranHysteretic::advance_friction(int i, int which, double lever, con
 /* Force of one wall along itself on sphere i: of the spring and of the damping. */
 void FixWallGranHysteretic::friction_force(int i, int which, double force[3])
 {
-  std::copy_n(springs(i)[which].force, 3, force);
+  std::copy_n(histories.spring(i, which).force, 3, force);
   if (!has.damping) return;
-  const DampingHistory &history = has.damping_of(extra(i, which));
-  for (int d = 0; d < 3; d++) force[d] += history.force[d];
+  const DampingHistory history = has.damping_of(extra(i, which));
+  for (int d = 0; d < 3; d++) force[d] += history.force()[d];
 }
 
 /* Compute the tangential force of one wall on sphere i, and its torque. */
@@ -254,7 +254,7 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
 {
   double *const state = array_atom[i];
   if (!(contact.pressing > 0.0)) {
-    has.release_spring(springs(i)[which], extra(i, which));
+    has.release_spring(histories.spring(i, which), extra(i, which));
     return;
   }
   const double lever = atom->radius[i] - (cylinders && is_line(i) ? 1.0 : 0.5) * overlap;
@@ -277,7 +277,7 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
 /* Compute the torque by which one wall resists rolling and twisting of sphere i, as the pair style does. */
 void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &contact)
 {
-  ResistanceHistory &history = resisted(i, which);
+  Stored<ResistanceHistory> history = resisted(i, which);
   if (contact.pressing > 0.0) {
     const double *const omega = atom->omega[i], circle = std::sqrt(contact.circle_sq);
     RollingContact rolling{{},
@@ -288,12 +288,12 @@ void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &
                            law.tangential_stiffness(contact.circle_sq),
                            friction};
     inward(i, which, rolling.normal);
-    if (step().advances) history.advance(resistance, rolling, update->dt);
+    if (step().advances) history->advance(resistance, rolling, update->dt);
     double sum[3];
-    history.torque(rolling.normal, rolling.arm, sum);
+    history->torque(rolling.normal, rolling.arm, sum);
     for (int d = 0; d < 3; d++) atom->torque[i][d] += sum[d];
   } else {
-    history.release();
+    history->release();
   }
 }
 
@@ -303,8 +303,8 @@ void FixWallGranHysteretic::report_losses(int i)
   double *const state = array_atom[i];
   if (loss) state[VISCOUS] = viscous_loss(i, 0) + viscous_loss(i, 1);
   if (!has.friction) return;
-  state[FRICTION_LOSS] = friction > 0.0 ? springs(i)[0].loss + springs(i)[1].loss : 0.0;
-  if (resistance) state[FRICTION_LOSS] += resisted(i, 0).loss() + resisted(i, 1).loss();
+  state[FRICTION_LOSS] = friction > 0.0 ? histories.spring(i, 0).loss + histories.spring(i, 1).loss : 0.0;
+  if (resistance) state[FRICTION_LOSS] += resisted(i, 0)->loss() + resisted(i, 1)->loss();
 }
 
 /* End the contacts of a sphere that does not meet the walls any more. Its losses stay in the totals. */
@@ -313,12 +313,12 @@ void FixWallGranHysteretic::part(int i)
   near[i] = 0;
   array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;
   for (int side = 0; side < 2; side++) {
-    sides(i)[side].touching = 0.0;
-    if (loss) viscous(i, side).forget_state();
-    if (has.prony) has.prony_of(extra(i, side)) = {};
-    if (friction > 0.0) has.release_spring(springs(i)[side], extra(i, side));
-    if (resistance) resisted(i, side).release();
-    if (has.cohesion) sticking(i, side) = {0.0, 0.0, 0.0, sticking(i, side).lost};
+    histories.side(i, side).touching = 0.0;
+    if (loss) viscous(i, side)->forget_state();
+    if (has.prony) *has.prony_of(extra(i, side)) = {};
+    if (friction > 0.0) has.release_spring(histories.spring(i, side), extra(i, side));
+    if (resistance) resisted(i, side)->release();
+    if (has.cohesion) sticking(i, side)->forget_state();
   }
   report_losses(i);
 }
@@ -342,11 +342,11 @@ void FixWallGranHysteretic::tally()
     if (law.entry().yields() && state[TIME_YIELD] >= 0.0) mine[YIELDED] += 1.0;
     if (state[PEAK_OVERLAP] > scaled.valid_overlap()) mine[BEYOND_LAW] += 1.0;
     for (int side = 0; side < 2; side++) {
-      const Side &own = sides(i)[side];
+      const Side &own = histories.side(i, side);
       const double overlap = depth(i, side);
-      if (friction > 0.0) mine[TANGENTIAL_STORED] += has.tangential_energy(springs(i)[side], extra(i, side));
+      if (friction > 0.0) mine[TANGENTIAL_STORED] += has.tangential_energy(histories.spring(i, side), extra(i, side));
       if (resistance) {
-        const ResistanceHistory &history = resisted(i, side);
+        const ResistanceHistory history = *resisted(i, side);
         mine[ROLLING] += history.rolling.stored();
         mine[ROLLED] += history.rolling.loss;
         mine[TWISTING] += history.twisting.stored();
@@ -354,7 +354,7 @@ void FixWallGranHysteretic::tally()
         mine[FRICTION_LOSS_SUM] -= history.loss();    // that of sliding remains
       }
       if (has.cohesion) {
-        const CohesionHistory &history = sticking(i, side);
+        const CohesionHistory history = *sticking(i, side);
         mine[ADHESIVE] += history.lost;
         if (history.joined > 0.0) mine[STORED] += scaled.cohesive_state(overlap, law_history(i, side)).energy;
         continue;

@@ -156,7 +156,7 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
 {
   require_dented(i, peak);
   const int which = nearer(i);
-  Side &side = sides(i)[which];
+  Side &side = histories.side(i, which);
   side.dent = peak;
   place_of(i, side.place);
   side.initial = peak > scaled_law(i).elastic_limit() ? peak : 0.0;
@@ -175,7 +175,7 @@ bool FixWallGranHysteretic::set_contact(int i, const KnownContact &contact)
   if (!has.takes(contact)) return false;
   const int which = nearer(i);
   const bool yielded = scaled_law(i).yielded(contact.peak);
-  Side &side = sides(i)[which];
+  Side &side = histories.side(i, which);
   side = Side();
   side.dent = contact.peak;
   std::copy_n(contact.place, 2, side.place);
@@ -186,7 +186,7 @@ bool FixWallGranHysteretic::set_contact(int i, const KnownContact &contact)
   has.begin(extra(i, which), yielded);
   std::copy_n(extra(i, which), law.n_extra(), initial_extra(i, which));
   if (friction > 0.0) {
-    TangentialSpring &spring = springs(i)[which];
+    TangentialSpring &spring = histories.spring(i, which);
     spring = TangentialSpring();
     std::copy_n(contact.force, 3, spring.force);
     spring.compliance = contact.compliance;
@@ -206,7 +206,7 @@ void FixWallGranHysteretic::begin(bool keeps)
     state[TIME_FIRST] = state[TIME_PEAK] = state[TIME_YIELD] = -1.0;
     fronts[i] = Front();
     for (int which = 0; which < 2; which++) {
-      Side &side = sides(i)[which];
+      Side &side = histories.side(i, which);
       const bool yielded = keeps && scaled.yielded(side.dent);
       const double rounding = ROUNDING * atom->radius[i];
       side.initial = yielded ? side.dent : 0.0;
@@ -216,7 +216,7 @@ void FixWallGranHysteretic::begin(bool keeps)
       side.lost_before = 0.0;
       has.begin(extra(i, which), yielded);
       std::copy_n(extra(i, which), law.n_extra(), initial_extra(i, which));
-      if (friction > 0.0) springs(i)[which].loss = 0.0;
+      if (friction > 0.0) histories.spring(i, which).loss = 0.0;
     }
     state[VISCOUS] = 0.0;
     report_dents(i);
@@ -229,7 +229,7 @@ void FixWallGranHysteretic::begin(bool keeps)
 void FixWallGranHysteretic::report_dents(int i)
 {
   const ScaledLaw &scaled = scaled_law(i);
-  const Side &low = sides(i)[0], &high = sides(i)[1];
+  const Side &low = histories.side(i, 0), &high = histories.side(i, 1);
   array_atom[i][PEAK_OVERLAP] = std::max(low.dent, high.dent);
   touched[i] = 1;
   array_atom[i][INITIAL] = std::max(low.initial, high.initial);
@@ -244,7 +244,7 @@ void FixWallGranHysteretic::grow_arrays(int nmax)
   memory->grow(array_atom, nmax, static_cast<int>(N_REPORTED), "wall/gran/hysteretic:array_atom");
   near.resize(nmax);
   touched.resize(nmax);
-  histories.resize(static_cast<std::size_t>(nmax) * n_history());
+  histories.resize(nmax);
   fronts.resize(nmax);
 }
 
@@ -253,7 +253,7 @@ void FixWallGranHysteretic::copy_arrays(int i, int j, int)
   near[j] = touched[j] = 1;
   listed = false;
   std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), array_atom[j]);
-  std::copy_n(at_walls(i), n_history(), at_walls(j));
+  histories.take(histories, i, j);
   fronts[j] = fronts[i];
 }
 
@@ -262,7 +262,7 @@ void FixWallGranHysteretic::set_arrays(int i)
   near[i] = touched[i] = 1;
   listed = false;
   std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
-  std::fill_n(at_walls(i), n_history(), 0.0);
+  histories.forget(i);
   array_atom[i][TIME_FIRST] = array_atom[i][TIME_PEAK] = array_atom[i][TIME_YIELD] = -1.0;
   fronts[i] = Front();
 }
@@ -271,7 +271,7 @@ int FixWallGranHysteretic::pack_exchange(int i, double *buf)
 {
   double *at = std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), buf);
   at = std::copy_n(fronts[i].time, static_cast<int>(Front::LEVELS), at);
-  std::copy_n(at_walls(i), n_history(), at);
+  histories.pack(i, at);
   return n_state();
 }
 
@@ -287,7 +287,7 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
   near[i] = touched[i] = 1;
   listed = false;
   unpack_reported(i, buf);
-  std::copy_n(buf + N_REPORTED + Front::LEVELS, n_history(), at_walls(i));
+  histories.unpack(i, buf + N_REPORTED + Front::LEVELS);
   return n_state();
 }
 
@@ -300,8 +300,9 @@ void FixWallGranHysteretic::unpack_restart(int i, int nth)
 {
   const AtomState state = atom_state(lmp, *this, i, nth);
   constexpr int N_BEFORE = N_REPORTED + Front::LEVELS;
-  constexpr int N_BASIC = N_BEFORE + 2 * N_SIDE;
-  const bool whole = has.n == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
+  constexpr int N_BASIC = N_BEFORE + WallHistory::N_SIDES;
+  const bool whole =
+      has.n == 0 && (state.n == N_BASIC || state.n == N_BASIC + WallHistory::N_SPRINGS);    // friction is new, or gone
   if (!whole && state.n != n_state())
     error->one(
         FLERR,
@@ -309,7 +310,7 @@ void FixWallGranHysteretic::unpack_restart(int i, int nth)
         STYLE, id);
   FixWallGranHysteretic::set_arrays(i);
   unpack_reported(i, state.values);
-  std::copy_n(state.values + N_BEFORE, std::min(state.n, n_state()) - N_BEFORE, at_walls(i));
+  histories.unpack(i, state.values + N_BEFORE, state.n == N_BASIC);
 }
 
 int FixWallGranHysteretic::size_restart(int) { return AtomState::HEAD + n_state(); }
@@ -333,9 +334,9 @@ void FixWallGranHysteretic::restart(char *buffer)
 {
   const char *const other = support ? "another number of elements in its support" : "a support";
   const std::size_t n = support ? support->state_size() : 0;
-  const double *const state = read_state(lmp, *this, buffer, 1 + n, other);
+  const std::vector<double> state = read_state(lmp, *this, buffer, 1 + n, other);
   if (!support || state[0] != static_cast<double>(n))
     error->all(FLERR, "Restart file contains fix {} {} with {}: define it again with the arguments of the file", STYLE, id,
                other);
-  support->restore(state + 1);
+  support->restore(state.data() + 1);
 }

@@ -17,8 +17,8 @@
 
 namespace granwave {
 
-/* Vectors of all spheres, which LAMMPS stores contiguously. */
-inline double (*triples(double **vectors))[3] { return reinterpret_cast<double (*)[3]>(vectors[0]); }
+/* Components of the vectors of all spheres, which LAMMPS stores contiguously. */
+inline double *components(double **vectors) { return vectors[0]; }
 
 /* Stop with an error if the motion of atom i is not finite (of a ghost atom only its position is checked). */
 void require_finite_motion(LAMMPS_NS::LAMMPS *, int i);

@@ -100,9 +100,9 @@ void MovedMass::ask_holders()
   if (n > 0) std::copy_n(forces.begin(), forces.size(), atom->f[0]);
 }
 
-void MovedMass::pack(int i, double *buffer) const { std::memcpy(buffer, &spheres[i], sizeof(Sphere)); }
+void MovedMass::pack(int i, double *buffer) const { to_doubles(spheres[i], buffer); }
 
-void MovedMass::unpack(int i, const double *buffer) { std::memcpy(&spheres[i], buffer, sizeof(Sphere)); }
+void MovedMass::unpack(int i, const double *buffer) { spheres[i] = from_doubles<Sphere>(buffer); }
 
 double MovedMass::mass(int i) const { return differs && spheres[i].body > 0.0 ? spheres[i].body : lmp->atom->rmass[i]; }
 

@@ -10,6 +10,8 @@
 #ifndef GRANWAVE_MOVED_MASS_H
 #define GRANWAVE_MOVED_MASS_H
 
+#include "../laws/stored.h"
+
 #include "fix.h"
 
 #include <vector>
@@ -47,7 +49,7 @@ class MovedMass {
     double body;       // mass of its rigid body, 0 if there is none
     double left[6];    // P: xx, yy, zz, xy, xz, yz
   };
-  static_assert(sizeof(Sphere) == SIZE * sizeof(double));
+  static_assert(doubles_of<Sphere>() == SIZE);
 
   double mass(int i) const;
   void ask_holders();

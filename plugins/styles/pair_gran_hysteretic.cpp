@@ -346,7 +346,8 @@ void PairGranHysteretic::read_restart(FILE *fp)
   read_restart_settings(fp);
   allocate();
   const std::vector<double> state = read_state(lmp, fp, "the laws of pair style gran/hysteretic");
-  const std::string text(reinterpret_cast<const char *>(state.data()), state.size() * sizeof(double));
+  std::string text(state.size() * sizeof(double), ' ');
+  std::memcpy(text.data(), state.data(), text.size());
   for (const std::string &line : utils::split_lines(text)) {
     std::vector<std::string> words = utils::split_words(line);
     std::vector<char *> args;

@@ -206,7 +206,7 @@ void PairGranHysteretic::begin_initial_dents(bool keeps)
     const PairParameters p = pair_parameters(i, j);
     const double apart = distance(i, j), rounding = TouchingPairs::ROUNDING * p.radsum;
     double overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;
-    if (has.cohesion && has.cohesion_of(contacts.block(k)).active())
+    if (has.cohesion && has.cohesion_of(contacts.block(k))->active())
       overlap = std::max(overlap, rounding);    // so that its record is kept
     if (!keeps) overlap = std::min(overlap, rounding);
     const bool dented = keeps && p.contact.yielded(peak);

@@ -107,7 +107,7 @@ void PairGranHysteretic::compute_cohesion(Batch &batch)
     const LawHistory h = c.law_history(k);
     const Turning *const turning = contact.yielded(h.peak) ? &c.turnings[c.cached_turning(k, contact)] : nullptr;
     const double rounding = TouchingPairs::ROUNDING * batch.radsum[m];
-    const CohesiveState state = advance_cohesion(contact, has.cohesion_of(c.block(k)), h, turning, batch.overlap[m],
+    const CohesiveState state = advance_cohesion(contact, *has.cohesion_of(c.block(k)), h, turning, batch.overlap[m],
                                                  rounding, approach(batch, m), step);
     batch.force[m] = state.force;
     batch.circle[m] = std::sqrt(state.circle_squared);
@@ -121,19 +121,19 @@ void PairGranHysteretic::compute_cohesion(Batch &batch)
 void PairGranHysteretic::release_contact(int k)
 {
   ContactList &c = contacts;
-  if (has.loss && has.loss_of(c.block(k)).step > 0.0) {
+  if (has.loss && has.loss_of(c.block(k))->step > 0.0) {
     const auto row = std::upper_bound(c.begin.begin(), c.begin.end(), k) - c.begin.begin() - 1;
     const int i = c.row[row], j = c.partner[k];
-    ViscousHistory &history = has.loss_of(c.block(k));
-    if (has.prony && has.prony_of(c.block(k)).surface > 0.0) {
+    Stored<ViscousHistory> history = has.loss_of(c.block(k));
+    if (has.prony && has.prony_of(c.block(k))->surface > 0.0) {
       const PairParameters p = pair_parameters(i, j);
-      part_prony(p.loss.prony, history, has.prony_of(c.block(k)), p.contact, step, now);
+      part_prony(p.loss.prony, *history, *has.prony_of(c.block(k)), p.contact, step, now);
     } else {
-      history.release(atom->radius[i] + atom->radius[j] - distance(i, j));
+      history->release(atom->radius[i] + atom->radius[j] - distance(i, j));
     }
   }
   if (has.friction) has.release_spring(c.spring[k], c.block(k));
-  if (has.resistance) has.resistance_of(c.block(k)).release();
+  if (has.resistance) has.resistance_of(c.block(k))->release();
 }
 
 void PairGranHysteretic::send(Message content)
@@ -172,27 +172,27 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
     batch.damping[m] = -1.0;
     if (!p.loss) continue;
     const int k = batch.k[m];
-    ViscousHistory &history = has.loss_of(c.block(k));
+    Stored<ViscousHistory> history = has.loss_of(c.block(k));
     const double overlap = batch.overlap[m], force = batch.force[m];
     const bool sticks = p.contact.cohesive();
     if (update->whichflag != 1) {
-      history.forget_state();
-      if (has.prony) has.prony_of(c.block(k)) = {};
+      history->forget_state();
+      if (has.prony) *has.prony_of(c.block(k)) = {};
       if (has.damping) has.damping_of(c.block(k)).release();
       continue;
     }
     if (p.loss.relaxes()) {
-      batch.force[m] += advance_prony(p.loss.prony, history, has.prony_of(c.block(k)), p.contact, overlap,
+      batch.force[m] += advance_prony(p.loss.prony, *history, *has.prony_of(c.block(k)), p.contact, overlap,
                                       TouchingPairs::ROUNDING * p.radsum, force, step, now);
       continue;
     }
     if (sticks && !(batch.pressing[m] > 0.0)) {
-      history.release(overlap);
+      history->release(overlap);
       continue;
     }
     const double pressing = sticks ? force + p.contact.pull_off() : force;
     batch.force[m] =
-        force + advance_loss(history, overlap, TouchingPairs::ROUNDING * p.radsum, pressing, approach(batch, m), step, [&] {
+        force + advance_loss(*history, overlap, TouchingPairs::ROUNDING * p.radsum, pressing, approach(batch, m), step, [&] {
           double stiffness = p.contact.is_hertzian() ? 1.5 * force / overlap : p.contact.elastic_stiffness(overlap);
           if (sticks) stiffness = 2.0 * p.contact.law().modulus() * batch.circle[m];
           if (p.contact.yielded(c.peak[k]))
@@ -226,7 +226,7 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
       has.release_spring(c.spring[batch.k[m]], c.block(batch.k[m]));
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
-  batch.read(triples(atom->v), triples(atom->omega), c.spring.data());
+  batch.read(components(atom->v), components(atom->omega), c.spring.data());
   if (flows) set_relative_velocities(batch);
   if (step.advances) {
     batch.advance_forces_and_torques(step.dt);
@@ -285,13 +285,13 @@ void PairGranHysteretic::add_damping(Batch &batch)
   for (int m = 0; m < batch.size; m++) {
     if (!(batch.pair[m]->loss.tangential > 0.0 && batch.limit[m] > 0.0)) continue;
     any = true;
-    DampingHistory &history = has.damping_of(contacts.block(batch.k[m]));
+    DampingHistory history = has.damping_of(contacts.block(batch.k[m]));
     if (!step.advances && batch.damping[m] >= 0.0) {
       const SlipContact contact = slip_contact(batch, m);
       history.start(contact.normal, contact.slip, contacts.spring[batch.k[m]].force, batch.damping[m], contact.limit,
                     step.dt);
     }
-    for (int d = 0; d < 3; d++) batch.tangential[d][m] += history.force[d];
+    for (int d = 0; d < 3; d++) batch.tangential[d][m] += history.force()[d];
   }
   if (any) batch.compute_forces_and_torques();
 }
@@ -299,15 +299,15 @@ void PairGranHysteretic::add_damping(Batch &batch)
 /* Advance the resistances of touching pairs to rolling and twisting, and compute their torques. */
 void PairGranHysteretic::compute_resistance(const Batch &batch, const double *circle, double (*moment)[3])
 {
-  const double (*const omega)[3] = triples(atom->omega);
+  const double *const *const omega = atom->omega;
   for (int m = 0; m < batch.size; m++) {
     std::fill_n(moment[m], 3, 0.0);
     const PairParameters &p = *batch.pair[m];
     if (!p.resistance) continue;
-    ResistanceHistory &history = has.resistance_of(contacts.block(batch.k[m]));
+    Stored<ResistanceHistory> history = has.resistance_of(contacts.block(batch.k[m]));
     const double pressing = p.contact.cohesive() ? batch.pressing[m] : batch.force[m];
     if (!(pressing > 0.0)) {
-      history.release();
+      history->release();
       continue;
     }
     RollingContact contact{{},        {}, p.contact.effective_radius(), pressing, circle[m], p.shear_stiffness * circle[m],
@@ -316,8 +316,8 @@ void PairGranHysteretic::compute_resistance(const Batch &batch, const double *ci
       contact.normal[d] = batch.normal[d][m];
       contact.spin[d] = omega[batch.i[m]][d] - omega[batch.j[m]][d];
     }
-    if (step.advances) history.advance(*p.resistance, contact, step.dt);
-    history.torque(contact.normal, contact.arm, moment[m]);
+    if (step.advances) history->advance(*p.resistance, contact, step.dt);
+    history->torque(contact.normal, contact.arm, moment[m]);
   }
 }
 
@@ -348,7 +348,7 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
     if (p.contact.yielded(peak))
       elastic = p.contact.elastic_energy(overlap, contacts.turnings[contacts.cached_turning(batch.k[m], p.contact)]);
     if (p.contact.cohesive())
-      elastic = has.cohesion_of(contacts.block(batch.k[m])).joined > 0.0
+      elastic = has.cohesion_of(contacts.block(batch.k[m]))->joined > 0.0
                     ? p.contact.cohesive_state(overlap, contacts.law_history(batch.k[m])).energy
                     : 0.0;
     if (has.prony) elastic = has.elastic_energy(elastic, contacts.block(batch.k[m]));
@@ -381,13 +381,13 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
     std::copy_n(batch.circle, batch.size, circle);
     compute_tangential(batch);
     compute_resistance(batch, circle, moment);
-    batch.add_forces_and_moments(triples(atom->f), triples(atom->torque), atom->nlocal, moment);
+    batch.add_forces_and_moments(components(atom->f), components(atom->torque), atom->nlocal, moment);
   } else if (has.friction) {
     compute_tangential(batch);
-    batch.add_forces_and_torques(triples(atom->f), triples(atom->torque), atom->nlocal, contacts.spring.data());
+    batch.add_forces_and_torques(components(atom->f), components(atom->torque), atom->nlocal, contacts.spring.data());
   } else {
     batch.compute_normal();
-    batch.add_normal(triples(atom->f), atom->nlocal);
+    batch.add_normal(components(atom->f), atom->nlocal);
   }
   if (what != Tally::NONE) tally(batch, what);
 }

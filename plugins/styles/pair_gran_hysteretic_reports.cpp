@@ -96,7 +96,7 @@ double PairGranHysteretic::tally_totals()
       if (overlap > 0.0 && !p.contact.cohesive())
         elastic += weight * has.elastic_energy(p.contact.elastic_energy(overlap), h.extra);
     }
-    if (p.contact.cohesive() && has.cohesion_of(c.block(k)).joined > 0.0)
+    if (p.contact.cohesive() && has.cohesion_of(c.block(k))->joined > 0.0)
       elastic += weight * p.contact.cohesive_state(overlap, h).energy;
     count(p.contact, h, c.view(k), dissipated, peak_force, overlap, weight);
   });
@@ -139,8 +139,9 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
 {
   report.share_i = contact.law().share_of_first();
   report.effective_radius = contact.effective_radius();
-  const DampingHistory damping = has.damping_of(view.extra);
-  for (int d = 0; d < 3; d++) report.tangential[d] = view.spring.force[d] + view.side * damping.force[d];
+  const double *const damping = has.damping_of(view.extra);
+  for (int d = 0; d < 3; d++)
+    report.tangential[d] = view.spring.force[d] + view.side * (damping ? damping[DampingHistory::FORCE + d] : 0.0);
   report.tangential_force = std::sqrt(dot(report.tangential, report.tangential));
   report.tangential_elastic = has.tangential_energy(view.spring, view.extra);
   report.frictional_loss = view.spring.loss;

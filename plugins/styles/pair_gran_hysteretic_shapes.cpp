@@ -192,7 +192,7 @@ bool PairGranHysteretic::add_special(int r, int k)
   const double radsum = atom->radius[i] + atom->radius[j];
   const CylinderPair::Separation found = separation(i, j);
   const bool touches = !(found.distance * found.distance >= TouchingPairs::touch_squared(radsum));    // also true for NaN
-  const bool sticks = has.cohesion && has.cohesion_of(c.block(k)).active();
+  const bool sticks = has.cohesion && has.cohesion_of(c.block(k))->active();
   if (sticks || (touches && found.beyond <= 0.0)) {
     const double apart = found.distance, *const normal = found.normal;
     batch.put(batch.size++, k, i, j, normal[0] * apart, normal[1] * apart, normal[2] * apart, apart * apart);

@@ -57,19 +57,22 @@ void granwave::write_state(FILE *fp, const std::vector<double> &state)
   std::fwrite(state.data(), sizeof(double), state.size(), fp);
 }
 
-const double *granwave::read_state(LAMMPS *lmp, const Fix &fix, const char *buffer, std::size_t n, const char *other)
+std::vector<double> granwave::read_state(LAMMPS *lmp, const Fix &fix, const char *buffer, std::size_t n, const char *other)
 {
-  const auto *const stored = reinterpret_cast<const double *>(buffer);
+  double stored[HEAD];
+  std::memcpy(stored, buffer, sizeof(stored));
   if (stored[0] != FORMAT)
     lmp->error->all(FLERR, "Restart file contains format {} of fix {}; this version reads format {}", stored[0], fix.style,
                     FORMAT);
   if (stored[1] != static_cast<double>(n))
     lmp->error->all(FLERR, "Restart file contains fix {} {} with {}: define it again with the arguments of the file",
                     fix.style, fix.id, other);
-  if (stored[2] != checksum(stored + HEAD, n))
+  std::vector<double> state(n);
+  std::memcpy(state.data(), buffer + sizeof(stored), n * sizeof(double));
+  if (stored[2] != checksum(state.data(), n))
     lmp->error->all(FLERR, "The restart file is damaged: the state of fix {} {} does not match its checksum", fix.style,
                     fix.id);
-  return stored + HEAD;
+  return state;
 }
 
 std::vector<double> granwave::read_state(LAMMPS *lmp, FILE *fp, const std::string &what)

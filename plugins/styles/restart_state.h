@@ -17,8 +17,8 @@ void write_state(FILE *, const std::vector<double> &state);
 
 /* Return the global state of a fix, of which n numbers are expected, from the buffer that LAMMPS passes to Fix::restart(). Stops
    with an error if the state is another one, which is called `other`, or damaged. */
-const double *read_state(LAMMPS_NS::LAMMPS *, const LAMMPS_NS::Fix &, const char *buffer, std::size_t n,
-                         const char *other = "another state");
+std::vector<double> read_state(LAMMPS_NS::LAMMPS *, const LAMMPS_NS::Fix &, const char *buffer, std::size_t n,
+                               const char *other = "another state");
 
 /* Read a state of the pair style on all processors. Stops with an error if it, called `what`, is damaged. */
 std::vector<double> read_state(LAMMPS_NS::LAMMPS *, FILE *, const std::string &what);
