@@ -35,7 +35,7 @@ from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingEr
 
 Window = tuple[float, float, float, float]  # left, right, top, bottom; mm
 
-_PLANES = ("orthogonal", "principal")  # the first that a packing has
+_PLANES = ("principal", "orthogonal")  # the first that a packing has; spheres of it touch
 _ACROSS = 3  # most panels in a row
 MOST_PANELS = 6
 _MILLI = 1e3
@@ -102,7 +102,7 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
     largest = max(float(fields[run].force.max()) for run in runs)
     low, high = decades_up_to(largest, None)
     window = _joint([fields[run].window(low) for run in runs])
-    figure, panels = _panels(len(runs), window)
+    figure, panels = _panels(len(runs), window, _depth_label([fields[run] for run in runs]))
     columns: dict[str, Array] = {}
     for axes, run in zip(panels, runs, strict=True):
         field = fields[run]
@@ -139,7 +139,7 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
         return None
     norm = SymLogNorm(_LINEAR * largest, linscale=_LINEAR_PART, vmin=-largest, vmax=largest)
     window = first.window(decades_up_to(float(first.force.max()), None)[0])
-    figure, panels = _panels(len(changes), window)
+    figure, panels = _panels(len(changes), window, _depth_label([first]))
     columns: dict[str, Array] = {}
     for axes, (run, change) in zip(panels, changes.items(), strict=True):
         _draw_changes(axes, first, change, norm)
@@ -191,7 +191,13 @@ def _draw_changes(axes: Axes, field: ForceField, change: Array, norm: SymLogNorm
     axes.add_collection(discs)
 
 
-def _panels(number: int, window: Window) -> tuple[MatplotlibFigure, list[Axes]]:
+def _depth_label(fields: Sequence[ForceField]) -> str:
+    """Return the label of the vertical axis: depth, or depth along inclined planes."""
+    labels = {field.cut.plane.down_label for field in fields}
+    return f"{labels.pop()} (mm)" if len(labels) == 1 else "Depth along the plane (mm)"
+
+
+def _panels(number: int, window: Window, depth_label: str) -> tuple[MatplotlibFigure, list[Axes]]:
     """Return a figure with a panel for each section, with common axes."""
     across = min(number, _ACROSS)
     rows = math.ceil(number / across)
@@ -203,9 +209,9 @@ def _panels(number: int, window: Window) -> tuple[MatplotlibFigure, list[Axes]]:
     for empty in grid.flat[number:]:
         empty.set_visible(False)
     for axes in grid[-1]:
-        axes.set_xlabel("From the impact axis (mm)")
+        axes.set_xlabel("Distance from the impact axis (mm)")
     for axes in grid[:, 0]:
-        axes.set_ylabel("Depth (mm)")
+        axes.set_ylabel(depth_label)
     return figure, list(grid.flat[:number])
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, unit_of_value
 from granwave.analysis.errors import did_you_mean
-from granwave.analysis.formatting.numbers import plain, quantity_in
+from granwave.analysis.formatting.numbers import number, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.subjects import (
@@ -167,7 +167,7 @@ def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> st
 
 def factor(ratio: float) -> str:
     """Return a ratio as text with three digits."""
-    return plain(f"{ratio:.3g}")
+    return number(ratio)
 
 
 def _clause(value: ComparedValue, names: Sequence[str]) -> str:
