@@ -54,7 +54,8 @@ from granwave.analysis.reports.comparison.subjects import (
 Decay = ForceDecay | PowerDecay
 
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
-_LINES = ("-", "--")
+#: Lines of the runs, which tell curves apart in grey; dotted are fits and measured curves.
+_LINES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (2, 1)))
 _MICRO = 1e6
 _MILLI = 1e3
 _KILO = 1e3
@@ -154,7 +155,7 @@ def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
     return {
         run: {
             "color": COLOURS[run.look % len(COLOURS)],
-            "linestyle": _LINES[run.look // len(COLOURS) % len(_LINES)],
+            "linestyle": _LINES[run.look % len(_LINES)],
             "linewidth": _THIN,
             "label": run.label.replace("$", r"\$").lstrip("_") or "run",
         }
