@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from granwave.analysis.formatting.numbers import number, quantity_in
+from granwave.analysis.formatting.numbers import number, plain, quantity_in
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 from granwave.analysis.reports.setting import target_of
 
@@ -78,7 +78,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         entries = _entries(_FORCE, runs, names)
         phrase = _Phrase(
             f"{{}} protects the {place} {{}}: its peak force is {{}}",
-            f"The peak force on the {place} is {{}} in all runs",
+            f"The peak force on the {place} is {{}}",
             "{} times as high",
             "better",
             "best",
@@ -88,7 +88,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     phrase = _Phrase(
         f"Relative to the same impact without the packing, {{}} protects the {place} {{}}: its "
         "peak force is {} times the force without the packing",
-        f"The peak force on the {place} is {{}} times the force without the packing in all runs",
+        f"The peak force on the {place} is {{}} times the force without the packing",
         "{} times as high",
         "better",
         "best",
@@ -101,7 +101,7 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     entries = _entries(_DEPTH, runs, names)
     phrase = _Phrase(
         "{} has the {} plastic zone: 90 % of the plastic dissipation is within a depth of {}",
-        "90 % of the plastic dissipation is within a depth of {} in all runs",
+        "90 % of the plastic dissipation is within a depth of {}",
         "{} times as deep",
         "shallower",
         "shallowest",
@@ -126,8 +126,9 @@ def _ordered(phrase: _Phrase, entries: Sequence[_Entry], text: Callable[[float],
     first = rising[0]
     last = rising[-1]
     if last.value <= first.value * (1 + _SAME):
-        percent = number(100 * (last.value / first.value - 1))
-        return f"{phrase.equal.format(text(first.value))}, within {percent} %."
+        percent = plain(f"{100 * (last.value / first.value - 1):.1g}")
+        runs = "both runs" if len(rising) == _LEAST_RUNS else "all runs"
+        return f"{phrase.equal.format(text(first.value))} in {runs}, within {percent} %."
     degree = phrase.of_two if len(rising) == _LEAST_RUNS else phrase.of_more
     others = rising[1:] if len(rising) <= _MOST_LISTED else rising[-1:]
     parts: list[str] = []

@@ -42,6 +42,7 @@ _FAMILIES = (
 _OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
 _ROUNDING = 1e-12  # over the largest value of the runs: zero
 _SAME = 1e-9  # relative difference of values that are equal
+_HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
 _IN_SENTENCE = 3
 
 
@@ -153,10 +154,11 @@ def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> st
     different = differing_values(value for value in values if None not in value.values)
     if not different:
         return f"No result differs between {names_in_words([run.name for run in runs])}."
+    distinct = [value for value in different if value.spread > _HARDLY]
     names = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
-    for value in different:
+    for value in distinct or different:
         family = _family(value.name)
         if family not in families and len(chosen) < _IN_SENTENCE:
             families.add(family)

@@ -304,7 +304,7 @@ def test_protection_of_many_runs_and_of_equal_ones(tmp_path):
         "times as high), the largest of 5 runs."
     )
     (sentence,) = protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1000.0, 1001.0])
-    assert sentence == "The peak force on the bottom is 1 kN in all runs, within 0.1 %."
+    assert sentence == "The peak force on the bottom is 1 kN in both runs, within 0.1 %."
     assert protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1.0, None]) == []
 
 
