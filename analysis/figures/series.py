@@ -198,7 +198,7 @@ def draw_axes(
         least_span(drawing.figure)
         drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
     if into:
-        match_text(drawing.figure, into[0])
+        match_text(drawing.figure, into)
     else:
         pyplot.figure(drawing.figure)
     plots = plots_of(drawing.figure)

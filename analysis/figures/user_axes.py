@@ -45,11 +45,6 @@ class UserFigure:
         """Axes of the panels, and those that the drawing added, such as of colour bars."""
         return [axes for axes in self._figure.axes if axes not in self._before]
 
-    @property
-    def added(self) -> list[Axes]:
-        """Axes that the drawing added: second axes, and those of colour bars."""
-        return [axes for axes in self.axes if axes not in self._panels]
-
     def subplots(
         self, rows: int = 1, columns: int = 1, *, squeeze: bool = True, **options: Any
     ) -> Axes | NDArray[Any]:
@@ -116,15 +111,23 @@ def plots_of(figure: Figure | UserFigure) -> list[Axes]:
     return [axes for axes in figure.axes if axes.get_label() != _COLOUR_BAR]
 
 
-def match_text(figure: UserFigure, panel: Axes) -> None:
-    """Give second axes and colour bars the text sizes of a panel of the user."""
-    label = panel.xaxis.label.get_size()
-    ticks = panel.xaxis.get_ticklabels()
-    for axes in figure.added:
+def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
+    """Give second axes and colour bars the text sizes of the first panel of the user.
+
+    Parameters
+    ----------
+    panels
+        Axes of the user.
+    """
+    label = panels[0].xaxis.label.get_fontsize()
+    ticks = panels[0].xaxis.get_ticklabels()
+    for axes in figure.axes:
+        if axes in panels:
+            continue
         for axis in (axes.xaxis, axes.yaxis):
-            axis.label.set_size(label)
+            axis.label.set_fontsize(label)
             if ticks:
-                axis.set_tick_params(labelsize=ticks[0].get_size())
+                axis.set_tick_params(labelsize=ticks[0].get_fontsize())
 
 
 def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:
