@@ -93,6 +93,8 @@ class DocumentTable:
         False: the heading above says enough.
     by_row
         Each row is a quantity of its own; else each column is.
+    footnotes
+        Remarks below the table, each with its mark.
     """
 
     caption: str
@@ -101,6 +103,7 @@ class DocumentTable:
     sortable: bool = False
     captioned: bool = True
     by_row: bool = False
+    footnotes: tuple[str, ...] = ()
     kind: Literal["table"] = "table"
 
     def keeping(self, columns: Sequence[int], **changes: Any) -> DocumentTable:

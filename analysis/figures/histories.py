@@ -67,6 +67,11 @@ _LINES_OF_ENERGIES = {
     "yielding": "-.",
     "absorbed": (0, (8, 2)),
 }
+#: Hatches of energies that are drawn as areas, for readers without colours.
+_HATCHES = {
+    "dissipated": "////", "yielding": "////", "friction": "\\\\\\\\", "viscous losses": "....",
+    "absorbed": "xxxx", "support": "----", "rotation": "||||", "elastic": "oooo",
+}  # fmt: skip
 #: Energies that are dissipated, but not by yielding: label and column of the ledger.
 _LOST_OTHERWISE = {
     "friction": "friction", "rolling": "rolling", "twisting": "twisting", "adhesion": "adhesion",
@@ -74,7 +79,9 @@ _LOST_OTHERWISE = {
     "absorbed": "absorbed",
 }  # fmt: skip
 _ROUNDING = 1e-9  # of the input: yielding of laws that cannot yield, left by subtraction
+_EDGE = 0.3  # width of the lines between areas, points
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
+_FAR_APART = 10.0  # largest over smallest peak force from which on their axis is logarithmic
 _IN_PANEL = 4  # sensors in a panel
 # figure of probes
 _MOST_IN_LEGEND = 10  # largest number of curves with a legend
@@ -100,7 +107,12 @@ def energies(result: Result) -> Drawing | None:
     if as_areas:
         colours = [_AREAS[part] for part in parts]
         areas = np.stack(list(parts.values())) * unit
-        upper.stackplot(time * _MICRO, areas, labels=list(parts), colors=colours, linewidth=0)
+        drawn = upper.stackplot(
+            time * _MICRO, areas, labels=list(parts), colors=colours, linewidth=_EDGE,
+            edgecolor="white",
+        )  # fmt: skip
+        for part, area in zip(parts, drawn, strict=True):
+            area.set_hatch(_HATCHES.get(part))
     else:
         for part, values in parts.items():
             line: Any = _LINES_OF_ENERGIES.get(part, "-")
@@ -311,9 +323,11 @@ def target_moves(result: Result) -> bool:
 
 
 def target(result: Result) -> Drawing | None:
-    """Draw force, impulse and work on the bottom against time, and the force without the packing.
+    """Draw the force on the bottom against time, the force without the packing, and below them the
+    work on a bottom that moves.
 
-    None if the bottom does not move and there is no such force: the force on the bottom has a
+    The axis of the forces is logarithmic where their peaks differ by more than a decade. The
+    impulse is in the figure of the force on the bottom. None if the bottom does not move and there is no such force: the force on the bottom has a
     figure of its own.
     """
     arrival = reached(result)
@@ -325,15 +339,18 @@ def target(result: Result) -> Drawing | None:
         return None
     time = arrival.time
     columns = {"time_s": arrival.time, "force_N": arrival.force, "impulse_Ns": arrival.impulse}
-    figure, force, impulse, *below = panels(
-        4.8 if moves else 3.5, rows=3 if moves else 2, sharex=True
+    figure, force, *below = panels(
+        3.6 if moves else 2.6, rows=1 + moves, sharex=True, height_ratios=(3, 2)[: 1 + moves]
     )
+    largest = [float(arrival.force.max())]
     against_time(force, time, arrival.force, linewidth=0.9, label="on the target")
     if arrival.displacement is not None and arrival.ground_force is not None:
         columns |= {"displacement_m": arrival.displacement, "ground_force_N": arrival.ground_force}
         against_time(
-            force, time, arrival.ground_force, color=GREEN, linewidth=0.9, label="on the ground"
-        )
+            force, time, arrival.ground_force, "-.", color=GREEN, linewidth=0.9,
+            label="on the ground",
+        )  # fmt: skip
+        largest.append(float(arrival.ground_force.max()))
     if without is not None and without.peak_force > 0:
         columns |= {
             "without_packing_time_s": without.time,
@@ -346,12 +363,11 @@ def target(result: Result) -> Drawing | None:
             linestyle="--",
             label="target without packing",
         )
-        peaks = float(arrival.force.max()), without.peak_force
-        force.set(yscale="log", ylim=(1e-2 * min(peaks), 2 * max(peaks)))
+        largest.append(without.peak_force)
+    if max(largest) > _FAR_APART * min(largest) > 0:
+        force.set(yscale="log", ylim=(1e-2 * min(largest), 2 * max(largest)))
     label(force, y="Force (N)")
     legend_above(force, 2)
-    impulse.plot(time * _MICRO, arrival.impulse * _MILLI, color=ORANGE)
-    label(impulse, y="Impulse (mN s)")
     for axes in below:
         ledger = result["energy/time"]
         energy = result.get("energy/target")

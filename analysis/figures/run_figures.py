@@ -103,7 +103,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Steps are short while contacts are stiff; the line is the tolerance for the error."),
     ("bottom_force", histories.bottom_force, "Force and impulse on the bottom",
      "The first rise is the arrival of the wave; the impulse is the area under the force."),
-    ("target", histories.target, "Force and impulse on the target, with and without the packing",
+    ("target", histories.target, "Force on the target with and without the packing, and work on it",
      "The ratio of the two force peaks is the peak reduction."),
     ("impactor_velocity", histories.impactor_velocity, "Velocity of the impacted or loaded sphere",
      "Negative values are a rebound; where the velocity is constant, the sphere moves freely."),

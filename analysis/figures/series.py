@@ -34,7 +34,7 @@ from granwave.analysis.figures.style import (
     new_figure,
     style,
 )
-from granwave.analysis.figures.user_axes import drawing_into, plots_of, user_figure
+from granwave.analysis.figures.user_axes import drawing_into, match_text, plots_of, user_figure
 
 _MICRO = 1e6  # in a second
 _MOST_POINTS = 20_000  # of a curve; the CSV file has all
@@ -197,7 +197,9 @@ def draw_axes(
             raise MissingDataError(str(drawing))
         least_span(drawing.figure)
         drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
-    if not into:
+    if into:
+        match_text(drawing.figure, into)
+    else:
         pyplot.figure(drawing.figure)
     plots = plots_of(drawing.figure)
     return plots[0] if len(plots) == 1 else plots

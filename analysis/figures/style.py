@@ -75,6 +75,7 @@ BLANK = "#dcdcdc"  # spheres without a value
 STYLE: dict[Any, Any] = {
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 8,
+    "hatch.linewidth": 0.5,
     "axes.titlesize": 8,
     "legend.frameon": False,
     "legend.handlelength": 1.6,

@@ -111,15 +111,36 @@ def plots_of(figure: Figure | UserFigure) -> list[Axes]:
     return [axes for axes in figure.axes if axes.get_label() != _COLOUR_BAR]
 
 
-def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str) -> bool:
+def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
+    """Give second axes and colour bars the text sizes of the first panel of the user.
+
+    Parameters
+    ----------
+    panels
+        Axes of the user.
+    """
+    label = panels[0].xaxis.label.get_fontsize()
+    ticks = panels[0].xaxis.get_ticklabels()
+    for axes in figure.axes:
+        if axes in panels:
+            continue
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.label.set_fontsize(label)
+            if ticks:
+                axis.set_tick_params(labelsize=ticks[0].get_fontsize())
+
+
+def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:
     """Draw the curves of the panels of another run over those of a run, dashed.
+
+    Second axes, such as of the impulse over the force, are removed.
 
     Parameters
     ----------
     panels, others
         Panels of both figures, in one order.
-    name
-        Name of the other run in legends.
+    name, own
+        Names of the other run and of the run in legends.
 
     Returns
     -------
@@ -129,17 +150,41 @@ def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str) -> boo
     if len(panels) != len(others):
         return False
     number = 0
+    second: list[Axes] = []
     for axes, other in zip(panels, others, strict=True):
+        if _is_second(axes, panels):
+            second.append(axes)
+            continue
         curves = [line for line in other.lines if line.get_transform() == other.transData]
         for curve in curves:
             _add_curve(axes, curve, name)
         if curves:
             axes.set_xlim(_widened(axes.get_xlim(), other.get_xlim()))
             axes.set_ylim(_widened(axes.get_ylim(), other.get_ylim()))
+            if len(curves) == 1:
+                _name_curve(axes.lines[0], own)
             if axes.get_legend() is not None or len(curves) == 1:
                 axes.legend()
         number += len(curves)
+    for axes in second:
+        axes.remove()
     return number > 0
+
+
+def _is_second(axes: Axes, panels: Sequence[Axes]) -> bool:
+    """Return True for axes that lie over an earlier panel, with an axis in common."""
+    earlier = panels[: list(panels).index(axes)]
+    common = axes.get_shared_x_axes()
+    place = axes.get_position().bounds
+    return any(
+        common.joined(axes, panel) and panel.get_position().bounds == place for panel in earlier
+    )
+
+
+def _name_curve(curve: Line2D, name: str) -> None:
+    """Name a curve in legends that has no name."""
+    if str(curve.get_label()).startswith("_"):
+        curve.set_label(name)
 
 
 def _add_curve(axes: Axes, curve: Line2D, name: str) -> None:

@@ -13,6 +13,7 @@ _MANY = 6
 _MOST = 8  # largest number of digits of a mean
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _VOLUMES = ((1.0, "m³"), (1e-6, "cm³"), (1e-9, "mm³"))
+_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _ALMOST = 0.9995  # of a unit: rounded to four digits, the unit
 
 
@@ -101,6 +102,11 @@ def plain(text: str) -> str:
     """Shorten the exponent of a formatted number: 1.2e-06 to 1.2e-6."""
     mantissa, e, power = text.partition("e")
     return f"{mantissa}e{int(power)}" if e else text
+
+
+def superscript(number: int) -> str:
+    """Format a whole number as raised digits, the mark of a footnote."""
+    return str(number).translate(_RAISED)
 
 
 def _power(value: float, digits: int) -> int:

@@ -84,6 +84,21 @@ class ForceDecay:
     misfit: float
     depth: Array
 
+    @property
+    def first(self) -> float:
+        """Depth of the first layer of the fit, m."""
+        return float(self.depth[0])
+
+    @property
+    def last(self) -> float:
+        """Depth of the last layer of the fit, m."""
+        return float(self.depth[-1])
+
+    @property
+    def n_layers(self) -> int:
+        """Number of layers of the fit."""
+        return len(self.depth)
+
     def __call__(self, depth: ArrayLike) -> Array:
         """Return forces at depths, (n,), m: (n,), N."""
         return np.asarray(self.force * np.exp(-self.rate * np.asarray(depth)))
@@ -148,7 +163,17 @@ def exponential_of_depth(depth: ArrayLike, force: ArrayLike) -> ForceDecay:
 
 def force_decay(result: Result) -> ForceDecay | PowerDecay | None:
     """Fit the largest peak force of each layer against depth, by an exponential and by a power;
-    return the fit with the smaller misfit.
+    return the fit with the smaller misfit, or None for fewer than four layers; see `both_decays`.
+    """
+    fits = both_decays(result)
+    if fits is None:
+        return None
+    exponential, power = fits
+    return exponential if exponential.misfit <= power.misfit else power
+
+
+def both_decays(result: Result) -> tuple[ForceDecay, PowerDecay] | None:
+    """Fit the largest peak force of each layer against depth, by an exponential and by a power.
 
     Omitted are the impacted layer, which shares its largest contact with the next, the deepest
     layer, which the bottom holds or leaves free, and layers whose force still rises at the end.
@@ -160,7 +185,7 @@ def force_decay(result: Result) -> ForceDecay | PowerDecay | None:
 
     Returns
     -------
-    ForceDecay, PowerDecay or None
+    tuple of ForceDecay and PowerDecay, or None
         None for fewer than four layers.
     """
     depth = result["spheres/position"][:, 2] - result.origin[2]
@@ -174,8 +199,7 @@ def force_decay(result: Result) -> ForceDecay | PowerDecay | None:
     if np.count_nonzero(fitted) < _LEAST_FIT:
         return None
     exponential = exponential_of_depth(mean[fitted], force[fitted])
-    power = _power(mean[fitted], force[fitted], diameter)
-    return exponential if exponential.misfit <= power.misfit else power
+    return exponential, _power(mean[fitted], force[fitted], diameter)
 
 
 def _line(x: Array, y: Array) -> FittedLine:

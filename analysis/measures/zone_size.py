@@ -389,7 +389,7 @@ class Mark(IntEnum):
 
 
 #: What a mark says, beside a marker in a figure or a table.
-LABELS = {Mark.CUT: "zone reaches a bound", Mark.WAVE: "reflected wave came back"}
+LABELS = {Mark.CUT: "zone reaches a boundary", Mark.WAVE: "reflected wave came back"}
 
 
 def mark_of(summary: Mapping[str, Any]) -> Mark:

@@ -414,7 +414,8 @@ class Run(Values):
             Plane of figures that end in _section, and of the contact network: ``"x"``, a normal
             (3,), or a mapping as ``figures.plane`` of a case.
         against
-            Another run, whose curves are drawn over those of this run, dashed.
+            Another run, whose curves are drawn over those of this run, dashed. Second axes, such
+            as of the impulse, are removed.
         depths
             Depths of the figure force_at_depths, m, as ``figures.depths`` of a case.
 
@@ -454,12 +455,18 @@ class Run(Values):
             with against._options(plane, depths):
                 drawing = figure.draw(against.result)
             others = [] if drawing is None else plots_of(drawing.figure)
-            label = against.name if against.name != self.name else against.directory.name
-            if not add_curves(axes if isinstance(axes, list) else [axes], others, label):
+            names = [self.name, against.name]
+            if self.name == against.name:
+                names = [self.directory.name, against.directory.name]
+            own, other = names
+            panels = axes if isinstance(axes, list) else [axes]
+            if not add_curves(panels, others, other, own):
                 raise MissingDataError(
                     f"{self.name}: figure {name} has no curves that can be overlaid with "
                     f"{against.name}; gw.compare shows maps of several runs"
                 )
+            left = [panel for panel in panels if panel.get_figure() is not None]
+            return left[0] if len(left) == 1 else left
         return axes
 
     @contextmanager

@@ -132,7 +132,9 @@ def parts(table: DocumentTable) -> list[DocumentTable]:
     for part in range(number):
         kept = [*keys, *others[part * len(others) // number : (part + 1) * len(others) // number]]
         caption = f"{table.caption}, part {part + 1} of {number}"
-        found.append(table.keeping(kept, caption=caption, captioned=True))
+        is_last = part + 1 == number
+        footnotes = table.footnotes if is_last else ()
+        found.append(table.keeping(kept, caption=caption, captioned=True, footnotes=footnotes))
     return found
 
 

@@ -27,7 +27,7 @@ from granwave.analysis.document.model import (
     value_cell,
 )
 from granwave.analysis.figures.style import NotDrawn, attempt, style
-from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.numbers import plain, superscript
 from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import ReportInputs
@@ -210,7 +210,8 @@ def row_tables(study: Study) -> list[DocumentTable | Note]:
         rows = [row for row in study.rows if row.kind == kind]
         if not rows:
             continue
-        names = [f"{row.quantity} ({row.unit})" if row.unit else row.quantity for row in rows]
+        footnotes = _footnotes(rows)
+        names = [_quantity_name(row, footnotes) for row in rows]
         columns = [
             (TableColumn("Quantity", key=True), [Cell(name, name) for name in names]),
             (TableColumn("Source", numeric=True), [_source(row) for row in rows]),
@@ -218,13 +219,29 @@ def row_tables(study: Study) -> list[DocumentTable | Note]:
             (TableColumn("Difference", numeric=True), [_difference(row.deviation) for row in rows]),
             (TableColumn(theory, numeric=True), [value_cell(row.theory) for row in rows]),
             (TableColumn("Where"), [Cell(row.where, row.where) for row in rows]),
-            (TableColumn("Remark"), [Cell(row.remark, row.remark) for row in rows]),
         ]
         blocks += [Note(_VERIFIES)] if kind == "verification" else []
-        blocks.append(
-            column_table(f"{study.title}: {caption}", columns, sortable=True, by_row=True)
+        table = column_table(
+            f"{study.title}: {caption}",
+            columns,
+            sortable=True,
+            by_row=True,
+            footnotes=tuple(f"{mark} {remark}" for remark, mark in footnotes.items()),
         )
+        blocks.append(table)
     return blocks
+
+
+def _footnotes(rows: Sequence[Row]) -> dict[str, str]:
+    """Return the mark of each remark of the rows, in their order; equal remarks share one."""
+    remarks = dict.fromkeys(row.remark for row in rows if row.remark)
+    return {remark: superscript(place) for place, remark in enumerate(remarks, 1)}
+
+
+def _quantity_name(row: Row, footnotes: Mapping[str, str]) -> str:
+    """Return the quantity of a row with its unit and the mark of its remark."""
+    name = f"{row.quantity} ({row.unit})" if row.unit else row.quantity
+    return f"{name} {footnotes[row.remark]}" if row.remark else name
 
 
 def _source(row: Row) -> Cell:
@@ -268,6 +285,7 @@ def pictures_of(study: Study, inputs: ReportInputs, section: str) -> tuple[Galle
 
 
 _COMPARISON = "comparison"
+_DISSIPATION = "Dissipation and plastic zones"  # title of the section
 
 
 def comparison_section(inputs: ReportInputs) -> DocumentSection:
@@ -292,7 +310,7 @@ def comparison_section(inputs: ReportInputs) -> DocumentSection:
     if blocks:
         for path in COMPARISON.values():
             blocks += importlib.import_module(path).remarks(runs)
-    return DocumentSection("Comparison", _COMPARISON, tuple(blocks))
+    return DocumentSection(_DISSIPATION, _COMPARISON, tuple(blocks))
 
 
 def comparison_of(inputs: ReportInputs) -> list[Study]:

@@ -14,10 +14,10 @@ from granwave.analysis.document.model import (
     percent,
     significant,
 )
+from granwave.analysis.formatting.numbers import superscript
 from granwave.analysis.studies.study import Row
 
 _ROUNDING = 1e-12  # relative
-_SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LOWER = ("at least", "more than", "Well over")  # words of a bound below
 LARGE = 10.0  # deviation from which on a ratio says more than per cent
 KINDS = {
@@ -113,11 +113,11 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
             remark = _remark(rows)
             if remark:
                 remarks.append(remark)
-                off = f"{off} {_superscript(len(remarks))}"
+                off = f"{off} {superscript(len(remarks))}"
             cells = [shown, what, values + unit, ours + unit, off]
             text.append(f"| {' | '.join(cells)} |")
     for place, remark in enumerate(remarks, 1):
-        text += ["", f"{_superscript(place)} {escaped(remark)}"]
+        text += ["", f"{superscript(place)} {escaped(remark)}"]
     return "\n".join(text) + "\n"
 
 
@@ -128,8 +128,3 @@ def _remark(rows: Sequence[Row]) -> str:
         if row.remark:
             sentences += row.remark.removesuffix(".").split(". ")
     return " ".join(f"{sentence}." for sentence in dict.fromkeys(sentences))
-
-
-def _superscript(number: int) -> str:
-    """Return a number as the mark of a remark below a table."""
-    return str(number).translate(_SUPERSCRIPTS)

@@ -72,7 +72,9 @@ _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _PICTURE_TEXT = "Relative difference of each value from its reference, by study and kind"
 #: Tables of rows that test the code alone.
 _VERIFICATION = re.compile(
-    r"^\*\*(?P<caption>.*verification of the code.*)\*\*\n\n(?P<rows>(?:\|.*\n)+)", re.MULTILINE
+    r"^\*\*(?P<caption>.*verification of the code.*)\*\*\n\n"
+    r"(?P<rows>(?:\|.*\n)+(?:\n[⁰¹²³⁴⁵⁶⁷⁸⁹]+ .*\n)*)",
+    re.MULTILINE,
 )
 
 

@@ -63,7 +63,9 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
     data
         Link to the folder with the data of the figures, where they were saved.
     """
-    blocks: list[Block] = [Note(comparison.sentence, "lead")]
+    protection = comparison.protection
+    blocks: list[Block] = [Note(text, "lead") for text in protection]
+    blocks.append(Note(comparison.sentence, "" if protection else "lead"))
     blocks += [Note(text, "note") for text in comparison.notes]
     blocks += misfit_tables(comparison)
     if comparison.values:

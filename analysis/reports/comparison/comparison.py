@@ -20,11 +20,13 @@ from granwave.analysis.reports.comparison.measured import (
     outside_notes,
     read_measured,
 )
+from granwave.analysis.reports.comparison.protection import protection_sentences
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     by_reason,
     compared_runs,
     names_in_words,
+    names_with_cases,
 )
 from granwave.analysis.reports.comparison.values import (
     ComparedValue,
@@ -115,6 +117,15 @@ class Comparison:
         else:
             first = sentence(self.values or compared_values(self.runs), self.runs)
         return " ".join([first, *measured])
+
+    @property
+    def protection(self) -> list[str]:
+        """Sentences on which run protects better, by the force on the bottom and by the depth of
+        the plastic zone; empty where values were asked for, or nothing differs.
+        """
+        if self.quantities or len(self.runs) < _LEAST_RUNS or not self.differs:
+            return []
+        return protection_sentences(self.runs, names_with_cases(self.runs))
 
     @property
     def table(self) -> pandas.DataFrame:
@@ -308,11 +319,13 @@ class Comparison:
         return [f"Runs end at different times, so their integrals over time differ: {listed}."]
 
     def __repr__(self) -> str:
-        lines = [self.sentence, *self.notes, "", self.table.to_string(na_rep="")]
+        lines = [*self.protection, self.sentence, *self.notes, "", self.table.to_string(na_rep="")]
         return "\n".join([*lines, "", self.differences.to_string()])
 
     def _repr_html_(self) -> str:
-        notes = "".join(f"<p>{html.escape(note)}</p>" for note in (self.sentence, *self.notes))
+        notes = "".join(
+            f"<p>{html.escape(note)}</p>" for note in (*self.protection, self.sentence, *self.notes)
+        )
         return f"{notes}\n{self.table.to_html(na_rep='')}\n{self.differences.to_html()}"
 
 

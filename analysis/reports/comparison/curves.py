@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.force_decay import PowerDecay, power_decay
+from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, both_decays
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
 from granwave.analysis.measures.signals import Array
@@ -45,14 +45,15 @@ class PeaksByDepth:
         Of the layers below the impacted sphere, m: (n_layers,).
     largest, median
         Of the peak forces of their spheres, N: (n_layers,).
-    decay
-        Fit of the largest; None with fewer than four layers below the impacted one.
+    decays
+        Fits of the largest by an exponential and by a power of the depth; None with fewer than
+        four layers below the impacted one.
     """
 
     depth: Array
     largest: Array
     median: Array
-    decay: PowerDecay | None
+    decays: tuple[ForceDecay, PowerDecay] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +116,7 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
     with run.opened() as result:
         mean, layer = _layers_below(result)
         force = result["spheres/peak_force"]
-        diameter = result.case.packing.diameter
+        decays = both_decays(result)
         largest = np.array([force[layer == n].max() for n in range(len(mean))])
         median = np.array([np.median(force[layer == n]) for n in range(len(mean))])
     if len(mean) < 2 or not largest.any():
@@ -123,7 +124,7 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
     shown = largest > _LEAST_SHARE * largest.max()
     depth = mean[shown]
     largest = largest[shown]
-    return PeaksByDepth(depth, largest, median[shown], power_decay(depth, largest, diameter))
+    return PeaksByDepth(depth, largest, median[shown], decays)
 
 
 def dissipation_by_depth(run: ComparedRun) -> SampledCurve:

@@ -35,10 +35,12 @@ from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingEr
 
 Window = tuple[float, float, float, float]  # left, right, top, bottom; mm
 
-_PLANES = ("orthogonal", "principal")  # the first that a packing has
-_ACROSS = 3  # most panels in a row
+_PLANES = ("principal", "orthogonal")  # the first that a packing has; spheres of it touch
+_ACROSS = 3  # most panels in a row ...
+_IN_PAIRS = 2  # ... and panels in a row of four
 MOST_PANELS = 6
 _MILLI = 1e3
+_FONT = 8  # of the labels of the axes, points
 _TALLEST = 8.0  # inches
 _SAME_PLACE = 1e-3  # diameters, between grains that correspond
 _LINEAR = 1e-2  # of the largest difference, within which its scale is linear
@@ -102,7 +104,7 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
     largest = max(float(fields[run].force.max()) for run in runs)
     low, high = decades_up_to(largest, None)
     window = _joint([fields[run].window(low) for run in runs])
-    figure, panels = _panels(len(runs), window)
+    figure, panels = _panels(len(runs), window, _depth_label([fields[run] for run in runs]))
     columns: dict[str, Array] = {}
     for axes, run in zip(panels, runs, strict=True):
         field = fields[run]
@@ -112,7 +114,7 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
         axes.set_title(run.label, pad=2, fontsize=7)
         columns |= _columns(run, field, "peak_force_N", field.force)
     forces = np.concatenate([fields[run].force for run in runs])
-    colour_bar(figure, panels, colouring, forces)
+    colour_bar(figure, panels, colouring, forces, location="top")
     return Drawing(figure, columns)
 
 
@@ -139,7 +141,7 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
         return None
     norm = SymLogNorm(_LINEAR * largest, linscale=_LINEAR_PART, vmin=-largest, vmax=largest)
     window = first.window(decades_up_to(float(first.force.max()), None)[0])
-    figure, panels = _panels(len(changes), window)
+    figure, panels = _panels(len(changes), window, _depth_label([first]))
     columns: dict[str, Array] = {}
     for axes, (run, change) in zip(panels, changes.items(), strict=True):
         _draw_changes(axes, first, change, norm)
@@ -147,7 +149,7 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
         axes.set_title(run.label, pad=2, fontsize=7)
         columns |= _columns(run, first, "peak_force_difference_N", change)
     mappable = ScalarMappable(norm, colormaps[BOTH_SIDES_MAP])
-    bar = figure.colorbar(mappable, ax=panels, location="bottom", aspect=28, shrink=0.9)
+    bar = figure.colorbar(mappable, ax=panels, location="top", aspect=28, shrink=0.9)
     bar.set_label(f"Peak force minus {reference.label} (N)")
     bar.set_ticks(_ticks(largest))
     bar.minorticks_off()
@@ -191,9 +193,15 @@ def _draw_changes(axes: Axes, field: ForceField, change: Array, norm: SymLogNorm
     axes.add_collection(discs)
 
 
-def _panels(number: int, window: Window) -> tuple[MatplotlibFigure, list[Axes]]:
+def _depth_label(fields: Sequence[ForceField]) -> str:
+    """Return the label of the vertical axis: depth, or depth along inclined planes."""
+    labels = {field.cut.plane.down_label for field in fields}
+    return f"{labels.pop()} (mm)" if len(labels) == 1 else "Depth along the plane (mm)"
+
+
+def _panels(number: int, window: Window, depth_label: str) -> tuple[MatplotlibFigure, list[Axes]]:
     """Return a figure with a panel for each section, with common axes."""
-    across = min(number, _ACROSS)
+    across = _IN_PAIRS if number == _IN_PAIRS**2 else min(number, _ACROSS)
     rows = math.ceil(number / across)
     width = WIDTH if number == 1 else 2 * WIDTH
     left, right, top, bottom = window
@@ -202,10 +210,8 @@ def _panels(number: int, window: Window) -> tuple[MatplotlibFigure, list[Axes]]:
     grid = figure.subplots(rows, across, sharex=True, sharey=True, squeeze=False)
     for empty in grid.flat[number:]:
         empty.set_visible(False)
-    for axes in grid[-1]:
-        axes.set_xlabel("From the impact axis (mm)")
-    for axes in grid[:, 0]:
-        axes.set_ylabel("Depth (mm)")
+    figure.supxlabel("Distance from the impact axis (mm)", fontsize=_FONT)
+    figure.supylabel(depth_label, fontsize=_FONT)
     return figure, list(grid.flat[:number])
 
 

@@ -20,7 +20,8 @@ from granwave.analysis.figures.series import (
     panels,
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
-from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.numbers import interval
+from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
     FORMS,
@@ -50,8 +51,11 @@ from granwave.analysis.reports.comparison.subjects import (
     spread_first,
 )
 
+Decay = ForceDecay | PowerDecay
+
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
-_LINES = ("-", "--")
+#: Lines of the runs, which tell curves apart in grey; dotted are fits and measured curves.
+_LINES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (2, 1)))
 _MICRO = 1e6
 _MILLI = 1e3
 _KILO = 1e3
@@ -151,7 +155,7 @@ def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
     return {
         run: {
             "color": COLOURS[run.look % len(COLOURS)],
-            "linestyle": _LINES[run.look // len(COLOURS) % len(_LINES)],
+            "linestyle": _LINES[run.look % len(_LINES)],
             "linewidth": _THIN,
             "label": run.label.replace("$", r"\$").lstrip("_") or "run",
         }
@@ -270,6 +274,7 @@ def draw_peaks(
     """
     has_layers = any((one.largest != one.median).any() for one in peaks.values())
     figure, left, *others = panels(2.9, columns=1 + has_layers)
+    fits = common_fits(peaks)
     columns: dict[str, Array] = {}
     for run, look in _styles(list(peaks)).items():
         one = peaks[run]
@@ -278,9 +283,10 @@ def draw_peaks(
         for right in others:
             is_loaded = one.median > 0
             right.plot(depth[is_loaded], one.median[is_loaded], marker=".", markersize=4, **look)
-        if one.decay is not None:
-            ends = np.geomspace(one.decay.first, one.decay.last, _POINTS_OF_FIT)
-            fit = one.decay(ends)
+        if run in fits:
+            decay = fits[run]
+            ends = np.linspace(decay.first, decay.last, _POINTS_OF_FIT)
+            fit = decay(ends)
             left.plot(ends * _MILLI, fit, color=look["color"], linestyle=":", linewidth=1.6)
         name = column_name(run.label)
         columns |= {
@@ -308,25 +314,48 @@ def _log_if_wide(axes: Axes) -> None:
         axes.set_ylim(0, _ROOM_ABOVE * values.max())
 
 
+def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
+    """Return the fit of each run that has one, of the law that fits all of them better.
+
+    The law is the same for all runs, so that its constants can be compared: the exponential or
+    the power with the smaller sum of squared misfits.
+    """
+    pairs = {run: one.decays for run, one in peaks.items() if one.decays is not None}
+    exponential = sum(pair[0].misfit ** 2 for pair in pairs.values())
+    power = sum(pair[1].misfit ** 2 for pair in pairs.values())
+    if exponential <= power:
+        return {run: pair[0] for run, pair in pairs.items()}
+    return {run: pair[1] for run, pair in pairs.items()}
+
+
 def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return the fits of the decay in a sentence."""
-    fits = [(run, one.decay) for run, one in peaks.items() if one.decay is not None]
+    fits = common_fits(peaks)
     if not fits:
         return ""
+    is_exponential = isinstance(next(iter(fits.values())), ForceDecay)
+    law = "exponential, F ~ exp(-bz), fitted" if is_exponential else "power law, F ~ z^-n, fitted"
+    constant = "b" if is_exponential else "n"
     parts = [
-        f"{fit.exponent:.2f} ± {plain(f'{fit.error:.1g}')} ({run.name}, {fit.n_layers} layers, "
-        f"rms {100 * fit.misfit:.2g} %)"
-        for run, fit in fits
+        f"{_constant(fit)} ({run.name}, {fit.n_layers} layers, rms {100 * fit.misfit:.2g} %)"
+        for run, fit in fits.items()
     ]
     return (
-        "Dotted: power law of the largest force, F ~ z^-n, fitted between the impacted and the "
-        f"last layer; n and its standard error: {'; '.join(parts)}.{_without_fit(peaks)}"
+        f"Dotted: {law} to the largest force between the impacted and the last layer; {constant} "
+        f"and its standard error: {'; '.join(parts)}.{_without_fit(peaks)}"
     )
+
+
+def _constant(fit: Decay) -> str:
+    """Return the constant of a fit with its standard error."""
+    if isinstance(fit, ForceDecay):
+        return f"{interval(fit.rate, fit.error)} per m"
+    return interval(fit.exponent, fit.error)
 
 
 def _without_fit(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return a sentence on the runs without a fit of the decay; empty if there is none."""
-    names = [run.name for run, curves in peaks.items() if curves.decay is None]
+    names = [run.name for run, curves in peaks.items() if curves.decays is None]
     return f" Too few layers for a fit: {', '.join(names)}." if names else ""
 
 
@@ -451,7 +480,8 @@ FIGURES: dict[str, ComparisonFigure] = {
         notes=speed_notes, curve=_itself,
     ),
     "peak_force_field": ComparisonFigure(
-        "Peak force on a section through the impact axis, on a common colour scale", force_field,
+        "Peak force on the lattice plane below the impact in which spheres touch, on a common "
+        "colour scale", force_field,
         draw_field_panels, most=MOST_PANELS,
     ),
     "peak_force_difference": ComparisonFigure(

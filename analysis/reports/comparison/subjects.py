@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -29,6 +30,7 @@ _OF_MATERIAL = "material."
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
+_BETWEEN_WORDS = r"[-_ /]"  # of the name of a run
 _KILO = 1e3
 _MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
 _LEAST_RANGE = 3  # runs in a row that are named by the first and the last
@@ -229,7 +231,7 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _texts(runs: Sequence[ReportRun]) -> list[str]:
-    """Return the differences of the case of each run, in a few words."""
+    """Return the differences of the case of each run, in a few words that its name lacks."""
     with_case = [run for run in runs if run.case]
     keys = physical_keys(with_case) if len(with_case) > 1 else []
     if len({run.kind for run in runs}) > 1:
@@ -238,7 +240,9 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     texts: list[str] = []
     for run in runs:
         parts = [value_text(key, run.case, missing="") for key in keys]
-        texts.append(", ".join(part for part in parts if 0 < len(part) <= _LONGEST_VALUE))
+        in_name = re.split(_BETWEEN_WORDS, run.label)
+        said = [part for part in parts if 0 < len(part) <= _LONGEST_VALUE and part not in in_name]
+        texts.append(", ".join(said))
     return texts
 
 

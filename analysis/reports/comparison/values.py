@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, unit_of_value
 from granwave.analysis.errors import did_you_mean
-from granwave.analysis.formatting.numbers import plain, quantity_in
+from granwave.analysis.formatting.numbers import number, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.subjects import (
@@ -42,6 +42,7 @@ _FAMILIES = (
 _OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
 _ROUNDING = 1e-12  # over the largest value of the runs: zero
 _SAME = 1e-9  # relative difference of values that are equal
+_HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
 _IN_SENTENCE = 3
 
 
@@ -154,10 +155,11 @@ def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> st
     different = differing_values(value for value in values if None not in value.values)
     if not different:
         return f"No result differs between {names_in_words([run.name for run in runs])}."
+    distinct = [value for value in different if value.spread > _HARDLY]
     names = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
-    for value in different:
+    for value in distinct or different:
         family = _family(value.name)
         if family not in families and len(chosen) < _IN_SENTENCE:
             families.add(family)
@@ -168,7 +170,7 @@ def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> st
 
 def factor(ratio: float) -> str:
     """Return a ratio as text with three digits."""
-    return plain(f"{ratio:.3g}")
+    return number(ratio)
 
 
 def _clause(value: ComparedValue, names: Sequence[str]) -> str:

@@ -63,14 +63,24 @@ def test_a_plane_holds_for_one_figure(runs, axes):
         runs[0].figure("peak_force_section", ax=axes[0], plane="q")
 
 
+def test_second_axes_have_the_text_sizes_of_the_user(runs, axes):
+    axes[0].xaxis.label.set_size(17)
+    force, impulse = runs[0].figure("bottom_force", ax=axes[0])
+    assert force is axes[0] and len(impulse.lines) == 1
+    assert impulse.yaxis.label.get_size() == 17
+
+
 def test_curves_of_another_run(runs, axes):
     slow, fast = runs
-    drawn = slow.figure("bottom_force", ax=axes[0], against=fast)
-    force = drawn[0] if isinstance(drawn, list) else drawn
+    force = slow.figure("bottom_force", ax=axes[0], against=fast)
+    assert force is axes[0]
+    assert len(force.get_figure().axes) == len(axes)  # without the second axes of the impulse
     own, other = force.lines
     assert other.get_linestyle() == "--"
     expected = fast.walls.query("wall == 'bottom'")["force"].to_numpy()
     assert np.asarray(other.get_ydata()) == pytest.approx(expected)
     assert force.get_ylim()[1] >= max(own.get_ydata().max(), expected.max())
+    legend = [text.get_text() for text in force.get_legend().get_texts()]
+    assert legend == [slow.directory.name, fast.directory.name]
     with pytest.raises(MissingDataError, match="has no curves"):
         slow.figure("peak_force_principal", ax=axes[1], against=fast)

@@ -137,7 +137,9 @@ def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
         browser.open((tmp_path / "report.html").as_uri(), 1200)
         gallery = browser.evaluate("document.querySelector('#figures .gallery').clientWidth")
         width = "document.querySelector('#figures img[alt^=\"{}\"]').clientWidth"
-        assert browser.evaluate(width.format("Force and impulse on the target")) > 0.9 * gallery
+        assert (
+            browser.evaluate(width.format("Force on the target with and without")) > 0.9 * gallery
+        )
         if not alone:
             assert (
                 browser.evaluate(width.format("Velocity of the impacted or loaded sphere"))

@@ -10,7 +10,12 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.figures.style import Drawing, style
-from granwave.analysis.measures.force_decay import power_decay
+from granwave.analysis.measures.force_decay import (
+    ForceDecay,
+    PowerDecay,
+    exponential_of_depth,
+    power_decay,
+)
 from granwave.analysis.reports.comparison.cases import ids_in_words
 from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
 from granwave.analysis.reports.comparison.curves import (
@@ -19,7 +24,7 @@ from granwave.analysis.reports.comparison.curves import (
     energy_shares,
     force_at_bottom,
 )
-from granwave.analysis.reports.comparison.figures import decay_notes
+from granwave.analysis.reports.comparison.figures import common_fits, decay_notes
 from granwave.analysis.reports.comparison.measured import (
     closest_sentence,
     deviation,
@@ -28,6 +33,7 @@ from granwave.analysis.reports.comparison.measured import (
     relative_text,
 )
 from granwave.analysis.reports.comparison.page import figure_folder, write_comparison
+from granwave.analysis.reports.comparison.protection import protection_sentences
 from granwave.analysis.reports.comparison.subjects import compared_runs, value_text
 from granwave.analysis.reports.comparison.values import compared_values, sentence
 from granwave.analysis.reports.inputs import read_inputs
@@ -221,14 +227,85 @@ def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsy
 def test_runs_without_a_fitted_decay_are_named(place):
     runs = compared(place, "fcc", "chain").runs
     depth = np.arange(1.0, 6.0)
-    fit = power_decay(depth, depth**-1.5, 1.0)
-    assert fit is not None
+    fits = exponential_of_depth(depth, depth**-1.5), power_decay(depth, depth**-1.5, 1.0)
     peaks = {
-        run: PeaksByDepth(depth, depth, depth, decay)
-        for run, decay in zip(runs, (None, fit), strict=True)
+        run: PeaksByDepth(depth, depth, depth, decays)
+        for run, decays in zip(runs, (None, fits), strict=True)
     }
     assert decay_notes(peaks).endswith("Too few layers for a fit: fcc.")
     assert decay_notes({runs[0]: peaks[runs[0]]}) == ""
+
+
+def test_all_runs_have_the_law_that_fits_them_better():
+    depth = np.arange(1.0, 9.0)
+    laws = {"exponential": np.exp(-0.7 * depth), "power": depth**-1.5}
+    for law, force in laws.items():
+        fits = exponential_of_depth(depth, force), power_decay(depth, force, 1.0)
+        other = exponential_of_depth(depth, depth**-1.2), power_decay(depth, depth**-1.2, 1.0)
+        peaks = {
+            "a": PeaksByDepth(depth, force, force, fits),
+            "b": PeaksByDepth(depth, force, force, fits if law == "exponential" else other),
+        }
+        chosen = common_fits(peaks)
+        kind = ForceDecay if law == "exponential" else PowerDecay
+        assert all(isinstance(fit, kind) for fit in chosen.values())
+    assert chosen["a"].exponent == pytest.approx(1.5)
+
+
+def protected(tmp_path, **values) -> list[str]:
+    """Sentences on protection of made-up runs, whose values are in lists by key."""
+    numbers = dict.fromkeys(
+        ("peak_reduction", "energy_input_J", "wall_peak_force_N", "zone_depth_90_interpolated_m")
+    )
+    folder = tmp_path / str(len(list(tmp_path.iterdir())))
+    runs = []
+    for n in range(len(next(iter(values.values())))):
+        own = numbers | {key: column[n] for key, column in values.items()}
+        runs.append(write_run(folder / f"run-{n + 1}", figures=False, **own))
+    subjects = compared_runs(read_inputs(runs, folder).runs)
+    return protection_sentences(subjects, [run.name for run in subjects])
+
+
+def test_which_of_two_runs_protects_better(tmp_path):
+    sentences = protected(
+        tmp_path,
+        energy_input_J=[0.05, 0.05],
+        wall_peak_force_N=[1500.0, 1200.0],
+        zone_depth_90_interpolated_m=[0.02, 0.05],
+    )
+    assert sentences == [
+        "run-2 protects the bottom better: its peak force is 1.2 kN, compared with 1.5 kN in "
+        "run-1 (1.25 times as high).",
+        "run-1 has the shallower plastic zone: 90 % of the plastic dissipation is within a depth "
+        "of 20 mm, compared with 50 mm in run-2 (2.5 times as deep).",
+    ]
+
+
+def test_runs_of_other_impacts_are_compared_with_the_impact_without_the_packing(tmp_path):
+    """The harder impact has the larger force and the better protection."""
+    (sentence,) = protected(
+        tmp_path,
+        energy_input_J=[0.05, 0.2],
+        wall_peak_force_N=[1500.0, 2000.0],
+        peak_reduction=[1.25, 2.5],
+    )
+    assert sentence == (
+        "Relative to the same impact without the packing, run-2 protects the bottom better: its "
+        "peak force is 0.4 times the force without the packing, compared with 0.8 in run-1 (2 "
+        "times as high)."
+    )
+
+
+def test_protection_of_many_runs_and_of_equal_ones(tmp_path):
+    forces = [5.0, 1.0, 2.0, 4.0, 3.0]
+    (sentence,) = protected(tmp_path, energy_input_J=[1.0] * 5, wall_peak_force_N=forces)
+    assert sentence == (
+        "run-2 protects the bottom best: its peak force is 1 N, compared with 5 N in run-1 (5 "
+        "times as high), the largest of 5 runs."
+    )
+    (sentence,) = protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1000.0, 1001.0])
+    assert sentence == "The peak force on the bottom is 1 kN in both runs, within 0.1 %."
+    assert protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1.0, None]) == []
 
 
 def test_no_initial_indentation_is_none():

@@ -16,8 +16,8 @@ import pytest
 
 from granwave.analysis.document.model import DocumentTable
 from granwave.analysis.reports.inputs import ReportPoint, ReportScan, read_inputs
-from granwave.analysis.reports.report import write_report
-from granwave.analysis.reports.studies import studies_of, studies_section
+from granwave.analysis.reports.report import parts, write_report
+from granwave.analysis.reports.studies import row_tables, studies_of, studies_section
 from granwave.analysis.studies.runs import (
     all_but,
     bottom_label,
@@ -221,11 +221,34 @@ def test_a_report_has_a_table_for_each_kind(tmp_path: Path) -> None:
         "Chain: ours alone",
     ]  # fmt: skip
     sourced = tables["Chain: source against ours"]
-    assert [row[0].text for row in sourced.rows] == ["force (N)", "printed formula (m/s)"]
+    assert [row[0].text for row in sourced.rows] == ["force (N) ¹", "printed formula (m/s)"]
+    assert sourced.footnotes == (f"¹ {SOURCE.remark}",)
     assert sourced.rows[1][2].text == "–"  # noqa: RUF001
     assert "Must be" in [
         column.heading for column in tables["Chain: verification of the code"].columns
     ]
+
+
+def test_equal_remarks_share_a_footnote_and_the_last_part_of_a_table_has_it() -> None:
+    rows = [
+        dataclasses.replace(ALONE, quantity=name, remark=remark)
+        for name, remark in (("a", "first"), ("b", ""), ("c", "second"), ("d", "first"))
+    ]
+    (table,) = row_tables(Study("s", "Chain", "text", rows=tuple(rows)))
+    assert [row[0].text.split()[-1] for row in table.rows if row[0].text[0] in "acd"] == [
+        "¹",
+        "²",
+        "¹",
+    ]
+    assert table.footnotes == ("¹ first", "² second")
+    wide = dataclasses.replace(
+        table,
+        columns=table.columns * 4,
+        rows=tuple(row * 4 for row in table.rows),
+    )
+    split = parts(wide)
+    assert len(split) > 1
+    assert [part.footnotes for part in split] == [()] * (len(split) - 1) + [table.footnotes]
 
 
 def test_rows_are_written_beside_the_report_of_a_scan(tmp_path: Path) -> None:

@@ -303,7 +303,7 @@ def test_suite_leaves_one_report_and_its_figures(suite: Path, tmp_path: Path, mo
     page = (suite / "report.html").read_text(encoding="utf-8")
     expected = (
         "Report: small",
-        "Comparison",
+        "Dissipation and plastic zones",
         "Granular scaling",
         "Loading area",
         "modulus 230 GPa",
@@ -325,7 +325,10 @@ def test_suite_leaves_one_report_and_its_figures(suite: Path, tmp_path: Path, mo
     other = write_report([suite / "granular", suite / "continuum"], tmp_path / "b.md").read_text(
         encoding="utf-8"
     )
-    assert other.startswith("# Report: granular, continuum\n") and "Comparison" in other
+    assert (
+        other.startswith("# Report: granular, continuum\n")
+        and "Dissipation and plastic zones" in other
+    )
 
 
 def test_finished_scan_of_a_suite_is_not_computed_again(

@@ -1,0 +1,158 @@
+"""Sentences on which of several runs protects better: force on the bottom, depth of the zone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+from granwave.analysis.formatting.numbers import number, plain, quantity_in
+from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.setting import target_of
+
+_FORCE = "wall_peak_force_N"
+_REDUCTION = "peak_reduction"
+_INPUT = "energy_input_J"
+_DEPTH = "zone_depth_90_interpolated_m"
+_SAME_INPUT = 1e-6  # relative difference of energies that are equal
+_SAME = 5e-3  # relative difference of results that are called equal
+_MOST_LISTED = 4  # runs that a sentence lists; of more the best and the worst
+_LEAST_RUNS = 2
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """A run with its value, m, N or 1."""
+
+    name: str
+    value: float
+
+
+@dataclass(frozen=True)
+class _Phrase:
+    """Templates of a sentence that orders runs by a value.
+
+    Attributes
+    ----------
+    best
+        Takes the name of the best run, the degree, and its value.
+    equal
+        Takes the value that all runs have.
+    times
+        Takes the ratio of a value to the best one.
+    of_two, of_more
+        Degree, of two runs and of more.
+    """
+
+    best: str
+    equal: str
+    times: str
+    of_two: str
+    of_more: str
+
+
+def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[str]:
+    """Return which run protects better, with all values and their ratios.
+
+    Runs with the same energy input are ordered by the peak force on the bottom, others by the
+    peak force relative to the impact without the packing. The second sentence orders them by the
+    depth that contains 90 % of the plastic dissipation.
+
+    Parameters
+    ----------
+    names
+        Names of the runs in sentences: (n_runs,).
+    """
+    sentences: list[str] = []
+    if force := _force_sentence(runs, names):
+        sentences.append(force)
+    if depth := _depth_sentence(runs, names):
+        sentences.append(depth)
+    return sentences
+
+
+def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
+    """Return the order of the runs by the peak force below the packing; empty without one."""
+    place = "target" if all(target_of(run.run.case) for run in runs) else "bottom"
+    if _have_same_input(runs):
+        entries = _entries(_FORCE, runs, names)
+        phrase = _Phrase(
+            f"{{}} protects the {place} {{}}: its peak force is {{}}",
+            f"The peak force on the {place} is {{}}",
+            "{} times as high",
+            "better",
+            "best",
+        )
+        return _ordered(phrase, entries, partial(quantity_in, unit="N"))
+    relative = [_Entry(entry.name, 1 / entry.value) for entry in _entries(_REDUCTION, runs, names)]
+    phrase = _Phrase(
+        f"Relative to the same impact without the packing, {{}} protects the {place} {{}}: its "
+        "peak force is {} times the force without the packing",
+        f"The peak force on the {place} is {{}} times the force without the packing",
+        "{} times as high",
+        "better",
+        "best",
+    )
+    return _ordered(phrase, relative, number)
+
+
+def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
+    """Return the order of the runs by the depth of the plastic zone; empty without two zones."""
+    entries = _entries(_DEPTH, runs, names)
+    phrase = _Phrase(
+        "{} has the {} plastic zone: 90 % of the plastic dissipation is within a depth of {}",
+        "90 % of the plastic dissipation is within a depth of {}",
+        "{} times as deep",
+        "shallower",
+        "shallowest",
+    )
+    text = _ordered(phrase, entries, partial(quantity_in, unit="m"))
+    present = {entry.name for entry in entries}
+    without = [
+        name
+        for run, name in zip(runs, names, strict=True)
+        if name not in present and run.has_spheres
+    ]
+    if not text or not without or len(without) > _MOST_LISTED:
+        return text
+    return f"{text} No plastic dissipation below the impact: {', '.join(without)}."
+
+
+def _ordered(phrase: _Phrase, entries: Sequence[_Entry], text: Callable[[float], str]) -> str:
+    """Return the runs in the order of their values; empty for fewer than two."""
+    if len(entries) < _LEAST_RUNS:
+        return ""
+    rising = sorted(entries, key=lambda entry: entry.value)
+    first = rising[0]
+    last = rising[-1]
+    if last.value <= first.value * (1 + _SAME):
+        percent = plain(f"{100 * (last.value / first.value - 1):.1g}")
+        runs = "both runs" if len(rising) == _LEAST_RUNS else "all runs"
+        return f"{phrase.equal.format(text(first.value))} in {runs}, within {percent} %."
+    degree = phrase.of_two if len(rising) == _LEAST_RUNS else phrase.of_more
+    others = rising[1:] if len(rising) <= _MOST_LISTED else rising[-1:]
+    parts: list[str] = []
+    for entry in others:
+        ratio = phrase.times.format(number(entry.value / first.value))
+        parts.append(f"{text(entry.value)} in {entry.name} ({ratio})")
+    listed = " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
+    most = "" if len(rising) <= _MOST_LISTED else f", the largest of {len(rising)} runs"
+    best = phrase.best.format(first.name, degree, text(first.value))
+    return f"{best}, compared with {listed}{most}."
+
+
+def _entries(key: str, runs: Sequence[ComparedRun], names: Sequence[str]) -> list[_Entry]:
+    """Return the runs that have a value above zero."""
+    entries: list[_Entry] = []
+    for run, name in zip(runs, names, strict=True):
+        value = run.run.number(key)
+        if value is not None and value > 0:
+            entries.append(_Entry(name, value))
+    return entries
+
+
+def _have_same_input(runs: Sequence[ComparedRun]) -> bool:
+    """Return True if the runs that have a force on the bottom have the same energy input."""
+    with_force = [run for run in runs if run.run.number(_FORCE)]
+    inputs = [run.run.number(_INPUT) or 0.0 for run in with_force]
+    return bool(inputs) and max(inputs) - min(inputs) <= _SAME_INPUT * max(inputs)
