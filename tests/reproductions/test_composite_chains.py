@@ -341,7 +341,9 @@ def test_mean_pressure_of_a_yielded_contact(
     """Force over the area of the law, pi R* alpha_y (alpha/alpha_y)^c3 (thesis 2.9, 2.10)."""
     chain = Chain(chains[6, "elastoplastic"])
     contact = chain.contact_between(8)
-    modulus, radius, strength = 103e9 / (2 * (1 - 0.34**2)), 2.5e-3, 550e6
+    modulus = 103e9 / (2 * (1 - 0.34**2))
+    radius = 2.5e-3
+    strength = 550e6
     at_yield = np.pi**2 / 4 * (1.6 * strength / modulus) ** 2 * radius
     reduced = chain.of_contacts("peak_overlap")[contact] / at_yield
     power = np.log(2.37 * 177.6 - 59.96) / np.log(177.6)

@@ -107,15 +107,13 @@ def test_decay_by_the_equations_of_the_source() -> None:
     run = SimpleNamespace(rows=waves.Rows.fitting(8, 0.0019), struck=10)
     (decay,) = theory.decay_by_source(SimpleNamespace(runs=[run]))
     stored = json.loads((FOLDER.parent / "docs/explanation/results.json").read_text("utf-8"))
-    rows = stored["suites"]["confined"]["studies"]["source_model"]["rows"]
-    near, far = (
-        next(
-            row["granwave"]
-            for row in rows
-            if row["quantity"].endswith(f"contact {contact}, n = 8, a = 0.0019")
-        )
-        for contact in (50, 100)
-    )
+    peaks = {
+        row["quantity"]: row["granwave"]
+        for row in stored["suites"]["confined"]["studies"]["source_model"]["rows"]
+    }
+    name = "Peak force over E* R*^2, contact {}, n = 8, a = 0.0019"
+    near = peaks[name.format(50)]
+    far = peaks[name.format(100)]
     assert decay == pytest.approx(np.log(near / far) / 50, rel=0.1)
 
 

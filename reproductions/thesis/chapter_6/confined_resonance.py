@@ -15,11 +15,7 @@ from symmetric_motion import waves_of
 import granwave as gw
 from granwave.measures import maxima
 
-RESONANCES = {
-    0.10: 6.4e-3,
-    0.24: 2.8e-3,
-    5.0: 2.7e-3,
-}  # by density ratio: decay of the source's model
+RESONANCES = (0.10, 0.24, 5.0)  # of the source's model, density ratios
 ANTI_RESONANCES = (0.056, 0.18, 0.42, 0.75, 2.0)
 SETTLED = 2.0  # density ratio up to which the wave decays uniformly from contact 60 on
 FORGETS = "Heavy small spheres: the wave does not yet decay uniformly so near the struck bead."
@@ -48,7 +44,7 @@ def remark(ratio):
     """Say what the source's model has at this density."""
     words = FORGETS if ratio > SETTLED else ""
     if round(ratio, 6) in RESONANCES:
-        words += f" A resonance of the source's model in a program that is not kept: {RESONANCES[round(ratio, 6)]:g}."
+        words += " A resonance of the source's model."
     elif round(ratio, 6) in ANTI_RESONANCES:
         words += " An anti-resonance of the source's model."
     return words.strip()

@@ -17,11 +17,9 @@ from granwave.measures import first_peak, width
 from granwave.theory import solitary_lengths
 
 WHERE = "thesis figure 6.5"
-# by a: largest velocity times 1e5 of beads 100 and 150, and when, of the source's model
-PROGRAM = {
-    0.0: {100: (4.00, 1546), 150: (2.85, 2485)},
-    1.9e-3: {100: (4.08, 1285), 150: (4.07, 1995)},
-}
+# of the figure
+PRECOMPRESSIONS = (0.0, 1.9e-3)
+BEADS = (100, 150)
 SHIFT = 1200  # of the curves with precompression in the figure
 LENGTH = math.pi * math.sqrt(10) / 2  # of a solitary wave, diameters
 BEHIND = 60, 200  # units of time behind the crest; later, waves come back from the held first bead
@@ -32,8 +30,8 @@ def curves(runs):
     found = {
         round(run.a, 6): run for run in map(ConfinedRun, runs) if run.n == 8 and run.impact == 1
     }
-    for a, beads in PROGRAM.items():
-        for bead in beads:
+    for a in PRECOMPRESSIONS:
+        for bead in BEADS:
             time, velocity = found[a].probe(bead, "vz")
             yield found[a], bead, time / TIME, velocity / VELOCITY
 
@@ -43,10 +41,8 @@ def rows(runs):
     for run, bead, time, velocity in curves(runs):
         when, largest = first_peak(time, velocity, floor=0.5)
         names = f"Largest velocity times 1e5, bead {bead}", f"Time of it, bead {bead}"
-        values = zip(names, (1e5 * largest, when), PROGRAM[round(run.a, 6)][bead], strict=True)
-        for name, ours, known in values:
-            yield gw.Row(f"{name}, {run.label}", ours=ours, where=WHERE,
-                         remark=f"The source's model in a program that is not kept: {known:g}.")
+        for name, ours in zip(names, (1e5 * largest, when), strict=True):
+            yield gw.Row(f"{name}, {run.label}", ours=ours, where=WHERE)
         behind = (time > when + BEHIND[0]) & (time < when + BEHIND[1])
         yield gw.Row(f"Largest velocity times 1e5, {BEHIND[0]} to {BEHIND[1]} units behind the crest, bead {bead}, "
                      f"{run.label}", ours=1e5 * np.abs(velocity[behind]).max(), where=WHERE, digits=3)
