@@ -47,7 +47,7 @@ COMPILER = ("g++", "-std=c++17", "-fsyntax-only", "-DLAMMPS_SMALLBIG")
 
 
 @dataclass(frozen=True)
-class Use:
+class UsedInterface:
     """A member of a class or namespace of LAMMPS that the styles use."""
 
     scope: str
@@ -61,13 +61,13 @@ class Use:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ComparedInterface:
     """State of an interface in the other headers: the same, changed, missing, or not found.
 
     `own` and `other` are its declarations.
     """
 
-    use: Use
+    use: UsedInterface
     state: str
     own: tuple[str, ...]
     other: tuple[str, ...] = ()
@@ -106,9 +106,11 @@ def statements(text: str) -> Iterator[str]:
     kept = ""
     for at, sign in enumerate(text):
         if sign == "{":
-            kept += text[start:at] if depth == 0 else ""
+            if depth == 0:
+                kept += text[start:at]
+                if "enum" in kept:
+                    kept += f"{{{block_at(text, at)}}}"
             depth += 1
-            kept += "{" + block_at(text, at) + "}" if depth == 1 and "enum" in kept else ""
         elif sign == "}":
             depth -= 1
             start = at + 1
@@ -169,7 +171,7 @@ def add_variables(words: str, add) -> None:
             add(name[2], f"{kind} {stars}{name[2]}{name[3]}".replace("\0", ","))
 
 
-def read_declarations(folder: Path, use: Use) -> dict[str, list[str]] | None:
+def read_declarations(folder: Path, use: UsedInterface) -> dict[str, list[str]] | None:
     """Return the declarations of the scope of an interface; None if its header is not found."""
     path = folder / use.header
     if not path.is_file():
@@ -177,51 +179,54 @@ def read_declarations(folder: Path, use: Use) -> dict[str, list[str]] | None:
     return declarations(body(plain(path.read_text(encoding="utf-8")), use.scope))
 
 
-def uses(own: Path) -> list[Use]:
+def uses(own: Path) -> list[UsedInterface]:
     """Return the interfaces of LAMMPS that the styles use, as far as its own headers have them."""
     sources = style_sources()
     variables = dict(POINTERS)
     for text in sources.values():
-        variables.update({name: scope for scope, name in VARIABLE.findall(text)})
+        for scope, name in VARIABLE.findall(text):
+            variables[name] = scope
     everything = "\n".join(sources.values())
-    candidates = {Use(scope, name) for scope, name in QUALIFIED.findall(everything)}
+    candidates = {UsedInterface(scope, name) for scope, name in QUALIFIED.findall(everything)}
     for variable, name in MEMBER.findall(everything):
         if variable in variables:
-            candidates.add(Use(variables[variable], name))
-    known = {
-        scope: read_declarations(own, Use(scope, "")) or {}
-        for scope in {*BASES, *(use.scope for use in candidates)}
-    }
+            candidates.add(UsedInterface(variables[variable], name))
+    scopes = {use.scope for use in candidates} | set(BASES)
+    known = {scope: read_declarations(own, UsedInterface(scope, "")) or {} for scope in scopes}
     for scope, prefix in BASES.items():
         texts = [text for name, text in sources.items() if prefix in name]
         words = set(re.findall(r"\b\w+\b", "\n".join(texts)))
-        candidates |= {Use(scope, name) for name in words & set(known[scope])}
+        candidates |= {UsedInterface(scope, name) for name in words & set(known[scope])}
     found = [use for use in candidates if use.name in known[use.scope]]
     return sorted(found, key=lambda use: (use.header, use.scope, use.name))
 
 
-def compare(own: Path, other: Path) -> list[Comparison]:
+def compare(own: Path, other: Path) -> list[ComparedInterface]:
     """Compare the interfaces that the styles use in the headers of two LAMMPS."""
     rows = []
     for use in uses(own):
         before = tuple(sorted((read_declarations(own, use) or {})[use.name]))
         there = read_declarations(other, use)
         if there is None:
-            rows.append(Comparison(use, "header not found", before))
+            rows.append(ComparedInterface(use, "header not found", before))
             continue
         after = tuple(sorted(there.get(use.name, ())))
-        state = "same" if after == before else "changed" if after else "missing"
-        rows.append(Comparison(use, state, before, after))
+        state = "changed" if after else "missing"
+        if after == before:
+            state = "same"
+        rows.append(ComparedInterface(use, state, before, after))
     return rows
 
 
-def table(rows: list[Comparison]) -> str:
+def table(rows: list[ComparedInterface]) -> str:
     """Return a table in Markdown: a row for each header, then a list of what is not the same."""
     lines = ["| header | interfaces used | same | changed | missing |", "|---|---|---|---|---|"]
     for header in sorted({row.use.header for row in rows}):
         states = [row.state for row in rows if row.use.header == header]
         counts = [states.count(state) for state in ("same", "changed", "missing")]
-        cells = ["not found"] * 3 if "header not found" in states else map(str, counts)
+        cells = [str(count) for count in counts]
+        if "header not found" in states:
+            cells = ["not found"] * 3
         lines.append(f"| `{header}` | {len(states)} | {' | '.join(cells)} |")
     for row in rows:
         if row.state in ("changed", "missing"):

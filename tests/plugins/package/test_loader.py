@@ -56,8 +56,11 @@ class Library:
 
     def rows(self, kind: int, size: int) -> list[int]:
         """Return the offsets of the rows of all sections of a kind."""
-        found = [section for section in self.sections if section[1] == kind]
-        return [at for section in found for at in range(section[4], section[4] + section[5], size)]
+        places: list[int] = []
+        for section in self.sections:
+            if section[1] == kind:
+                places += range(section[4], section[4] + section[5], size)
+        return places
 
     def text(self, symbol: int) -> int:
         """Return the offset of the name of a symbol."""
