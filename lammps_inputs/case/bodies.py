@@ -93,7 +93,7 @@ class Replace:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Striker:
-    """``[[striker]]``: a sphere or cylinder that touches grains of the packing, or earlier strikers."""
+    """``[[striker]]``: sphere or cylinder touching grains of the packing, or earlier strikers."""
 
     touches: tuple[int, ...] = schema.typed(
         'ids of the spheres that it touches; "centre": the sphere at the centre of the top, as for an '
