@@ -106,7 +106,7 @@ class Ring:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Repeat:
-    """Copies of positions, each a step on."""
+    """Copies of positions, each displaced by one more step."""
 
     times: int = schema.count("number of copies, including the first positions")
     step: tuple[float, float, float] = schema.typed(

@@ -93,9 +93,7 @@ class Replace:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Striker:
-    """``[[striker]]``: a sphere or cylinder in contact with given grains of the packing, or with
-    earlier strikers.
-    """
+    """``[[striker]]``: sphere or cylinder touching grains of the packing, or earlier strikers."""
 
     touches: tuple[int, ...] = schema.typed(
         'ids of the spheres that it touches; "centre": the sphere at the centre of the top, as for an '
@@ -159,9 +157,7 @@ class Striker:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Bar:
-    """``[bar]``, ``[incident_bar]``: a slender elastic bar along the chain, of linear elements with
-    lumped mass.
-    """
+    """``[bar]``, ``[incident_bar]``: an elastic bar along the chain, with linear elements."""
 
     length: float = schema.number("length of the bar", LENGTH, above=0)
     area: float = schema.number("area of its cross-section", AREA, above=0)
@@ -239,9 +235,7 @@ class Line:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Guide:
-    """``[[guide]]``: grains that are free to move in some directions only, without friction, as in
-    a groove.
-    """
+    """``[[guide]]``: grains that move only in some directions, without friction, as in a groove."""
 
     index: tuple[int, ...] | None = schema.typed(
         "which grains; all if neither index nor group is given", INDEX, default=None

@@ -185,9 +185,7 @@ class Plate(Support):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Damper(Support):
-    """Plate without mass on a damper; the ground carries the force on the plate at the start of
-    the run.
-    """
+    """Massless plate on a damper; the ground carries the initial force on the plate."""
 
     kind = "damper"
     absorbs = True

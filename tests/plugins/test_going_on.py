@@ -295,7 +295,7 @@ def test_a_damaged_byte_is_an_error(lammps, tmp_path):
         damaged[at] ^= 1 << rng.integers(8)
         (tmp_path / "bad.restart").write_bytes(damaged)
         lmp = lammps()
-        with pytest.raises(Exception, match=r"damaged|format|give it again|law number"):
+        with pytest.raises(Exception, match=r"damaged|format|define it again|law number"):
             resume(lmp, tmp_path / "bad.restart", WALL, PUSH)
         lmp.close()
 

@@ -170,7 +170,7 @@ REFUSED = {
         ("* * power 115e9 0.3 constant 1e9 exponent 0.5", "exponent must be 1 or more, found '0.5'"),
         ("* * power 115e9 0.3 constant 0 exponent 2", "constant must be positive, found '0'"),
         ("* * hertz 115e9 0.3\nfix c all gran/cylinder 1 0.01 0 1 0 2 0.01 0.005 1 0\nrun 0", "cylinders of types 1 and 2 are nearly parallel"),
-        ("* * hertz 115e9 0.3\nset atom 2 z 0.004 diameter 0\nset atom 2 mass 1\nfix c all gran/cylinder 1 0.01 0 1 0\nrun 0", "a flat face meets a cylinder"),
+        ("* * hertz 115e9 0.3\nset atom 2 z 0.004 diameter 0\nset atom 2 mass 1\nfix c all gran/cylinder 1 0.01 0 1 0\nrun 0", "a flat face touches a cylinder"),
     ]),
     "laws to come": (LOSSY + "run 1\n", "pair_coeff * * elastoplastic 115e9 0.3 550e6 {}\nrun 0", [
         ("loss time 1e-6 rate 0.01 1", "cannot be added once contacts have a loss: define all laws "
@@ -218,7 +218,7 @@ REFUSED = {
         ("1 0 0", "STIFFNESS and DAMPING are both 0"),
         ("0 1e6 0", "MASS and DAMPING are both 0"),
         ("1 soft 0", "STIFFNESS must be a number"),
-        ("1 1e6", "2 words"),
+        ("1 1e6", "found 2 arguments"),
         ("bar 0 1 1e6 free", "ELEMENTS must be a whole number"),
         ("bar 10 0 1e6 free", "MASS of a bar must be positive"),
         ("bar 10 1 0 free", "STIFFNESS of a bar's element must be positive"),
@@ -240,8 +240,8 @@ REFUSED = {
         ("32 3e-6 v_each\nvariable each atom vx\nrun 0", "variable each is not of style equal"),
     ]),
     "runs with a timestep": (ONE + GIVEN + "fix step all gran/timestep 32 3e-6 v_given\n", "{}\nrun 64", [
-        ("fix late all ave/time 32 1 32 v_given", "must come after all fixes that act at the end of a step, and fix late"),
-        ("fix other all dt/reset 10 NULL 1e-7 1e-5", "fix dt/reset changes the timestep"),
+        ("fix late all ave/time 32 1 32 v_given", "must come after all fixes that act at the end of a step, but fix late"),
+        ("fix other all dt/reset 10 NULL 1e-7 1e-5", "fix dt/reset also changes the timestep"),
         ("run 64\ntimestep 1e-7", "the timestep was changed to 1e-07"),
         ("timestep 1e-7", "the timestep was changed to 1e-07"),
         ("variable given delete", "there is no variable given"),
@@ -470,10 +470,10 @@ def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, leng
         (
             "radius",
             -0.5 * R,
-            rf"the radius -{0.5 * R:g}, expected one above 0, or 0 for a flat face",
+            rf"the radius -{0.5 * R:g}, expected a radius above 0, or 0 for a flat face",
         ),
-        ("radius", np.nan, "the radius -?nan, expected one above 0"),
-        ("rmass", 0.0, "the mass 0, expected one above 0"),
+        ("radius", np.nan, "the radius -?nan, expected a radius above 0"),
+        ("rmass", 0.0, "the mass 0, expected a mass above 0"),
     ],
 )
 def test_radii_and_masses_without_meaning_are_refused(lammps, name, wrong, message):
@@ -489,7 +489,7 @@ def test_radii_and_masses_without_meaning_are_refused(lammps, name, wrong, messa
     [
         (-50, 1e-6, 0.0, "the load is too strong or the impact too fast"),
         (-50, 1e-4, 0.0, "the timestep is far too large"),
-        (0, 1e-5, -1.2 * R, "placed into"),
+        (0, 1e-5, -1.2 * R, "initial position"),
     ],
 )
 def test_overlaps_name_their_likely_cause_first(lammps, wall, force, timestep, place, first):

@@ -119,9 +119,9 @@ def test_forces_keep_their_direction(lammps) -> None:
     (START.replace("d2_initial 3", "d_initial"), {}, "requires the initial positions"),
     (
         PLACES, {"style": "hertz 1e9 0.3 friction 0.1", "extra": "comm_modify vel yes"},
-        "neither friction nor cohesion",
+        "does not support friction and cohesion",
     ),
-    (f"{PLACES}fix round all gran/cylinder 1 0.1 0 1 0\n", {}, "takes spheres"),
+    (f"{PLACES}fix round all gran/cylinder 1 0.1 0 1 0\n", {}, "requires spheres"),
 ])  # fmt: skip
 def test_what_lammps_refuses(lammps, setup: str, more: dict, words: str) -> None:
     refuses(lammps(two_spheres(setup, **more)), "run 0", words)
