@@ -36,6 +36,8 @@ def table(path: Path) -> np.ndarray:
 def test_restart_files_of_format_12_continue_as_they_did(lammps, tmp_path, model, dents):
     """The files beside them have the state 300 steps later, as that version computed it."""
     name = f"{model}{dents}"
+    contact = " ".join(f"c_c[{column}]" for column in range(1, 7))
+    motion = "id x y z vx vy vz omegax omegay omegaz fx fy fz"
     lammps(f"""newton off
 atom_modify map yes
 read_restart {EARLIER}/{name}.restart
@@ -46,8 +48,8 @@ fix m all gran/nve/sphere
 timestep 2e-8
 compute c all gran/hysteretic/local
 run 300 post no
-write_dump all local {tmp_path}/contacts {" ".join(f"c_c[{k}]" for k in range(1, 7))} modify format float %.17g
-write_dump all custom {tmp_path}/end id x y z vx vy vz omegax omegay omegaz fx fy fz modify sort id format float %.17g
+write_dump all local {tmp_path}/contacts {contact} modify format float %.17g
+write_dump all custom {tmp_path}/end {motion} modify sort id format float %.17g
 """)
     for kind in ("contacts", "end"):
         expected = table(EARLIER / f"{name}.{kind}")
@@ -78,7 +80,8 @@ def test_a_record_has_only_what_is_in_use(lammps, tmp_path):
 
 def dented_chain(lammps, file: Path) -> dict[str, np.ndarray]:
     """State of a chain that begins with the dents of a file, after an impact."""
-    extra = f"compute en all gran/hysteretic/energy\nthermo_style custom step c_en\ngran/dents read {file}\n"
+    extra = "compute en all gran/hysteretic/energy\nthermo_style custom step c_en\n"
+    extra += f"gran/dents read {file}\n"
     lmp = lammps(script_of(CHAIN, velocities=[(3.0, 0, 0)], extra=extra))
     lmp.command("run 3000 post no")
     return state(lmp, "x", "v", "f") | {"stored": np.array(value(lmp, "c_en"))}
