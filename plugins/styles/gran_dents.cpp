@@ -123,7 +123,8 @@ GranDents::Line GranDents::line_of(const std::string &file, const TextRow &row)
     if (value > MAXTAGINT) wrong("there is no sphere " + word);
     return static_cast<tagint>(value);
   };
-  if (w.size() < N_DENT || !is_id(w[1])) wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
+  if (w.size() < N_DENT || !is_id(w[1]))
+    wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
   Line line{row.number, nullptr, 0, id(w[1]), {}};
   bool swapped = false;
   if (is_id(w[0])) {
