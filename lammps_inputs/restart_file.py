@@ -58,7 +58,10 @@ _FARTHEST = _MOST_FIXES * _LONGEST_NAME
 _HEAD = 7
 _COUNT = 0
 _BLOCK = 3
-_EXTENDED = 4
+_PARTS = 4  # of a block behind the doubles of the law; format 12 has both or none
+_BOTH = 1
+_WITH_SPRING = 2
+_WITH_DENTS = 3
 _HAS_SUMS = 5
 _RECORDS = 6
 _SUMS = 15
@@ -374,9 +377,11 @@ def _contacts(fixes: _Fixes, states: _States) -> RestartContacts | None:
 def _contacts_of(state: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.float64]]]:
     """Give the partners of a sphere, with peak, spring and block of each contact."""
     n_block = int(state[_BLOCK])
-    extended = bool(state[_EXTENDED])
+    parts = int(state[_PARTS])
+    has_spring = parts in (_BOTH, _WITH_SPRING)
+    has_dents = parts in (_BOTH, _WITH_DENTS)
     place = _RECORDS + (_SUMS if state[_HAS_SUMS] else 0)
-    further = 2 * n_block + _SPRING + _DENTS if extended else n_block
+    further = n_block + has_spring * _SPRING + has_dents * (_DENTS + n_block)
     for _ in range(int(state[_COUNT])):
         record = state[place : place + _RECORD]
         rest = state[place + _RECORD : place + _RECORD + further]
@@ -384,7 +389,7 @@ def _contacts_of(state: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.f
         partner = int(record[_PARTNER : _PARTNER + 1].view(np.int64)[0])
         if not record[_LIVE : _LIVE + 1].view(np.int32)[1]:
             continue
-        spring = rest[n_block : n_block + _STRETCH] if extended else np.zeros(_STRETCH)
+        spring = rest[n_block : n_block + _STRETCH] if has_spring else np.zeros(_STRETCH)
         yield partner, np.concatenate([record[_PEAK : _PEAK + 1], spring, rest[:n_block]])
 
 
