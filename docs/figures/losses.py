@@ -27,8 +27,8 @@ with gw.style():
         }
         table = gw.scan(tables, jobs=2).table
         axes.semilogx(table["load.velocity"], table["restitution"], "o-", label=name)
-    axes.set(xlabel="Velocity (m/s)", ylabel="Coefficient of restitution")
-    axes.legend(title="contact.loss")
+    axes.set(xlabel="Velocity (m/s)", ylabel="Coefficient of restitution", ylim=(0.88, 1.005))
+    axes.legend(title="contact.loss", loc="lower left", ncols=2)
     save(axes, "restitution")
 
     _, axes = plt.subplots()
