@@ -327,8 +327,8 @@ def target(result: Result) -> Drawing | None:
     work on a bottom that moves.
 
     The axis of the forces is logarithmic where their peaks differ by more than a decade. The
-    impulse is in the figure of the force on the bottom. None if the bottom does not move and there is no such force: the force on the bottom has a
-    figure of its own.
+    impulse is in the figure of the force on the bottom. None if the bottom does not move and there
+    is no such force: the force on the bottom has a figure of its own.
     """
     arrival = reached(result)
     if arrival is None or not np.any(arrival.force):
