@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import json
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from pathlib import Path
 
 import h5py
@@ -160,32 +160,45 @@ def _check(file: h5py.File) -> None:
     tables = {name: file[name] for name in (*_COLUMNS, "wall_contacts", "probes") if name in file}
     tables |= {f"walls/{name}": table for name, table in file.get("walls", {}).items()}
     for name, required in _COLUMNS.items():
-        if missing := [column for column in required if column not in tables.get(name, ())]:
-            raise ValueError(f"it has no {name}/{missing[0]}")
+        _check_columns(name, tables.get(name, ()), required)
     for name, table in tables.items():
-        lengths = {column: values.shape[0] for column, values in table.items()}
-        first = next(iter(lengths), "")
-        for column, length in lengths.items():
-            if length != lengths[first]:
-                raise ValueError(
-                    f"{name}/{column} has {length} rows, {name}/{first} {lengths[first]}"
-                )
-            if table[column].dtype.kind not in "biuf" and column not in _TEXTS:
-                raise ValueError(f"{name}/{column} does not hold numbers")
+        _check_table(name, table)
     file.visititems(_refuse_text)
+    if file["spheres/position"].shape[1:] != (3,):
+        raise ValueError("spheres/position does not hold vectors")
+    _check_snapshots(file)
+
+
+def _check_columns(name: str, table: Container[str], required: Sequence[str]) -> None:
+    """Raise ValueError for a table that lacks a column."""
+    missing = [column for column in required if column not in table]
+    if missing:
+        raise ValueError(f"it has no {name}/{missing[0]}")
+
+
+def _check_table(name: str, table: h5py.Group) -> None:
+    """Raise ValueError for a table whose columns differ in length, or are no numbers."""
+    lengths = {column: values.shape[0] for column, values in table.items()}
+    first = next(iter(lengths), "")
+    for column, length in lengths.items():
+        if length != lengths[first]:
+            raise ValueError(f"{name}/{column} has {length} rows, {name}/{first} {lengths[first]}")
+        if table[column].dtype.kind not in "biuf" and column not in _TEXTS:
+            raise ValueError(f"{name}/{column} does not hold numbers")
+
+
+def _check_snapshots(file: h5py.File) -> None:
+    """Raise ValueError for snapshots of another number of spheres or instants."""
     n_spheres = len(file["spheres/id"])
     n_frames = len(file[f"{GROUP}/position/time"])
     if not len(file["energy/time"]) or not n_spheres:
         raise ValueError("it holds no instant or no sphere")
-    if file["spheres/position"].shape[1:] != (3,):
-        raise ValueError("spheres/position does not hold vectors")
     for name, element in file[GROUP].items():
-        shape = (
-            element["value"].shape[:2]
-            if isinstance(element, h5py.Group) and "value" in element
-            else None
-        )
-        if shape not in (None, (n_frames, n_spheres)):
+        if not isinstance(element, h5py.Group) or "value" not in element:
+            continue
+        frames, spheres = element["value"].shape[:2]
+        if (frames, spheres) != (n_frames, n_spheres):
             raise ValueError(
-                f"{GROUP}/{name} holds {shape[0]} snapshots of {shape[1]} spheres, not {n_frames} of {n_spheres}"
+                f"{GROUP}/{name} holds {frames} snapshots of {spheres} spheres, not {n_frames} of "
+                f"{n_spheres}"
             )
