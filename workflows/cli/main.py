@@ -6,6 +6,7 @@ Exit status: 0 done; 1 failed while running; 2 wrong input, nothing was run; 130
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import errno
 import io
@@ -57,13 +58,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if os.path.lexists("matplotlibrc"):  # of other programs; read, it could stop us
         with contextlib.chdir(os.sep):
             import matplotlib  # noqa: F401
+    _handle_signals()
+    try:
+        return _run(options, words)
+    finally:
+        for repeated in _REPEATED:
+            repeated.cancel()  # one that came now would be the process's end, by signal
+
+
+def _handle_signals() -> None:
+    """Treat signals that stop a program as Ctrl-C, so that scratch files are removed."""
     sys.unraisablehook = _interrupt_again
     with contextlib.suppress(ValueError):  # only the main thread can handle signals
-        for number in stop_signals():  # as Ctrl-C: scratch files are removed
+        for number in stop_signals():
             signal.signal(number, signal.default_int_handler)
+
+
+def _run(options: argparse.Namespace, words: list[str]) -> int:
+    """Run a command, and report its error; return the exit status."""
     try:
         options.given = words
-        status = options.command.run(options)
+        status: int = options.command.run(options)
         sys.stdout.flush()  # here, where an error can still be reported
         return status
     except InputError as error:
@@ -80,16 +95,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError as error:
         return _report([not_enough_memory(str(error) or "none left")], FAILED)
     except ImportError as error:
-        if isinstance(error, ModuleNotFoundError) and (missing := missing_package(error)):
-            return _report([missing], WRONG_INPUT)
-        if any(words in str(error) for words in _NO_ROOM_FOR_LIBRARY):
-            return _report([not_enough_memory(str(error))], FAILED)
-        raise
+        return _report_import(error)
     except KeyboardInterrupt:
         return _report(["stopped"], STOPPED)
-    finally:
-        for repeated in _REPEATED:
-            repeated.cancel()  # one that came now would be the process's end, by signal
+
+
+def _report_import(error: ImportError) -> int:
+    """Report a package that is not installed, or a library for which there is no memory; return
+    the exit status.
+
+    Raises
+    ------
+    ImportError
+        Any other, which is a fault of the program.
+    """
+    if isinstance(error, ModuleNotFoundError) and (missing := missing_package(error)):
+        return _report([missing], WRONG_INPUT)
+    if any(words in str(error) for words in _NO_ROOM_FOR_LIBRARY):
+        return _report([not_enough_memory(str(error))], FAILED)
+    raise error
 
 
 def _interrupt_again(lost: sys.UnraisableHookArgs) -> None:
