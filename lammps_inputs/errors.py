@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 
 _MOST_ERRORS = 100  # lines of one error
+_MOST_OF_TABLE = 5  # errors of one table of measurements
 SHOWN_CHARACTERS = 60
 
 
@@ -169,3 +171,11 @@ class RunError(GranwaveError, RuntimeError):
     """Error of a computation that failed, or whose result was rejected, although its input was
     valid.
     """
+
+
+def first_errors(path: str | Path, errors: Sequence[str]) -> list[str]:
+    """Return the first errors of a table, and the number of the others."""
+    others = len(errors) - _MOST_OF_TABLE
+    if others <= 0:
+        return list(errors)
+    return [*errors[:_MOST_OF_TABLE], f"{path}: {others} more errors"]

@@ -29,7 +29,7 @@ from granwave.analysis.contact_law.curve_table import read_curve_rows
 from granwave.analysis.figures.series import legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, save_as
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, first_errors
 from granwave.lammps_inputs.files import read_number
 
 _LOG = logging.getLogger("granwave")
@@ -341,7 +341,6 @@ _EXPECTED = {
 BRANCH = "branch"
 LOADING = "loading"
 _BRANCHES = re.compile(r"loading|(?:un|re)loading(?:_?\w+)?")
-_FAULTS = 5  # largest number in a message
 _TURN = 0.01  # reversal over the largest overlap; smaller ones are noise
 
 Array = NDArray[np.float64]
@@ -422,10 +421,7 @@ def read_curve(path: str | Path, *, any_zero: bool = False) -> Curve:
                 "value (compression is positive); an offset of the zero can also be fitted"
             )
     if errors:
-        raise InputError(
-            errors[:_FAULTS]
-            + [f"{path}: {len(errors) - _FAULTS} more errors"] * (len(errors) > _FAULTS)
-        )
+        raise InputError(first_errors(path, errors))
     overlap, force = (
         _COLUMNS[what][names[what]] * np.array(columns[names[what]])
         for what in ("overlap", "force")

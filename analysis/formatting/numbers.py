@@ -22,6 +22,11 @@ def number(value: float) -> str:
     return plain(f"{float(f'{value:.3g}'):g}" if abs(value) < 1e5 else f"{value:.3g}")
 
 
+def counted(n: int, noun: str) -> str:
+    """Return a number with its noun: ``1 run``, ``2 runs``."""
+    return f"{n} {noun}" if n == 1 else f"{n} {noun}s"
+
+
 def with_interval(value: Estimate, scale: float = 1.0, unit: str = "") -> str:
     """Format a mean with its interval, both to the second digit of the interval: ``213 ± 18 N``."""
     mean = value.mean / scale

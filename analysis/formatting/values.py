@@ -160,4 +160,6 @@ def grains_called_in(summaries: Iterable[Mapping[str, Any]]) -> str:
         for summary in summaries
         if summary.get("n_spheres")
     }
-    return found.pop() if len(found) == 1 else GRAINS if found else SPHERES
+    if not found:
+        return SPHERES
+    return found.pop() if len(found) == 1 else GRAINS

@@ -115,14 +115,14 @@ def own_plane(
     across = np.cross(down, unit)
     across *= 1.0 if across[np.argmax(np.abs(across))] > 0 else -1.0
     vertical = abs(unit[2]) < 1 - _LEVEL
-    down_label = "y" if level else "Depth" if vertical else "Depth along the plane"
-    axis = (
-        "x"
-        if level or abs(across[0]) > _LEVEL
-        else "y"
-        if abs(across[1]) > _LEVEL
-        else "Distance across"
-    )
+    down_label = "Depth" if vertical else "Depth along the plane"
+    if level:
+        down_label = "y"
+    axis = "Distance across"
+    if level or abs(across[0]) > _LEVEL:
+        axis = "x"
+    elif abs(across[1]) > _LEVEL:
+        axis = "y"
     across_label = f"{axis}, from the impact axis"
     point = None if through is None else np.array(through, dtype=float)
     return Plane("section", across, down, tolerance, down_label, across_label, point)

@@ -99,7 +99,9 @@ def figures_section(
             blocks += parts if n_items == 1 else [Group(title, parts, folded=folded)]
         if isinstance(item, ReportScan):
             blocks += _points(item, inputs, number)
-    return DocumentSection("Figures", SLUG, tuple(blocks) or (Note("No figures."),) * (not shown))
+    if not blocks and not shown:
+        blocks.append(Note("No figures."))
+    return DocumentSection("Figures", SLUG, tuple(blocks))
 
 
 def views(inputs: ReportInputs) -> tuple[Note, ...]:

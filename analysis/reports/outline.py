@@ -29,7 +29,7 @@ from granwave.analysis.document.model import (
     value_cell,
     value_column,
 )
-from granwave.analysis.formatting.numbers import plain
+from granwave.analysis.formatting.numbers import counted, plain
 from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
@@ -169,13 +169,14 @@ def _lead(inputs: ReportInputs) -> str:
     n_scans = len(inputs.scans)
     parts = []
     if n_runs:
-        parts.append(f"{n_runs} run{'s' * (n_runs > 1)}")
+        parts.append(counted(n_runs, "run"))
     if n_scans:
         n_points = sum(len(scan.points) for scan in inputs.scans)
         done = 0
         for scan in inputs.scans:
             done += sum(point.run is not None for point in scan.points)
-        parts.append(f"{n_scans} scan{'s' * (n_scans > 1)} with {done} of {n_points} points done")
+        scans = counted(n_scans, "scan")
+        parts.append(f"{scans} with {done} of {n_points} points done")
     what = first_line(inputs)
     return " and ".join(parts) + (f": {what}." if what else ".")
 
@@ -310,7 +311,9 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         for run in runs
         if run.damaged
     ]
-    return notes or [Note(_GOOD, "good")] * bool(runs)
+    if runs and not notes:
+        return [Note(_GOOD, "good")]
+    return notes
 
 
 def _poor_balances(poor: Sequence[ReportRun]) -> list[tuple[str, Sequence[str], Tone, str]]:
@@ -348,7 +351,9 @@ def _input_row(item: ReportRun | ReportScan, inputs: ReportInputs) -> tuple[str 
         return name, item.kind.noun, case, setting, status_cell(item.status), where
     done = sum(point.run is not None for point in item.points)
     failed = item.count("failed")
-    tone: Tone = "good" if done == len(item.points) else "bad" if failed else "note"
+    tone: Tone = "bad" if failed else "note"
+    if done == len(item.points):
+        tone = "good"
     status = Cell(f"{done} of {len(item.points)} points done", done, tone)
     setting = "varied: " + ", ".join(item.source.varied) if item.source.varied else "one point"
     return name, "scan", str(item.source.case_name), setting, status, where

@@ -129,9 +129,9 @@ def _firsts(found: Sequence[Study]) -> dict[str, str]:
     judged = [study for study in found if study.verdict]
     if len(judged) > _MOST_VERDICTS:
         return {}
-    return {
-        study.name: f"{study.title}: " * (len(judged) > 1) + study.verdict[0] for study in judged
-    }
+    if len(judged) == 1:
+        return {judged[0].name: judged[0].verdict[0]}
+    return {study.name: f"{study.title}: {study.verdict[0]}" for study in judged}
 
 
 def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from granwave.analysis.formatting.numbers import counted
 from granwave.extensions.waves import small_waves as spectra
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -28,8 +29,8 @@ def bands(options: argparse.Namespace) -> int:
     if found.note:
         warn(f"{waves.state.name}: {found.note}; they are left blank")
     lines = [
-        f"{waves.state.name}: {_counted(network.n_grains, 'grain')} and {_counted(len(network.springs), 'contact')} "
-        f"in a cell, {_counted(found.bands.square.shape[1], 'band')} up to "
+        f"{waves.state.name}: {counted(network.n_grains, 'grain')} and {counted(len(network.springs), 'contact')} "
+        f"in a cell, {counted(found.bands.square.shape[1], 'band')} up to "
         f"{_KILO * np.nanmax(found.bands.frequency):.5g} kHz",
     ]
     if len(found.speeds):
@@ -113,7 +114,3 @@ def _source(options: argparse.Namespace, name: str) -> Assembly | Path:
     own = path.resolve().name if source is None else source.case.name
     options.directory = options.directory or Path(f"{own}-{name}")
     return source or path
-
-
-def _counted(number: int, word: str) -> str:
-    return f"{number} {word}{'s' * (number != 1)}"

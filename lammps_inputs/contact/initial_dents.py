@@ -345,7 +345,8 @@ def _earlier(assembly: Assembly) -> dict[str, dict[str, NDArray]]:
                 values = table[name] = np.asarray(
                     data.asstr()[()] if kind is object else data[()], dtype=kind
                 )
-                if values.shape[1:] != (width,) * bool(width) or not values.ndim:
+                row_shape = (width,) if width else ()
+                if values.shape[1:] != row_shape or not values.ndim:
                     raise ValueError(f"{group}/{name}: found the shape {values.shape}")
                 least = 0.0 if name == "peak_overlap" else -np.inf
                 if kind is not object and not (np.isfinite(values) & (values >= least)).all():

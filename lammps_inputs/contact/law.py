@@ -408,7 +408,9 @@ def nominal_grain(
             for one in assembly.species]  # fmt: skip
     ids = 1 + np.flatnonzero(assembly.present & np.array(fits)[assembly.body])
     own = ids[ids <= assembly.lattice.n_spheres]
-    group = own if len(own) else ids if len(ids) else np.array([1])
+    group = own if len(own) else ids
+    if not len(group):
+        group = np.array([1])
     return int(
         group[np.argsort(assembly.diameter[group - 1], kind="stable")[(len(group) - 1) // 2]]
     )

@@ -100,7 +100,8 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
     sites = assembly.sites
     pairs: list[tuple[int, int]] = []
     if sites.uniform:
-        pairs += [(1, 1)] * (sites.count > 1)
+        if sites.count > 1:
+            pairs.append((1, 1))
     else:
         of, example = kinds_of_grains(sites)
         n = len(example)
@@ -116,7 +117,9 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
                     codes.add(first * n + second)
         pairs += [(int(example[code // n]), int(example[code % n])) for code in sorted(codes)]
         like = sites.made_of(assembly.material) & (sites.diameter == assembly.lattice.diameter)
-        pairs += [(int(like.argmax()) + 1,) * 2] * bool(np.count_nonzero(like) > 1)
+        if np.count_nonzero(like) > 1:
+            unmodified = int(like.argmax()) + 1
+            pairs.append((unmodified, unmodified))
     for number, (striker, _) in enumerate(assembly.strikers, start=assembly.lattice.n_spheres + 1):
         pairs += [(number, touched) for touched in striker.touches]
 

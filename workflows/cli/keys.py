@@ -249,9 +249,11 @@ def _written(value: Any) -> str:
     if 1e-3 <= abs(value) < 1e4 or not value:
         shown = f"{value:.10g}"
         return shown if "." in shown else f"{shown}.0"
-    power = (
-        9 if abs(value) >= 1e10 else 6 if abs(value) >= 1e8 else math.floor(math.log10(abs(value)))
-    )
+    power = math.floor(math.log10(abs(value)))
+    if power >= 10:
+        power = 9
+    elif power >= 8:
+        power = 6
     return f"{value / 10.0**power:.10g}e{power}"
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import tomli_w
 
+from granwave.analysis.formatting.numbers import counted
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.planning.plan import plan
@@ -139,11 +140,6 @@ def _submitted(job: CommandJob, profile: Profile, jobs: Sequence[str]) -> str:
         f"results: {shown(job.directory)}; script and log: {shown(job.folder)}\n"
         f"cancel: {shown_cancel(queue.commands, jobs)}"
     )
-
-
-def counted(number: int, noun: str) -> str:
-    """Return a number with its noun."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def shown(path: Path) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, first_errors
 from granwave.lammps_inputs.files import read_number
 from granwave.lammps_inputs.tables.layout import read_rows
 
@@ -19,7 +19,6 @@ RESTITUTION = "restitution"
 CONTACT = "contact"  # names of several contacts in a table of `granwave law --restitution`
 _VELOCITIES = {"velocity_m_s": 1.0, "velocity_cm_s": 1e-2, "velocity_mm_s": 1e-3}
 _MOST = 1.1  # coefficient above which it is no noise
-_FAULTS = 5  # largest number in a message
 
 Array = NDArray[np.float64]
 
@@ -79,8 +78,7 @@ def read_rebounds(path: Path) -> Rebounds:
     velocity = _column(path, lines, tables, velocities[0], _is_velocity, errors)
     ratio = _column(path, lines, tables, RESTITUTION, _is_ratio, errors)
     if errors:
-        more = [f"{path}: {len(errors) - _FAULTS} more errors"] * (len(errors) > _FAULTS)
-        raise InputError(errors[:_FAULTS] + more)
+        raise InputError(first_errors(path, errors))
     return rebounds_of(_VELOCITIES[velocities[0]] * velocity, ratio, str(path))
 
 

@@ -8,10 +8,9 @@ import dataclasses
 import math
 from typing import Any
 
-from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.formatting.numbers import counted, duration
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.check_part import CheckPart
-from granwave.workflows.cli.submission import counted
 from granwave.workflows.cluster.profile import Profile
 from granwave.workflows.cluster.scheduler import before_limit
 from granwave.workflows.scanning.batches import memory_on_node

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.formatting.numbers import counted, duration
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import GRAINS
@@ -106,8 +106,7 @@ def _coordination(coordination: Mapping[str, Any] | None) -> str:
         return ""
     numbers = []
     for n_contacts, n_grains in coordination["grains"].items():
-        plural = "s" if n_grains > 1 else ""
-        numbers.append(f"{n_contacts} on {n_grains} grain{plural}")
+        numbers.append(f"{n_contacts} on {counted(n_grains, 'grain')}")
     return f"{coordination['mean']:.3g} on average: {', '.join(numbers)}"
 
 
