@@ -297,13 +297,13 @@ class Assembly:
         """
         if isinstance(self.lattice, Places):
             return self.lattice.faces()
-        diameters = np.array([self.lattice.diameter])
-        if self.lattice.rule.is_chain:
-            diameters = self.sites.nominal
-        radii = diameters / 2
-        side = max(self.lattice.diameter / 2, float(radii.max()))
+        side = self.lattice.diameter / 2
+        bottom = side
+        if self.lattice.rule.is_chain and not self.sites.uniform:
+            side = max(side, float(self.sites.nominal.max()) / 2)
+            bottom = float(self.sites.nominal[-1]) / 2
         low, high = self.lattice_bounds()
-        return np.stack([low - side, [*(high[:2] + side), high[2] + radii[-1]]])
+        return np.stack([low - side, [*(high[:2] + side), high[2] + bottom]])
 
     def bottom(self) -> float:
         """Return the z at which a bottom plane or bar touches nominal spheres of the last layer, m."""

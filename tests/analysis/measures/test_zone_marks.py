@@ -271,7 +271,7 @@ def test_figures_of_zones_have_open_marks(scan):
         assert [text.get_text() for text in legend.get_texts()] == list(LABELS.values())
     assert not found["peak_force_vs_load_velocity"].figure.legends
     columns = found["zone_depth_90_vs_load_velocity"].columns
-    assert columns["zone_reaches_a_bound"].tolist() == [0, 0, 0, 1]
+    assert columns["zone_reaches_a_boundary"].tolist() == [0, 0, 0, 1]
     assert columns["reflected_wave_came_back"].tolist() == [0, 0, 1, 0]
     assert columns["zone_depth_90_over_diameter"].tolist() == pytest.approx(
         [1.8 * (1 + 0.01 * n) for n in range(4)]
