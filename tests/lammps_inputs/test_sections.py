@@ -47,7 +47,16 @@ def test_every_key_has_a_type() -> None:
 
 def test_tables_in_tables_are_listed() -> None:
     inner = {
-        "[contact.loss]": {"time", "restitution", "velocity", "dashpot", "tangential"},
+        "[contact.loss]": {
+            "kind",
+            "weights",
+            "times",
+            "time",
+            "restitution",
+            "velocity",
+            "dashpot",
+            "tangential",
+        },
         "[contact.loss.dashpot]": {"restitution"},
         "[contact.cohesion]": {"kind", "energy"},
         "[contact.rolling]": {"coefficient", "stiffness", "damping"},

@@ -117,7 +117,7 @@ REFUSED = {
     ]),
     "losses": (ONE, "pair_coeff * * hertz 115e9 0.3 {}", [
         ("loss time", "'loss time' has no value"),
-        ("loss 1e-6 2", "loss must be time or dashpot, found '1e-6'"),
+        ("loss 1e-6 2", "loss must be time, dashpot or prony, found '1e-6'"),
         ("loss time -1e-6", "loss time must not be negative"),
         ("loss time 1e-6 loss dashpot 0.1", "loss is given twice"),
         ("loss_tangential -1", "loss_tangential must not be negative, found '-1'"),

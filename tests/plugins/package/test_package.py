@@ -278,7 +278,11 @@ def test_other_folders_are_refused(package, tmp_path):
     assert done.returncode == 1 and "no src/pair.h" in done.stderr
     (tmp_path / "mine").write_text("")
     done = make(tmp_path)
-    assert done.returncode == 1 and "something else" in done.stderr and (tmp_path / "mine").exists()
+    assert (
+        done.returncode == 1
+        and "other files than the package" in done.stderr
+        and (tmp_path / "mine").exists()
+    )
 
 
 def test_the_traditional_make_installs_and_removes_it(package, tmp_path):

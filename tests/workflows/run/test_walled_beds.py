@@ -72,16 +72,17 @@ unfix drag
 unfix twist
 compute now all gran/hysteretic/energy
 compute sphere all gran/hysteretic/atom
-compute largest all reduce max c_sphere[1]
+compute largest all reduce max c_sphere[1] f_ground[2] f_below[2] &
+    f_x1[2] f_x2[2] f_y1[2] f_y2[2]
 variable force atom sqrt(fx^2+fy^2+fz^2)
 compute net all reduce max v_force
-thermo_style custom step c_now c_now[6] c_largest c_net f_ground[8] f_x1[8] f_ground
+thermo_style custom step c_now c_now[6] c_largest[1] c_net f_ground[8] f_x1[8] f_ground
 thermo_modify norm no
 run 0 post no
 variable springs equal $(c_now[6]:%.17g)
 variable walls equal $(f_ground[8]+f_below[8]+f_x1[8]+f_x2[8]+f_y1[8]+f_y2[8]:%.17g)
 variable normal equal $(c_now+f_ground+f_below+f_x1+f_x2+f_y1+f_y2:%.17g)
-variable largest equal $(c_largest:%.17g)
+variable largest equal $(max(c_largest):%.17g)
 variable net equal $(c_net:%.17g)
 write_restart FOLDER/bed.restart
 """
