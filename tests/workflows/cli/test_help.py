@@ -187,7 +187,10 @@ def test_in_lammps():
         ("granwave run fcc-small --set load.spheres=", ["load.spheres=1", "load.spheres=3", "load.spheres=7"]),
         ("granwave run fcc-small --set replace.1.mat", ["replace.1.material="]),
         ("granwave run fcc-small --set material=steel", ["material=steel"]),
-        ("granwave run fcc-small --set contact.loss.ti", ["contact.loss.time=", "contact.loss.times="]),
+        (
+            "granwave run fcc-small --set contact.loss.ti",
+            ["contact.loss.time=", "contact.loss.times="],
+        ),
         ("granwave run fcc-small --set contact.cohesion.kind=d", ["contact.cohesion.kind=dmt"]),
         ("granwave run fcc-small --set grains.1.ring.g", ["grains.1.ring.gap="]),
         ("granwave run fcc-small --set output.probes.1.s", ["output.probes.1.sphere="]),
