@@ -111,7 +111,13 @@ def test_grains_that_still_roll_are_named_and_not_fatal(hard, tmp_path, caplog):
     forces[7] = np.array([0.4 * weights[6], 0.0, 0.0])
     warn_of_rolling(assembly, stage, forces)
     assert f"1 of {N} grains still rolls" in caplog.text
-    assert "do not hold them: id 7. Net forces are at most 0.4 of the weight" in caplog.text
+    assert (
+        "its contacts do not hold it: id 7. Net forces are at most 0.4 of the weight" in caplog.text
+    )
+    forces[3] = forces[7]
+    warn_of_rolling(assembly, stage, forces)
+    assert f"2 of {N} grains still roll after" in caplog.text
+    assert "their contacts do not hold them: ids 3, 7. Net forces" in caplog.text
 
 
 def test_a_bed_of_its_own_material_stays(hard, tmp_path):
