@@ -270,7 +270,8 @@ def diameters_of(
         volume = volume / values[names[1]]
     diameter: NDArray[np.float64] = np.cbrt(6 / np.pi * volume)
     columns = " and ".join(heads[name] for name in names)
-    low, high = f"{diameter.min():.4g}", f"{diameter.max():.4g}"
+    low = f"{diameter.min():.4g}"
+    high = f"{diameter.max():.4g}"
     sizes = low if low == high else f"{low} to {high}"
     several = "s" if len(names) > 1 else ""
     notes.append(
