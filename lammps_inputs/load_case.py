@@ -21,7 +21,11 @@ from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.found_contacts import with_contacts
 from granwave.lammps_inputs.packing.places import centred
-from granwave.lammps_inputs.statics.stiffening import stiffened_bed
+from granwave.lammps_inputs.statics.stiffening import (
+    hardened_without_friction,
+    note_without_friction,
+    stiffened_bed,
+)
 
 
 def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
@@ -88,6 +92,9 @@ def assembly_from_dict(
     if stiffened is not None:
         errors.notes.append(stiffened.note)
         assembly = _checked(stiffened.case_of(assembly.case), errors)
+    elif (ratio := hardened_without_friction(assembly)) > 1:
+        errors.notes.append(note_without_friction(ratio))
+        errors.report(assembly.case.name)
     warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
     return assembly
 

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.restart_file import RestartSpheres
 WALL_NAMES = ("bottom", "tube", "xlo", "xhi", "ylo", "yhi")
 _COLUMNS = ("first", "second", "fx", "fy", "fz", "compliance")
 _FORM = f"a table of springs as text, with the columns {', '.join(_COLUMNS)}"
+_NO_PATH = f"{_FORM}; the text of the file, between triple quotes, and not its path"
 _NUMBERS = 4
 
 
@@ -60,6 +61,12 @@ def parse_springs(text: str) -> tuple[ContactSpring, ...]:
     if tuple(head) != _COLUMNS:
         raise ValueError(f"found the columns {', '.join(head) or 'none'}")
     return tuple(_spring(row, line) for line, row in enumerate(rows, start=2))
+
+
+def _is_path(text: str) -> bool:
+    """Return True for one line of text without a comma."""
+    line = text.strip()
+    return bool(line) and len(line.splitlines()) == 1 and "," not in line
 
 
 def _spring(row: list[str], line: int) -> ContactSpring:
@@ -121,6 +128,7 @@ class SpringsType(schema.ValueType):
     def read(self, value: Any) -> str:
         """Return the text."""
         schema.refuse_if(not isinstance(value, str), self.expected)
+        schema.refuse_if(_is_path(value), _NO_PATH)
         try:
             parse_springs(value)
         except ValueError as error:

@@ -46,7 +46,7 @@ _MOST_STEPS = 1_000_000  # of a damped run
 _STRICT_WORK = 30_000_000
 _STRICT_STEPS = (10_000, 60_000)
 # after them: sum of the net forces over the weight of the bed, and net force over the weight of a
-# grain
+# grain or a clump
 CALM = 3e-4
 HELD = 1.0
 LOOSE = 0.01  # net force over the weight of a grain, from which on it is named
@@ -62,7 +62,7 @@ _NET = "sqrt(fx^2+fy^2+fz^2)"  # of a sphere
 LARGEST_OF_PAIRS = "c_static_largest"
 LARGEST_OF_ALL = "v_static_carried"
 UNBALANCED = "static_unbalanced"  # variable: sum of the net forces over the weight of the bed
-LEAST_HELD = "static_worst"  # compute: largest net force over the weight of its grain
+LEAST_HELD = "static_worst"  # compute: largest net force over the weight of its grain or clump
 ROLLING_GRAINS = "static_rolling"  # compute: number of grains above `LOOSE`
 _BODY = "static_body"  # compute of sums over clumps, and prefix of the others that it needs
 # first columns of it
@@ -148,23 +148,41 @@ def _quiet(assembly: Assembly) -> str:
 
 
 def _unbalanced_weight(assembly: Assembly, group: str) -> list[str]:
-    """Return the commands of net forces over weights: of all grains together, and of the grain with
-    the largest ratio.
+    """Return the commands of net forces over weights: of all grains together, and of the grain or
+    the clump with the largest ratio.
     """
     if not bears_its_weight(assembly):
         return []
     _, loads = dead_loads(assembly)
     weight = float(np.linalg.norm(loads, axis=1).sum())
     return [
-        "variable        static_weight atom abs(v_dead_z)",
+        f"variable        static_weight atom {_weight(assembly)}",
+        f"variable        static_part atom {_part_of_net_force(assembly)}",
         "variable        static_loose atom "
         "v_static_net*(v_static_weight>0)/(v_static_weight+(v_static_weight==0))",
-        f"compute         static_sum {group} reduce sum v_static_net",
+        f"compute         static_sum {group} reduce sum v_static_part",
         f"compute         {LEAST_HELD} {group} reduce max v_static_loose",
         f"variable        {UNBALANCED} equal c_static_sum/{num(weight)}",
         f"variable        static_rolls atom v_static_loose>{num(LOOSE)}",
         f"compute         {ROLLING_GRAINS} {group} reduce sum v_static_rolls",
     ]
+
+
+def _weight(assembly: Assembly) -> str:
+    """Return the formula of the weight of a grain, or of the clump of the grain."""
+    weight = "abs(v_dead_z)"
+    if not assembly.clumps:
+        return weight
+    mass = _of_body(_MASS_OF_BODY)
+    return f"{weight}*ternary({mass}>0,{mass}/mass,1)"
+
+
+def _part_of_net_force(assembly: Assembly) -> str:
+    """Return the formula of a net force, whose sum over the grains of a clump is that of it."""
+    if not assembly.clumps:
+        return "v_static_net"
+    mass = _of_body(_MASS_OF_BODY)
+    return f"v_static_net*ternary({mass}>0,mass/({mass}+({mass}==0)),1)"
 
 
 def _drag_on_spin(assembly: Assembly, mass: float, radius: float) -> float:

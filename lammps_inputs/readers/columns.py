@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from granwave.lammps_inputs.tables.units import (
     MASS,
     UNITS,
     VELOCITY,
+    VOLUME,
     VOXELS,
     in_si,
     split_unit,
@@ -36,6 +37,7 @@ ID = "id"
 TYPE = "type"
 CLUMP = "clump"
 NO_CLUMP = -1  # of other programs
+_AXES = 3  # of a volume
 LARGEST_CLUMP = 2**31 - 1  # a molecule of LAMMPS
 WORDS = ("material", "group", "shape", "axis")
 KINDS: dict[str, str] = {
@@ -45,9 +47,11 @@ KINDS: dict[str, str] = {
     **dict.fromkeys((*AXIS_PARTS, ID, CLUMP), ""),
     "mass": MASS,
     "density": DENSITY,
+    "volume": VOLUME,
 }
 QUANTITIES = (*PLACE, DIAMETER, RADIUS, "shape", "length", "axis", *AXIS_PARTS, "material",
-              "group", CLUMP, *VELOCITIES, *SPINS, ID, TYPE, "mass", "density")  # fmt: skip
+              "group", CLUMP, *VELOCITIES, *SPINS, ID, TYPE, "mass", "density",
+              "volume")  # fmt: skip
 #: Columns of which nothing is needed, and no warning is given.
 _UNUSED = re.compile(
     r"[fti][xyz]|[xyz]su?|force_[xyz012]|torque_[xyz012]|tq[xyz]|mol|element|q|mask"
@@ -77,6 +81,7 @@ _OTHER_NAMES = {
     ),
     "mass": "m masses",
     "density": "rho",
+    "volume": "vol volumes volumen",
 }
 
 
@@ -108,6 +113,8 @@ def _all_names() -> dict[str, str]:
 _QUANTITY_OF_NAME = _all_names()
 _BEFORE_NAME = re.compile(r"(?:q[0-9]+_)?(?:particle|grain|sphere|atom|body|ball)_")
 _LARGEST_ID = 2.0**63
+#: Quantities from which the volume of a grain follows, by preference; the second divides the first.
+_VOLUMES = (("volume",), ("mass", "density"))
 _NUMBERED = re.compile(r"(.*[^0-9])([0-3])")  # a component, such as Points_0
 
 
@@ -193,12 +200,85 @@ def find_columns(
         if size in options.names and other not in options.names:
             columns.pop(other, None)
     columns |= _named_columns(table, options)
+    if "volume" in columns and "volume" not in options.names and has_sizes(columns, options):
+        unknown.append(columns.pop("volume").head)
     used = {column.head for column in columns.values()}
     needless = [head for head in unknown if not head or _UNUSED.fullmatch(head.lower())]
     if left_out := [head for head in dict.fromkeys(unknown) if head not in {*used, *needless}]:
         several = "s" if len(left_out) > 1 else ""
         notes.append(f"column{several} ignored: {', '.join(left_out)}")
     return columns
+
+
+def has_sizes(quantities: Collection[str], options: FileOptions) -> bool:
+    """Return True if a file gives diameters or radii, or the user a diameter of all grains."""
+    return options.diameter is not None or RADIUS in quantities or DIAMETER in quantities
+
+
+def gives_sizes(quantities: Collection[str], options: FileOptions) -> bool:
+    """Return True if the diameters of all grains are known, or follow from other quantities."""
+    return has_sizes(quantities, options) or bool(_sources_of_volume(quantities))
+
+
+def _sources_of_volume(quantities: Collection[str]) -> tuple[str, ...]:
+    """Return the quantities from which the volumes of spheres follow; empty without."""
+    if "length" in quantities:  # of cylinders
+        return ()
+    for names in _VOLUMES:
+        if all(name in quantities for name in names):
+            return names
+    return ()
+
+
+def diameters_of(
+    values: Mapping[str, NDArray[np.float64]],
+    place: Callable[[int], str],
+    heads: Mapping[str, str],
+    notes: list[str],
+) -> NDArray[np.float64] | None:
+    """Return the diameters of spheres that have given volumes, or masses and densities: (n,), m.
+
+    Parameters
+    ----------
+    values
+        Quantities of the grains by name: (n,) each, in SI units.
+    place
+        Place in the file of a row.
+    heads
+        Names of the columns in the file by quantity.
+    notes
+        Warnings, to which a line on the diameters is added.
+
+    Raises
+    ------
+    ValueError
+        A value is not above 0.
+    """
+    names = _sources_of_volume(values)
+    if not names:
+        return None
+    for name in names:
+        wrong = np.flatnonzero(~(values[name] > 0))
+        if len(wrong):
+            row = int(wrong[0])
+            raise ValueError(
+                f"{place(row)}: found {values[name][row]:g} for {name}, expected a number above 0, "
+                "from which the diameter follows"
+            )
+    volume = values[names[0]]
+    if len(names) > 1:
+        volume = volume / values[names[1]]
+    diameter: NDArray[np.float64] = np.cbrt(6 / np.pi * volume)
+    columns = " and ".join(heads[name] for name in names)
+    low = f"{diameter.min():.4g}"
+    high = f"{diameter.max():.4g}"
+    sizes = low if low == high else f"{low} to {high}"
+    several = "s" if len(names) > 1 else ""
+    notes.append(
+        f"no column of diameters; computed as of spheres from the column{several} {columns}: "
+        f"{sizes} m"
+    )
+    return diameter
 
 
 def _refuse_second(table: TextTable, quantity: str, earlier: GrainColumn, head: str) -> None:
@@ -242,7 +322,7 @@ def _unit_below(table: TextTable, index: int) -> str:
 
 
 def require_columns(
-    table: TextTable, columns: dict[str, GrainColumn], diameter: float | None
+    table: TextTable, columns: dict[str, GrainColumn], options: FileOptions
 ) -> None:
     """Raise ValueError unless a table has positions and, without a usual diameter, sizes."""
     place = f"line {table.head_line}"
@@ -259,16 +339,28 @@ def require_columns(
             f"{place}: found the column diameter (or radius for it) twice; choose one: "
             f"packing.columns = {{{DIAMETER} = {head}}}"
         )
-    needed = PLACE if diameter is not None else (*PLACE, DIAMETER)
+    needed = PLACE if options.diameter is not None else (*PLACE, DIAMETER)
     for name in needed:
-        if name in columns or (name == DIAMETER and RADIUS in columns):
+        if name in columns or (name == DIAMETER and gives_sizes(columns, options)):
             continue
-        more = ", or packing.diameter for all grains" if name == DIAMETER else ""
+        more = (
+            " (or radius, volume, mass and density), or packing.diameter for all grains"
+            if name == DIAMETER
+            else ""
+        )
         heads = ", ".join(table.heads)
         raise ValueError(
             f"{place}: found no column {name}, expected {', '.join(needed)}{more}; there are "
             f"{heads}, of which packing.columns can name it"
         )
+
+
+def _is_in_voxels(unit: str, kind: str) -> bool:
+    """Return True for the unit of a length or a volume in voxels, such as ``vox^3``."""
+    plain = unit.lower()
+    if kind == VOLUME:
+        plain = re.sub(r"(?:\^|\*\*)?[3³]$", "", plain)
+    return plain in VOXELS and kind in (LENGTH, VOLUME)
 
 
 def from_one(numbers: NDArray[np.int64], head: str) -> NDArray[np.int64]:
@@ -307,9 +399,12 @@ class ColumnReader:
         self.table = table
         self.columns = columns
         self.powers: dict[str, float] = dict(powers or {})
+        self.options = options
         self.has_voxels = options.has_voxels
         if options.units:
             self.powers |= dict.fromkeys((LENGTH, VELOCITY), options.power())
+        if LENGTH in self.powers:
+            self.powers[VOLUME] = _AXES * self.powers[LENGTH]
 
     def scale(self, quantity: str) -> float:
         """Return the power of ten of the unit of a quantity."""
@@ -317,9 +412,9 @@ class ColumnReader:
         unit = self.columns[quantity].unit
         units = UNITS.get(kind, {})
         head = self.columns[quantity].head
-        if unit.lower() in VOXELS and kind == LENGTH:
+        if _is_in_voxels(unit, kind):
             if self.has_voxels:
-                return self.powers[LENGTH]
+                return self.powers[kind]
             raise ValueError(
                 f"line {self.table.head_line}: found the column {show(head)} in voxels, expected "
                 'their size, such as packing.units = "0.012 mm"'
@@ -362,10 +457,25 @@ class ColumnReader:
             half[:, axis] = in_si(half[:, axis], self.scale(quantity))
         return half
 
-    def radius(self) -> NDArray[np.float64] | None:
-        """Return the radii: (n,), m; None if the table has neither these nor diameters."""
-        diameter = self.numbers(DIAMETER)
+    def radius(self, notes: list[str]) -> NDArray[np.float64] | None:
+        """Return the radii: (n,), m; None if the table has neither these nor diameters, and no
+        volumes.
+        """
+        if not has_sizes(self.columns, self.options):
+            diameter = self._diameters_of_volumes(notes)
+        else:
+            diameter = self.numbers(DIAMETER)
         return self.numbers(RADIUS) if diameter is None else diameter / 2
+
+    def _diameters_of_volumes(self, notes: list[str]) -> NDArray[np.float64] | None:
+        """Return the diameters that follow from volumes, or masses and densities: (n,), m."""
+        values: dict[str, NDArray[np.float64]] = {}
+        for name in _sources_of_volume(self.columns):
+            numbers = self.numbers(name)
+            assert numbers is not None
+            values[name] = numbers
+        heads = {name: self.columns[name].head for name in values}
+        return diameters_of(values, self.table.place, heads, notes)
 
     def words(self, quantity: str) -> list[str]:
         """Return a column of words: (n,); empty if there is none."""
@@ -413,7 +523,7 @@ class ColumnReader:
         """Note lengths without a unit next to lengths with a unit, unless the user sets the
         unit.
         """
-        names = [name for name in (*PLACE, RADIUS, DIAMETER) if name in self.columns]
+        names = [name for name in (*PLACE, RADIUS, DIAMETER, "volume") if name in self.columns]
         without = [self.columns[name].head for name in names if not self.columns[name].unit]
         if without and len(without) < len(names) and LENGTH not in self.powers:
             several = "s" if len(without) > 1 else ""
@@ -434,7 +544,7 @@ class ColumnReader:
             format=form,
             position=position,
             half_unit=self.half_units(),
-            radius=self.radius(),
+            radius=self.radius(notes),
             ids=self.ids(),
             types=self.words(TYPE),
             density=self.numbers("density"),

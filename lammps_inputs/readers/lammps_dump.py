@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.readers.columns import (
-    DIAMETER,
     PLACE,
-    RADIUS,
     ColumnReader,
     GrainColumn,
     find_columns,
+    gives_sizes,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
@@ -353,7 +352,7 @@ class DumpFrame:
 
     def _require(self, columns: dict[str, GrainColumn], options: FileOptions) -> None:
         """Raise ValueError unless the atoms have positions and sizes."""
-        has_size = options.diameter is not None or {DIAMETER, RADIUS} & set(columns)
+        has_size = gives_sizes(columns, options)
         missing = [name for name in PLACE if name not in columns]
         if missing or not has_size:
             what = ", ".join(missing or ["radius or diameter"])

@@ -79,7 +79,7 @@ def read_table_text(text: str, options: FileOptions) -> GrainTable:
         notes.append(f"text down to line {last} above the names of the columns ignored")
     table = text_table_of(layout, options.heads)
     columns = find_columns(table, options, notes)
-    require_columns(table, columns, options.diameter)
+    require_columns(table, columns, options)
     if not len(table):
         raise ValueError("found no grain, expected a row for each below the line of names")
     return ColumnReader(table, columns, options).grains(LABEL, notes)

@@ -26,7 +26,9 @@ from granwave.lammps_inputs.readers.columns import (
     SPINS,
     TYPE,
     VELOCITIES,
+    diameters_of,
     from_one,
+    has_sizes,
     quantity_of,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
@@ -107,7 +109,11 @@ def grains_of_arrays(
         raise ValueError(f"found {len(values[wrong[0]])} values of {wrong[0]} for {n} grains")
     if DIAMETER in values:
         values[RADIUS] = np.asarray(values[DIAMETER], dtype=np.float64) / 2
-    if RADIUS not in values and options.diameter is None:
+    if not has_sizes(values, options):
+        diameter = _diameters_of_volumes(values, power, notes)
+        if diameter is not None:
+            values[RADIUS] = diameter / 10.0**power / 2
+    if not has_sizes(values, options):
         raise ValueError(
             f"found no array of radii or diameters among {', '.join(arrays) or 'none'}, expected "
             "one (packing.columns can name it), or packing.diameter for all grains"
@@ -191,6 +197,21 @@ def _by_quantity(
         several = "s" if len(left_out) > 1 else ""
         notes.append(f"array{several} ignored: {', '.join(left_out)}")
     return values
+
+
+def _diameters_of_volumes(
+    values: Mapping[str, NDArray[np.generic]], power: float, notes: list[str]
+) -> NDArray[np.float64] | None:
+    """Return the diameters that follow from volumes, or masses and densities: (n,), m.
+
+    Volumes are in the cubed unit of the lengths of the file, which is this power of ten.
+    """
+    names = [name for name in ("volume", "mass", "density") if name in values]
+    in_units = {name: np.asarray(values[name], dtype=np.float64) for name in names}
+    if "volume" in in_units:
+        in_units["volume"] = in_si(in_units["volume"], 3 * power)
+    heads = dict(zip(names, names, strict=True))
+    return diameters_of(in_units, lambda row: f"grain {row + 1}", heads, notes)
 
 
 def _vector(values: Arrays, names: tuple[str, ...]) -> NDArray[np.float64] | None:

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.message_words import show
 from granwave.lammps_inputs.readers.columns import (
-    DIAMETER,
     PLACE,
     RADIUS,
     TYPE,
     ColumnReader,
     find_columns,
+    gives_sizes,
     quantity_of,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
@@ -88,7 +88,7 @@ def read(source: GrainSource) -> GrainTable:
             f"line {start + _N_OF_HEAD}: found no {missing[0]} among the columns "
             f"{' '.join(heads)}; packing.columns can name it"
         )
-    if options.diameter is None and not {DIAMETER, RADIUS} & set(columns):
+    if not gives_sizes(columns, options):
         raise ValueError(
             f"line {start + _N_OF_HEAD}: found no diameters among the columns {_shown(heads)}, "
             "expected a property radius or diameter, a list of all names such as "

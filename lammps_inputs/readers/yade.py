@@ -51,7 +51,7 @@ def read(source: GrainSource) -> GrainTable:
     table = table_of(layout, heads, layout.numbers[0])
     notes: list[str] = []
     columns = find_columns(table, options, notes)
-    require_columns(table, columns, options.diameter)
+    require_columns(table, columns, options)
     grains = ColumnReader(table, columns, options).grains(LABEL, notes)
     cell = _PERIODIC.match(source.head)
     if cell is not None:

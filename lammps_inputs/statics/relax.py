@@ -222,7 +222,13 @@ class _Progress:
         return bool(now.largest > 0 and _net(self.problem, now) <= enough)
 
 
-def fall(problem: EnergyProblem, x: Array, farthest: float = np.inf) -> tuple[Array, Evaluation]:
+def fall(
+    problem: EnergyProblem,
+    x: Array,
+    farthest: float = np.inf,
+    *,
+    rounds: int = _ROUNDS_OF_FALL,
+) -> tuple[Array, Evaluation]:
     """Return the unknowns and the state that the method of Levenberg (1944) and Marquardt (1963)
     reaches from a start; it follows loose grains until they touch others.
 
@@ -234,6 +240,8 @@ def fall(problem: EnergyProblem, x: Array, farthest: float = np.inf) -> tuple[Ar
     ----------
     farthest
         Largest displacement of a grain along an axis, at which the search ends, m.
+    rounds
+        Largest number of steps.
     """
     reach = MARGIN / 2 * problem.bodies.spacing
     if np.abs(x[: problem.n_motions]).max(initial=0.0) > reach:
@@ -242,7 +250,7 @@ def fall(problem: EnergyProblem, x: Array, farthest: float = np.inf) -> tuple[Ar
     progress = _Progress(problem)
     stiffness = float(static_stiffness(problem.bodies.assembly))
     holding = _HOLDING * stiffness
-    for _ in range(_ROUNDS_OF_FALL):
+    for _ in range(rounds):
         # where only rounding is left, motions that hardly anything resists would grow
         if progress.ends(now) or progress.is_rounding(now, stiffness):
             break

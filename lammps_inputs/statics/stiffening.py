@@ -21,12 +21,18 @@ import numpy as np
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact_ways import KEY
 from granwave.lammps_inputs.case.springs import parse_springs
-from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.statics.bodies import Array, Bodies, NeighbourPairs
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 
 _SOFT = 1 / 3  # ratio of forces below which a bed was settled with a softer material
 _OF_FORCE = 2 / 3  # power of the force with which the overlap grows under Hertz's law
+_SETTLED = 0.01  # largest net force of a settled bed over its largest contact force
+#: What to do with a bed without friction that was settled with a softer material.
+SETTLE_AS_RUN = (
+    "pour or settle the bed with the Young's modulus of the run, or run it with the modulus with "
+    "which it was settled"
+)
 _ROUNDS = 60  # of the least squares
 _DAMPING = 0.03  # of the least squares: bounds motions that hardly change an overlap
 _CLOSED = 1e-4  # largest error of an overlap over the mean one, at which they end
@@ -93,6 +99,54 @@ def stiffened_bed(assembly: Assembly) -> StiffenedBed | None:
     position = _moved_to(bodies, targets, largest)
     moved = np.linalg.norm(position - bodies.position, axis=1)
     return StiffenedBed(position, 1 / ratio, largest, shrink * largest, float(moved.max()))
+
+
+@kept_by_assembly
+def hardened_without_friction(assembly: Assembly) -> float:
+    """Return the modulus of the case over that with which a bed without friction was settled; 1 for
+    all other packings.
+
+    The forces of such a bed, divided by the ratio of moduli, are in balance with its weight, which
+    those of overlaps by rounding are not.
+    """
+    if not _may_be_soft_without_friction(assembly):
+        return 1.0
+    bodies = loaded_bodies(assembly).elastic()
+    contacts = bodies.near(bodies.position, bodies.periods, 0.0)
+    ratio = _ratio_of_forces(bodies, contacts, np.zeros_like(bodies.position))
+    if not 0 < ratio < _SOFT:
+        return 1.0
+    # it loads scipy.sparse, which takes longer than most commands need
+    from granwave.lammps_inputs.statics.energy import EnergyProblem
+
+    as_settled = dataclasses.replace(bodies, dead_load=bodies.dead_load / ratio)
+    problem = EnergyProblem(as_settled)
+    state = problem.at(np.zeros(problem.n))
+    net = float(np.abs(state.gradient[: problem.n_motions]).max(initial=0.0))
+    return 1 / ratio if net < _SETTLED * state.largest else 1.0
+
+
+def note_without_friction(ratio: float) -> str:
+    """Return a sentence for the user on a bed without friction, and the ratio of moduli."""
+    return (
+        f"{KEY}: the overlaps of the grains press {ratio:.0f} times as hard as the load, as in a "
+        "bed that was settled with a modulus so many times smaller. Without friction its grains "
+        f"rearrange, and the static stage takes long or fails; {SETTLE_AS_RUN}"
+    )
+
+
+def _may_be_soft_without_friction(assembly: Assembly) -> bool:
+    """Return True for spheres without friction under gravity, which a search brings to balance."""
+    case = assembly.case
+    packing = case.packing
+    stage = case.precompression
+    if stage is None or stage.presses or not stage.rule.grows_with_depth or case.settles_damped:
+        return False
+    if packing.grains is None or packing.restart is not None or packing.has_clumps:
+        return False
+    if packing.contact_way is None or not packing.contact_way.balances:
+        return False
+    return not (case.contact.friction or case.has_cohesion or any(packing.grains.shape))
 
 
 def _may_be_soft(assembly: Assembly) -> bool:

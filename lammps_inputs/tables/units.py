@@ -18,17 +18,19 @@ LENGTH = "length"
 VELOCITY = "velocity"
 MASS = "mass"
 DENSITY = "density"
+VOLUME = "volume"
 ANGULAR_VELOCITY = "angular velocity"
 
 LENGTH_UNITS = {"m": 0, "dm": -1, "cm": -2, "mm": -3, "um": -6, "nm": -9}
 #: Units of the lengths of a picture, whose size no table gives.
-VOXELS = ("voxel", "voxels", "vox", "vx", "pixel", "pixels", "px")
+VOXELS = ("voxel", "voxels", "vox", "vx", "pixel", "pixels", "px", "pix")
 # powers of ten of the SI unit
 UNITS: dict[str, dict[str, int]] = {
     LENGTH: LENGTH_UNITS,
     VELOCITY: {f"{unit}/s": power for unit, power in LENGTH_UNITS.items()},
     MASS: {"kg": 0, "g": -3, "mg": -6, "ug": -9},
     DENSITY: {"kg/m^3": 0, "g/cm^3": 3},
+    VOLUME: {f"{unit}^3": 3 * power for unit, power in LENGTH_UNITS.items()},
     ANGULAR_VELOCITY: {"rad/s": 0},
 }
 _METRES = ("metre", "metres", "meter", "meters")
@@ -43,6 +45,11 @@ _SPELLINGS = {
     "g/cm3": "g/cm^3",
     "g/cc": "g/cm^3",
     "1/s": "rad/s",
+    **{f"{unit}{cubed}": f"{unit}^3" for unit, cubed in product(LENGTH_UNITS, ("3", "³", "**3"))},
+    "ml": "cm^3",
+    "mL": "cm^3",
+    "ul": "mm^3",
+    "uL": "mm^3",
 }
 _CAPITALS = ("mm", "cm", "um", "nm", "mm/s", "cm/s", "kg")
 _NO_UNITS = ("-", "--", "1", "/", "none")
@@ -53,7 +60,7 @@ _PARTED = re.compile(
 )
 _DIGITS_OF_SIZE = 14  # of a voxel, which its logarithm keeps
 _SIZE_AND_UNIT = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([dcmun]?m)")
-_JOINED = re.compile(r"(.+?)_((?:rad|kg|[munc]?m|d?m|[mu]?g)(?:_s|_m3|/s)?)")
+_JOINED = re.compile(r"(.+?)_((?:rad|kg|[munc]?m|d?m|[mu]?g)(?:_s|_m3|/s)?|[munc]?m\^?3|dm\^?3)")
 
 
 def split_unit(head: str) -> tuple[str, str]:

@@ -32,6 +32,7 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
+from granwave.lammps_inputs.statics.stiffening import SETTLE_AS_RUN, hardened_without_friction
 from granwave.workflows.run.lammps_engine import Engine
 
 _LOG = logging.getLogger("granwave")
@@ -43,6 +44,20 @@ _MARGIN = (
     1.5  # of net forces after the spin is set to zero, over those at the end of the damped run
 )
 _MOST_NAMED = 10  # ids in a warning
+_NET_FORCES = (
+    "Net forces are at most %.2g of the weight of a %s, and all together %.1g of the weight of the "
+    "bed. "
+)
+_ONE_ROLLS = (
+    "%s: %d of %d grains still rolls after the static stage, as its contacts do not hold it: "
+    f"%s. {_NET_FORCES}This grain starts at rest and rolls on during the run; "
+    "contact.rolling (0.01) stops it"
+)
+_SEVERAL_ROLL = (
+    "%s: %d of %d grains still roll after the static stage, as their contacts do not hold them: "
+    f"%s. {_NET_FORCES}These grains start at rest and roll on during the run; "
+    "contact.rolling (0.01) stops them"
+)
 
 
 @dataclasses.dataclass
@@ -174,7 +189,7 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
     if not case.seeks_balance:
         return found
-    advice = _advice(case)
+    advice = SETTLE_AS_RUN if hardened_without_friction(assembly) > 1 else _advice(case)
     moved = found["displacement"] / case.packing.diameter
     limit = largest_move(assembly) / case.packing.diameter
     if not moved <= limit:
@@ -243,25 +258,42 @@ def warn_of_rolling(
     forces
         Net forces on the bodies by id: (3,), N.
     """
-    ids, loads = dead_loads(assembly)
-    each = zip(ids.tolist(), np.linalg.norm(loads, axis=1).tolist(), strict=True)
-    ratio = {sphere: float(np.linalg.norm(forces[sphere])) / load for sphere, load in each}
+    ratio = _net_forces_over_weights(assembly, forces)
     rolling = sorted(sphere for sphere, part in ratio.items() if part > LOOSE)
     if not rolling:
         return
+    message = _ONE_ROLLS if len(rolling) == 1 else _SEVERAL_ROLL
     _LOG.warning(
-        "%s: %d of %d grains still %s after the static stage, as their contacts do not hold them: "
-        "%s. Net forces are at most %.2g of the weight of a grain, and all together %.1g of the "
-        "weight of the bed. These grains start at rest and roll on during the run; "
-        "contact.rolling (0.01) stops them",
+        message,
         assembly.case.name,
         len(rolling),
-        len(ids),
-        "rolls" if len(rolling) == 1 else "roll",
+        len(ratio),
         _listed(rolling),
         max(ratio.values()),
+        "clump" if assembly.clumps else "grain",
         found["unbalanced"],
     )
+
+
+def _net_forces_over_weights(
+    assembly: Assembly, forces: Mapping[int, NDArray[np.float64]]
+) -> dict[int, float]:
+    """Return the net force over the weight of each loaded grain by id; those of its clump for a
+    grain of a clump.
+    """
+    ids, loads = dead_loads(assembly)
+    load_of = dict(zip(ids.tolist(), loads, strict=True))
+    in_clumps = set(assembly.in_clumps.tolist())
+    single = [(sphere,) for sphere in load_of if sphere not in in_clumps]
+    ratio: dict[int, float] = {}
+    for grains in (*assembly.clumps.values(), *single):
+        loaded = [sphere for sphere in grains if sphere in load_of]
+        load = np.sum([load_of[sphere] for sphere in loaded], axis=0)
+        force = np.sum([forces[sphere] for sphere in grains], axis=0)
+        if loaded:
+            part = float(np.linalg.norm(force) / np.linalg.norm(load))
+            ratio |= dict.fromkeys(loaded, part)
+    return ratio
 
 
 def _listed(ids: list[int]) -> str:

@@ -7,9 +7,9 @@ import pytest
 import tomli_w
 
 from granwave.lammps_inputs.errors import RunError
-from granwave.lammps_inputs.load_case import load_assembly, load_case
+from granwave.lammps_inputs.load_case import assembly_from_dict, load_assembly, load_case
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
-from granwave.lammps_inputs.statics.stiffening import stiffened_bed
+from granwave.lammps_inputs.statics.stiffening import hardened_without_friction, stiffened_bed
 from granwave.workflows.run.checks import check_equilibrium, rolls_on, warn_of_rolling
 from granwave.workflows.run.driver import run_case
 from tests.extensions.packings.test_poured import TABLES, N, made
@@ -111,7 +111,13 @@ def test_grains_that_still_roll_are_named_and_not_fatal(hard, tmp_path, caplog):
     forces[7] = np.array([0.4 * weights[6], 0.0, 0.0])
     warn_of_rolling(assembly, stage, forces)
     assert f"1 of {N} grains still rolls" in caplog.text
-    assert "do not hold them: id 7. Net forces are at most 0.4 of the weight" in caplog.text
+    assert (
+        "its contacts do not hold it: id 7. Net forces are at most 0.4 of the weight" in caplog.text
+    )
+    forces[3] = forces[7]
+    warn_of_rolling(assembly, stage, forces)
+    assert f"2 of {N} grains still roll after" in caplog.text
+    assert "their contacts do not hold them: ids 3, 7. Net forces" in caplog.text
 
 
 def test_a_bed_of_its_own_material_stays(hard, tmp_path):
@@ -119,3 +125,41 @@ def test_a_bed_of_its_own_material_stays(hard, tmp_path):
     own = tmp_path / "own.toml"
     own.write_text(text)
     assert load_assembly(own).case.packing.grains.found is None
+
+
+def test_a_soft_bed_without_friction_is_told_from_its_own_and_from_rounding(tmp_path, caplog):
+    """Its static stage is warned of, and its error names the remedy; both remedies need none."""
+    _, bed = made(tmp_path, friction=0.0)
+    (grains,) = (tmp_path / "beds").glob("poured-*[0-9a-f].csv")
+    width, depth = bed.container.box
+    walls = {"x": [0.0, width], "y": [0.0, depth], "bottom": bed.bottom}
+    tables = {
+        **TABLES,
+        "packing": {"kind": "file", "file": str(grains), "contacts": "relax", "enclosure": walls},
+        "contact": {"law": "hertz"},
+        "boundary": {"sides": "wall", "bottom": "wall"},
+        "precompression": {"kind": "gravity", "overlaps": True},
+    }
+    assert hardened_without_friction(assembly_from_dict(tables)) == 1.0
+    assert "as hard as the load" not in caplog.text
+    modulus = HARDER * SOFT["youngs_modulus"]
+    assembly = assembly_from_dict(tables | {"material": SOFT | {"youngs_modulus": modulus}})
+    assert hardened_without_friction(assembly) == pytest.approx(HARDER, rel=1e-3)
+    assert "press 1000 times as hard as the load" in caplog.text
+    assert "pour or settle the bed with the Young's modulus of the run" in caplog.text
+    stage = {
+        "residual": 2e-3, "largest_force": 0.5, "contacts": 600, "yielded": 0, "stored": 1e-6,
+        "displacement": 1e-6, "iterations": 200_000,
+    }  # fmt: skip
+    (tmp_path / "dumps").mkdir()
+    record = tmp_path / "dumps" / "prestage.txt"
+    record.write_text(f"# {' '.join(stage)}\n{' '.join(map(str, stage.values()))}\n")
+    with pytest.raises(RunError, match=r"expected at most .*; pour or settle the bed with the You"):
+        check_equilibrium(assembly, tmp_path)
+    caplog.clear()
+    rounded = assembly.case.packing.grains.position.round(5)
+    rows = [",".join(map(repr, [*place, 0.01])) for place in rounded.tolist()]
+    packing = tables["packing"] | {"grains": "\n".join(["x,y,z,diameter", *rows, ""])}
+    del packing["file"]
+    assert hardened_without_friction(assembly_from_dict(tables | {"packing": packing})) == 1.0
+    assert "as hard as the load" not in caplog.text

@@ -474,3 +474,23 @@ def test_a_size_that_the_user_names_is_that_of_the_grains(tmp_path: Path) -> Non
     text = "x,y,z,r,d\n0,0,0,9,0.01\n0,0,0.01,9,0.01\n"
     grains = read(tmp_path / "g.csv", text, columns={"diameter": "d"})
     assert grains.diameter.tolist() == [0.01, 0.01]
+
+
+_TENTH = 0.1**3 / 6 * np.pi
+
+
+@pytest.mark.parametrize("content", [
+    dump("id x y z volume", f"1 0 0 0 {_TENTH}\n2 0 0 .1 {_TENTH}\n"),
+    dump("id x y z mass density", f"1 0 0 0 {_TENTH} 1\n2 0 0 .1 {2 * _TENTH} 2\n"),
+    "2\nProperties=species:S:1:pos:R:3:volume:R:1\n"
+    f"A 0 0 0 {_TENTH}\nA 0 0 .1 {_TENTH}\n",
+    "# vtk DataFile Version 3.0\n-\nASCII\nDATASET POLYDATA\nPOINTS 2 double\n0 0 0\n0 0 .1\n"
+    f"POINT_DATA 2\nSCALARS Volume double 1\nLOOKUP_TABLE default\n{_TENTH}\n{_TENTH}\n",
+])  # fmt: skip
+@pytest.mark.parametrize("units", [None, "mm"])
+def test_volumes_of_grains_without_sizes(content: str, units: str | None, tmp_path: Path) -> None:
+    in_metres = units is None or " mass " in content  # masses and densities have units of their own
+    grains = read(tmp_path / "grains", content, **({"units": units} if units else {}))
+    assert grains.diameter == pytest.approx(0.1 * (1.0 if in_metres else 1e-3), rel=1e-14)
+    assert grains.reading is not None
+    assert "computed as of spheres from the column" in " ".join(grains.reading.notes)

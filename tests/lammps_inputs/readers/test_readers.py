@@ -283,3 +283,41 @@ write_data {tmp_path / "grains.data"}
         assert summary["energy_dissipated_J"] == pytest.approx(
             summaries[0]["energy_dissipated_J"], rel=1e-9
         )
+
+
+OF_EACH_READER = (
+    "dump", "dump of liggghts", "yaml", "data", "molecule", "yade.txt", "yade.spheres",
+    "mercury.data", "mercury.restart", "lethe", "vtk", "vtp appended", "h5md", "xyz",
+)  # fmt: skip
+
+
+def impact(path: Path, directory: Path) -> dict[str, Any]:
+    """Return the summary of a run of the grains of a file, whose velocities are 0 without any."""
+    tables = {
+        "packing": {"kind": "file", "file": str(path)},
+        "material": "brass",
+        "boundary": {"bottom": "free"},
+        "load": {"kind": "impact", "velocity": 0.25},
+        "run": {"end_time": 2e-5, "frames": 2},
+    }
+    return run_case(case_from_dict(tables, "grains"), directory, figures=False).summary
+
+
+def test_an_impact_on_a_file_of_every_reader_is_that_on_our_table(tmp_path: Path) -> None:
+    formats = [
+        reader_of(GrainSource(writers.write(tmp_path / name, writers.FILES[name]()))).NAME
+        for name in OF_EACH_READER
+    ]
+    assert {*formats} == {*READERS} - {"ase"}
+    table = writers.own_table()
+    at_rest = "\n".join(",".join(row.split(",")[:4]) for row in table.splitlines())
+    own = {
+        name: impact(writers.write(tmp_path / f"{name}.csv", text), tmp_path / f"run {name}")
+        for name, text in (("moving", table), ("at rest", at_rest))
+    }
+    assert own["moving"]["peak_force_N"] > 1.5 * own["at rest"]["peak_force_N"] > 1.0
+    for name in OF_EACH_READER:
+        summary = impact(tmp_path / name, tmp_path / f"run {name}")
+        like = own["at rest" if name in writers.WITHOUT_VELOCITY else "moving"]
+        for quantity in ("peak_force_N", "energy_dissipated_J"):
+            assert summary[quantity] == pytest.approx(like[quantity], rel=1e-9), (name, quantity)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -96,3 +99,78 @@ def test_a_row_of_quotes_left_open_is_one_row() -> None:
         read_text_table('a,b\n"0,0\n1,1\n')
     table = read_text_table('a,b\n0,"1 # 2\n1,x\n')
     assert table.words(1) == ["1 # 2", "x"]
+
+
+SIZES = (0.001, 0.0025)  # m
+DENSITIES = (2500.0, 7800.0)  # kg/m^3
+
+
+def _with_columns(head: str, *columns: list[float]) -> str:
+    """Return a table of two grains with further columns behind their positions in mm."""
+    places = ((0.0, 0.0, 1.0), (0.0, 0.0, 3.0))
+    rows = [
+        [*place, *values] for place, values in zip(places, zip(*columns, strict=True), strict=True)
+    ]
+    lines = [",".join(map(repr, row)) for row in rows]
+    return "\n".join([f"x (mm),y (mm),z (mm),{head}", *lines]) + "\n"
+
+
+VOLUMES = [math.pi / 6 * size**3 for size in SIZES]
+MASSES = [volume * density for volume, density in zip(VOLUMES, DENSITIES, strict=True)]
+
+
+@pytest.mark.parametrize(("head", "unit", "options"), [
+    ("Volume (m^3)", 1.0, {}),
+    ("Volume [mm3]", 1e-9, {}),
+    ("volume_mm3", 1e-9, {}),
+    ("Vol (mm\u00b3)", 1e-9, {}),
+    ("vol in \u00b5m^3", 1e-18, {}),
+    ("Volume (cm^3)", 1e-6, {}),
+    ("Volume", 1e-9, {"units": "mm"}),
+    ("Vol (unit)", 1e-9, {"units": "mm"}),
+    ("Vol (pix)", 0.02**3 * 1e-9, {"units": "0.02 mm"}),
+    ("Size of grain", 1e-9, {"units": "mm", "columns": {"volume": "Size of grain"}}),
+])  # fmt: skip
+def test_diameters_of_volumes(head: str, unit: float, options: dict[str, Any]) -> None:
+    text = _with_columns(head, [volume / unit for volume in VOLUMES])
+    table = read_table_text(text, FileOptions(**options))
+    assert table.radius == pytest.approx(np.array(SIZES) / 2, rel=1e-14)
+    assert table.notes[-1] == (
+        f"no column of diameters; computed as of spheres from the column {head}: 0.001 to 0.0025 m"
+    )
+
+
+def test_diameters_of_masses_and_densities() -> None:
+    text = _with_columns("mass (g),rho (g/cc)", [1e3 * m for m in MASSES], [2.5, 7.8])
+    table = read_table_text(text, FileOptions())
+    assert table.radius == pytest.approx(np.array(SIZES) / 2, rel=1e-14)
+    assert table.density == pytest.approx(np.array(DENSITIES))
+    assert table.notes == [
+        "no column of diameters; computed as of spheres from the columns mass (g) and rho (g/cc): "
+        "0.001 to 0.0025 m"
+    ]
+
+
+@pytest.mark.parametrize("options", [{}, {"diameter": 0.002}])
+def test_sizes_are_preferred_to_volumes(options: dict[str, Any]) -> None:
+    columns = [[1.0, 1.0]] if options else [[1.0, 1.0], [0.5, 1.25]]
+    text = _with_columns("volume" if options else "volume,radius (mm)", *columns)
+    table = read_table_text(text, FileOptions(**options))
+    if options:
+        assert table.radius is None
+    else:
+        assert table.radius == pytest.approx(np.array(SIZES) / 2)
+    assert table.notes == ["column ignored: volume"]
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    (_with_columns("volume (mm3)", [1.0, 0.0]), "line 3: found 0 for volume, expected a number ab"),
+    (_with_columns("mass,density", [1.0, 1.0], [-1.0, 1.0]), "line 2: found -1 for density"),
+    (_with_columns("volume (in3)", [1.0, 1.0]), 'found the unit "in3" of the column "volume (in3'),
+    (_with_columns("volume (vox)", [1.0, 1.0]), 'found the column "volume (vox)" in voxels'),
+    (_with_columns("mass", [1.0, 1.0]), "found no column diameter, expected x, y, z, diameter (or"),
+])  # fmt: skip
+def test_faults_of_volumes(text: str, message: str) -> None:
+    with pytest.raises(ValueError) as caught:
+        read_table_text(text, FileOptions())
+    assert message in str(caught.value)

@@ -12,7 +12,9 @@ import pytest
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.run import driver
+from granwave.workflows.run.checks import warn_of_rolling
 
 RADIUS = 5e-3
 HALF = 6e-3  # of the distance of the two spheres of the dimer
@@ -147,12 +149,37 @@ def test_clumps_settle_under_their_weight(friction: float, tmp_path: Path) -> No
     floor = np.loadtxt(dumps / "initial_forces_bottom.dump", skiprows=9)
     stage = np.loadtxt(dumps / "prestage.txt")
     assert stage[0] < 1e-6
+    names = (dumps / "prestage.txt").read_text().split("\n", 1)[0].split()[1:]
+    record = dict(zip(names, stage.tolist(), strict=True))
+    net = record["residual"] * record["largest_force"]
+    if friction:  # the trimer has the largest net force, and is compared with its own weight
+        assert net == pytest.approx(3 * record["worst"] * weight, rel=1e-4)
+    assert record["unbalanced"] * 4 * weight <= 2 * net * (1 + 1e-4)  # each body counts once
     assert floor[:, 1] == pytest.approx([4 / 3 * weight] * 3, rel=1e-4)
     cosine = np.sqrt(1 - (1.1 / np.sqrt(3)) ** 2)
     if not friction:
         assert pairs[:, 2] == pytest.approx([weight / 3 / cosine] * 3, rel=1e-3)
     assert len(pairs) == 3
     assert error < 1e-5
+
+
+def test_net_forces_of_clumps_are_compared_with_their_weight(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """Forces within a clump, far above the weight of a grain, do not count."""
+    case = bed_of_trimer(0.4, {"contacts": "relax", "relaxation": "damped"})
+    assembly = assemble(case)
+    weight = assembly.sphere_masses()[0] * 9.81
+    forces = {number: np.zeros(3) for number in range(1, 5)}
+    forces[1] = np.array([50.0 * weight, 0.0, 0.0])
+    forces[2] = -forces[1]
+    stage = {"unbalanced": 1e-4}
+    warn_of_rolling(assembly, stage, forces)
+    assert caplog.text == ""
+    forces[2] = forces[2] + np.array([0.0, 0.3 * weight, 0.0])
+    warn_of_rolling(assembly, stage, forces)
+    assert "3 of 4 grains still roll" in caplog.text
+    assert "ids 1, 2, 3. Net forces are at most 0.1 of the weight of a clump" in caplog.text
 
 
 def test_overlapping_clumps_with_friction_and_yielding(tmp_path: Path) -> None:
