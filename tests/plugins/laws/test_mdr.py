@@ -1,4 +1,4 @@
-"""LAMMPS's own elasto-plastic law, ``mdr`` of ``pair_style granular``, beside ours: the table of
+"""LAMMPS's own elasto-plastic law, ``mdr`` of ``pair_style granular``, beside ours: the tables of
 docs/explanation/contact-law.md.
 """
 
@@ -12,6 +12,7 @@ import pytest
 from scipy.optimize import brentq
 
 import granwave as gw
+from tests.helpers.programs.struck_packing import LAWS, LAYERS, impact
 
 PAGE = Path(__file__).parents[3] / "docs" / "explanation" / "contact-law.md"
 RADIUS = 0.005
@@ -40,11 +41,31 @@ pair_coeff * * mdr 115e9 0.3 550e6 0 0.5 0 tangential linear_nohistory 0 0 dampi
 
 
 def rows() -> dict[str, list[float]]:
-    """Numbers of the table of the page, by the first column."""
+    """Numbers of the tables of the page, by the first column."""
     text = PAGE.read_text(encoding="utf-8").partition("## Comparison with LAMMPS's `mdr`")[2]
     table = [line.split("|")[1:-1] for line in text.splitlines() if line.startswith("| ")]
     return {cells[0].strip(): [float(x) for x in re.findall(r"[\d.]+", cells[1] + cells[2])]
             for cells in table[1:] if re.search(r"\d", cells[1])}  # fmt: skip
+
+
+def collision(law: str, x: float, z: float) -> str:
+    """Return the script of two spheres, the second one at (x, 0, z), that move freely."""
+    return f"""units si
+atom_style sphere
+atom_modify map array
+newton off
+boundary f f f
+region box block -0.02 0.02 -0.02 0.02 -0.02 0.04
+create_box 1 box
+create_atoms 1 single 0 0 0
+create_atoms 1 single {x!r} 0 {z!r}
+set group all diameter {2 * RADIUS} density 8500
+comm_modify vel yes
+neighbor 1e-3 bin
+{LAWS[law]}
+fix motion all nve/sphere
+timestep 1e-8
+"""
 
 
 @pytest.fixture
@@ -110,3 +131,63 @@ def restitution_of_ours(energy: float) -> float:
 
     peak = brentq(lambda overlap: loading_work(overlap) - energy, 1e-7, 1e-3)
     return float(np.sqrt(gw.contact_energy(OURS, SPHERES, peak) / energy))
+
+
+def test_only_ours_remembers_the_first_collision(lammps):
+    table = rows()["restitution of a second collision at 5 m/s"]
+    for law, on_the_page in zip(LAWS, table, strict=True):
+        run = lammps(collision(law, 0.0, 2 * RADIUS * (1 + 1e-9)))
+        restitutions = []
+        for _ in range(2):
+            run.commands_string("set atom 1 vz 5\nset atom 2 vz 0\nrun 12000")
+            places = run.numpy.extract_atom("x")[:2, 2]
+            assert np.ptp(places) > 2 * RADIUS
+            velocities = run.numpy.extract_atom("v")[:2, 2]
+            restitutions.append(np.ptp(velocities) / 5)
+        assert restitutions[1] == pytest.approx(on_the_page, abs=2e-3)
+        remembers = restitutions[1] > restitutions[0] + 0.1
+        assert remembers == (law == OURS)
+
+
+def overlap_rounded_to_zero() -> tuple[float, float]:
+    """Return a position (x, z) whose squared distance from the origin is below the square of the
+    diameter, while the distance itself is rounded to the diameter.
+    """
+    diameter = RADIUS + RADIUS
+    for x in np.arange(1, 1000) * 1e-6:
+        z = np.sqrt(diameter**2 - x**2)
+        for height in (z, np.nextafter(z, 0)):
+            square = x * x + height * height
+            if square < diameter**2 and np.sqrt(square) == diameter:
+                return float(x), float(height)
+    raise AssertionError("no such position")
+
+
+def test_mdr_stops_where_the_overlap_is_rounded_to_zero(lammps):
+    x, z = overlap_rounded_to_zero()
+    with pytest.raises(Exception, match="F_MDR is NaN, non-adhesive case"):
+        lammps(collision("mdr", x, z)).command("run 1")
+    run = lammps(collision(OURS, x, z))
+    run.command("run 1")
+    assert np.all(run.numpy.extract_atom("f")[:2] == 0)
+
+
+def test_struck_packing():
+    table = rows()
+    theirs, ours = (impact(law, 10.0) for law in LAWS)
+    for layer in (1, 2, 4, 6):
+        forces = [result.peak_forces[layer - 1] for result in (theirs, ours)]
+        assert table[f"peak force below layer {layer}, N"] == pytest.approx(forces, rel=5e-3)
+    restitutions = [theirs.restitution, ours.restitution]
+    assert table["restitution of the impactor"] == pytest.approx(restitutions, abs=2e-3)
+    assert table["kinetic energy lost"] == pytest.approx([theirs.lost, ours.lost], abs=2e-3)
+    # what ours has lost is stored or dissipated
+    assert ours.stored + ours.dissipated == pytest.approx(ours.lost, abs=1e-5)
+    # every layer but the last, which is held, carries less with ours than with mdr
+    assert np.all(ours.peak_forces < theirs.peak_forces)
+    assert len(ours.peak_forces) == LAYERS - 1
+
+
+def test_a_packing_that_just_touches_stops_mdr():
+    with pytest.raises(Exception, match="F_MDR is NaN"):
+        impact("mdr", 10.0, gap=0.0)
