@@ -12,7 +12,7 @@ import shutil
 import statistics
 import subprocess
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -57,10 +57,13 @@ OURS = "gran/hysteretic elastoplastic"
 BASELINE = "gran/hertz/history"
 ROUGH = f"{OURS}, friction 0.3"
 ROUGH_BASELINE = f"{BASELINE}, friction 0.3"
+GRANULAR = "granular hertz/material"
+ROUGH_GRANULAR = f"{GRANULAR}, friction 0.3"
 _ELASTOPLASTIC = (
     "pair_style gran/hysteretic {gap}\npair_coeff * * elastoplastic {E} {nu} {yield_strength}"
 )
-_HERTZ_MATERIAL = "pair_style granular\npair_coeff * * hertz/material {E} 0.0 {nu} tangential linear_nohistory 0.0 0.0"
+_HERTZ_MATERIAL = "pair_style granular\npair_coeff * * hertz/material {E} 0.0 {nu} tangential linear_nohistory 0.0 0.0 damping velocity"
+_MINDLIN = "pair_style granular\npair_coeff * * hertz/material {E} 0.0 {nu} tangential mindlin NULL 0.0 0.3 damping velocity"
 #: Commands of each style, with names of constants in braces, its integrating fix, and the style that it stands beside.
 STYLES = {
     OURS: (_ELASTOPLASTIC, "gran/nve", BASELINE),
@@ -68,12 +71,15 @@ STYLES = {
         "pair_style gran/hysteretic {gap}\npair_coeff * * hertz {E} {nu}", "gran/nve", BASELINE
     ),
     BASELINE: ("pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.0 0\npair_coeff * *", "nve", BASELINE),
-    "granular hertz/material": (_HERTZ_MATERIAL, "nve", BASELINE),
+    GRANULAR: (_HERTZ_MATERIAL, "nve", BASELINE),
     ROUGH: (f"{_ELASTOPLASTIC} friction 0.3", "gran/nve/sphere", ROUGH_BASELINE),
     ROUGH_BASELINE: (
         "pair_style gran/hertz/history {kn} NULL 0.0 NULL 0.3 0\npair_coeff * *", "nve/sphere", ROUGH_BASELINE
     ),
+    ROUGH_GRANULAR: (_MINDLIN, "nve/sphere", ROUGH_BASELINE),
 }  # fmt: skip
+#: Style of LAMMPS's pair style granular by style of gran/hertz/history: the second comparison.
+GRANULAR_STYLES = {BASELINE: GRANULAR, ROUGH_BASELINE: ROUGH_GRANULAR}
 
 
 def bench(
@@ -145,7 +151,8 @@ def compare_styles(repeats: int) -> dict[str, Any]:
     -------
     dict
         ``n_spheres``, and under ``struck`` and ``rattling``: ``loaded_contacts_per_sphere``, and
-        ``table`` with rates, ratios and memory of each style.
+        ``table`` with rates and memory of each style, and its ratios to `BASELINE` and to pair
+        style granular, with friction to those with friction.
     """
     assembly = load_assembly(library.find(STUDY))
     case = assembly.case
@@ -181,16 +188,26 @@ def compare_styles(repeats: int) -> dict[str, Any]:
                 for style, engine in engines.items():
                     _restore(engine, state)
                     rates[style].append(n * STEPS / _seconds(engine))
-            print(f"{'':44}{'sphere-steps/s':>26}{'times ' + BASELINE:>30}{'bytes/sphere':>14}")
+            print(
+                f"{'':44}{'sphere-steps/s':>26}{'times ' + BASELINE:>30}"
+                f"{'times granular':>26}{'bytes/sphere':>14}"
+            )
             table = {}
             for style, values in rates.items():
-                ratios = [
-                    value / base
-                    for value, base in zip(values, rates[STYLES[style][2]], strict=True)
-                ]
+                baseline = STYLES[style][2]
+                ratios = quotients(values, rates[baseline])
+                to_granular = quotients(values, rates[GRANULAR_STYLES[baseline]])
                 memory = float(_MEMORY.findall(logs[style].read_text())[-1]) * 2**20 / n
-                table[style] = {"rates": values, "ratios": ratios, "bytes_per_sphere": memory}
-                print(f"{style:44}{spread(values, 1e6):>22} M/s{spread(ratios):>30}{memory:>14.0f}")
+                table[style] = {
+                    "rates": values,
+                    "ratios": ratios,
+                    "ratios_to_granular": to_granular,
+                    "bytes_per_sphere": memory,
+                }
+                print(
+                    f"{style:44}{spread(values, 1e6):>22} M/s{spread(ratios):>30}"
+                    f"{spread(to_granular):>26}{memory:>14.0f}"
+                )
             results[name] = {"loaded_contacts_per_sphere": len(pairs) / n, "table": table}
             _restore(ours, state)
     return results
@@ -254,6 +271,11 @@ def _restore(engine: Engine, state: list[np.ndarray]) -> None:
     ids = engine.lammps.numpy.extract_atom("id")
     for name, values in zip(_STATE, state, strict=True):
         engine.lammps.numpy.extract_atom(name)[: len(ids)] = values[ids - 1]
+
+
+def quotients(values: Sequence[float], others: Sequence[float]) -> list[float]:
+    """Return the ratio of both measurements in each repeat."""
+    return [value / other for value, other in zip(values, others, strict=True)]
 
 
 def spread(values: list[float], unit: float = 1.0) -> str:

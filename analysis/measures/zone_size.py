@@ -43,7 +43,7 @@ of one sphere's contacts may begin to touch.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
@@ -66,6 +66,7 @@ HALF_LAW_LIMIT = 0.1  # of R*
 BOTTOM = "bottom"
 SIDES = "sides"
 _WAYS = {BOTTOM: "depth", SIDES: "radius"}  # columns of the distance towards each
+_DISTANCES = ("depth", "radius", BOTTOM, SIDES)
 WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # of `wave_returns`
 _ROUNDING = 1e-12  # of the energy: sums that reach a share but for rounding reach it
 # of the energy, dissipated after the first wave came back: from here on it is marked
@@ -256,26 +257,10 @@ def zone_summary(result: Result) -> dict[str, Any]:
     """Return the values of the summary on the size of the plastic zone; None without yielding."""
     if not result.yields:
         return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
-    single = [packing_zone(result)] if result.n_spheres <= result.at_once else None
-
-    def zones() -> Iterable[Zone]:
-        """Return the zones of all parts of the packing, computed again each time if there are
-        several.
-        """
-        return single or map(packing_zone, result.parts())
-
-    # sizes and bounds follow from the spheres that yielded or dissipated alone
-    kept = [
-        (zone, zone["yielded"] | (zone["energy"] > 0) | np.isfinite(zone["yield_time"]))
-        for zone in zones()
-    ]
-    active = {
-        name: np.concatenate([zone[name][chosen] for zone, chosen in kept]) for name in kept[0][0]
-    }
+    active, distances = _active_and_distances(result)
     sizes = zone_sizes(*map(active.get, ("energy", "volume", "depth", "radius")))
-    times = _return_times(
-        result, zones, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]}
-    )
+    border = {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]}
+    times = _return_times(result, distances, border)
     lost = result.yield_ledger
     time = result["energy/time"]
     if lost[-1] <= _NOTHING * result.energy_input:
@@ -295,8 +280,27 @@ def zone_summary(result: Result) -> dict[str, Any]:
     )
 
 
+def _active_and_distances(result: Result) -> tuple[Zone, Zone]:
+    """Return the columns of the spheres that yielded or dissipated energy, and the distances and
+    bounds of all spheres, from one pass through the parts of the packing.
+    """
+    parts = [result] if result.n_spheres <= result.at_once else result.parts()
+    active = []
+    distances = []
+    for zone in map(packing_zone, parts):
+        chosen = zone["yielded"] | (zone["energy"] > 0) | np.isfinite(zone["yield_time"])
+        active.append({name: column[chosen] for name, column in zone.items()})
+        distances.append({name: zone[name] for name in _DISTANCES if name in zone})
+    return _joined(active), _joined(distances)
+
+
+def _joined(parts: Sequence[Zone]) -> Zone:
+    """Return the columns of all parts, one after the other."""
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
 def _return_times(
-    result: Result, zones: Callable[[], Iterable[Zone]], border: dict[str, float | None]
+    result: Result, distances: Zone, border: dict[str, float | None]
 ) -> dict[str, float] | None:
     """Return when a wave that a bound reflects can be back at the border of the zone, by bound, s.
 
@@ -307,34 +311,30 @@ def _return_times(
     seen; then the wave goes all ways at the speed with which it reached the bottom. None where that
     is not known either.
     """
-    first = next(iter(zones()))
-    inner = {name: border[name] or 0.0 for name in _WAYS if name in first}
+    inner = {name: border[name] or 0.0 for name in _WAYS if name in distances}
     if result.case.precompression is None:
-        sets = [
-            [
-                part
-                for name in inner
-                for part in (zone[name], zone[_WAYS[name]] >= (1 - _SAME) * inner[name])
-            ]
-            for zone in zones()
-        ]
+        sets = []
+        for name, within in inner.items():
+            beyond = distances[_WAYS[name]] >= (1 - _SAME) * within
+            sets += [distances[name], beyond]
         arrivals = wave_arrivals(result, sets)
         found = zip(inner, arrivals[::2], arrivals[1::2], strict=True)
         return {name: far + max(far - near, 0.0) for name, far, near in found if np.isfinite(far)}
     target = reached(result)
-    if target is None or "depth" not in first:
+    if target is None or "depth" not in distances:
         return None
     if not target.arrival:
         return {}
-    speed = max(float(zone["depth"].max(initial=0.0)) for zone in zones()) / target.arrival
+    speed = float(distances["depth"].max(initial=0.0)) / target.arrival
     times = {}
     for name, within in inner.items():
-        nearest = min(float(zone[_WAYS[name]][zone[name]].min(initial=np.inf)) for zone in zones())
+        at_bound = distances[_WAYS[name]][distances[name]]
+        nearest = float(at_bound.min(initial=np.inf))
         times[name] = (nearest + max(nearest - within, 0.0)) / speed
     return {name: time for name, time in times.items() if np.isfinite(time)}
 
 
-def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[float]:
+def wave_arrivals(result: Result, sets: Sequence[NDArray[np.bool_]]) -> list[float]:
     """Return when the first force at contacts of each set of spheres was at its peak, s; inf:
     never.
 
@@ -344,12 +344,12 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
     Parameters
     ----------
     sets
-        Members of each set, by part of the packing, without strikers: lists of (n_spheres,).
+        Members of each set, True for those of the packing's spheres, without strikers:
+        (n_spheres,).
     """
-    members = [np.concatenate(parts) for parts in zip(*sets, strict=True)]
     last = result.assembly.lattice.n_spheres
     of_all = 0.0
-    fronts = [np.empty((2, 0)) for _ in members]  # of each set: force and time
+    fronts = [np.empty((2, 0)) for _ in sets]  # of each set: force and time
     for i, j, force, time in result.blocks(
         "contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"
     ):
@@ -357,7 +357,7 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
         own = ends <= last
         at_rows = np.where(own, result.rows(ends), 0)
         of_all = max(of_all, float(force.max(initial=0.0)))
-        for n, of_set in enumerate(members):
+        for n, of_set in enumerate(sets):
             here = (own & of_set[at_rows]).any(axis=0) & (force > 0)
             fronts[n] = _front(np.concatenate([fronts[n], [force[here], time[here]]], axis=1))
     arrivals = []

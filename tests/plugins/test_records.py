@@ -1,5 +1,5 @@
-"""Records of contacts in restart files, those of format 12 (1.0) too, and files of dents of any
-size.
+"""Records of contacts in restart files, those of format 12 (1.0) too, the reader of these files in
+Python, and files of dents of any size.
 """
 
 from __future__ import annotations
@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from granwave.lammps_inputs.restart_file import RestartContacts, read_restart
 from tests.conftest import script_of
-from tests.helpers.bodies.rubbing import BRASS, MU, rubbing, same, state
+from tests.helpers.bodies.rubbing import BRASS, HERTZ, MU, packing, rubbing, same, state
 from tests.helpers.bodies.two_spheres import LAW, R, value
 
 EARLIER = Path(__file__).parents[1] / "earlier" / "restart_format_12"
@@ -19,6 +20,22 @@ DOUBLE = 8  # bytes
 N_SPRING = 5  # doubles
 N_DENT = 2
 STATE = ("x", "v", "omega", "f")
+SLIPS = f"friction {MU} tangential partial_slip"
+LAWS = {
+    "elastoplastic": BRASS,
+    "friction": f"{BRASS} friction {MU}",
+    "partial slip": f"{BRASS} {SLIPS}",
+    "Hertz, partial slip": f"{HERTZ} {SLIPS}",
+}
+WITH_FRICTION = [name for name, law in LAWS.items() if "friction" in law]
+# columns of compute gran/hysteretic/local
+IDS = slice(0, 2)
+OVERLAP = 2
+NORMAL_FORCE = 3
+PEAK = 4
+IS_LIVE = 11
+SPRING_ENERGY = 13
+TANGENTIAL_FORCE = slice(17, 20)
 CHAIN = [(2 * R * k, 0, 0) for k in range(12)]
 
 
@@ -78,6 +95,93 @@ def test_a_record_has_only_what_is_in_use(lammps, tmp_path):
     assert history > 30
 
 
+# ---------------------------------------------------------------------- the reader in Python
+
+
+def rubbed(lammps, law: str, between: str = ""):
+    """Packing in random motion, 600 steps on, with a command after the first half."""
+    places, speeds, spins = packing(2)
+    lmp = lammps(rubbing(places, law, velocities=3 * speeds, spins=3 * spins))
+    lmp.commands_string("compute dents all gran/hysteretic/local\nrun 300 post no\n")
+    lmp.commands_string(f"{between}\nrun 300 post no\n")
+    return lmp
+
+
+def live_contacts(lmp) -> np.ndarray:
+    """Rows of the contacts that are remembered, in the order of the IDs: (n_contacts, 20)."""
+    rows = lmp.numpy.extract_compute("dents", 2, 2).copy()
+    rows = rows[rows[:, IS_LIVE] == 1]
+    return rows[np.lexsort(rows[:, IDS].T[::-1])]
+
+
+def contacts_of(lmp, file: Path) -> RestartContacts:
+    """Contacts that the reader finds in a restart file written now, in the order of the IDs."""
+    lmp.command(f"write_restart {file}")
+    contacts = read_restart(file).contacts
+    assert contacts is not None
+    order = np.lexsort(contacts.pairs.T[::-1])
+    return RestartContacts(
+        contacts.pairs[order], contacts.peak[order], contacts.spring[order], contacts.block[order]
+    )
+
+
+@pytest.mark.parametrize("between", ["", "gran/dents begin"], ids=["", "initial dents"])
+@pytest.mark.parametrize("name", LAWS)
+def test_the_reader_finds_the_values_of_the_compute(lammps, tmp_path, name, between):
+    """Pairs, peaks and springs of a restart file are those of compute gran/hysteretic/local."""
+    lmp = rubbed(lammps, LAWS[name], between)
+    rows = live_contacts(lmp)
+    contacts = contacts_of(lmp, tmp_path / "packing.restart")
+    assert len(rows) > 20 and (rows[:, OVERLAP] > 0).any()
+    np.testing.assert_array_equal(contacts.pairs, rows[:, IDS])
+    np.testing.assert_array_equal(contacts.peak, rows[:, PEAK])
+    force = contacts.spring[:, :3]
+    np.testing.assert_array_equal(force, rows[:, TANGENTIAL_FORCE])
+    assert force.any() == (name in WITH_FRICTION)
+    slips = "partial slip" in name
+    assert (contacts.block.shape[1] > 0) == slips
+    if not slips:  # with partial slip the energy depends on the path
+        energy = contacts.spring[:, 3] * (force**2).sum(axis=1) / 2
+        np.testing.assert_allclose(energy, rows[:, SPRING_ENERGY], rtol=1e-12, atol=0)
+
+
+def contact_lines(contacts: RestartContacts) -> str:
+    """Contacts as lines of a file that gran/dents reads."""
+    values = np.column_stack([contacts.peak, contacts.spring, contacts.block])
+    return "".join(
+        f"{i} {j} {' '.join(f'{number:.17g}' for number in row)}\n"
+        for (i, j), row in zip(contacts.pairs, values, strict=True)
+    )
+
+
+@pytest.mark.parametrize("name", WITH_FRICTION)
+def test_contacts_of_a_restart_file_are_those_that_gran_dents_sets(lammps, tmp_path, name):
+    """Forces of a packing whose contacts came from the reader, as text, compared with the first.
+
+    The peak of a contact that came as text is an initial dent, with the same force.
+    """
+    lmp = rubbed(lammps, LAWS[name])
+    rows = live_contacts(lmp)
+    contacts = contacts_of(lmp, tmp_path / "packing.restart")
+    (tmp_path / "contacts").write_text(contact_lines(contacts), encoding="ascii")
+    spheres = state(lmp, "x", "v", "omega")
+    again = lammps(
+        rubbing(spheres["x"], LAWS[name], velocities=spheres["v"], spins=spheres["omega"])
+    )
+    again.commands_string("compute dents all gran/hysteretic/local\n")
+    again.commands_string(f"gran/dents read {tmp_path}/contacts\nrun 0 post no\n")
+    read = live_contacts(again)
+    np.testing.assert_array_equal(read[:, IDS], rows[:, IDS])
+    for columns in (NORMAL_FORCE, TANGENTIAL_FORCE):
+        largest = np.abs(rows[:, columns]).max()
+        np.testing.assert_allclose(
+            read[:, columns], rows[:, columns], rtol=1e-9, atol=1e-9 * largest
+        )
+
+
+# ---------------------------------------------------------------------- files of dents
+
+
 def dented_chain(lammps, file: Path) -> dict[str, np.ndarray]:
     """State of a chain that begins with the dents of a file, after an impact."""
     extra = "compute en all gran/hysteretic/energy\nthermo_style custom step c_en\n"
@@ -120,3 +224,51 @@ def test_a_file_of_dents_beyond_2_gigabytes(lammps, tmp_path):
     with pytest.raises(Exception, match=r"line 2200012 of .*: the dent must be a number"):
         dented_chain(lammps, tmp_path / "long")
     (tmp_path / "long").unlink()
+
+
+CONTACTS_ON_RANKS = """
+compute dents all gran/hysteretic/local
+gran/dents read contacts
+run 400
+write_dump all custom out id x y z vx vy vz omegax omegay omegaz modify sort id format float %.17g
+"""
+
+
+def test_contacts_are_read_on_two_processors(log_of, lammps, tmp_path):
+    """Every processor keeps the contacts of its own spheres: the same bits as on one."""
+    law = LAWS["partial slip"]
+    lmp = rubbed(lammps, law)
+    contacts = contacts_of(lmp, tmp_path / "packing.restart")
+    (tmp_path / "contacts").write_text(contact_lines(contacts), encoding="ascii")
+    spheres = state(lmp, "x", "v", "omega")
+    script = rubbing(
+        spheres["x"], law, velocities=spheres["v"], spins=spheres["omega"], extra=CONTACTS_ON_RANKS
+    )
+    found = []
+    for ranks in (1, 2):
+        log_of(script, ranks)
+        found.append((tmp_path / "out").read_text(encoding="utf-8"))
+    assert found[0] == found[1]
+
+
+# lines of the file, and the message
+FAULTS_ON_RANKS = {
+    "twice": ([*rows_of_dents(), "12 11 1e-6\n", "2 1 1e-6\n"], "line 12 of dents: this contact was given before"),
+    "no sphere": ([*rows_of_dents(), "1 77 1e-6\n"], "line 12 of dents: there is no sphere 77"),
+    "too deep": (["1 2 1e-6\n", "11 12 0.1\n"], "line 2 of dents: the dent, 0.1, exceeds the radius of the smaller sphere"),
+    "far": (["11 12 1e-6\n", "1 12 1e-6\n"], "line 2 of dents: spheres 1 and 12 are farther apart"),
+    "no number": ([*rows_of_dents(), "1 2 deep\n"], "line 12 of dents: the dent must be a number"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FAULTS_ON_RANKS)
+def test_faults_of_a_file_of_dents_on_two_processors(lmp, tmp_path, name):
+    """The first line at fault is named, wherever its spheres are, and both processors stop."""
+    lines, message = FAULTS_ON_RANKS[name]
+    (tmp_path / "dents").write_text("".join(lines), encoding="ascii")
+    (tmp_path / "in.chain").write_text(
+        script_of(CHAIN, extra="gran/dents read dents\n"), encoding="utf-8"
+    )
+    done = lmp(tmp_path / "in.chain", ranks=2)
+    assert done.returncode != 0
+    assert message in (tmp_path / "log.lammps").read_text(encoding="utf-8")

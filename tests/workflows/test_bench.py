@@ -43,24 +43,40 @@ def test_styles_in_both_states(capsys):
             assert values["ratios"] == [a / b for a, b in zip(values["rates"], beside, strict=True)]
             assert len(values["rates"]) == 2 and values["bytes_per_sphere"] > 100
         assert state["table"][bench.BASELINE]["ratios"] == [1.0, 1.0]
+        for name in (bench.GRANULAR, bench.ROUGH_GRANULAR):
+            assert state["table"][name]["ratios_to_granular"] == [1.0, 1.0]
+        rough = state["table"][bench.ROUGH]
+        granular = state["table"][bench.ROUGH_GRANULAR]
+        assert rough["ratios_to_granular"][1] == rough["rates"][1] / granular["rates"][1]
     printed = capsys.readouterr().out
     assert "load of the machine" in printed and "2 x 100 steps" in printed
-    assert printed.count(bench.ROUGH_BASELINE) == 2
+    assert printed.count(bench.ROUGH_BASELINE) == 2 == printed.count(bench.ROUGH_GRANULAR)
 
 
 def test_lists(capsys, monkeypatch):
-    small = {"STEPS": 2, "SHEAR_CELLS": 4, "SHEAR_STEPS": 40, "SHEAR_WARM": 10}
+    small = {
+        "STEPS": 2,
+        "SHEAR_CELLS": 4,
+        "SHEAR_STEPS": 40,
+        "SHEAR_WARM": 10,
+        "POUR_SPHERES": 60,
+        "POUR_STEPS": 6000,
+    }
     for name, value in small.items():
         monkeypatch.setattr(bench_lists, name, value)
     found = bench_lists.compare_lists(repeats=2)
-    assert [found[state]["n_spheres"] for state in ("rattling", "sheared")] == [6912, 256]
+    n_spheres = {state: table["n_spheres"] for state, table in found.items()}
+    assert n_spheres == {"rattling": 6912, "sheared": 256, "poured": 60}
     for state in found.values():
         assert list(state["table"]) == list(bench_lists.STYLES)
         assert state["table"][bench.ROUGH_BASELINE]["ratios"] == [1.0, 1.0]
-    for values in found["sheared"]["table"].values():
-        assert len(values["times"]) == 2 and min(values["times"]) > 0
+        assert state["table"][bench.ROUGH_GRANULAR]["ratios_to_granular"] == [1.0, 1.0]
+    for name in ("sheared", "poured"):
+        for values in found[name]["table"].values():
+            assert len(values["times"]) == 2 and min(values["times"]) > 0
+            assert values["lists"] > 0
     printed = capsys.readouterr().out
-    assert "new lists of 6912 rattling spheres" in printed and printed.count(bench.ROUGH) == 2
+    assert "new lists of 6912 rattling spheres" in printed and printed.count(bench.ROUGH) == 3
 
 
 @pytest.mark.validation

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, summarise, write_result
+from granwave.analysis.measures import zone_size
 from granwave.analysis.measures.zone_size import (
     Mark,
     extent_holding,
@@ -144,6 +145,25 @@ def test_friction_does_not_count(tmp_path):
     with Result(tmp_path) as result:
         after = zone_summary(result)
     assert {name: after[name] for name in SIZES} == {name: before[name] for name in SIZES}
+
+
+def test_parts_of_the_packing_are_read_once(tmp_path, monkeypatch):
+    """A packing in parts has the same zone, with one look at each part."""
+    summary_of(tmp_path)
+    with Result(tmp_path) as result:
+        whole = zone_summary(result)
+    sizes = []
+
+    def counted(part):
+        zone = packing_zone(part)
+        sizes.append(len(zone["energy"]))
+        return zone
+
+    monkeypatch.setattr(zone_size, "packing_zone", counted)
+    with Result(tmp_path, at_once=16) as result:
+        assert zone_summary(result) == whole
+        assert sum(sizes) == result.assembly.lattice.n_spheres and len(sizes) > 3
+    assert whole["zone_volume_50_m3"] > 0
 
 
 def test_energy_of_yielding_adds_up(tmp_path):
@@ -338,7 +358,7 @@ def test_no_wave_returns_faster_than_sound_in_brass(tmp_path):
         zone = packing_zone(result)
         first = result["spheres/time_first"][zone["sides"]].min()
         nearest = zone["radius"][zone["sides"]].min()
-        (arrival,) = wave_arrivals(result, [[zone["bottom"]]])
+        (arrival,) = wave_arrivals(result, [zone["bottom"]])
         time = result["walls/bottom/time"]
         force = result["walls/bottom/force"]
     assert summary["wave_return_s"] > first > nearest / 4260

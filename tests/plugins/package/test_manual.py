@@ -156,3 +156,17 @@ def test_the_struck_row_moves_as_with_fix_nve(example, lmp, tmp_path):
     assert lmp(tmp_path / "in.nve").returncode == 0
     for name, column in Log(tmp_path / "log.lammps").runs[0].items():
         assert np.array_equal(column, log.runs[0][name]), name
+
+
+def test_the_pages_state_the_format_of_restart_files():
+    """The numbers of the code are those of the pages."""
+    header = (PAGES.parent / "styles" / "pair_gran_hysteretic.h").read_text(encoding="utf-8")
+    found = re.search(r"EARLIEST_RESTART_FORMAT = (\d+), RESTART_FORMAT = (\d+);", header)
+    assert found is not None
+    earliest, present = map(int, found.groups())
+    assert earliest == present - 1  # the pages name a single earlier format
+    manual = (PAGES / "pair_gran_hysteretic.md").read_text(encoding="utf-8")
+    assert f"The format number is {present}; files of format {earliest} " in manual
+    documents = PAGES.parents[1] / "docs"
+    stays = (documents / "reference" / "what-stays.md").read_text(encoding="utf-8")
+    assert f"(the pair style now {present}; format {earliest} is read as well)" in stays
