@@ -328,7 +328,7 @@ ENTRIES = (
              "contact force."),
     # bottom and target
     Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom",
-             digits=".6g", note="Largest force of the packing on the bottom."),
+             digits=".6g", axis="Peak force on the bottom", note="Largest force of the packing on the bottom."),
     Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom",
              digits=".6g", note="Integral of the force on the bottom up to the end."),
     Quantity("wall_*_peak_force_N", "Peak force on a side wall",
@@ -526,7 +526,7 @@ SCAN_FIGURES = {
     "plastic_zone_depth": "plastic_zone_depth_m", "zone_depth_90": "zone_depth_90_interpolated_m",
     "zone_radius_90": "zone_radius_90_interpolated_m", "zone_volume_90": "zone_volume_90_m3",
     "plastic_zone_volume": "plastic_zone_volume_m3", "plastic_spheres": "n_plastic_spheres",
-    "peak_force": "peak_force_N", "wave_speed": "wave_speed_m_s",
+    "peak_force": "peak_force_N", "bottom_peak_force": "wall_peak_force_N", "wave_speed": "wave_speed_m_s",
 }  # fmt: skip
 
 #: Values that figures show in place of one of `SCAN_FIGURES` that a scan lacks: that of results of

@@ -24,6 +24,7 @@ from granwave.analysis.figures.style import (
     Drawing,
     legend_above,
 )
+from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures import waves
 from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, force_decay
 from granwave.analysis.measures.geometry import preferred_directions
@@ -435,9 +436,7 @@ def directions(result: Result) -> Drawing | None:
     frame = waves.travelling_frame(result)
     time = result.frame_times[frame]
     spreads = {
-        f"Energy at {time * _MICRO:.0f} µs": waves.spread(
-            result, waves.energy_of_spheres(result, frame)
-        ),
+        f"Energy at {instant(time)}": waves.spread(result, waves.energy_of_spheres(result, frame)),
         "Dissipation": waves.spread(result, result["spheres/dissipated_energy"]),
     }
     shown = {name: spread for name, spread in spreads.items() if spread is not None}

@@ -34,6 +34,7 @@ from granwave.analysis.figures.style import (
     Drawing,
     legend_above,
 )
+from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures.driven import (
     MULTIPLES,
     SteadyMotion,
@@ -191,7 +192,7 @@ def bead_velocities(result: Result) -> Drawing | None:
     bead = np.arange(1, velocity.shape[1] + 1)
     scale, unit = velocity_unit(float(np.abs(velocity[chosen]).max(initial=0.0)))
     for n, line in zip(chosen, LINES, strict=False):
-        name = f"{time[n] * _MICRO:.4g} µs"
+        name = instant(time[n])
         axes.plot(bead, velocity[n] * scale, linestyle=line, linewidth=0.9, label=name)
     axes.axhline(0, color="black", linewidth=0.5)
     label(axes, f"Bead, {_counted(result)}", f"Velocity ({unit})")

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.ticker import (
     FixedLocator,
+    FuncFormatter,
     LogFormatterSciNotation,
     LogLocator,
     MaxNLocator,
@@ -25,6 +26,9 @@ from matplotlib.ticker import (
 )
 from numpy.typing import NDArray
 
+_IN_MICROSECONDS = "(µs)"  # end of the title of an axis of times
+_LONG = 5e3  # µs, times beyond it are shown in ms
+_MILLI = 1e-3  # milliseconds in a microsecond
 _WIDE = 10.0  # largest / smallest value above which an axis is logarithmic
 _MANY = 1e4  # largest / smallest value above which ticks are at powers of ten only ...
 _MANY_OF_COLOURS = 1e2  # ... and the same for colour bars
@@ -197,6 +201,23 @@ def plain_powers(figure: Figure) -> None:
                         scale._base, scale.labelOnlyBase, scale.minor_thresholds, scale._linthresh
                     )
                 )
+
+
+def long_times_in_ms(figure: Figure) -> None:
+    """Show axes of times that reach beyond 5 ms in ms; their data stay in µs."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            title = axis.get_label_text()
+            if not title.endswith(_IN_MICROSECONDS) or max(axis.get_view_interval()) <= _LONG:
+                continue
+            axis.set_label_text(title.removesuffix(_IN_MICROSECONDS) + "(ms)")
+            axis.set_major_formatter(FuncFormatter(_in_milliseconds))
+            axis.set_minor_formatter(NullFormatter())
+
+
+def _in_milliseconds(time: float, _position: int | None = None) -> str:
+    """Return the label in ms of a time, µs."""
+    return f"{time * _MILLI:.6g}".replace("-", _MINUS)
 
 
 def _place_ticks(axis: Axis) -> None:

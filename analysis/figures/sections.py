@@ -29,6 +29,7 @@ from granwave.analysis.figures.style import (
     Drawing,
     new_figure,
 )
+from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures.geometry import Plane, SpheresOnPlane, own_plane, planes, section
 from granwave.analysis.measures.waves import passage
 from granwave.analysis.measures.zone_size import LAW_LIMIT
@@ -211,7 +212,7 @@ def wave_front(result: Result) -> Drawing | None:
         colouring = Colouring(force, f"Contact force {label}", column, colours, low, high)
         draw_discs(panel_axes, cut, force, colouring, radius, sticks=sticks_of(result, cut))
         frame_axes(panel_axes, window)
-        panel_axes.set_title(f"{time * 1e6:.0f} µs", pad=2)
+        panel_axes.set_title(instant(time), pad=2)
     for empty in axes.flat[len(chosen) :]:
         empty.set_visible(False)
     figure.supxlabel(across_title(cut.plane), fontsize=8)

@@ -25,7 +25,7 @@ from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.legends import uncover_curves
-from granwave.analysis.figures.scales import least_span, plain_powers
+from granwave.analysis.figures.scales import least_span, long_times_in_ms, plain_powers
 from granwave.analysis.figures.titles import break_long_titles
 from granwave.analysis.figures.user_axes import user_figure
 from granwave.lammps_inputs.directories import refuse_other_file
@@ -299,12 +299,13 @@ def lay_out(figure: Figure, resolution: float) -> None:
     """Compute the layout, once and for all, at a resolution, dots per inch; saving with a layout
     engine draws twice.
 
-    Powers of ten on logarithmic axes become plain text.
+    Powers of ten on logarithmic axes become plain text, and times beyond 5 ms are in ms.
     """
     engine = figure.get_layout_engine()
     if engine is not None:
         least_span(figure)
         plain_powers(figure)
+        long_times_in_ms(figure)
         for axes in figure.axes:
             for artist in (axes.patch, *axes.spines.values()):
                 artist.set_in_layout(

@@ -14,6 +14,8 @@ _MOST = 8  # largest number of digits of a mean
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _VOLUMES = ((1.0, "m³"), (1e-6, "cm³"), (1e-9, "mm³"))
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LONG_TIME = 5e-3  # s, instants beyond it are in ms
+_WHOLE = 100.0  # µs from which on they are whole
 _ALMOST = 0.9995  # of a unit: rounded to four digits, the unit
 
 
@@ -122,6 +124,21 @@ def _power(value: float, digits: int) -> int:
 def _to_digit(value: float, last: int) -> str:
     """Round a value to the power of ten ``last``."""
     return f"{round(value, -last):.{max(0, -last)}f}"
+
+
+def size_text(size: Sequence[int]) -> str:
+    """Format the size of a packing, in spheres along each axis: ``24 x 24 x 12``, with signs of
+    multiplication.
+    """
+    return " \N{MULTIPLICATION SIGN} ".join(map(str, size))
+
+
+def instant(seconds: float) -> str:
+    """Format an instant of a run: ``314 µs``, beyond 5 ms ``12.5 ms``."""
+    if seconds > _LONG_TIME:
+        return f"{seconds * 1e3:.4g} ms"
+    time = seconds * 1e6
+    return f"{time:.0f} µs" if time >= _WHOLE else f"{time:.3g} µs"
 
 
 def duration(seconds: float) -> str:

@@ -21,6 +21,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.lammps_output.dumps import read_frame_forces
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
@@ -31,8 +32,6 @@ STATIC = "static"
 INSTANT = "instant"
 PEAK = "peak"
 
-_MICRO = 1e6  # microseconds in a second
-_LONG = 100.0  # microseconds from which on they are whole
 _LEAST = 1e-4  # of the largest force: contacts that carry less do not count
 _FEWEST_IN_TAIL = 10  # values that a tail is fitted to
 _LARGEST_DEVIATION = 1.308  # Stephens's limit at a level of 1 %
@@ -70,8 +69,7 @@ class ContactForces:
             return "static state"
         if self.time is None:
             return "largest of each contact"
-        time = self.time * _MICRO
-        return f"at {time:.0f} µs" if time >= _LONG else f"at {time:.3g} µs"
+        return f"at {instant(self.time)}"
 
 
 def contact_forces(result: Result, kept: NDArray[np.bool_] | None = None) -> list[ContactForces]:

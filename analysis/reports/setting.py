@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.model import Block, Group, Note, show, text_table
-from granwave.analysis.formatting.numbers import quantity_in, range_in
+from granwave.analysis.formatting.numbers import quantity_in, range_in, size_text
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun, Symbol, report_kinds
@@ -193,9 +193,7 @@ def _body(case: Mapping[str, Any]) -> str:
     rule = packing_rule(case)
     if rule is not None and not rule.is_lattice:
         return "packing of a file"
-    shape = (
-        " x ".join(map(str, size)) if isinstance(size, list) else "" if size is None else str(size)
-    )
+    shape = size_text(size) if isinstance(size, list) else "" if size is None else str(size)
     if shape and is_chain(case):
         return f"chain of {shape}"
     return f"{kind} {shape}".rstrip()

@@ -12,7 +12,7 @@ import numpy as np
 
 from granwave.analysis.document.model import named, show
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.formatting.numbers import quantity_in, size_text
 from granwave.analysis.formatting.values import as_label, unit_in_cases
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.setting import differing
@@ -212,7 +212,7 @@ def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> s
     if value is None or value == "" or is_none:
         return missing
     if isinstance(value, list | tuple) and all(isinstance(part, int) for part in value):
-        return " x ".join(map(str, value))
+        return size_text(value)
     unit = unit_in_cases(key, [case])
     if isinstance(value, bool):
         return show(value)

@@ -38,6 +38,19 @@ MOST_SPHERES = 250_000
 MOST_VALUES = 8_000_000  # of a field: spheres times snapshots, 4 bytes each in the browser
 _FEWEST_FRAMES = 5
 _PANEL = Path(__file__).with_name("panel.js")
+#: Script of the message in a browser that cannot draw; without it the page is blank there.
+_NO_WEBGL = """<script>
+if (!document.createElement('canvas').getContext('webgl2')) {
+    const message = document.createElement('p');
+    message.id = 'no-webgl';
+    message.style.cssText = 'position: fixed; z-index: 9999; margin: 1em; font-family: sans-serif';
+    message.textContent = 'This browser cannot draw in 3-D: it has no WebGL 2. Switch on hardware '
+        + 'acceleration in its settings, open the page in another browser, or start Chromium with '
+        + '--enable-unsafe-swiftshader.';
+    document.body.append(message);
+}
+</script>
+"""
 _MARK = "<!-- made by granwave: page of a run, with the viewer k3d {version} (MIT licence, https://k3d-jupyter.org) -->"
 _OWN = rb"\A<!doctype html>\n<!-- made by granwave: page of a run"
 _POLICY = (
@@ -153,6 +166,8 @@ def _page(plot: k3d.Plot, name: str) -> str:
     )
     text = text.replace("<!doctype html>", f"<!doctype html>\n{mark}", 1)
     text = text.replace(charset, f"{charset}\n    {_VIEWPORT}\n    {policy}", 1)
+    body, end, rest = text.rpartition("</body>")
+    text = f"{body}{_NO_WEBGL}{end}{rest}"
     title = html.escape(f"{name} - granwave")
     return re.sub(r"<title>.*?</title>", lambda _: f"<title>{title}</title>", text, count=1)
 

@@ -140,17 +140,17 @@ def test_symbols_are_defined_with_their_values(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        ({}, "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, ideal"),
-        ({"contact.friction": 0.2}, "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, friction 0.2"),
-        ({"packing.diameter_scatter": 5e-6}, "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, diameters scattered by 5 µm"),
+        ({}, "fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, ideal"),
+        ({"contact.friction": 0.2}, "fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, friction 0.2"),
+        ({"packing.diameter_scatter": 5e-6}, "fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, diameters scattered by 5 µm"),
         ({"contact.law": "hertz", "precompression.kind": "uniaxial", "precompression.pressure": 1e6},
-         "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, under 1 MPa, elastic, ideal"),
+         "fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, under 1 MPa, elastic, ideal"),
         ({"load.kind": "force", "load.shape": "half-sine", "load.amplitude": 2e4, "load.duration": 1e-5,
           "packing.kind": "chain", "packing.size": 20}, "chain of 20, brass, 10 mm, half-sine force of 20 kN for 10 µs, ideal"),
         ({"packing.kind": "chain", "packing.size": 2, "replace": [{"index": [1, 2], "material": {"name": "ptfe"}}]},
          "chain of 2, ptfe, 10 mm, 5 m/s, some spheres replaced"),
         ({"boundary.bottom": {"plate": {"mass": 0.5}, "material": {"name": "steel"}}},
-         "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, on a steel plate of 0.5 kg, ideal"),
+         "fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, on a steel plate of 0.5 kg, ideal"),
     ],
 )  # fmt: skip
 def test_what_was_run(changes, line):

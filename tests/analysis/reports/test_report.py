@@ -59,8 +59,8 @@ def test_sections_and_order_of_the_inputs(both):
         rows = table(build(directories, inputs[0].parent), "inputs", "Contents of this report")
         assert [row["Name"].text for row in rows] == [path.name for path in directories]
     assert report.lead == (
-        "2 runs and 1 scan with 6 of 8 points done: first (fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, ideal); second (fcc "
-        "24 x 24 x 12, brass, 10 mm, 10 m/s, ideal); scan (fcc 24 x 24 x 12, 10 mm, ideal; load.velocity, material "
+        "2 runs and 1 scan with 6 of 8 points done: first (fcc 24 × 24 × 12, brass, 10 mm, 5 m/s, ideal); second (fcc "
+        "24 × 24 × 12, brass, 10 mm, 10 m/s, ideal); scan (fcc 24 × 24 × 12, 10 mm, ideal; load.velocity, material "
         "varied)."
     )
     tables = [

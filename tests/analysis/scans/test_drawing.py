@@ -273,6 +273,16 @@ def test_keys_of_two_values_and_constant_quantities_have_no_axis(tmp_path):
     assert "plastic_spheres_vs_load_velocity" not in names
 
 
+def test_the_peak_force_on_the_bottom_is_drawn_in_newtons(tmp_path):
+    scan = write_scan(tmp_path, grid(load__velocity=[1, 2, 4]))
+    change_summaries(
+        tmp_path, lambda labels: {"wall_peak_force_N": 100.0 * float(labels["load.velocity"])}
+    )
+    drawing = drawings(ScanResult(scan))["bottom_peak_force_vs_load_velocity"]
+    assert drawing.columns["wall_peak_force_N"] == pytest.approx([100, 200, 400])
+    assert drawing.figure.axes[0].get_ylabel() == "Peak force on the bottom (N)"
+
+
 def test_a_sphere_on_a_wall_has_its_peak_force(tmp_path):
     """Its contact is no contact between spheres; curves are named by sizes and bottoms."""
     drawing = drawings(ScanResult(restitution_scan(tmp_path)))["peak_force_vs_load_velocity"]

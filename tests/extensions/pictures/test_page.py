@@ -243,6 +243,20 @@ def test_in_a_browser(run, tmp_path):
         assert asked == {path.as_uri()}
 
 
+@pytest.mark.skipif(
+    CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)"
+)
+@pytest.mark.parametrize(
+    ("flags", "missing"), [(SOFTWARE_GL, False), (("--disable-3d-apis",), True)]
+)
+def test_a_browser_that_cannot_draw_shows_a_message(run, tmp_path, flags, missing):
+    path = page.write_view(run, tmp_path / "a.html").path
+    with Browser(CHROMIUM, tmp_path / "profile", timeout=120, flags=flags) as browser:
+        browser.open(path.as_uri(), 390, 844)
+        shown = "Boolean(document.querySelector('#no-webgl')?.textContent.includes('WebGL 2'))"
+        assert browser.evaluate(shown) is missing
+
+
 def wait_for(browser, expression, limit=60.0):
     """Wait until an expression is true in the page."""
     end = time.monotonic() + limit
