@@ -14,7 +14,6 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from granwave.analysis.formatting.numbers import size_text
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import GranwaveError
@@ -151,7 +150,7 @@ def packing_title(assembly: Assembly, *, height: bool = True) -> str:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
     whole = height or packing.rule.is_layer  # which lies across the height
-    size = size_text(packing.size if whole else packing.size[:-1])
+    size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
     return f"{packing.rule.title} of {spheres}" + ("" if whole or not size else " a layer")
 

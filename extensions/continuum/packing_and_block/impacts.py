@@ -19,7 +19,6 @@ import numpy as np
 import pandas as pd
 from pandas import DataFrame
 
-from granwave.analysis.formatting.numbers import size_text
 from granwave.analysis.measures.impact import (
     Involved,
     QuadraticLaw,
@@ -324,7 +323,7 @@ def _granular(run: FinishedRun) -> dict[str, Any]:
         "dissipated_fraction": run.value("dissipated_fraction"), "struck_spheres": int(case.load.spheres),
         "yield_force": law.yield_force, "solid_fraction": packing.rule.solid_fraction,
         "n_spheres": run.assembly.lattice.n_spheres,
-        "packing": f"{packing.kind} {size_text(packing.size)}",
+        "packing": f"{packing.kind} {' x '.join(map(str, packing.size))}",
         "substance": (*constants.values(), packing.diameter, case.contact),
         "shape": (packing.kind, packing.size, boundary.bottom, boundary.sides), "held": (packing.kind, boundary),
     }  # fmt: skip

@@ -22,7 +22,6 @@ from granwave.analysis.document.model import (
     spread_cell,
 )
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.formatting.numbers import size_text
 from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block import figures, zone
@@ -109,7 +108,7 @@ def text(impacts: Impacts) -> str:
         first = impacts.reference.iloc[0]
         packing = first.run.case.packing
         parts.append(
-            f"Granular reference: {packing.kind} {size_text(packing.size)}, D = "
+            f"Granular reference: {packing.kind} {' x '.join(map(str, packing.size))}, D = "
             f"{show(1e3 * packing.diameter)} mm, {first.material or 'one material'}, {many} "
             f"{'velocities' if many > 1 else 'velocity'}; energies are normalised by F_y alpha_y = "
             f"{show(float(first.energy_J / first.energy_normalised))} J."
