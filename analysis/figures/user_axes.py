@@ -182,7 +182,7 @@ def _is_second(axes: Axes, panels: Sequence[Axes]) -> bool:
 
 
 def _name_curve(curve: Line2D, name: str) -> None:
-    """Name a curve in legends that has no name."""
+    """Give a curve without a name its name in legends."""
     if str(curve.get_label()).startswith("_"):
         curve.set_label(name)
 

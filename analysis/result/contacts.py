@@ -114,7 +114,7 @@ def merge_dents(dents: Frame) -> Contacts:
 
 
 def _or_never(time: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return times with NaN where an event never came."""
+    """Return times, with NaN for events that did not occur."""
     return np.where(np.isfinite(time), time, np.nan)
 
 

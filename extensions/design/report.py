@@ -134,6 +134,8 @@ def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figur
             )
         ]
     blocks: list[Block] = [Note(answer_of(found, directory), "lead")]
+    if ranking_of(found):
+        blocks.append(Note(ranking_of(found)))
     if found["front"] and len(found["front"]) > 1:
         (first, which), (second, _) = found["objectives"].items()
         last = found["front"][-1]
@@ -176,6 +178,24 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     made = setting_of(case) + (f", with {more}" if more else "")
     where = f"{quantity_in(1000 * best['mass_kg'], 'g')}, {quantity_in(best['height_m'], 'm')} high"
     return f"{made}: {' and '.join(values)}{less}, {where}."
+
+
+def ranking_of(found: Mapping[str, Any]) -> str:
+    """Return in a sentence by what the designs are ranked; empty for searches of 1.0, whose files
+    do not contain it.
+    """
+    if "statistic" not in found:
+        return ""
+    runs = found["best"].get("runs", 1)
+    if runs == 1:
+        return (
+            "Designs are ranked by one run each; only the best was checked by further runs. With "
+            "[uncertainty] they are ranked by several runs each."
+        )
+    statistic = found["statistic"]
+    if not isinstance(statistic, str):
+        statistic = f"{statistic:g} quantile"
+    return f"Designs are ranked by the {statistic} of {runs} runs each."
 
 
 def range_under_checks(best: Mapping[str, Any], name: str) -> str:

@@ -169,7 +169,7 @@ def series(runs: Sequence[TargetRun]) -> list[list[TargetRun]]:
 
 
 def _by_height(runs: Sequence[TargetRun]) -> list[TargetRun]:
-    """The first run of each number of layers, by rising height."""
+    """Return the first run of each number of layers, by increasing height."""
     first_runs = {run.layers: run for run in reversed(runs)}
     return [first_runs[layers] for layers in sorted(first_runs)]
 

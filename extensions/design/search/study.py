@@ -377,6 +377,7 @@ def _outcome(study: DesignStudy, findings: Iterable[Any]) -> dict[str, Any]:
             objective.name: "smallest" if objective.sign > 0 else "largest"
             for objective in problem.objectives
         },
+        "statistic": problem.statistic,
         "best": best,
         "front": front_of_designs if others else None,
         "limits": {limit.name: {"low": limit.low, "high": limit.high} for limit in problem.limits},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from granwave.extensions.design.report import range_under_checks
+from granwave.extensions.design.report import range_under_checks, ranking_of
 from granwave.extensions.design.search.guards import (
     changes_of,
     finding_of,
@@ -128,3 +128,18 @@ def test_range_under_checks_is_of_further_runs_of_the_best_design():
     several = range_under_checks(best | {"runs": 3}, name)
     assert several == "changed by -61 % to +129 % in its checks"
     assert range_under_checks(best | {"guards": guards[3:]}, name) == ""
+
+
+@pytest.mark.parametrize(
+    ("statistic", "runs", "words"),
+    [
+        ("mean", 1, "ranked by one run each"),
+        ("mean", 3, "by the mean of 3 runs"),
+        ("worst", 5, "by the worst of 5 runs"),
+        (0.9, 10, "by the 0.9 quantile of 10 runs"),
+    ],
+)
+def test_the_report_says_by_what_designs_are_ranked(statistic, runs, words):
+    best = {"runs": runs} if runs > 1 else {}
+    assert words in ranking_of({"statistic": statistic, "best": best})
+    assert ranking_of({"best": best}) == ""

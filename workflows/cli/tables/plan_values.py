@@ -113,7 +113,7 @@ def _contacts_found(case: Case) -> dict[str, Any] | None:
 
 
 def _loss_values(contact: Contact, loss: ContactLoss | None) -> dict[str, Any] | None:
-    """Return the size of a loss and its ratio along the surface, if there is any; None without."""
+    """Return the size of a loss and its tangential ratio; None without a loss."""
     if loss is None or contact.loss is None:
         return None
     if loss[0] == "prony":
