@@ -272,7 +272,9 @@ def diameters_of(
     columns = " and ".join(heads[name] for name in names)
     low = f"{diameter.min():.4g}"
     high = f"{diameter.max():.4g}"
-    sizes = low if low == high else f"{low} to {high}"
+    sizes = low
+    if low != high:
+        sizes = f"{low} to {high}"
     several = "s" if len(names) > 1 else ""
     notes.append(
         f"no column of diameters; computed as of spheres from the column{several} {columns}: "

@@ -217,9 +217,9 @@ def test_a_bed_with_its_resistance_stays_where_it_settled(folder, tmp_path):
         ({"springs": "first,second,fx,fy,fz,compliance\n2,1,0,0,0,1\n"}, "line 2: found 2,1,0"),
         (
             {"springs": "bed/springs.csv"},
-            r"springs\.csv\", expected a table of springs as text, with "
-            "the columns first, second, fx, fy, fz, compliance; the text of the file, between triple "
-            "quotes, and not its path",
+            r"springs\.csv\", expected a table of springs as text, with the columns first, "
+            "second, fx, fy, fz, compliance; the text of the file, between triple quotes, and not "
+            "its path",
         ),
         ({"springs": 3}, r"packing\.springs: found 3, expected a table of springs as text"),
         (
