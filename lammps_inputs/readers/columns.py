@@ -200,14 +200,20 @@ def find_columns(
         if size in options.names and other not in options.names:
             columns.pop(other, None)
     columns |= _named_columns(table, options)
-    if "volume" in columns and "volume" not in options.names and has_sizes(columns, options):
-        unknown.append(columns.pop("volume").head)
+    unknown += _needless_volumes(columns, options)
     used = {column.head for column in columns.values()}
     needless = [head for head in unknown if not head or _UNUSED.fullmatch(head.lower())]
     if left_out := [head for head in dict.fromkeys(unknown) if head not in {*used, *needless}]:
         several = "s" if len(left_out) > 1 else ""
         notes.append(f"column{several} ignored: {', '.join(left_out)}")
     return columns
+
+
+def _needless_volumes(columns: dict[str, GrainColumn], options: FileOptions) -> list[str]:
+    """Remove a column of volumes that the user did not name, next to sizes; return its name."""
+    if "volume" not in columns or "volume" in options.names or not has_sizes(columns, options):
+        return []
+    return [columns.pop("volume").head]
 
 
 def has_sizes(quantities: Collection[str], options: FileOptions) -> bool:
@@ -345,11 +351,9 @@ def require_columns(
     for name in needed:
         if name in columns or (name == DIAMETER and gives_sizes(columns, options)):
             continue
-        more = (
-            " (or radius, volume, mass and density), or packing.diameter for all grains"
-            if name == DIAMETER
-            else ""
-        )
+        more = ""
+        if name == DIAMETER:
+            more = " (or radius, volume, mass and density), or packing.diameter for all grains"
         heads = ", ".join(table.heads)
         raise ValueError(
             f"{place}: found no column {name}, expected {', '.join(needed)}{more}; there are "
