@@ -212,12 +212,12 @@ int main()
     batch.compare_with_peaks(raised, yielded);
     std::printf("%016llx %016llx\n", (unsigned long long) raised, (unsigned long long) yielded);
     if (batch.prepare_friction() != (size > 2)) return 2;
-    batch.read(v, omega, springs);
+    batch.read(v[0], omega[0], springs);
     batch.advance_forces_and_torques(1e-7);
     batch.write(springs);
-    batch.add_forces_and_torques(f, torque, SPHERES - 10, springs);
+    batch.add_forces_and_torques(f[0], torque[0], SPHERES - 10, springs);
     batch.compute_normal();
-    batch.add_normal(f, SPHERES - 10);
+    batch.add_normal(f[0], SPHERES - 10);
   }
   for (const TangentialSpring &spring : springs)
     for (double x : {spring.force[0], spring.force[1], spring.force[2], spring.compliance, spring.loss}) print(x);
