@@ -353,7 +353,7 @@ def require_columns(
             continue
         more = ""
         if name == DIAMETER:
-            more = " (or radius, volume, mass and density), or packing.diameter for all grains"
+            more = " (or radius, volume, or mass with density), or packing.diameter for all grains"
         heads = ", ".join(table.heads)
         raise ValueError(
             f"{place}: found no column {name}, expected {', '.join(needed)}{more}; there are "

@@ -164,7 +164,7 @@ def test_material_of_a_grain_is_a_preset_or_a_table() -> None:
     [
         (
             "x,y,z\n0,0,0\n",
-            "line 1: found no column diameter, expected x, y, z, diameter, or packing.diameter",
+            "line 1: found no column diameter, expected x, y, z, diameter (or radius, volume, ",
         ),
         ("x,x,z,diameter\n0,0,0,1\n", "line 1: found the column x twice"),
         (
