@@ -9,14 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike, NDArray
 
+from granwave.analysis.figures.grain_discs import disc_radii, outline_grains, sticks_of
 from granwave.analysis.figures.sections import (
     across_title,
     cut_of,
-    disc_radii,
     draw_impact,
     frame_axes,
-    outline_grains,
-    sticks_of,
     window_around,
 )
 from granwave.analysis.figures.series import label, panels, with_error

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.sections import force_scale, spheres_beyond_law
+from granwave.analysis.figures.colouring import force_scale
+from granwave.analysis.figures.sections import spheres_beyond_law
 from granwave.analysis.figures.series import label, panels, time_axis, with_error
 from granwave.analysis.figures.style import (
     BLUE,

@@ -7,23 +7,29 @@ contact loaded beyond the range of the law have a ring around them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.collections import Collection, EllipseCollection, PolyCollection
-from matplotlib.colors import LogNorm, to_rgba
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.colouring import (
+    Colouring,
+    colour_bar,
+    decades_up_to,
+    dissipation_colouring,
+    force_scale,
+    peak_force_colouring,
+)
+from granwave.analysis.figures.grain_discs import (
+    OUTLINE,
+    disc_radii,
+    draw_discs,
+    sticks_of,
+)
 from granwave.analysis.figures.impact_arrow import draw_arrow, impact_arrow
 from granwave.analysis.figures.style import (
-    BLANK,
     DENT_MAP,
-    DISSIPATION_MAP,
     FORCE_MAP,
     WIDTH,
     Drawing,
@@ -35,106 +41,14 @@ from granwave.analysis.measures.waves import passage
 from granwave.analysis.measures.zone_size import LAW_LIMIT
 from granwave.analysis.result.reader import Result
 
-DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
-_EDGE_OF_BLANK = "#c4c4c4"
 _TALL = 2.5  # height / width of a packing above which all snapshots are in a row ...
 _BROAD = 0.6  # ... and below which they are one below the other
-_LEAST_DECADES = 3  # default range of a logarithmic scale
-_RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
 _AROUND_ARROW = 0.3  # distance of the load's arrow from the edge of a section, diameters
-_OUTLINE = "#9a9a9a"  # colour of the outlines of grains
-_OUTLINE_WIDTH = 0.35  # points
 _BEHIND = 0.75  # largest distance of the plane behind a section, diameters
 _SAME_PLANE = 0.05  # distance of centres in one plane, diameters
 _PALE = 0.55  # strength of the colours of spheres behind a section
-_DISC = 0.96  # drawn / actual diameter
-_SEEN_ALONG = 0.1  # length of an axis in a section / radius below which a cylinder is seen end-on
-
-
-@dataclass(frozen=True, eq=False)
-class Colouring:
-    """Quantity with its colour scale.
-
-    Attributes
-    ----------
-    values
-        Values by sphere: (n_spheres,).
-    label
-        Label of the colour bar.
-    column
-        Name of the column in the CSV file.
-    map
-        Name of the colour map.
-    low, high
-        Ends of the logarithmic scale.
-    title
-        Title of the panel, if there are several.
-    """
-
-    values: NDArray[np.float64]
-    label: str
-    column: str
-    map: str
-    low: float
-    high: float
-    title: str = ""
-
-    @property
-    def norm(self) -> LogNorm:
-        """Logarithmic colour scale."""
-        return LogNorm(self.low, self.high)
-
-
-def force_scale(result: Result) -> tuple[float, str, str]:
-    """Return the unit of forces in figures, N, the label of the ratio, and its name in CSV files.
-
-    The unit is F_y if contacts can yield, else the largest peak force of the run.
-    """
-    if result.has_yield_force:
-        return result.law.yield_force, r"$F/F_\mathrm{y}$", "force_over_yield_force"
-    largest = float(np.max(result["contacts/peak_force"], initial=0.0)) or 1.0
-    return largest, r"$F/F_\mathrm{max}$", "force_over_largest_force"
-
-
-def peak_force_colouring(result: Result, decades: float | None = None) -> Colouring:
-    """Return the colouring by the largest contact force of each sphere.
-
-    Parameters
-    ----------
-    decades
-        Range of the scale; by default from F_y upwards.
-    """
-    scale, label, column = force_scale(result)
-    values = result["spheres/peak_force"] / scale
-    options = result.figure_options
-    low, high = decades_up_to(
-        float(values.max(initial=0.0)), 1.0 if result.has_yield_force else None
-    )
-    if decades is not None:
-        low = high / 10**decades
-    low, high = options.force_limits or (low, high)
-    return Colouring(
-        values, f"Peak force {label}", f"peak_{column}", options.colour_map or FORCE_MAP, low, high
-    )
-
-
-def dissipation_colouring(result: Result, part: str = "") -> Colouring:
-    """Return the colouring by dissipation / energy input.
-
-    ``part``: only the dissipation by ``yielding``, ``friction`` or ``viscous`` losses.
-    """
-    values = result["spheres/dissipated_energy"]
-    if part:
-        values = result.yield_energy if part == "yielding" else result[f"spheres/{part}_energy"]
-    column = f"{part}_over_input" if part else "dissipated_over_input"
-    label = r"Dissipation $e_\mathrm{dis}/e_\mathrm{in}$"
-    options = result.figure_options
-    low, high = options.dissipation_limits or DISSIPATION_LIMITS
-    colours = options.colour_map or DISSIPATION_MAP
-    title = "Viscous damping" if part == "viscous" else part.capitalize()
-    return Colouring(values / result.energy_input, label, column, colours, low, high, title)
 
 
 def peak_force_section(result: Result, name: str) -> Drawing | None:
@@ -307,7 +221,7 @@ def _draw_behind(axes: Axes, result: Result, behind: SpheresOnPlane, colouring: 
     discs = draw_discs(axes, behind, values, colouring, result["spheres/radius"][behind.index])
     faces = np.array(discs.get_facecolor(), dtype=np.float64)
     faces[:, :3] = 1 - _PALE * (1 - faces[:, :3])
-    discs.set(facecolor=faces, edgecolor=_OUTLINE, zorder=0.9)
+    discs.set(facecolor=faces, edgecolor=OUTLINE, zorder=0.9)
 
 
 def across_title(plane: Plane) -> str:
@@ -362,194 +276,12 @@ def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
     return replace(plane, across_label=across_label)
 
 
-def disc_radii(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64]:
-    """Return the radii of the discs of a section: radii of the spheres on a plane of the lattice,
-    else of the cuts.
-
-    Centres of scattered spheres are off the planes of the lattice by less than the tolerance of
-    the plane.
-    """
-    radius = result["spheres/radius"][cut.index]
-    if cut.plane.name != "section":
-        return radius
-    of_cut = np.sqrt(np.maximum(radius**2 - cut.height**2, 0.0))
-    axes = half_axes(result, cut.index)
-    return of_cut if axes is None else np.where(axes.any(axis=1), radius, of_cut)
-
-
-def half_axes(result: Result, rows: NDArray[np.int64]) -> NDArray[np.float64] | None:
-    """Return vectors from the centres of cylinders to their ends, 0 for spheres: (n_rows, 3), m;
-    None without any.
-    """
-    if not result.assembly.has_cylinders:
-        return None
-    shapes = result.assembly.grain_shapes()
-    axes = np.zeros((len(rows), 3))
-    for axis, row in zip(axes, rows, strict=True):
-        shape = shapes[row]
-        if shape is not None:
-            axis[:] = shape.vector * shape.length / 2
-    return axes
-
-
-def sticks_of(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64] | None:
-    """Return half the axis of each cylinder as seen in a section, 0 for spheres and cylinders seen
-    along it: (n, 2), m.
-
-    None if there are only spheres.
-    """
-    if (axes := half_axes(result, cut.index)) is None:
-        return None
-    half = axes @ np.stack([cut.plane.across, cut.plane.down], axis=1)
-    length = np.linalg.norm(half, axis=1, keepdims=True)
-    return np.where(length > _SEEN_ALONG * result["spheres/radius"][cut.index][:, None], half, 0.0)
-
-
-def draw_discs(
-    axes: Axes,
-    cut: SpheresOnPlane,
-    values: NDArray[np.float64],
-    colouring: Colouring,
-    radius: NDArray[np.float64],
-    ringed: NDArray[np.bool_] | None = None,
-    sticks: NDArray[np.float64] | None = None,
-) -> EllipseCollection:
-    """Draw the discs, in mm: blank without a value, rings beyond the range of the law; cylinders as
-    rectangles. Return the discs.
-    """
-    faces, edges = disc_colours(values, colouring)
-    if ringed is not None:
-        edges[ringed] = to_rgba("black")  # on the bright end of the scale, where such spheres are
-    widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(radius), 0.2)
-    discs, *_ = _add_grains(axes, cut, radius, sticks, faces, edges, widths)
-    return discs
-
-
-def outline_grains(
-    axes: Axes,
-    cut: SpheresOnPlane,
-    radius: NDArray[np.float64],
-    sticks: NDArray[np.float64] | None = None,
-) -> list[Collection]:
-    """Draw the grains of a section as thin outlines, in mm: circles, and rectangles for cylinders.
-    Return the artists.
-    """
-    number = len(radius)
-    faces = np.tile(to_rgba("white"), (number, 1))
-    edges = np.tile(to_rgba(_OUTLINE), (number, 1))
-    return _add_grains(axes, cut, radius, sticks, faces, edges, np.full(number, _OUTLINE_WIDTH))
-
-
-def _add_grains(
-    axes: Axes,
-    cut: SpheresOnPlane,
-    radius: NDArray[np.float64],
-    sticks: NDArray[np.float64] | None,
-    faces: NDArray[np.float64],
-    edges: NDArray[np.float64],
-    widths: NDArray[np.float64],
-) -> list[Any]:
-    """Add the grains of a section to axes: discs, and rectangles for cylinders seen from the side.
-
-    Parameters
-    ----------
-    radius, widths
-        Radii, m, and widths of the edges, points: (n,).
-    sticks
-        As `sticks_of` returns them.
-    faces, edges
-        Colours: (n, 4).
-
-    Returns
-    -------
-    list
-        The collection of discs; that of rectangles, if there are any.
-    """
-    size = _DISC * 2 * radius * _MILLI
-    rectangles = []
-    if sticks is not None and (long := sticks.any(axis=1)).any():
-        corners = _corners(
-            np.stack([cut.across, cut.down], axis=1)[long], sticks[long], size[long] / _MILLI / 2
-        )
-        collection = PolyCollection(
-            list(corners * _MILLI),
-            facecolors=faces[long],
-            edgecolors=edges[long],
-            linewidths=widths[long],
-        )
-        axes.add_collection(collection)
-        rectangles.append(collection)
-        size = np.where(long, 0.0, size)
-    places = {
-        "offsets": np.stack([cut.across, cut.down], axis=1) * _MILLI,
-        "offset_transform": axes.transData,
-    }
-    look = {"facecolors": faces, "edgecolors": edges, "linewidths": widths}
-    discs = EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look)
-    axes.add_collection(discs)
-    return [discs, *rectangles]
-
-
-def disc_colours(
-    values: NDArray[np.float64], colouring: Colouring
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the colours of discs with values (n,), and the colours of their edges: (n, 4) each."""
-    mapped = colormaps[colouring.map]
-    colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
-    coloured = (values > 0)[:, None]
-    return (
-        np.where(coloured, colours, to_rgba(BLANK)),
-        np.where(coloured, colours, to_rgba(_EDGE_OF_BLANK)),
-    )
-
-
-def _corners(
-    centre: NDArray[np.float64], half: NDArray[np.float64], radius: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the corners of rectangles from half their axes and half their widths: (n, 4, 2)."""
-    across = (
-        half[:, ::-1]
-        * np.array([-1.0, 1.0])
-        / np.linalg.norm(half, axis=1, keepdims=True)
-        * radius[:, None]
-    )
-    return np.stack(
-        [centre + a * half + b * across for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1
-    )
-
-
 def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
     """Set the limits of axes (left, right, top, bottom; mm), with depth downwards."""
     left, right, top, bottom = window
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
     axes.set_aspect("equal")
-
-
-def colour_bar(
-    figure: Figure,
-    axes: list[Axes],
-    colouring: Colouring,
-    values: NDArray[np.float64],
-    location: str = "bottom",
-) -> None:
-    """Draw a colour bar next to, above or below the panels, with pointed ends if values exceed the
-    scale.
-    """
-    below = bool(np.any((values > 0) & (values < colouring.low)))
-    above = bool(np.any(values > colouring.high))
-    extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get(
-        (below, above), "neither"
-    )
-    mappable = ScalarMappable(colouring.norm, colormaps[colouring.map])
-    place: dict[str, Any] = {
-        "ax": axes,
-        "location": location,
-        "fraction": 0.08 if location in ("top", "bottom") else 0.05,
-    }
-    figure.colorbar(
-        mappable, label=colouring.label, extend=extend, aspect=28, pad=0.03, shrink=0.9, **place
-    )
 
 
 def window_around(
@@ -571,16 +303,6 @@ def window_around(
         max(float(cut.down[shown].max()), 3 * diameter) + margin, float(cut.down.max()) + diameter
     )
     return left * _MILLI, right * _MILLI, top * _MILLI, bottom * _MILLI
-
-
-def decades_up_to(largest: float, low: float | None) -> tuple[float, float]:
-    """Return the ends of a logarithmic scale up to the largest value, at least one decade, by
-    default three.
-    """
-    high = 10 ** (math.ceil(2 * math.log10(largest)) / 2) if largest > 0 else 1.0
-    if low is None or high < 10 * low:
-        low = high / 10**_LEAST_DECADES
-    return low, high
 
 
 def _snapshots(result: Result) -> list[int]:

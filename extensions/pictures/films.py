@@ -26,6 +26,15 @@ from PIL import Image
 
 from granwave.analysis.errors import did_you_mean
 from granwave.analysis.figures import sections
+from granwave.analysis.figures.colouring import (
+    DISSIPATION_LIMITS,
+    Colouring,
+    colour_bar,
+    decades_up_to,
+    disc_colours,
+    force_scale,
+)
+from granwave.analysis.figures.grain_discs import disc_radii, draw_discs
 from granwave.analysis.figures.rows import space_time_map
 from granwave.analysis.figures.style import (
     BLUE,
@@ -54,7 +63,7 @@ _WHITE = 255
 #: What a film shows: values of the spheres at a snapshot, label of the colour bar, and colour map.
 QUANTITIES: Mapping[str, tuple[Callable[[Result, int], NDArray[np.float64]], str, str]] = {
     "force": (
-        lambda result, number: result.frame(number, "contact_force") / sections.force_scale(result)[0],
+        lambda result, number: result.frame(number, "contact_force") / force_scale(result)[0],
         "Contact force",
         FORCE_MAP,
     ),
@@ -136,9 +145,7 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
     )
 
 
-def _colourings(
-    result: Result, quantity: str, rows: NDArray[np.intp] | slice
-) -> list[sections.Colouring]:
+def _colourings(result: Result, quantity: str, rows: NDArray[np.intp] | slice) -> list[Colouring]:
     """Return the colouring of every snapshot, on one scale."""
     value_of, label, usual_map = QUANTITIES[quantity]
     values = [value_of(result, number) for number in range(len(result.frame_times))]
@@ -148,17 +155,17 @@ def _colourings(
             f"{result.case.name}: no snapshot contains {quantity}; use another --quantity"
         )
     options = result.figure_options
-    low, high = sections.decades_up_to(largest, None)
+    low, high = decades_up_to(largest, None)
     if quantity == "dissipation":
         low, high = options.dissipation_limits or (
-            sections.DISSIPATION_LIMITS[0],
-            max(sections.DISSIPATION_LIMITS[1], largest),
+            DISSIPATION_LIMITS[0],
+            max(DISSIPATION_LIMITS[1], largest),
         )
     elif quantity == "force":
         low, high = options.force_limits or (low, high)
     colours = options.colour_map or usual_map
-    label += f" {sections.force_scale(result)[1]}" if quantity == "force" else ""
-    return [sections.Colouring(one, label, quantity, colours, low, high) for one in values]
+    label += f" {force_scale(result)[1]}" if quantity == "force" else ""
+    return [Colouring(one, label, quantity, colours, low, high) for one in values]
 
 
 def _figure(height: float, size: Size) -> Figure:
@@ -187,19 +194,19 @@ def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) ->
     height = (WIDTH - 0.6) * (bottom - top) / (right - left) + 1.2
     figure = _figure(min(max(height, 2.1), 6.0), size)
     axes = figure.subplots()
-    radii = sections.disc_radii(result, cut)
-    discs = sections.draw_discs(axes, cut, first.values[cut.index], first, radii)
+    radii = disc_radii(result, cut)
+    discs = draw_discs(axes, cut, first.values[cut.index], first, radii)
     sections.frame_axes(axes, window)
     axes.set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
     axes.set_ylabel(f"{cut.plane.down_label} (mm)")
     axes.set_title(" ", fontsize=9)  # room for the clock
     ends = np.array([first.low, first.high])
-    sections.colour_bar(figure, [axes], first, ends, bar_location(size))
+    colour_bar(figure, [axes], first, ends, bar_location(size))
     clock = _clock(figure)
 
     def show(number: int) -> None:
         colouring = colourings[number]
-        faces, edges = sections.disc_colours(colouring.values[cut.index], colouring)
+        faces, edges = disc_colours(colouring.values[cut.index], colouring)
         discs.set(facecolor=faces, edgecolor=edges)
         clock.set_text(_reading(float(result.frame_times[number])))
 

@@ -11,15 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.impact_arrow import draw_arrow, impact_arrow
-from granwave.analysis.figures.run_figures import RunFigure
-from granwave.analysis.figures.sections import (
+from granwave.analysis.figures.colouring import (
     Colouring,
     colour_bar,
     dissipation_colouring,
-    half_axes,
     peak_force_colouring,
 )
+from granwave.analysis.figures.grain_discs import half_axes
+from granwave.analysis.figures.impact_arrow import draw_arrow, impact_arrow
+from granwave.analysis.figures.run_figures import RunFigure
 from granwave.analysis.figures.style import BLANK, GREY, WIDTH, Drawing, new_figure
 from granwave.analysis.result.reader import Result
 from granwave.extensions.pictures.sphere_renderer import (

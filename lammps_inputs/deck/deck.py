@@ -21,9 +21,9 @@ from granwave.lammps_inputs.case.stl_walls import stl_text
 from granwave.lammps_inputs.contact.bed_state import bed_table, bed_velocities
 from granwave.lammps_inputs.contact.initial_dents import dents_table
 from granwave.lammps_inputs.contact.static_load import directions
+from granwave.lammps_inputs.deck.dead_load import load_tables
 from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
-from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import (
     DISK_IS_FULL,

@@ -19,6 +19,7 @@ from granwave.lammps_inputs.deck.commands import (
     id_ranges,
     wall_commands,
 )
+from granwave.lammps_inputs.deck.dead_load import dead_load_commands
 from granwave.lammps_inputs.deck.ledger import ledger, thermo
 from granwave.lammps_inputs.deck.motion import CLUMPS, adaptive_timestep, motion
 from granwave.lammps_inputs.deck.output import (
@@ -30,7 +31,6 @@ from granwave.lammps_inputs.deck.output import (
     wall_forces,
 )
 from granwave.lammps_inputs.deck.static_stage import (
-    dead_load_commands,
     first_half,
     second_half,
     stored_velocities,

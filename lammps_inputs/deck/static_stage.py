@@ -26,21 +26,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import (
-    dead_loads,
-    directions,
     force_of_contact,
     static_stiffness,
-    striker_loads,
 )
 from granwave.lammps_inputs.deck import columns as table
 from granwave.lammps_inputs.deck.commands import (
-    id_ranges,
     moved_wall,
     pair_coefficients,
     plane_names,
@@ -59,10 +54,10 @@ from granwave.lammps_inputs.deck.damped_run import (
     net_force,
 )
 from granwave.lammps_inputs.deck.inertia_relief import relief_commands, relief_state
-from granwave.lammps_inputs.deck.motion import FALL, MOVING_BED, POTENTIAL
+from granwave.lammps_inputs.deck.minimisation import WALL_PREFIX, minimise, press_walls
+from granwave.lammps_inputs.deck.motion import MOVING_BED, POTENTIAL
 from granwave.lammps_inputs.deck.output import (
     count_commands,
-    displacements,
     initial_forces,
     outward_force,
 )
@@ -73,7 +68,6 @@ from granwave.lammps_inputs.deck.plugin_columns import (
     WallColumn,
 )
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.motion import (
     own_velocities,
     start_velocity,
@@ -88,9 +82,7 @@ from granwave.lammps_inputs.packing.walls import (
     support_timestep,
 )
 from granwave.lammps_inputs.run_directory import (
-    DEAD_LOAD_FILE,
     DUMPS,
-    MOVED_WALLS_FILE,
     START_FILE,
     STATIC_FILE,
     STATIC_STAGE_FILE,
@@ -104,28 +96,14 @@ _STAGE_END = "# --- end of the static stage ---"
 # diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
 LARGEST_MOVE = 0.1
 
-# largest contact force over that expected of the load, below which the grains have lost the load
-LOST_LOAD = 1e-3
-
 _SPHERES = "static_spheres"  # group of the moving spheres
 _STRIKERS = "static_strikers"  # group, and fix that holds them
-_PREFIX = "static_"  # prefix of the wall fixes of the stage
-_TOLERANCE = 1e-9  # net force on a sphere at convergence over the mean contact force
-# With disorder or dents it takes tens of thousands of iterations, and single contacts may carry
-# many times the mean:
-_TOLERANCE_OF_DISORDER = 3e-7  # same, over the largest contact force, as found in the first half
-_FIRST_HALF = 1e-5  # same, over the mean contact force, in the first half
-_ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
 _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
 # energies stored by springs, of pairs and of a wall
 _TANGENTIAL = (EnergyColumn.ELASTIC_TANGENTIAL, WallColumn.ELASTIC_TANGENTIAL)
 _ROLLING = (EnergyColumn.ELASTIC_ROLLING, WallColumn.ELASTIC_ROLLING)
 _TWISTING = (EnergyColumn.ELASTIC_TWISTING, WallColumn.ELASTIC_TWISTING)
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
-MOST_ITERATIONS = 200_000
-_ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
-# least slope of its power 2/3 over that of the line through the start: bounds the next distance
-_FLATTEST = 0.1
 
 # column of the log: largest net force on a sphere
 NET_FORCE = "c_static_net"
@@ -161,58 +139,6 @@ RECORD_OF_WEIGHT = {
     "worst": f"$(c_{LEAST_HELD}:%.6g)",
     "rolling": f"$(c_{ROLLING_GRAINS}:%.0f)",
 }
-
-
-def dead_load_commands(assembly: Assembly) -> list[str]:
-    """Return the commands of dead loads; the compute ``potential`` is their energy, zero in the
-    data file.
-    """
-    case = assembly.case
-    axes = directions(assembly)
-    if not axes:
-        return [
-            "# The walls are in their final positions; there are no other loads. Displacements "
-            "are relative to the data file.",
-            *displacements(case),
-            "variable        work atom 0.0",
-            f"compute         {POTENTIAL.removeprefix('c_')} all reduce sum v_work",
-        ]
-    words = joined(f"v_dead_{axis}" if axis in axes else "0.0" for axis in "xyz")
-    work = "+".join(f"v_dead_{axis}*c_displacement[{'xyz'.index(axis) + 1}]" for axis in axes)
-    return [
-        "# Dead loads: constant forces on spheres, N. Displacements are relative to the data "
-        "file, before any load.",
-        *displacements(case),
-        *(f"variable        dead_{axis} atomfile {DEAD_LOAD_FILE.format(axis)}" for axis in axes),
-        f"variable        dead atom {'||'.join(f'(v_dead_{axis}!=0)' for axis in axes)}",
-        "group           dead variable dead",
-        # required by LAMMPS; unused
-        f"fix             dead dead addforce {words} energy v_dead_{axes[-1]}",
-        f"variable        work atom -({work})",
-        f"compute         {POTENTIAL.removeprefix('c_')} dead reduce sum v_work",
-        *_fall(assembly),
-    ]
-
-
-def _fall(assembly: Assembly) -> list[str]:
-    """Return the commands of the potential energy of strikers that gravity acts on."""
-    if not assembly.case.strikers_fall:
-        return []
-    ids, _ = striker_loads(assembly)
-    return [
-        f"group           falling id {id_ranges(ids)}",
-        f"compute         {FALL.removeprefix('c_')} falling reduce sum v_work",
-    ]
-
-
-def may_lose_its_load(assembly: Assembly) -> bool:
-    """Return True if the initial overlaps are the only load: grains that are free to separate lose
-    it, and contacts with nearly zero force have nearly zero stiffness.
-
-    Forces are then compared with those at the start.
-    """
-    stage = assembly.case.precompression
-    return stage is not None and stage.is_overlaps_alone
 
 
 def largest_move(assembly: Assembly) -> float:
@@ -290,7 +216,7 @@ def first_half(assembly: Assembly) -> list[str]:
             f"variable        {moved_wall(name)} equal {num(overlap)}"
             for name in pressed_walls(assembly)
         ),
-        *wall_commands(assembly, elastic=True, prefix=_PREFIX),
+        *wall_commands(assembly, elastic=True, prefix=WALL_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
         *_waiting(assembly),
@@ -303,10 +229,10 @@ def first_half(assembly: Assembly) -> list[str]:
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
         *_near_balance(assembly),
-        _minimize(assembly, first=True),
-        *_pressing(assembly),
+        minimise(assembly, first=True),
+        *press_walls(assembly),
         "variable        static_force equal $(c_static_largest:%.17g)",
-        *(f"unfix           {_PREFIX}{name}" for name in plane_names(assembly)),
+        *(f"unfix           {WALL_PREFIX}{name}" for name in plane_names(assembly)),
         "gran/dents      clear",
         *pair_coefficients(assembly),
         _STAGE_END,
@@ -487,7 +413,7 @@ def _balance(assembly: Assembly) -> list[str]:
     case = assembly.case
     if case.settles_damped:
         return damped_run(assembly, _SPHERES)
-    return [_minimize(assembly) if case.seeks_balance else "run             0 post no"]
+    return [minimise(assembly) if case.seeks_balance else "run             0 post no"]
 
 
 def _turning(case: Case) -> list[str]:
@@ -517,75 +443,6 @@ def _moving_bed(assembly: Assembly) -> list[str]:
     ]
 
 
-def load_tables(assembly: Assembly) -> dict[str, str]:
-    """Return the texts of the files of dead loads and of displacements to equilibrium by name, one
-    for each direction.
-    """
-    each = (dead_loads(assembly), striker_loads(assembly))
-    ids = np.concatenate([numbers for numbers, _ in each])
-    forces = np.concatenate([loads for _, loads in each])
-    tables = {}
-    for axis in directions(assembly):
-        along = forces[:, "xyz".index(axis)]
-        tables[DEAD_LOAD_FILE.format(axis)] = _table("dead loads: id, force (N)", ids, along)
-    moved = balanced_displacements(assembly)
-    if moved is not None:
-        for axis, along in zip("xyz", moved.T, strict=True):
-            title = "displacements: id, displacement (m)"
-            tables[START_FILE.format(axis)] = _table(title, assembly.ids, along)
-    return tables
-
-
-def _table(title: str, ids: NDArray[np.int64], values: NDArray[np.float64]) -> str:
-    """Return the text of a file of an atomfile variable; spheres that it lacks have 0."""
-    each = zip(ids.tolist(), values.tolist(), strict=True)
-    rows = [f"{sphere} {value:.17g}\n" for sphere, value in each if value]
-    rows = rows or [f"{ids[0]} 0\n"]  # LAMMPS reads no empty table
-    return f"# {title}; number of rows\n{len(rows)}\n{''.join(rows)}"
-
-
-def _pressing(assembly: Assembly) -> list[str]:
-    """Return the commands that move walls inwards iteratively until they carry their forces.
-
-    The power 2/3 of the force is about linear in the distance: its secant gives the next one, in
-    the first round the line through the start.
-    """
-    stage = assembly.case.precompression
-    if stage is None or not stage.presses:
-        return []
-    lines = [
-        "# Walls move in until they carry their forces: secant steps in the power 2/3 of the force."
-    ]
-    for number in range(_ROUNDS):
-        for name, pressed in pressed_walls(assembly).items():
-            here = f"v_{moved_wall(name)}"
-            level = f"static_level_{name}"
-            force = "+".join(f"({outward_force(wall, _PREFIX)})" for wall in pressed)
-            share = f"abs({force})/{num(len(pressed) * stage.presses[name])}"
-            if number:
-                lines.append(f"variable        static_before_{name} equal $(v_{level}:%.17g)")
-            lines.append(f"variable        {level} equal $(({share})^(2/3):%.17g)")
-            slope = f"v_{level}/{here}"
-            if number:
-                rise = f"v_{level}-v_static_before_{name}"
-                run = f"{here}-v_static_from_{name}"
-                slope = f"(({rise})/(({run})+(({run})==0)))"
-            lines += [
-                f"variable        static_slope_{name} equal $({slope}:%.17g)",
-                f"variable        static_slope_{name} equal "
-                f"$(ternary(v_static_slope_{name}>{_FLATTEST}/{here},v_static_slope_{name},{_FLATTEST}/{here}):%.17g)",
-                f"variable        static_from_{name} equal $({here}:%.17g)",
-                f"variable        {moved_wall(name)} equal $({here}+(1-v_{level})/v_static_slope_{name}:%.17g)",
-            ]
-        moved = [wall for pressed in pressed_walls(assembly).values() for wall in pressed]
-        lines += wall_commands(assembly, elastic=True, prefix=_PREFIX, only=moved)
-        lines.append(_minimize(assembly, first=True))
-    found = "\n".join(
-        f"variable {moved_wall(name)} equal $(v_{moved_wall(name)}:%.17g)" for name in stage.presses
-    )
-    return [*lines, f'print           """{found}""" file {DUMPS}/{MOVED_WALLS_FILE} screen no']
-
-
 def _relief(case: Case, *, again: bool = False) -> list[str]:
     """Return the commands of inertia relief, if nothing holds the packing in place."""
     stage = case.precompression
@@ -595,30 +452,3 @@ def _relief(case: Case, *, again: bool = False) -> list[str]:
     return (relief_state if again else relief_commands)(
         "static_relief", _SPHERES, on_plane=bottom.has_plane
     )
-
-
-def _minimize(assembly: Assembly, *, first: bool = False) -> str:
-    """Return the command that finds balance, to a net force that is a fraction of contact forces,
-    plus rounding.
-    """
-    case = assembly.case
-    of_file = case.packing.contact_way is not None
-    disordered = has_gaps(case) or of_file
-    mean = force_of_contact(assembly)
-    span = float(np.abs(assembly.bounds() - assembly.deck_origin).max())
-    rounding = float(
-        _ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span
-    )  # of coordinates
-    if may_lose_its_load(assembly):
-        return _minimize_to(num(float(f"{_TOLERANCE_OF_DISORDER * mean + rounding:.3g}")))
-    least = num(float(f"{(_FIRST_HALF if disordered else _TOLERANCE) * mean + rounding:.3g}"))
-    if disordered and not first:
-        none = f"<{num(LOST_LOAD * mean)}" if of_file else "==0"
-        largest = f"(v_static_force+(v_static_force{none})*{num(mean)})"
-        least = f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"
-    return _minimize_to(least)
-
-
-def _minimize_to(least: str) -> str:
-    """Return the command that ends when no net force is larger than ``least``, N."""
-    return f"minimize        0.0 {least} {MOST_ITERATIONS} {2 * MOST_ITERATIONS}"

@@ -23,11 +23,8 @@ from granwave.lammps_inputs.contact.static_load import (
 )
 from granwave.lammps_inputs.deck.damped_run import CALM, HELD, LOOSE
 from granwave.lammps_inputs.deck.deck import box_of
-from granwave.lammps_inputs.deck.static_stage import (
-    LOST_LOAD,
-    largest_move,
-    may_lose_its_load,
-)
+from granwave.lammps_inputs.deck.minimisation import LOST_LOAD, may_lose_its_load
+from granwave.lammps_inputs.deck.static_stage import largest_move
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.assembly import Assembly

@@ -13,10 +13,8 @@ import threading
 from collections.abc import Iterator, Mapping
 
 from granwave.lammps_inputs.deck.damped_run import LARGEST_OF_ALL, LARGEST_OF_PAIRS, QUIET
-from granwave.lammps_inputs.deck.static_stage import (
-    MOST_ITERATIONS,
-    NET_FORCE,
-)
+from granwave.lammps_inputs.deck.minimisation import MOST_ITERATIONS
+from granwave.lammps_inputs.deck.static_stage import NET_FORCE
 from granwave.workflows.run.lammps_engine import Engine
 from granwave.workflows.run.progress import Progress
 

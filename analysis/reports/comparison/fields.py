@@ -16,17 +16,9 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import SymLogNorm
 from matplotlib.figure import Figure as MatplotlibFigure
 
-from granwave.analysis.figures.sections import (
-    Colouring,
-    colour_bar,
-    cut_of,
-    decades_up_to,
-    disc_radii,
-    draw_discs,
-    frame_axes,
-    sticks_of,
-    window_around,
-)
+from granwave.analysis.figures.colouring import Colouring, colour_bar, decades_up_to
+from granwave.analysis.figures.grain_discs import disc_radii, draw_discs, sticks_of
+from granwave.analysis.figures.sections import cut_of, frame_axes, window_around
 from granwave.analysis.figures.series import column_name
 from granwave.analysis.figures.style import BOTH_SIDES_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
 from granwave.analysis.measures.geometry import SpheresOnPlane
@@ -65,7 +57,7 @@ class ForceField:
     radius
         Of their discs, m: (n,).
     sticks
-        Half axes of cylinders, as of `granwave.analysis.figures.sections.sticks_of`.
+        Half axes of cylinders, as of `granwave.analysis.figures.grain_discs.sticks_of`.
     diameter
         Nominal, m.
     """

@@ -26,7 +26,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, to_rgb
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.sections import DISSIPATION_LIMITS, decades_up_to, force_scale
+from granwave.analysis.figures.colouring import DISSIPATION_LIMITS, decades_up_to, force_scale
 from granwave.analysis.figures.style import DISSIPATION_MAP, FORCE_MAP, new_figure, style
 from granwave.analysis.measures.geometry import own_plane, planes
 from granwave.analysis.result.reader import Result

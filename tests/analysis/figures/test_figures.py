@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 
 from granwave.analysis import Result, analyse, write_result
 from granwave.analysis.figures import histories, sections
+from granwave.analysis.figures.colouring import Colouring
+from granwave.analysis.figures.grain_discs import draw_discs
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.measures.target import unprotected
 from granwave.lammps_inputs import struck_spheres
@@ -180,11 +182,11 @@ def test_spheres_beyond_the_law_keep_their_colour():
     """They have a black ring around it."""
     place = np.array([0.0, 0.01])
     cut = SimpleNamespace(across=place, down=place)
-    colouring = sections.Colouring(np.array([1.0, 5.0]), "", "", "viridis", 1.0, 10.0)
+    colouring = Colouring(np.array([1.0, 5.0]), "", "", "viridis", 1.0, 10.0)
     shown = {}
     for beyond in (False, True):
         axes = Figure().subplots()
-        sections.draw_discs(
+        draw_discs(
             axes, cut, colouring.values, colouring, np.full(2, 0.005), np.array([False, beyond])
         )
         (shown[beyond],) = axes.collections
