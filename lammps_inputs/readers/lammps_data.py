@@ -28,7 +28,7 @@ from granwave.lammps_inputs.tables.units import LENGTH, in_si
 
 NAME = "lammps-data"
 LABEL = "LAMMPS data file"
-_COUNT = re.compile(r"^[ \t]*([0-9]+)[ \t]+atoms\b", re.MULTILINE)
+NUMBER_OF_ATOMS = re.compile(r"^[ \t]*([0-9]+)[ \t]+atoms\b", re.MULTILINE)
 _ATOMS = re.compile(r"^[ \t]*Atoms[ \t]*(?:#(.*))?$", re.MULTILINE)
 _VELOCITIES = re.compile(r"^[ \t]*Velocities\b.*$", re.MULTILINE)
 _STYLE_OF_UNITS = re.compile(r"units = (\w+)")
@@ -61,7 +61,7 @@ _MOST_HEAD = 100_000  # characters before the section of the atoms
 def recognises(source: GrainSource) -> bool:
     """Return True for a text with a number of atoms and bounds of a box near its beginning."""
     has_box = _BOX.search(source.head) or _EDGE.search(source.head)
-    return bool(_COUNT.search(source.head) and has_box)
+    return bool(NUMBER_OF_ATOMS.search(source.head) and has_box)
 
 
 def read(source: GrainSource) -> GrainTable:
@@ -74,7 +74,7 @@ def read(source: GrainSource) -> GrainTable:
     """
     text = source.text
     options = source.options
-    count = _COUNT.search(text)
+    count = NUMBER_OF_ATOMS.search(text)
     section = _ATOMS.search(text)
     if count is None or section is None:
         raise ValueError("found no section Atoms, expected one; the data file may be truncated")

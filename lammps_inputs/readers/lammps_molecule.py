@@ -16,13 +16,13 @@ from granwave.lammps_inputs.readers.columns import (
     find_columns,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
+from granwave.lammps_inputs.readers.lammps_data import NUMBER_OF_ATOMS
 from granwave.lammps_inputs.readers.source import GrainSource
 from granwave.lammps_inputs.tables.layout import BLANKS, Layout, with_plain_exponents
 from granwave.lammps_inputs.tables.text_table import table_of
 
 NAME = "lammps-molecule"
 LABEL = "LAMMPS molecule template"
-_COUNT = re.compile(r"^[ \t]*([0-9]+)[ \t]+atoms\b", re.MULTILINE)
 _PLACES = "Coords"
 _COORDS = re.compile(rf"^[ \t]*{_PLACES}\b", re.MULTILINE)
 _BOX = re.compile(r"\bxlo[ \t]+xhi\b|\bavec\b")  # of a data file
@@ -38,7 +38,7 @@ _SECTIONS = {
 
 def recognises(source: GrainSource) -> bool:
     """Return True for a text with a number of atoms and a section of positions, but no box."""
-    has_atoms = _COUNT.search(source.head) and _COORDS.search(source.head)
+    has_atoms = NUMBER_OF_ATOMS.search(source.head) and _COORDS.search(source.head)
     return bool(has_atoms) and not _BOX.search(source.head)
 
 
@@ -52,7 +52,7 @@ def read(source: GrainSource) -> GrainTable:
     """
     options = source.options
     lines = source.text.splitlines()
-    count = _COUNT.search(source.text)
+    count = NUMBER_OF_ATOMS.search(source.text)
     if count is None:
         raise ValueError("found no line N atoms, expected a molecule template of LAMMPS")
     n_atoms = int(count[1])

@@ -21,23 +21,6 @@ SPHERES = [{"shape": "sphere", "diameter": 2 * RADIUS, "material": "brass"}] * 2
 OURS = "elastoplastic-fe"
 LARGEST = 0.048  # overlap over R*
 STEPS = 800
-SCRIPT = f"""units si
-atom_style sphere
-atom_modify map array
-newton off
-boundary f f f
-region box block -0.02 0.02 -0.02 0.02 -0.02 0.04
-create_box 1 box
-create_atoms 1 single 0 0 0
-create_atoms 1 single 0 0 {2 * RADIUS * (1 + 1e-9)}
-set group all diameter {2 * RADIUS} density 8500
-group lower id 1
-group upper id 2
-comm_modify vel yes
-neighbor 1e-3 bin
-pair_style granular
-pair_coeff * * mdr 115e9 0.3 550e6 0 0.5 0 tangential linear_nohistory 0 0 damping mdr 1
-"""
 
 
 def rows() -> dict[str, list[float]]:
@@ -48,8 +31,8 @@ def rows() -> dict[str, list[float]]:
             for cells in table[1:] if re.search(r"\d", cells[1])}  # fmt: skip
 
 
-def collision(law: str, x: float, z: float) -> str:
-    """Return the script of two spheres, the second one at (x, 0, z), that move freely."""
+def two_spheres(law: str, x: float, z: float) -> str:
+    """Return the script of two spheres, the second one at (x, 0, z)."""
     return f"""units si
 atom_style sphere
 atom_modify map array
@@ -60,18 +43,23 @@ create_box 1 box
 create_atoms 1 single 0 0 0
 create_atoms 1 single {x!r} 0 {z!r}
 set group all diameter {2 * RADIUS} density 8500
+group lower id 1
+group upper id 2
 comm_modify vel yes
 neighbor 1e-3 bin
 {LAWS[law]}
-fix motion all nve/sphere
-timestep 1e-8
 """
+
+
+def collision(law: str, x: float, z: float) -> str:
+    """Return the script of two spheres that move freely."""
+    return two_spheres(law, x, z) + "fix motion all nve/sphere\ntimestep 1e-8\n"
 
 
 @pytest.fixture
 def pressed(lammps):
     """Overlaps and forces of two spheres that are pressed together and drawn apart again, slowly."""
-    run = lammps(SCRIPT)
+    run = lammps(two_spheres("mdr", 0.0, 2 * RADIUS * (1 + 1e-9)))
     speed = LARGEST * EFFECTIVE / STEPS
     run.commands_string("timestep 1\nfix still lower move linear 0 0 0\n")
     curves = []
@@ -111,7 +99,7 @@ def test_forces_and_dent(pressed):
 
 @pytest.mark.parametrize("speed", [1, 5, 10])
 def test_restitution(lammps, speed):
-    run = lammps(SCRIPT)
+    run = lammps(two_spheres("mdr", 0.0, 2 * RADIUS * (1 + 1e-9)))
     run.commands_string(
         f"set atom 1 vz {speed}\nfix motion all nve/sphere\ntimestep 1e-8\nrun 12000"
     )
