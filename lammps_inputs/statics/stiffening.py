@@ -138,28 +138,27 @@ def note_without_friction(ratio: float) -> str:
 def _may_be_soft_without_friction(assembly: Assembly) -> bool:
     """Return True for spheres without friction under gravity, which a search brings to balance."""
     case = assembly.case
-    packing = case.packing
     stage = case.precompression
-    if stage is None or stage.presses or not stage.rule.grows_with_depth or case.settles_damped:
+    way = case.packing.contact_way
+    if case.settles_damped or case.contact.friction or way is None or not way.balances:
         return False
-    if packing.grains is None or packing.restart is not None or packing.has_clumps:
-        return False
-    if packing.contact_way is None or not packing.contact_way.balances:
-        return False
-    return not (case.contact.friction or case.has_cohesion or any(packing.grains.shape))
+    return stage is not None and stage.rule.grows_with_depth and _are_loaded_spheres(case)
 
 
 def _may_be_soft(assembly: Assembly) -> bool:
     """Return True for spheres under dead loads that a damped stage brings to balance."""
-    case = assembly.case
+    return assembly.case.settles_damped and _are_loaded_spheres(assembly.case)
+
+
+def _are_loaded_spheres(case: Case) -> bool:
+    """Return True for single spheres of a file, under dead loads, without cohesion."""
     packing = case.packing
     stage = case.precompression
-    grains = packing.grains
-    if grains is None or stage is None or stage.presses or not case.settles_damped:
+    if packing.grains is None or stage is None or stage.presses:
         return False
     if packing.restart is not None or packing.has_clumps or case.has_cohesion:
         return False
-    return not any(grains.shape)
+    return not any(packing.grains.shape)
 
 
 def _friction_of_walls(assembly: Assembly) -> Array:
