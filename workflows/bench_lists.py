@@ -107,7 +107,7 @@ def _new_lists(repeats: int) -> dict[str, Any]:
             for style, engine in engines.items():
                 without = _processor_time(engine, _RARELY, STEPS)
                 times[style].append((_processor_time(engine, _ALWAYS, STEPS) - without) / STEPS)
-    return _report(f"new lists of {n} rattling spheres, friction 0.3", n, times, "ms a list")
+    return _report(f"new lists of {n} rattling spheres, friction 0.3", n, times, "ms per list")
 
 
 def _sheared(repeats: int) -> dict[str, Any]:
@@ -123,7 +123,7 @@ def _sheared(repeats: int) -> dict[str, Any]:
 
     times, lists = _times_of_runs(start, SHEAR_STEPS, repeats)
     title = f"steps of {n} sheared spheres, friction 0.3"
-    return _report(title, n, times, "ms a step", lists)
+    return _report(title, n, times, "ms per step", lists)
 
 
 def _poured(repeats: int) -> dict[str, Any]:
@@ -136,7 +136,7 @@ def _poured(repeats: int) -> dict[str, Any]:
 
     times, lists = _times_of_runs(start, POUR_STEPS, repeats)
     title = f"steps of {POUR_SPHERES} poured spheres, friction 0.3"
-    return _report(title, POUR_SPHERES, times, "ms a step", lists)
+    return _report(title, POUR_SPHERES, times, "ms per step", lists)
 
 
 def _times_of_runs(

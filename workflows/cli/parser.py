@@ -261,8 +261,8 @@ def _core() -> tuple[Command, ...]:
             option("--repeats", type=read.positive, default=5, metavar="N", help="timings of each "
                 "style (default: 5)"),
             [option("--parts", type=read.bench_parts, default=BENCH_PARTS, metavar="PART,...",
-                     help=f"parts to measure: {', '.join(BENCH_PARTS)} (default: all, a "
-                         "quarter of an hour)"),
+                     help=f"parts to measure: {', '.join(BENCH_PARTS)} (default: all, "
+                         "ten minutes)"),
              option("--styles-only", action="store_const", const=("styles",), dest="parts",
                      help="the same as --parts styles")],
         )),
