@@ -26,6 +26,7 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
 
+#include "../laws/contact_step.h"
 #include "../laws/law_arguments.h"
 #include "../laws/plastic_batch.h"
 #include "contact_list.h"
@@ -247,10 +248,11 @@ class PairGranHysteretic : public Pair {
   void update_history(Batch &);
   double approach(const Batch &, int m) const;
   double effective_mass(const Batch &, int m) const;
+  double pressing_force(const Batch &, int m) const;
+  double tangent_stiffness(const Batch &, int m);
   void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
   void compute_tangential(Batch &);
-  granwave::SlipContact slip_contact(const Batch &, int m) const;
   void advance_friction(Batch &);
   void add_damping(Batch &);
   void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);
