@@ -16,8 +16,8 @@ namespace granwave {
 /* Contact at the end of a timestep. */
 struct PresentContact {
   const ScaledLaw &law;
-  double *block;      // what it remembers (contact_memory.h)
-  double peak;        // largest overlap so far
+  double *block;    // what it remembers (contact_memory.h)
+  double peak;      // largest overlap so far
   double overlap;
   double rounding;    // smaller overlaps are none
   double velocity;    // of approach
@@ -80,12 +80,8 @@ inline void part_viscous(const ViscousLoss &loss, const ContactMemory &has, cons
 inline SlipContact slip_contact(const ScaledLaw &law, double circle, double limit, const double (&normal)[3],
                                 const double (&velocity)[3], const double (&spin)[3], double dt)
 {
-  SlipContact contact{{normal[0], normal[1], normal[2]},
-                      {},
-                      circle,
-                      law.law().tangential_stiffness(circle),
-                      limit,
-                      law.effective_radius()};
+  SlipContact contact{{normal[0], normal[1], normal[2]},      {},    circle,
+                      law.law().tangential_stiffness(circle), limit, law.effective_radius()};
   slip_of_step(velocity, spin, normal, dt, contact.slip);
   return contact;
 }

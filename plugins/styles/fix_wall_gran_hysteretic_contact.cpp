@@ -166,8 +166,7 @@ void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, c
   contact.force = state.force;
   contact.circle = std::sqrt(state.circle_squared);
   contact.pressing = state.pressing;
-  if (support)
-    contact.stiffness = std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * contact.circle);
+  if (support) contact.stiffness = std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * contact.circle);
 }
 
 /* Effective mass of sphere i and one wall, from the tangent stiffness of their contact. */
@@ -184,15 +183,9 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
 {
   if (update->whichflag != 1) return has.forget_viscous(extra(i, which));
   const LawHistory h = law_history(i, which);
-  const PresentContact present{scaled,
-                               extra(i, which),
-                               h.peak,
-                               overlap,
-                               ROUNDING * atom->radius[i],
-                               approach(i, which),
-                               contact.force,
-                               contact.pressing,
-                               contact.circle};
+  const PresentContact present{
+      scaled,        extra(i, which),  h.peak,        overlap, ROUNDING * atom->radius[i], approach(i, which),
+      contact.force, contact.pressing, contact.circle};
   const ViscousForce viscous = advance_viscous(
       loss, has, present, step(), simulated_time(*update), [&] { return scaled.tangent_stiffness(overlap, h); },
       [&](double stiffness) { return effective_mass(i, which, stiffness); });

@@ -5,7 +5,6 @@
 #include "pair_gran_hysteretic.h"
 
 #include "comm.h"
-#include "domain.h"
 #include "error.h"
 #include "motion.h"
 #include "neighbor.h"
@@ -23,7 +22,7 @@ constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks ar
 double PairGranHysteretic::approach(const Batch &batch, int m) const
 {
   if (update->whichflag != 1) return 0.0;
-  const Vector velocity = relative_velocity(batch.i[m], batch.j[m]);
+  const PairGeometry::Vector velocity = geometry.relative_velocity(batch.i[m], batch.j[m]);
   double sum = 0.0;
   for (int d = 0; d < 3; d++) sum -= batch.del[d][m] * velocity[d];
   return sum / batch.r[m];
@@ -125,29 +124,10 @@ void PairGranHysteretic::release_contact(int k)
     const auto row = std::upper_bound(c.begin.begin(), c.begin.end(), k) - c.begin.begin() - 1;
     const int i = c.row[row], j = c.partner[k];
     const PairParameters p = pair_parameters(i, j);
-    part_viscous(p.loss, has, p.contact, c.block(k), p.radsum - distance(i, j), step, now);
+    part_viscous(p.loss, has, p.contact, c.block(k), p.radsum - geometry.distance(i, j), step, now);
   }
   if (has.friction) has.release_spring(c.spring[k], c.block(k));
   if (has.resistance) has.resistance_of(c.block(k))->release();
-}
-
-void PairGranHysteretic::send(Message content)
-{
-  message = content;
-  comm->forward_comm(this);
-}
-
-int PairGranHysteretic::pack_forward_comm(int n, int *list, double *buf, int pbc_flag, int *pbc)
-{
-  if (message == Message::VELOCITIES) return ghosts.pack(n, list, buf, pbc_flag != 0, pbc);
-  for (int k = 0; k < n; k++) masses.pack(list[k], buf + k * MovedMass::SIZE);
-  return n * MovedMass::SIZE;
-}
-
-void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
-{
-  if (message == Message::VELOCITIES) return ghosts.unpack(n, first, buf);
-  for (int k = 0; k < n; k++) masses.unpack(first + k, buf + k * MovedMass::SIZE);
 }
 
 /* Effective mass of a pair along its normal. The body of a flat face is taken as much heavier than the sphere. */
@@ -227,7 +207,7 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
   batch.read(components(atom->v), components(atom->omega), c.spring.data());
-  if (flows) set_relative_velocities(batch);
+  if (geometry.flows()) set_relative_velocities(batch);
   if (step.advances) batch.advance_forces_and_torques(step.dt);
   else batch.compute_forces_and_torques();
   if (has.slip || has.damping) advance_friction(batch);
@@ -284,13 +264,9 @@ void PairGranHysteretic::compute_resistance(const Batch &batch, const double *ci
     std::fill_n(moment[m], 3, 0.0);
     const PairParameters &p = *batch.pair[m];
     if (!p.resistance) continue;
-    RollingContact contact{{},
-                           {},
-                           p.contact.effective_radius(),
-                           pressing_force(batch, m),
-                           circle[m],
-                           p.shear_stiffness * circle[m],
-                           p.friction};
+    RollingContact contact{
+        {},        {}, p.contact.effective_radius(), pressing_force(batch, m), circle[m], p.shear_stiffness * circle[m],
+        p.friction};
     for (int d = 0; d < 3; d++) {
       contact.normal[d] = batch.normal[d][m];
       contact.spin[d] = omega[batch.i[m]][d] - omega[batch.j[m]][d];
@@ -340,10 +316,10 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
   if (!uniform)
     for (int m = 0; m < batch.size; m++) {
       const int i = batch.i[m], j = batch.j[m], itype = atom->type[i], jtype = atom->type[j];
-      if (!parameters_by_type.empty()) {
-        batch.set(m, parameters_by_type[itype * (atom_types + 1) + jtype]);
+      if (laws.has_table()) {
+        batch.set(m, laws.from_table(itype, jtype));
       } else {
-        batch.parameters[m] = pair_parameters(itype, jtype, atom->radius[i], atom->radius[j]);
+        batch.parameters[m] = laws.parameters(itype, jtype, atom->radius[i], atom->radius[j]);
         batch.set(m, batch.parameters[m]);
       }
     }
@@ -377,7 +353,7 @@ void PairGranHysteretic::forget_far_pairs(int r)
     if (contacts.peak[k] == 0.0) continue;
     const int j = contacts.partner[k];
     const double reach = atom->radius[i] + atom->radius[j] + gap;
-    if (distance_squared(i, j) > reach * reach) forget(r, k);
+    if (geometry.distance_squared(i, j) > reach * reach) forget(r, k);
   }
 }
 
@@ -438,7 +414,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
         "more than a dent grows");
   if (neighbor->ago == 0) renew_ghosts();
   if (!contacts.valid) build_contacts();
-  flows = domain->deform_vremap != 0;
+  geometry.begin_evaluation();
   if (sends_velocities) {
     if (neighbor->ago == 0) ghosts.renew();
     send(Message::VELOCITIES);
@@ -465,7 +441,7 @@ void PairGranHysteretic::overlap_error(int i, int j, double overlap)
   for (const int sphere : {i, j}) require_finite_motion(lmp, sphere);
   const bool face = atom->radius[i] == 0.0 || atom->radius[j] == 0.0;
   const double speed = std::max(speed_of(lmp, i), speed_of(lmp, j));
-  const double radius = largest_overlap(atom->radius[i], atom->radius[j]);
+  const double radius = PairLaws::largest_overlap(atom->radius[i], atom->radius[j]);
   error->one(FLERR, "Spheres {} and {} overlap by {:.3g}, more than {}: {}", atom->tag[i], atom->tag[j], overlap,
              face ? "half the radius of the sphere that touches a flat face" : "the radius of the smaller sphere",
              causes_of_overlap(lmp, speed, radius, "their initial positions overlap"));
