@@ -221,7 +221,7 @@ class BoundContact {
   double peak_contact_radius(double peak) const { return contact_radius(peak, peak); }
   double tangential_stiffness(double overlap, double peak) const
   {
-    return law.tangential_stiffness(circle_squared(overlap, peak));
+    return law.tangential_stiffness(std::sqrt(circle_squared(overlap, peak)));
   }
 
   py::dict friction_path(const py::array_t<double> &overlaps, const py::array_t<double> &slips, double friction,

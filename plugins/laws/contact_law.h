@@ -121,8 +121,8 @@ class ContactLaw {
     return with([&](const auto &law) { return law.update(a, peak, rate, site, extra); });
   }
 
-  /* k_t = 8 G* a of a contact circle of this radius squared, in physical units. */
-  double tangential_stiffness(double circle_squared) const { return 8.0 * shear_modulus_ * std::sqrt(circle_squared); }
+  /* k_t = 8 G* a of a contact circle of this radius, in physical units. */
+  double tangential_stiffness(double circle) const { return 8.0 * shear_modulus_ * circle; }
 
  private:
   const LawEntry *entry_;

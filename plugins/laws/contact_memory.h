@@ -96,6 +96,14 @@ struct ContactMemory {
     return (friction || !sprung) && (contact.block.empty() || static_cast<int>(contact.block.size()) == n);
   }
 
+  /* Forget the viscous forces of the last step: there are none in a minimization, and behind a contact that is no more. */
+  void forget_viscous(double *block) const
+  {
+    loss_of(block)->forget_state();
+    if (prony) *prony_of(block) = {};
+    if (damping) damping_of(block).release();
+  }
+
   /* End the spring of surfaces that have parted, or that friction does not hold. */
   void release_spring(TangentialSpring &spring, double *block) const
   {

@@ -323,7 +323,7 @@ void FixWallGranHysteretic::evaluate()
         }
       } else {
         mine.touching = 0.0;
-        if (loss) end_viscous(i, side, overlap[side]);
+        if (loss) part_viscous(loss, has, scaled_law(i), extra(i, side), overlap[side], step(), simulated_time(*update));
       }
       if (friction > 0.0) compute_tangential(i, side, overlap[side], contact);
       if (resistance) compute_resistance(i, side, contact);

@@ -24,7 +24,7 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #ifndef LMP_FIX_WALL_GRAN_HYSTERETIC_H
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
 
-#include "../laws/contact_memory.h"
+#include "../laws/contact_step.h"
 #include "../laws/exact_sum.h"
 #include "../laws/front.h"
 #include "../laws/mesh_wall.h"
@@ -122,7 +122,7 @@ class FixWallGranHysteretic : public Fix {
   struct Contact {    // present contact of a sphere with a wall
     double force;
     double stiffness;    // largest slope of the force over the overlap, on loading or unloading; with a support only
-    double circle_sq;    // squared radius of the contact circle; with friction, resistance or cohesion only
+    double circle;       // radius of the contact circle; with friction, resistance or cohesion only
     double pressing;     // normal force that limits friction
     double damping;      // coefficient of damping along the surface; below 0: a run is continued, or there is none
   };
@@ -148,7 +148,6 @@ class FixWallGranHysteretic : public Fix {
   bool has_dashpot() const { return loss.kind == granwave::LossKind::DASHPOT; }
   double effective_mass(int i, int side, double stiffness) const;
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
-  void end_viscous(int i, int side, double overlap);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   void advance_friction(int i, int side, double lever, const Contact &);
   void friction_force(int i, int side, double force[3]);
@@ -172,7 +171,6 @@ class FixWallGranHysteretic : public Fix {
   // histories at one of the walls
   granwave::Stored<granwave::CohesionHistory> sticking(int i, int side) { return has.cohesion_of(extra(i, side)); }
   granwave::Stored<granwave::ResistanceHistory> resisted(int i, int side) { return has.resistance_of(extra(i, side)); }
-  granwave::Stored<granwave::ViscousHistory> viscous(int i, int side) { return has.loss_of(extra(i, side)); }
   double viscous_loss(int i, int side) { return has.viscous_loss(extra(i, side)); }
   int n_state() const { return N_REPORTED + granwave::Front::LEVELS + histories.size(); }
 
