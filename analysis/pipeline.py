@@ -141,7 +141,7 @@ def _analyse(
     try:
         results.check_deck()
     except InputError:
-        list(read_data(directory))  # damage of it has a message of its own, with the line
+        list(read_data(directory))  # a damaged file has a message of its own, with the line
         raise
     check_unchanged(results, processes)
     with helpers(number_expected(deck.case.figures) if figures else 0) as others:
@@ -151,7 +151,7 @@ def _analyse(
         summary = summarise(results, at_once=at_once, assembly=assembly, processes=processes)
         results.note_files([RESULT_FILE, SUMMARY_FILE])
         if figures:
-            # the drawing library takes longer to load than many a small run to compute
+            # loading matplotlib takes longer than computing many a small run
             from granwave.analysis.figures.run_figures import draw_figures
 
             with Result(results, assembly=assembly) as result:

@@ -17,7 +17,7 @@ _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zo
 _GROWING = {
     "plastic_zone_depth_m": "depth",
     "plastic_zone_radius_m": "radius",
-}  # as `zone_growing` calls them
+}  # names as `zone_growing` returns them
 
 
 class SummaryRow(NamedTuple):

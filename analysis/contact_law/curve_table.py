@@ -46,7 +46,7 @@ def read_curve_rows(path: Path) -> list[Row]:
     units = _units_below(rows)
     names = [_name_with_unit(head, unit) for head, unit in zip(heads, units, strict=True)]
     if any(names.count(name) > 1 for name in names if name not in heads):
-        names = [head.strip() for head in heads]  # two columns could be meant
+        names = [head.strip() for head in heads]  # two columns match
     return [(line, names), *rows[1 + int(any(units)) :]]
 
 
@@ -58,7 +58,7 @@ def _rows_from_names(layout: Layout, path: Path) -> list[Row]:
             words = [
                 _quantity(head.partition("_")[0]) or _quantity(head) for head in below.cells(0)
             ]
-        except ValueError:  # no row of a CSV file, which is refused where it is read
+        except ValueError:  # rows that are not CSV are rejected by the reader
             continue
         if "force" in words and not set(words).isdisjoint(_LENGTHS):
             return rows_of(below, path)

@@ -33,18 +33,18 @@ from granwave.lammps_inputs.errors import InputError, first_errors
 from granwave.lammps_inputs.files import read_number
 
 _LOG = logging.getLogger("granwave")
-_TURNS = (0.25, 0.5, 0.75, 1.0)  # overlaps at which unloading starts over the largest one
+_TURNS = (0.25, 0.5, 0.75, 1.0)  # overlap at the start of unloading over the largest overlap
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
 _POINTS = 400
-_COLUMNS_ABOVE = 2  # of the legend
+_COLUMNS_ABOVE = 2  # columns of the legend
 _JUMP = 0.2  # step of a measured overlap over its range beyond which rows may be out of order,
 _FAR = 20.0  # if it is so many times the median step, too
 _MAX_OVERLAP = 200.0
 _UNIT_WITHOUT_YIELD = 1e-4  # unit of overlaps over R* for laws without alpha_y
 _MICRO = 1e6  # micrometres in a metre
 _LINES = ((BLUE, "-"), (ORANGE, "--"), (GREEN, ":"), (PURPLE, "-."))
-_STEPS = 2000  # of a collision whose yield strength follows the rate
-_SLOWEST = 0.3  # overlap of the slowest impact over that at first yield
+_STEPS = 2000  # steps of a collision with a yield strength that depends on the rate
+_SLOWEST = 0.3  # overlap of the slowest impact over the overlap at first yield
 
 Table = dict[str, NDArray]
 
@@ -203,7 +203,7 @@ def law_drawing(
     limit = 0.2 * law.effective_radius * _MICRO
     if law.entry.fitted and overlap.max() > limit:
         axes.axvline(limit, color=GREY, linestyle=":", label=r"0.2 $R^*$, end of the fit")
-    # the axes above leave no room for a legend in between
+    # there is no room for a legend between the axes above
     legend_outside(figure, _COLUMNS_ABOVE, title=f"{title}, {law.name}" if title else law.name)
     return Drawing(figure, table)
 
@@ -453,7 +453,8 @@ def curve_of(
 
 
 def _warn_of_jumps(overlap: Array, source: str) -> None:
-    """Log a warning of a curve without branches whose rows are not in the order of measurement."""
+    """Log a warning about a curve without branches whose rows are not in the order of measurement.
+    """
     steps = np.abs(np.diff(overlap))
     if not steps.size:
         return

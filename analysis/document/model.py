@@ -445,7 +445,7 @@ def _without_rounding(table: DocumentTable) -> list[list[Cell]]:
         of_units = [n for n, column in enumerate(table.columns) if column.heading == _UNIT]
         units = [row[of_units[0]].text if of_units else "" for row in rows]
         sizes = sizes.T
-    scales = np.empty_like(sizes)  # by run and quantity
+    scales = np.empty_like(sizes)  # scale of each run and quantity
     for unit in set(units):
         alike = np.array([one == unit for one in units])
         of_a_run = unit != "" and alike.sum() > 1

@@ -107,14 +107,14 @@ def export(
         results_directory(output)
         return _export(directory, to, Path(output), tuple(only))
     placed = _export(directory, to, directory / EXPORT_DIRECTORY, tuple(only))
-    # so that --force moves it with the results
+    # the files are moved with the results by --force
     ResultDirectory(directory).claim([f"{EXPORT_DIRECTORY}/"])
     return placed
 
 
 def _some(chosen: ExportFormat, directory: Path, output: Path, only: tuple[str, ...]) -> list[Path]:
     """Export parts of a run; raise InputError if it has none of them."""
-    assert chosen.some is not None  # a format with parts has it
+    assert chosen.some is not None  # this format has parts
     placed = chosen.some(directory, output, only)
     if not placed:
         raise InputError(f"--only: {', '.join(only)}: this run contains no such data")

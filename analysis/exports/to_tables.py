@@ -370,7 +370,7 @@ def _add(
     if values.dtype == bool:
         values = values.astype(np.int8)
         kind = np.int8
-        extra["dtype"] = "bool"  # for xarray, which converts it back
+        extra["dtype"] = "bool"  # xarray converts it back
     elif values.dtype.kind in "OU":
         values = values.astype(object)
         kind = h5py.string_dtype()

@@ -194,7 +194,7 @@ def _added(reference: str) -> RunFigure:
     """Return a figure of an extension; one that cannot be loaded fails when it is drawn."""
     try:
         figure: RunFigure = load(reference)
-    except Exception as error:  # of anyone's package; it costs no other figure
+    except Exception as error:  # an error in someone's extension; the other figures are drawn
         return RunFigure(f"{reference}, which cannot be loaded", partial(_fail, error), "")
     return figure
 
@@ -346,13 +346,13 @@ def work(
                     outcome = True, draw(names[number])
                 except Exception:
                     outcome = False, None
-                # what gave warnings is drawn again where they are seen
+                # figures with warnings are drawn again where warnings are visible
                 pickle.dump((False, None) if notes.buffer else outcome, outcomes)
                 outcomes.flush()
 
 
 if __name__ == "__main__":
-    gc.freeze()  # modules stay to the end; collections need not look at them
+    gc.freeze()  # modules remain until the end; the garbage collector can skip them
     pipe = sys.stdout.buffer
     sys.stdout = sys.stderr
     work(sys.stdin.buffer, pipe, *pickle.load(sys.stdin.buffer))

@@ -37,15 +37,15 @@ from granwave.analysis.figures.style import (
 from granwave.analysis.figures.user_axes import drawing_into, match_text, plots_of, user_figure
 
 _MICRO = 1e6  # in a second
-_MOST_POINTS = 20_000  # of a curve; the CSV file has all
+_MOST_POINTS = 20_000  # most points of a curve; the CSV file has all
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKS = "os^Dv"
-#: Lines in turn, which tell curves apart where colours cannot be seen.
+#: Line styles in turn, which distinguish curves in grey prints.
 LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 _ENERGIES = ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ"))
 _VELOCITIES = ((1.0, "m/s"), (1e3, "mm/s"), (1e6, "µm/s"))
-_LEAST_VELOCITY = 0.01  # in m/s: tenths are usual there
+_LEAST_VELOCITY = 0.01  # in m/s: tenths are common there
 
 
 def energy_unit(largest: float) -> tuple[float, str]:

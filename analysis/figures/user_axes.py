@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.errors import InputError
 
-_OTHER_LINE = "--"  # of the curves of another run
+_OTHER_LINE = "--"  # line style of another run
 _OTHER_ALPHA = 0.7
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 

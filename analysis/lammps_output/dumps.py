@@ -57,9 +57,9 @@ SPHERE_COLUMNS = tuple(name for name in columns.names(columns.SNAPSHOT) if name 
 CONTACT_COLUMNS = columns.names(columns.CONTACTS)
 WALL_COLUMNS = columns.names(columns.WALL_CONTACTS)
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
-_PART_NUMBER = re.compile(r"\.\d+(?=\.\w+$)")  # of the rank, in the name of a file
+_PART_NUMBER = re.compile(r"\.\d+(?=\.\w+$)")  # number of the rank, in the name of a file
 
-_ROW_BYTES = 128  # of a contact in a dump, about
+_ROW_BYTES = 128  # approximate size of a contact in a dump
 
 log = logging.getLogger(__name__)
 
@@ -190,7 +190,7 @@ class ContactDump:
 
         Where fewer or more are found, `frames` raises the error of the damaged file.
         """
-        like = next(self.frames(1))  # its header and its columns are checked
+        like = next(self.frames(1))  # checks header and columns
         paths = self.paths
         begin, expected = after_header(paths[0])
         if RANK in self.path.name:
@@ -493,7 +493,7 @@ def _missing_dump(directory: Path, path: Path) -> MissingOutputError:
 
 
 def _present(results: ResultDirectory, names: list[str]) -> Path:
-    """Return which of these dumps there is."""
+    """Return the dumps among these that exist."""
     folder = results / DUMPS
     own = results.output_names()
     there = [

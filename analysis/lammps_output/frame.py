@@ -25,8 +25,9 @@ AGAIN = "run the case again with force=True"
 DAMAGED = f"the file is damaged, {AGAIN}"
 CUT = f"the file is truncated, {AGAIN}"
 WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
-_COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the header of a snapshot
-_BLOCK = 1 << 20  # bytes that are read at once where lines are counted
+# number of atoms in the header of a snapshot
+_COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}
+_BLOCK = 1 << 20  # bytes that are read at a time to count lines
 
 
 def read_rows(
@@ -284,7 +285,7 @@ class TextRows:
     path: Path
     begin: int
     end: int
-    note: str = " (snapshot 0)"  # after the place in messages
+    note: str = " (snapshot 0)"  # follows the position in messages
 
     def read(self, columns: Sequence[str]) -> NDArray[np.float64]:
         """Read and check the values: (n_rows, n_columns)."""

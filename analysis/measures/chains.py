@@ -28,7 +28,7 @@ from granwave.lammps_inputs.contact.law import (
 )
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
-_ON_AXIS = 1e-6  # of a diameter
+_ON_AXIS = 1e-6  # distance over a diameter, of grains on the axis
 _PROBE = re.compile(r"contact_(\d+)_(\d+)_force")
 
 

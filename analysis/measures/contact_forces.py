@@ -32,8 +32,8 @@ STATIC = "static"
 INSTANT = "instant"
 PEAK = "peak"
 
-_LEAST = 1e-4  # of the largest force: contacts that carry less do not count
-_FEWEST_IN_TAIL = 10  # values that a tail is fitted to
+_LEAST = 1e-4  # fraction of the largest force: contacts that carry less do not count
+_FEWEST_IN_TAIL = 10  # fewest values of a fitted tail
 _LARGEST_DEVIATION = 1.308  # Stephens's limit at a level of 1 %
 
 Ids = NDArray[np.int64]

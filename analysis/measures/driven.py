@@ -41,18 +41,20 @@ from granwave.lammps_inputs.checks.loads import (
 )
 from granwave.lammps_inputs.contact.travel_time import MeasuredRow, measured_row
 
-STEADY = 0.02  # part of the motion that a steady fit may leave
-_DENSE = 8  # instants in a period from which on its second and third harmonic are fitted too
-_HEARD = 0.05  # of the largest value of the spectrum, below which a frequency does not count
-_FADING = 0.1  # part of the record, its end, that is tapered
+STEADY = 0.02  # fraction of the motion that a steady fit may leave
+_DENSE = 8  # instants per period above which the second and third harmonics are fitted too
+# fraction of the largest value of the spectrum, below which a frequency does not count
+_HEARD = 0.05
+_FADING = 0.1  # fraction of the record, at its end, that is tapered
 _AVERAGED = 9  # frequencies over which spectra of noise are averaged
 
-MULTIPLES = (1.0, 2.0, 3.0, 0.5)  # of the load's frequency
+MULTIPLES = (1.0, 2.0, 3.0, 0.5)  # multiples of the load's frequency
 _COMPARED = 33  # loads at which the branches are compared
-_FEWEST_INSTANTS = 8  # instants that a slope is fitted to
+_FEWEST_INSTANTS = 8  # instants of a fit of a slope
 _ENDS = ("energy/absorbed", "energy/support_lost")
-_ARRIVED = 0.2  # of the largest force
-# of the time between the pushes, after its arrival: what comes later is of the second pulse
+_ARRIVED = 0.2  # fraction of the largest force
+# fraction of the time between the pushes, after the first arrival: later signals belong to the
+# second pulse
 _SHARE = 0.75
 
 
@@ -63,8 +65,8 @@ class SteadyMotion:
     frequency: float  # Hz
     velocity: NDArray[
         np.complex128
-    ]  # complex amplitudes of the spheres, in their order: (n_spheres,), m/s
-    left: Array  # residual of the fit relative to the signal, root mean squares: (n_spheres,)
+    ]  # complex amplitudes of the spheres: (n_spheres,), m/s
+    left: Array  # residual of the fit over the signal, both as root mean squares: (n_spheres,)
     row: MeasuredRow  # the spheres
 
     @property
@@ -102,7 +104,7 @@ class Spectrum:
     """Transmission from the loaded sphere to the last one against frequency."""
 
     frequency: Array  # frequencies of the load: (n,), Hz
-    ratio: NDArray[np.complex128]  # of the velocities: (n,)
+    ratio: NDArray[np.complex128]  # ratio of the velocities: (n,)
     first: int  # ids of both spheres
     last: int
 
@@ -297,7 +299,7 @@ def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
     n = int(min(whole, time[-1]) / length * (1 + 1e-9))
     if (
         n < LEAST_WINDOWS or n * length < 0.75 * whole
-    ):  # of a run that was ended before the load fell
+    ):  # the run ended before the load fell
         return None
     middles = (np.arange(n) + 0.5) * length
     fits = []

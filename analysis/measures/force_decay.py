@@ -23,9 +23,9 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 
 _LEAST_FIT = 4  # layers of a fit of the decay
-_TOP = 0.5  # diameters below the struck sphere, above which layers are left out of the fit
-_DEGREES = 2  # constants of the fit
-_BEFORE_END = 1 - 1e-9  # of the end of a run: a force that is largest later may still rise
+_TOP = 0.5  # diameters below the impacted sphere, above which layers are left out of the fit
+_DEGREES = 2  # number of constants of the fit
+_BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may still rise
 
 
 @dataclass(frozen=True)

@@ -31,10 +31,10 @@ from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 
 AXIS = "axis"  # name of the line along the load
-_BESIDE = 1.0  # diameters from the axis of the load, at most
-_VERTICAL = 1 - 1e-9  # of a unit vector along z
-_FEWEST = 2  # grains of a line
-_RISEN = 0.01  # of the largest speed of all: slower grains were not reached
+_BESIDE = 1.0  # largest distance from the axis of the load, diameters
+_VERTICAL = 1 - 1e-9  # z component of a vertical unit vector
+_FEWEST = 2  # fewest grains of a line
+_RISEN = 0.01  # fraction of the largest speed of all: slower grains were not reached
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -199,7 +199,7 @@ def solitary_wave(
     of_one_newton = discrete_speed() * _NESTERENKO
     of_one_newton *= (2 * plane_modulus / (diameter * material.density**1.5)) ** (1 / 3)
     if force is None:
-        assert speed is not None  # it is what is given
+        assert speed is not None  # the static force is given
         force = (speed / of_one_newton) ** 6
     speed = of_one_newton * force ** (1 / 6)
     overlap = (3 * force / (plane_modulus * math.sqrt(diameter))) ** (2 / 3)
@@ -214,7 +214,8 @@ def _bead_velocity() -> tuple[Array, Array]:
     """
     x, wave, _ = _discrete_wave()
     per_diameter = round(1 / (x[1] - x[0]))
-    rate = np.gradient(wave, x)  # of the overlap ahead of a bead: the difference of two velocities
+    # rate of the overlap ahead of a bead: the difference of two velocities
+    rate = np.gradient(wave, x)
     velocity = np.zeros_like(wave)
     for k in range(2 * _REACH):
         shift = k * per_diameter + per_diameter // 2

@@ -16,7 +16,7 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result.reader import Result
 
-_ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
+_ON_RAY = 0.25  # largest distance of a sphere from its position on a ray, diameters
 
 
 def ranked(dissipated: Array) -> NDArray[np.int64]:
@@ -55,10 +55,10 @@ def cumulated(
 class ZoneGrowth:
     """The plastic zone in time; every array (n_times,)."""
 
-    time: Array  # when the zone grew, s
+    time: Array  # time of the growth of the zone, s
     contacts: NDArray[np.int64]  # yielded so far
     spheres: NDArray[np.int64]
-    depth: Array  # of the deepest plastic centre below the struck one, m
+    depth: Array  # depth of the deepest plastic centre below the impacted sphere, m
     radius: Array  # largest distance of a plastic centre from the impact axis, m
 
 
@@ -217,7 +217,7 @@ def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[s
     return found
 
 
-_CONSTANTS = 3  # of the quadratic law
+_CONSTANTS = 3  # number of constants of the quadratic law
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,23 +39,24 @@ from granwave.analysis.result.reader import Result
 
 LENGTH = (
     math.pi * math.sqrt(10) / 2
-)  # diameters, of the solitary wave in the long-wave approximation: 4.97
+)  # length of the solitary wave in the long-wave approximation (4.97), diameters
 MEASURES = (
     "fit of acceleration",
     "fit of velocity",
     "half maximum of acceleration",
     "half maximum of velocity",
 )
-_FINE = 4  # points between two snapshots
-_GONE = 1e-3  # of its peak: the incident wave has passed
-_BACK = 0.8  # part of the wave's way to the far end and back that is waited for
-_LARGEST = 3 * math.sqrt(3) / 16  # of cos^3 sin
-_FIRST_LAYER = 3  # from which on crests are followed
+_FINE = 4  # interpolated points between two snapshots
+_GONE = 1e-3  # fraction of its peak below which the incident wave has passed
+_BACK = 0.8  # fraction of the wave's way to the far end and back
+_LARGEST = 3 * math.sqrt(3) / 16  # largest value of cos^3 sin
+_FIRST_LAYER = 3  # first layer in which crests are followed
 _FEWEST = 3  # layers
 _BEFORE_END = 3  # layers left out at the bottom
-_BEFORE_SIDES = 0.8  # of half the width: how deep a wave is followed in a packing with free sides
-_FINE_CRESTS = 10  # points put between two snapshots
-_EVEN_STEPS = 1e-6  # of the step, by which places and times may miss an even grid
+# depth over half the width to which a wave is followed in a packing with free sides
+_BEFORE_SIDES = 0.8
+_FINE_CRESTS = 10  # interpolated points between two snapshots
+_EVEN_STEPS = 1e-6  # tolerance of positions and times on an even grid, over the step
 
 
 def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array]:
@@ -284,7 +285,7 @@ def reflection(time: ArrayLike, force: ArrayLike, place: int, beyond: int) -> fl
     (here, peak), (early, _), (far, _) = (
         first_peak(time, force[:, k], floor=0.5) for k in (place, 1, n - 1)
     )
-    period = (here - early) / (place - 1)  # from contact to contact
+    period = (here - early) / (place - 1)  # time from contact to contact
     gone = np.flatnonzero((time > here) & (force[:, place] < _GONE * peak))
     until = far + _BACK * (n - place) * period
     if not len(gone) or time[-1] < until:

@@ -29,12 +29,12 @@ from granwave.lammps_inputs.packing.motion import left_out
 
 Arrays = dict[str, Array]
 
-_BESIDE = 0.5  # diameters, of a straight line
-_FEWEST_VALUES = 3  # that a test of normality takes
+_BESIDE = 0.5  # tolerance of a straight line, diameters
+_FEWEST_VALUES = 3  # fewest values of a test of normality
 
-_LEAST = 2  # points on each side of the border
-_TRIALS = 60  # borders tried in each interval before the best is refined
-PARTED = 0.03  # of the peak speed: from there on two crystals differ
+_LEAST = 2  # points on each side of the interface
+_TRIALS = 60  # interfaces tried in each interval before the best is refined
+PARTED = 0.03  # fraction of the peak speed above which two crystals differ
 
 
 @dataclasses.dataclass(frozen=True)

@@ -32,12 +32,13 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.packing.assembly import assemble
 
-_POINTS = 2000  # of Hertz's force in time
+_POINTS = 2000  # points of Hertz's force in time
 
-# periods at which the limits hold, over the peak's width and the time the impulse takes
+# ratios of the period at which the limits hold, to the width of the peak and to the duration of the
+# impulse
 _FAST = 0.25
 _SLOW = 10.0
-_MOST_OF_IT = 0.9  # of the impulse: the time that it takes is that of this part, from its middle
+_MOST_OF_IT = 0.9  # fraction of the impulse, around its middle, that defines its duration
 
 
 @dataclasses.dataclass(frozen=True)
@@ -100,12 +101,12 @@ class HertzImpact:
         """Time (s) and force (N), evenly spaced in time: (n,) each."""
         share = (
             np.sin(np.linspace(0, np.pi / 2, _POINTS)) ** 2
-        )  # of the largest overlap; dense at both ends
+        )  # fractions of the largest overlap; dense at both ends
         slowness = 1 / np.sqrt(np.maximum(1 - share**2.5, 1e-300))
         steps = np.diff(share) * (slowness[1:] + slowness[:-1]) / 2
         steps[-1] = np.sqrt(
             np.diff(share)[-1] * 4 / 2.5
-        )  # the integral to the turning point, where it is singular
+        )  # the integral up to the turning point, where the integrand is singular
         time = np.concatenate([[0.0], np.cumsum(steps)]) * self.overlap / self.velocity
         force = self.stiffness * (share * self.overlap) ** 1.5
         even = np.linspace(0, 2 * time[-1], 2 * _POINTS)

@@ -20,23 +20,24 @@ from granwave.analysis.measures.target import reached
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 
-AXIS_ANGLE = 15.0  # degrees around a direction of contacts that count as along it
-LAYER_BINS = 72  # of 5 degrees
-# of the half sphere: cells in the angle to the impact axis, and around it
+AXIS_ANGLE = 15.0  # degrees around the direction of a contact that belong to it
+LAYER_BINS = 72  # bins of 5 degrees
+# cells of the half sphere: in the angle to the impact axis, and around it
 RINGS = 8
 PER_RING = 24
-_ONE_LAYER = 0.1  # diameters that the spheres of a layer may lie above each other
-# share of the energy at the outermost spheres from which on the wave has reached them
+_ONE_LAYER = 0.1  # largest vertical distance of spheres of a layer, diameters
+# fraction of the energy at the outermost spheres above which the wave has reached them
 _REACHED = 0.02
 
-# layers, the struck one among them, in which the wave takes its shape
+# layers, including the impacted one, in which the wave takes its shape
 _LEAD = 5
-_FEWEST_LAYERS = 4  # that a wave speed is taken from
-_STRUCK_LAYER = 0.1  # diameters that the mean of the struck layer may be above the struck sphere
-# of the largest force of all: a contact that carries less was not reached by the wave
+_FEWEST_LAYERS = 4  # fewest layers for a wave speed
+# largest height of the mean of the impacted layer above the impacted sphere, diameters
+_STRUCK_LAYER = 0.1
+# fraction of the largest force of all: the wave did not reach contacts that carry less
 _REACHES = 1e-4
 _SAME_TIME = 1e-9  # relative
-_RISEN = 0.01  # of the largest rise anywhere: a contact that rose by less was not reached
+_RISEN = 0.01  # fraction of the largest rise anywhere: the wave did not reach contacts with less
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -131,14 +132,14 @@ def spread(result: Result, values: ArrayLike) -> Spread | None:
     angle = np.rad2deg(np.arctan2(vectors[:, 1], vectors[:, 0]))
     around = np.floor((angle + 180) / 360 * per_ring + 0.5 + 1e-9).astype(
         int
-    )  # a bin lies around each multiple of it
+    )  # a bin is centred on each multiple of this angle
     cells = (
         np.bincount(ring * per_ring + around % per_ring, weights, minlength=rings * per_ring)
         / total
     )
     even = (
         cap / np.pi if flat else 1 - np.cos(cap)
-    )  # of one direction: caps apart from each other, of a half sphere
+    )  # solid angle of a direction: separate caps of a half sphere
     return Spread(cells if flat else cells.reshape(rings, per_ring), along, float(len(axes) * even))
 
 
@@ -203,7 +204,7 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
             limit = (sign * packing[:, axis]).max()
             if (
                 sign * struck[:, axis]
-            ).max() < limit - edge:  # the struck side is no end of the wave's way
+            ).max() < limit - edge:  # the impacted side is not an end of the wave's way
                 found |= inside & (sign * positions[:, axis] > limit - edge)
     return found
 

@@ -60,23 +60,23 @@ if TYPE_CHECKING:
 
 Zone = dict[str, NDArray]  # columns of spheres, see `packing_zone`
 
-LAW_LIMIT = 0.2  # of R*: the largest overlap that the elasto-plastic law was fitted to
+LAW_LIMIT = 0.2  # largest overlap over R* in the fit of the elasto-plastic law
 HALF_LAW_LIMIT = 0.1  # of R*
-# bounds that a zone, or a wave, may reach
+# boundaries that a zone, or a wave, may reach
 BOTTOM = "bottom"
 SIDES = "sides"
-_WAYS = {BOTTOM: "depth", SIDES: "radius"}  # columns of the distance towards each
+_WAYS = {BOTTOM: "depth", SIDES: "radius"}  # columns of the distance from each boundary
 _DISTANCES = ("depth", "radius", BOTTOM, SIDES)
-WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # of `wave_returns`
-_ROUNDING = 1e-12  # of the energy: sums that reach a share but for rounding reach it
-# of the energy, dissipated after the first wave came back: from here on it is marked
+WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # results of `wave_returns`
+_ROUNDING = 1e-12  # tolerance of sums of energy against a fraction, relative
+# fraction of the energy dissipated after the first wave returned, above which the run is marked
 NOTED_SHARE = 0.01
-_SAME = 1e-9  # relative, of lengths that are equal but for rounding
-_LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
-# of the largest force among some contacts: the wave came through contacts that bear more
+_SAME = 1e-9  # relative tolerance of equal lengths
+_LATE = 0.1  # fraction of a run: if the extent grew so near the end, the zone may still grow
+# fraction of the largest force among some contacts: the wave came through contacts that carry more
 _BEARS = 0.01
-_NOTHING = 1e-12  # of the input: yielding where nothing yields, left by subtraction
-# of the largest force of the run: what stays below is rounding, or runs ahead of the wave
+_NOTHING = 1e-12  # fraction of the input that counts as zero: the yield energy is a difference
+# fraction of the largest force of the run: smaller forces are rounding or precursors
 _NO_WAVE = 1e-6
 
 
@@ -123,9 +123,7 @@ def volume_holding(volume: Array, energy: Array, share: float) -> float:
 
 
 def _parts_holding(energy: Array, share: float) -> int:
-    """Number of parts, from the first, that hold a fraction of the energy; 0 where there is
-    none.
-    """
+    """Number of parts, from the first, that contain a fraction of the energy; 0 if it is zero."""
     held = np.cumsum(energy)
     holds = len(held) and held[-1] > 0
     return int(np.searchsorted(held, (1 - _ROUNDING) * share * held[-1])) + 1 if holds else 0
@@ -295,7 +293,7 @@ def _active_and_distances(result: Result) -> tuple[Zone, Zone]:
 
 
 def _joined(parts: Sequence[Zone]) -> Zone:
-    """Return the columns of all parts, one after the other."""
+    """Return the columns of all parts, concatenated."""
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
@@ -349,7 +347,7 @@ def wave_arrivals(result: Result, sets: Sequence[NDArray[np.bool_]]) -> list[flo
     """
     last = result.assembly.lattice.n_spheres
     of_all = 0.0
-    fronts = [np.empty((2, 0)) for _ in sets]  # of each set: force and time
+    fronts = [np.empty((2, 0)) for _ in sets]  # force and time of each set
     for i, j, force, time in result.blocks(
         "contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"
     ):
@@ -388,7 +386,7 @@ class Mark(IntEnum):
     CUT = 2  # the zone reaches a bound
 
 
-#: What a mark says, beside a marker in a figure or a table.
+#: Text of a mark, next to a marker in a figure or a table.
 LABELS = {Mark.CUT: "zone reaches a boundary", Mark.WAVE: "reflected wave came back"}
 
 

@@ -120,8 +120,8 @@ def _variable(result: Result, path: str, dimensions: tuple[str, ...], name: str)
     source = result.file[path]
     if source.ndim == 1:
         return Variable("time" if name == "time" else dimensions[-1], result[path], attributes)
-    # as `xarray.open_dataset` does: kept in memory once it was read whole, and copied when it is
-    # changed
+    # as `xarray.open_dataset` does: kept in memory after it was read completely, and copied when it
+    # is changed
     lazy: Any = indexing.LazilyIndexedArray(_OnDemand(result, path))
     values = indexing.MemoryCachedArray(indexing.CopyOnWriteArray(lazy))
     return Variable(dimensions[: source.ndim], values, attributes)

@@ -34,7 +34,7 @@ _SHOWN: dict[str, Any] = {
     "max_rows": 20,
     "float_format": "{:.5g}".format,
     "na_rep": "",
-}  # of the table
+}  # columns of the table
 
 
 class ScanRuns:

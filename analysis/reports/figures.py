@@ -36,12 +36,12 @@ from granwave.lammps_inputs.run_directory import (
 SLUG = "figures"
 #: Dots per inch at which a page shows figures that take a whole row: their letters are as large as the page's.
 RESOLUTION = 150
-# largest width of pictures of runs and scans, and of points of scans, pixels
+# largest width of images of runs and scans, and of points of scans, pixels
 WIDTH = 900
 POINT_WIDTH = 600
-WIDEST = 1200  # largest width of pictures that take a whole row, pixels
-POINTS_BUDGET = 8_000_000  # bytes of all pictures of points; further ones are only linked
-MOST_DATA = 60_000  # bytes of a table of a figure that is in the page; larger ones are linked
+WIDEST = 1200  # largest width of images that fill a row, pixels
+POINTS_BUDGET = 8_000_000  # most bytes of all images of points; further images are only linked
+MOST_DATA = 60_000  # most bytes of a figure's table on the page; larger tables are linked
 _COLOURS = 256
 
 _OF_SCANS = {  # captions
@@ -58,7 +58,7 @@ _OF_SCANS = {  # captions
         "other key has little effect"
     ),
 }
-_QUANTITIES = {  # captions of figures of scans that differ from their names
+_QUANTITIES = {  # captions of figures of scans that do not follow from the name
     "plastic_zone_depth": "Depth of the plastic zone",
     "zone_depth_90": "90 % depth of the plastic dissipation, interpolated between layers",
     "zone_radius_90": "90 % radius of the plastic dissipation, interpolated between spheres",

@@ -35,11 +35,11 @@ from granwave.lammps_inputs.run_directory import (
 )
 
 _ACCEPTED = "energy_balance_accepted"
-_LONGEST = 60  # characters of a faulty value in a message
+_LONGEST = 60  # most characters of an invalid value in a message
 # end_reason of runs whose balance did not close, of this and of earlier versions
 _REFUSED = (BALANCE_REFUSED, "refused")
 
-#: A symbol with its values in runs, their unit, and what it stands for.
+#: A symbol with its values in runs, unit, and meaning.
 Symbol = tuple[str, Sequence[float], str, str]
 
 
@@ -388,7 +388,7 @@ def no_numbers(summary: Mapping[str, Any]) -> list[str]:
             and not quantity(key).unit
             and all(isinstance(item, str) for item in value)
         ):
-            continue  # words, such as the bounds that a zone reaches
+            continue  # a list of words, such as the boundaries that a zone reaches
         if not is_number(value) or abs(value) > sys.float_info.max:
             text = repr(value)
             more = "..." if len(text) > _LONGEST else ""

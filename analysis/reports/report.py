@@ -35,7 +35,7 @@ from granwave.lammps_inputs.errors import InputError, InputFault, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
 from granwave.lammps_inputs.result_directory import ResultDirectory
 
-Filters = Mapping[str, Callable[..., Any]]  # by the name in a template
+Filters = Mapping[str, Callable[..., Any]]  # functions by their names in templates
 _FOLDER = Path(__file__).with_name("templates")
 
 
@@ -145,7 +145,7 @@ def _hash(text: str) -> str:
 
 
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#$])")
-_LINE_START = re.compile(r"^(\d*)([-+.)])(?=\s)")  # what a list begins with
+_LINE_START = re.compile(r"^(\d*)([-+.)])(?=\s)")  # characters that begin a list in Markdown
 _BLANK_LINES = re.compile(r"\n{3,}")
 
 
@@ -172,7 +172,7 @@ def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
     titles = {section.slug: section.title for section in report.sections}
     anchors = {
         slug: title.lower().replace(" ", "-") for slug, title in titles.items()
-    }  # as GitHub has them
+    }  # replaced as by GitHub
     filters: Filters = {
         "escaped": _escape, "paragraph": lambda text: _LINE_START.sub(r"\1\\\2", _escape(text)), "file": file,
     }  # fmt: skip
@@ -189,8 +189,8 @@ def _escape(text: str) -> str:
 
 
 _FONTS = {"normal": "DejaVuSans.ttf", "bold": "DejaVuSans-Bold.ttf"}  # come with matplotlib
-_MARK = b"% report of granwave\n"  # after the end of the PDF, where readers skip it
-_ADDRESS = "granwave:/"  # of the page, and of the fonts as it asks for them
+_MARK = b"% report of granwave\n"  # readers skip bytes after the end of the PDF
+_ADDRESS = "granwave:/"  # address of the page and of its fonts
 
 
 def pdf_file(report: Report) -> bytes:
@@ -236,9 +236,7 @@ def pdf_file(report: Report) -> bytes:
 
 
 def _font_faces() -> str:
-    """Return the style by which text has the same letters everywhere, also where no font is
-    installed.
-    """
+    """Return the style that embeds the fonts, so that text looks the same on every machine."""
     faces = (
         f'@font-face {{ font-family: "Granwave Sans"; font-weight: {weight}; src: url("{_ADDRESS}{quote(name)}"); }}'
         for weight, name in _FONTS.items()
@@ -377,7 +375,7 @@ def _write(report: Report, output: Path) -> None:
         return
     folder = _folder(output)
     text, pictures = markdown(report, folder.name)
-    # pictures that the older report shows
+    # images that the older report shows
     shown = rf"!\[[^\n]*\]\({re.escape(quote(folder.name))}/([\w.-]+)\)"
     before = set(re.findall(shown, head(output).decode("utf-8", "replace")))
     if others := [

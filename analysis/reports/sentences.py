@@ -19,7 +19,7 @@ from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.kinds import ReportRun
 
 _SHOWN_IN = {"Hz": ("kHz", 1e-3), "Pa": ("GPa", 1e-9), "m": ("mm", 1e3)}
-# shares below are errors of rounding
+# fractions below are rounding errors
 _PER_CENT = 100.0
 _ROUNDING = 1e-9
 

@@ -39,8 +39,8 @@ from granwave.analysis.studies.study import Kind, Row, Study, make_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "studies"
-_CLOSE = (0.02, 0.1)  # differences from the sources up to which values are counted
-_MOST_VERDICTS = 3  # whose first sentences begin a report
+_CLOSE = (0.02, 0.1)  # largest difference from the source that is counted
+_MOST_VERDICTS = 3  # most verdicts whose first sentences begin a report
 #: End of the caption of the rows of each kind, and the heading of the theory's column.
 _KINDS: dict[Kind, tuple[str, str]] = {
     "source": ("source against ours", "Theory"),

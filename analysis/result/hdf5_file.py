@@ -40,7 +40,7 @@ def new_hdf5(path: Path, **options: Any) -> Iterator[h5py.File]:
     """
     with (
         replacing(path) as scratch,
-        held_back(),  # HDF5 crashes if an error leaves a write that it called
+        held_back(),  # HDF5 crashes if a write function that it called raises
         unfailing(scratch) as stream,
         h5py.File(stream, "w", **options) as file,
     ):
@@ -100,7 +100,8 @@ _UNITS = {one.name: one.unit for one in (*LEDGER, *MOVING_WALL, *WALL_CONTACTS, 
 _UNITS |= {name: unit for unit, names in _DERIVED.items() for name in names.split()}
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
 
-Pieces = list[tuple[int, bytes | NDArray]]  # of a column: first row, and a whole chunk or values
+# pieces of a column: first row, and a whole chunk or values
+Pieces = list[tuple[int, bytes | NDArray]]
 
 
 class Encoded(NamedTuple):

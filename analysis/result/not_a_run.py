@@ -138,7 +138,7 @@ def damage_of(file: h5py.File) -> str:
         AttributeError,
         TypeError,
         ValueError,
-    ) as error:  # of h5py and the parsers
+    ) as error:  # errors of h5py and of the parsers
         return " ".join(str(error.args[0] if error.args else error).split())
     return ""
 

@@ -65,13 +65,13 @@ def work_on_packing(ledger: Mapping[str, Any], moved: float) -> Any:
     )
 
 
-_AT_CENTRE = 1e-9  # diameters, by which a centroid differs from a centre by rounding alone
-_ROUNDING = 1e-12  # of what a sphere dissipated, in which the sum of its kinds may differ from it
-_PARALLEL = 1e-9  # across each other, of the axes of two cylinders
+_AT_CENTRE = 1e-9  # distance of a centroid from a centre that is due to rounding, diameters
+_ROUNDING = 1e-12  # relative error of the sum of the kinds of dissipation of a sphere
+_PARALLEL = 1e-9  # cosine of the angle between axes of crossed cylinders
 _REASONS = {
     "truncated file": "it was cut",
     "signature not found": "it is not an HDF5 file",
-}  # by message of HDF5
+}  # remedies by message of HDF5
 
 
 class Result:
@@ -363,7 +363,7 @@ class Result:
         KeyError
             There is no such sphere.
         """
-        if "spheres/id" not in self._read:  # perhaps there is no need to
+        if "spheres/id" not in self._read:  # the check may be unnecessary
             last = self.read("spheres/id", slice(self.n_spheres - 1, None))
             if len(last) and last[0] == self.n_spheres:
                 return rows_of_all(self.n_spheres, np.asarray(ids, dtype=np.int64))

@@ -88,7 +88,7 @@ _SIZE_SYMBOLS = (r"$n_x$", r"$n_y$", r"$n_z$")
 _PLANE_SIZES = (
     "Grains along x",
     "Rows",
-)  # of a square packing and of crystals in the x-z plane, some rows of n - 1
+)  # counts of a square packing and of crystals in the x-z plane, some with rows of n - 1
 _PLANE_SYMBOLS = (r"$n_x$", r"$n_\mathrm{rows}$")
 
 

@@ -70,7 +70,7 @@ _OF_THE_CORE: dict[str, str] = {
 
 
 def _in_order(added: Mapping[str, str]) -> dict[str, str]:
-    """Return all studies: those of extensions before or after those of the core, by their names."""
+    """Return all studies, by name, with the studies of extensions before or after the core's."""
     first = next(iter(_OF_THE_CORE))
     before = {name: added[name] for name in sorted(added) if name < first}
     after = {name: added[name] for name in sorted(added) if name > first}
@@ -80,12 +80,12 @@ def _in_order(added: Mapping[str, str]) -> dict[str, str]:
 #: Module of each study, in the order of a report.
 STUDIES: dict[str, str] = _in_order(added_by_name("studies"))
 
-#: Studies that every report makes of all its runs, in a section of their own.
+#: Studies of all runs of a report, in a separate section.
 COMPARISON: dict[str, str] = added_by_name("comparisons")
 
 SUFFIX = ".py"
 _PARTS = ("rows", "pictures", "tables")
-_PREFIX = "study_"  # of the name of a module that was loaded from a file
+_PREFIX = "study_"  # beginning of the name of a module that was loaded from a file
 
 
 def is_study_file(name: str) -> bool:
@@ -158,7 +158,7 @@ def _load(file: Path, changed: int) -> ModuleType:
     before = set(sys.modules)
     sys.path.insert(
         0, str(file.parent)
-    )  # for modules beside the file, which belong to this study alone
+    )  # only this study can import the modules in its folder
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:

@@ -30,7 +30,7 @@ _NOT_OF_THE_CASE = (
     "run",
     "output",
     "sensor",
-)  # tables: how long and how finely it was followed
+)  # tables with duration and resolution of the records
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -88,7 +88,7 @@ def read_run(label: str, directory: Path, summary: Mapping[str, Any]) -> Finishe
     try:
         return FinishedRun(label, directory, read_stored_case(directory / CASE_FILE), summary)
     except GranwaveError:
-        return None  # the report says so elsewhere
+        return None  # reported elsewhere
 
 
 def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[FinishedRun]:
@@ -149,13 +149,13 @@ def packing_title(assembly: Assembly, *, height: bool = True) -> str:
     if height and assembly.lattice.n_spheres == 1:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
-    whole = height or packing.rule.is_layer  # which lies across the height
+    whole = height or packing.rule.is_layer  # the layer is across the height
     size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
     return f"{packing.rule.title} of {spheres}" + ("" if whole or not size else " a layer")
 
 
-_MOST_MATERIALS = 3  # named; more are counted
+_MOST_MATERIALS = 3  # these are named, others are counted
 
 
 def _materials(assembly: Assembly) -> str:

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from granwave.analysis.studies.runs import AnyRun
 
 Kind = Literal["source", "theory", "verification", "alone"]
-Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
+Labels = Sequence[Mapping[str, Any]]  # values of the varied keys, for points of scans
 Runs: TypeAlias = "Sequence[AnyRun[Any]]"
 
 
@@ -230,7 +230,8 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
     from granwave.analysis.figures.style import NotDrawn, attempt, not_made
 
     groups = list(module.select(runs))
-    numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
+    # the module distinguishes the groups
+    numbered = len(groups) > 1 and not hasattr(module, "name")
     for number, group in enumerate(groups, start=1):
         word = (
             module.name(group)
@@ -251,7 +252,7 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
             except Exception as error:
                 if isinstance(error, MissingDataError) and is_loaded(
                     module
-                ):  # a name that no run has, in a user's code
+                ):  # a user's code may ask for the name of no run
                     error = KeyError(str(error)).with_traceback(error.__traceback__)
                 failed.append(
                     not_made(f"{which} of the study {word}, from number {done + 1} on,", error)

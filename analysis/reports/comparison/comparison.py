@@ -44,12 +44,12 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-BOTTOM_FORCE = "bottom_force"  # what a measured curve is compared with by default
+BOTTOM_FORCE = "bottom_force"  # default quantity for a measured curve
 _UNITS = "units"  # key of ``attrs`` of a table
 _RATIO = "ratio"
 _LEAST_RUNS = 2
 _MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
-_LATER = 1.01  # latest over earliest end from which on runs end at different times
+_LATER = 1.01  # latest over earliest end above which the note on different ends is printed
 
 
 class Comparison:
@@ -251,7 +251,7 @@ class Comparison:
         """Return the difference of each run from the measured curve over a figure."""
         curve_of = FIGURES[name].curve
         measured = self.measured[name]
-        assert curve_of is not None  # else no curve can lie over it
+        assert curve_of is not None  # a measured curve cannot be drawn over it
         return {
             run: deviation(measured, curve_of(data))
             for run, data in self.data(name).present.items()

@@ -32,13 +32,13 @@ _ACROSS = 3  # most panels in a row ...
 _IN_PAIRS = 2  # ... and panels in a row of four
 MOST_PANELS = 6
 _MILLI = 1e3
-_FONT = 8  # of the labels of the axes, points
+_FONT = 8  # font size of the labels of the axes, points
 _TALLEST = 8.0  # inches
-_SAME_PLACE = 1e-3  # diameters, between grains that correspond
-_LINEAR = 1e-2  # of the largest difference, within which its scale is linear
+_SAME_PLACE = 1e-3  # distance between corresponding grains, diameters
+_LINEAR = 1e-2  # fraction of the largest difference within which its scale is linear
 _LINEAR_PART = 0.4  # length of the linear part of that scale on each side, decades
 _TICKS = 2  # powers of ten on each side of zero
-_DISC = 0.96  # drawn over actual diameter
+_DISC = 0.96  # ratio of drawn to actual diameter
 _NO_EDGE = 0.2  # width of edges, points
 
 

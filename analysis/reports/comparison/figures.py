@@ -54,19 +54,20 @@ from granwave.analysis.reports.comparison.subjects import (
 Decay = ForceDecay | PowerDecay
 
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
-#: Lines of the runs, which tell curves apart in grey; dotted are fits and measured curves.
+#: Line styles of the runs, which distinguish curves in grey prints; fits and measured curves are
+#: dotted.
 _LINES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (2, 1)))
 _MICRO = 1e6
 _MILLI = 1e3
 _KILO = 1e3
 _DECADES = 1e-4  # lowest over highest value of a logarithmic axis
-_FONT = 7  # of legends, points
+_FONT = 7  # font size of legends, points
 _LETTER = 0.054  # width of a letter of a legend, inches
 _HANDLE = 0.45  # width of its line and gaps, inches
 _ROW = 0.15  # height of a row of a legend, inches
 _FREE_ROWS = 2  # rows of a legend for which a figure has room
 _THIN = 0.9  # points
-_NOTHING = 1e-9  # of the input: energy that is rounding
+_NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 _POINTS_OF_FIT = 30
 _ROOM_ABOVE = 1.06  # upper end of a linear axis over the largest value
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
@@ -176,7 +177,9 @@ def _legend(figure: MatplotlibFigure) -> None:
 
 
 def _end_of_time(axes: Axes, ends: Sequence[float]) -> None:
-    """Show all of the longest run; with a logarithmic axis where runs differ a lot in length."""
+    """Show the longest run completely; the axis is logarithmic where the lengths of the runs differ
+    a lot.
+    """
     longest = max(ends) * _MICRO
     shortest = min(ends) * _MICRO
     if 0 < shortest * _UNLIKE < longest:

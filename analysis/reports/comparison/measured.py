@@ -35,7 +35,7 @@ UNITS: dict[str, dict[str, int]] = {
 _JOINED = re.compile(r"(.+)_([a-zA-Zµμ]+)")  # ``time_us``
 _SPELLINGS = {"µs": "us", "μs": "us"}
 _LEAST_POINTS = 2
-_TIMES = 10.0  # ratio from which on it is given as a factor
+_TIMES = 10.0  # ratio above which a difference is given as a factor
 _MOST_LISTED = 4  # runs that a sentence lists
 
 

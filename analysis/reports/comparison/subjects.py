@@ -23,14 +23,14 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 MOST_SIDE_BY_SIDE = 6  # runs with a column each in a table
 MOST_CURVES = 12  # runs in a figure of curves
-_NO_PHYSICS = ("run.", "output.", "figures.", "sensor")  # keys that no label shows
+_NO_PHYSICS = ("run.", "output.", "figures.", "sensor")  # keys that labels omit
 _MATERIAL = "material.name"
-_NONE_AT_ZERO = ("contact.initial_overlap",)  # keys whose value 0 says that there is none
+_NONE_AT_ZERO = ("contact.initial_overlap",)  # keys whose value 0 means that the feature is absent
 _OF_MATERIAL = "material."
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
-_BETWEEN_WORDS = r"[-_ /]"  # of the name of a run
+_BETWEEN_WORDS = r"[-_ /]"  # separators in the name of a run
 _KILO = 1e3
 _MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
 _LEAST_RANGE = 3  # runs in a row that are named by the first and the last

@@ -212,7 +212,7 @@ def table(caption: str, runs: Sequence[TargetRun], kind: str) -> DocumentTable:
     table ("H" or "B") that any of the runs has.
     """
     headings = []
-    factors = {}  # of the shown quantities
+    factors = {}  # factors of the shown quantities
     for name, (heading, unit, factor, kinds) in QUANTITIES.items():
         if kind in kinds and any(math.isfinite(run.value(name)) for run in runs):
             headings.append((heading, unit))

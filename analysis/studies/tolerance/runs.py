@@ -212,7 +212,7 @@ def imperfections(case: Case) -> dict[str, Any]:
     if not isinstance(packing.vacancies, tuple):
         vacancies = packing.vacancies
         left_out.append("packing.vacancies")
-    if case.boundary.friction == case.contact.friction:  # as where it is left out
+    if case.boundary.friction == case.contact.friction:  # the default
         left_out.append("boundary.friction")
     setting = Setting(
         scatter=_without_rounding(packing.diameter_scatter),
