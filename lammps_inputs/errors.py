@@ -7,8 +7,8 @@ import warnings
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-_MOST_ERRORS = 100  # lines of one error
-_MOST_OF_TABLE = 5  # errors of one table of measurements
+_MOST_ERRORS = 100  # most lines of one error
+_MOST_OF_TABLE = 5  # most errors of one table of measurements
 SHOWN_CHARACTERS = 60
 
 

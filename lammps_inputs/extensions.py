@@ -174,7 +174,8 @@ def left_out() -> tuple[Extension, ...]:
     others = []
     for point in _points():
         if point.name not in names:
-            with contextlib.suppress(Exception):  # of anyone's package, which nobody asked for
+            # an error in someone's extension that was not requested
+            with contextlib.suppress(Exception):
                 others.append(point.load())
     return tuple(extension for extension in others if isinstance(extension, Extension))
 
@@ -238,7 +239,7 @@ def _points() -> tuple[EntryPoint, ...]:
 def _load(point: EntryPoint) -> Extension | None:
     try:
         extension = point.load()
-    except Exception as error:  # of anyone's package; granwave goes on without it
+    except Exception as error:  # an error in someone's extension; granwave continues without it
         reason = f"{type(error).__name__}: {error}"
     else:
         if isinstance(extension, Extension):
@@ -297,7 +298,7 @@ def _loaded(extension: Extension, field: str, reference: str) -> Any:
         return load(reference)
     except ModuleNotFoundError as error:
         reason = missing_package(error) or str(error)
-    except Exception as error:  # of anyone's package
+    except Exception as error:  # an error in someone's extension
         reason = f"{type(error).__name__}: {error}"
     raise InputError(
         f"extension {extension.name}: {field} {reference} cannot be loaded: {reason}; fix it, or "

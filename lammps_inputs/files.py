@@ -53,7 +53,7 @@ def discard(scratch: Path) -> None:
     HDF5 crashes at the end of the program if the disk is too full to write the rest of an open
     file.
     """
-    with contextlib.suppress(OSError):  # an earlier error is the one to report
+    with contextlib.suppress(OSError):  # the earlier error is reported
         os.truncate(scratch, 0)
         scratch.unlink()
 
@@ -86,7 +86,7 @@ def naming(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         number = error.errno or _number_in(str(error))
-        scratch = f".{path.name}.{os.getpid()}"  # of `replacing`
+        scratch = f".{path.name}.{os.getpid()}"  # scratch file of `replacing`
         if number is None or (
             error.filename is not None and Path(os.fsdecode(error.filename)).name != scratch
         ):
@@ -238,7 +238,7 @@ def checksum(path: Path, size: int | None = None, *, after: tuple[int, int] = (0
     return _checksum(path, now.st_size if size is None else size, after, state)
 
 
-@functools.lru_cache(maxsize=1024)  # each file is read once, as long as it stays the same
+@functools.lru_cache(maxsize=1024)  # each file is read once while it is unchanged
 def _checksum(path: Path, end: int, after: tuple[int, int], _state: tuple[int, ...]) -> int:
     place, found = after
     with regular(path).open("rb") as file:
@@ -299,7 +299,7 @@ _NUMBER = re.compile(
 )
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of what spreadsheets compute
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of formulas in spreadsheets
 
 
 def read_number(word: str) -> float:

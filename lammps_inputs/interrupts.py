@@ -28,7 +28,7 @@ class Interrupts:
     """
 
     def __init__(self, on_signal: Callable[[], object] = lambda: None) -> None:
-        self.numbers: list[int] = []  # of the signals that came
+        self.numbers: list[int] = []  # numbers of the received signals
         self._on_signal = on_signal
         self._before: dict[int, Any] = {}
 

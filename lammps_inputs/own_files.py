@@ -59,7 +59,7 @@ class OwnFiles(os.PathLike[str]):
     def __init__(self, path: AnyPath) -> None:
         self.path = Path(path)
         self._marker: Marker | None = None
-        self._state: State = None  # of `_marker`
+        self._state: State = None  # state of `_marker`
 
     @classmethod
     def at(cls, place: AnyPath) -> Self:
@@ -134,7 +134,7 @@ class OwnFiles(os.PathLike[str]):
         if errors:
             raise InputError(errors)
 
-    # ------------------------------------------------------------------ own files and others
+    # ------------------------------------------------------------------ own files and other files
 
     def claim(
         self, names: Iterable[str], *, kind: str | None = None, case: str | None = None
@@ -346,7 +346,7 @@ class OwnFiles(os.PathLike[str]):
         try:
             self._move(old, names)
         except OSError:
-            with contextlib.suppress(OSError):  # empty where the disk is full
+            with contextlib.suppress(OSError):  # the marker is empty if the disk is full
                 old.path.rmdir()
             raise
         return str(old)

@@ -44,12 +44,13 @@ NO_CLUMPS = (
     "are not clumps, settle the bed without neigh_modify exclude"
 )
 
-# fixes with states of atoms: they stand in a list at most so far before the history of contacts
+# fixes with states of atoms: they are in a list that begins at most this far before the history of
+# contacts
 _HISTORY = ("GRAN_HYSTERETIC_HISTORY", "gran/hysteretic/history")
 _WALL = "wall/gran/hysteretic"
 _OTHER_WALLS = "wall/"
-_PROPERTIES = "property/atom"  # its state of a sphere: its own length, and the values
-_LARGEST_NUMBER = 2**31 - 1  # of a body: larger ones are the bits of a double
+_PROPERTIES = "property/atom"  # state of a sphere: its length, and the values
+_LARGEST_NUMBER = 2**31 - 1  # largest number of a body: larger values are the bits of a double
 _MOST_FIXES = 64
 _LONGEST_NAME = 256
 _FARTHEST = _MOST_FIXES * _LONGEST_NAME
@@ -58,7 +59,7 @@ _FARTHEST = _MOST_FIXES * _LONGEST_NAME
 _HEAD = 7
 _COUNT = 0
 _BLOCK = 3
-_PARTS = 4  # of a block behind the doubles of the law; format 12 has both or none
+_PARTS = 4  # parts of a block after the doubles of the law; format 12 has both or neither
 _BOTH = 1
 _WITH_SPRING = 2
 _WITH_DENTS = 3
@@ -71,7 +72,7 @@ _LIVE = 3
 _PEAK = 4
 _RECORD = 10
 _SPRING = 5  # force, compliance, loss
-_STRETCH = 4  # of these: force and compliance
+_STRETCH = 4  # words of a stretch: force and compliance
 _DENTS = 2
 # state of a sphere in a wall: reported values, times of a front, two sides of seven values
 _OVERLAP = 0

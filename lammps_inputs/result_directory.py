@@ -101,7 +101,7 @@ class ResultDirectory(OwnFiles):
         self._lock = None
         with contextlib.suppress(OSError):
             for path in self._made:
-                path.rmdir()  # succeeds only if still empty
+                path.rmdir()  # succeeds only if the folder is still empty
 
     def busy(self) -> bool:
         """Return True if another process has locked the directory."""
@@ -223,7 +223,7 @@ class ResultDirectory(OwnFiles):
         """
         try:
             return tomllib.loads(self.marker.case) or None
-        except ValueError:  # a marker that somebody edited
+        except ValueError:  # a marker that was edited by hand
             return None
 
     def check_case(self) -> None:
@@ -412,7 +412,7 @@ class ResultDirectory(OwnFiles):
 
 def case_digest(tables: Mapping[str, Any]) -> str:
     """Return a digest of the tables of a case that decide its results."""
-    # name, derived values, and what is drawn
+    # name, derived values, and selection of figures
     other = ("name", "resolved", run_directory.FIGURES_TABLE)
     deciding = {name: table for name, table in tables.items() if name not in other}
     digest = hashlib.sha256(json.dumps(deciding, sort_keys=True).encode()).hexdigest()

@@ -18,7 +18,7 @@ from granwave.lammps_inputs.extensions import WITHOUT, entries_left_out, joined,
 
 
 def _nowhere(_: Path) -> bool:
-    """Return False: a kind that only the marker tells."""
+    """Return False: a kind that only the marker identifies."""
     return False
 
 

@@ -33,7 +33,7 @@ def brentq(
     RuntimeError
         It was not found in 100 steps.
     """
-    # the place is the best so far
+    # the position is the best so far
     earlier = float(low)
     place = float(high)
     value_earlier = function(earlier)
@@ -46,7 +46,7 @@ def brentq(
         raise ValueError(
             f"expected different signs, found {value_earlier:g} at {low:g} and {value:g} at {high:g}"
         )
-    # a place on the other side of the zero; the last two steps
+    # a position on the other side of the zero; the last two steps
     across = value_across = before = step = 0.0
     for _ in range(_MOST_STEPS):
         if value_earlier != 0 and value != 0 and (value_earlier < 0) != (value < 0):

@@ -33,18 +33,18 @@ from granwave.workflows.run.lammps_engine import Engine, open_engine
 from granwave.workflows.run.launchers import of_this_machine
 from granwave.workflows.run.leftovers import scratch_directory
 
-STUDY = TIMED = "fcc-impact"  # reference study: its packing, and the one that is run as a whole
+STUDY = TIMED = "fcc-impact"  # reference study: its packing, and its complete run
 SIZES = ([24, 24, 18], [72, 72, 30], [160, 160, 78])
 # timed, and run before them
 STEPS = 100
 WARM = 20
 IMPACT_TIME = 3e-4  # s after impact at which the styles are compared
 STUDY_PARTS = ("start", "steps", "analysis", "figures")
-_MOST_RUNS = 3  # of the reference study; each takes half a minute
+_MOST_RUNS = 3  # most runs of the reference study; each takes half a minute
 # m/s, below first yield of two brass spheres; until contacts have formed
 _RATTLE = 0.02
 _RATTLE_STEPS = 200
-_ROUNDING = 1e-9  # of the diameter: overlaps at rest
+_ROUNDING = 1e-9  # overlap of spheres at rest over the diameter
 _BYTES_OF_GHOST = 24  # a position; friction adds velocity and spin, 48
 _STATE = ("x", "v", "omega")
 _MEMORY = re.compile(

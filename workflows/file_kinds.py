@@ -107,7 +107,7 @@ def other_than_a_case(tables: Mapping[str, Any]) -> FileKind | None:
     InputError
         The kind is known to an extension that is omitted.
     """
-    for kind in reversed(file_kinds()):  # those of extensions first: their files may vary keys too
+    for kind in reversed(file_kinds()):  # kinds of extensions first: their files may vary keys too
         if kind.is_of(tables):
             return kind
     if owner := owner_left_out("file_kinds", lambda kind: kind.is_of(tables)):

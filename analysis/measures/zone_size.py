@@ -382,8 +382,8 @@ class Mark(IntEnum):
     """Influence of the finite packing or block on its plastic zone."""
 
     NONE = 0
-    WAVE = 1  # a wave that came back had a part in more than `NOTED_SHARE` of the dissipation
-    CUT = 2  # the zone reaches a bound
+    WAVE = 1  # a reflected wave contributed to more than `NOTED_SHARE` of the dissipation
+    CUT = 2  # the zone reaches a boundary
 
 
 #: Text of a mark, next to a marker in a figure or a table.

@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from granwave.extensions.continuum.punch.case import ContinuumCase
     from granwave.lammps_inputs.case.case import Case
 
-# built-in cases that counterparts are made from
+# built-in cases from which counterparts are made
 _BLOCK = "half-space"
 _PACKING = "fcc-small"
-_NARROWEST = 2.0  # punch diameters: a block narrower than this is no half-space to speak of
+_NARROWEST = 2.0  # punch diameters: a narrower block is not a half-space
 _WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
 _STRUCK = (1, 3, 7)  # values of load.spheres
-_FEWEST = (4, 4, 2)  # spheres along x, y and z of a packing
+_FEWEST = (4, 4, 2)  # spheres along x, y and z of the packing
 _DIGITS = 12
 
 

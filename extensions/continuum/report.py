@@ -35,7 +35,7 @@ class ElementKind(ReportKind):
 
     result_kind = CONTINUUM
     noun = "continuum run"
-    accepted_error = 2e-2  # of results that do not record it
+    accepted_error = 2e-2  # accepted error of results that do not record it
     energies = ("energy_punch_J", "energy_viscous_J", "energy_hourglass_J")
     ledger = _LEDGER
     limits = "A continuum run above the accepted error is stopped."

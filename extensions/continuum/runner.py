@@ -47,7 +47,7 @@ Tables = Mapping[str, tuple[ArrayLike, str]]  # values and unit by the name of a
 SUMMARY_NAMES = {"plastic": "dissipated", "work": "input", "penalty": "contact"}
 
 logger = logging.getLogger("granwave")
-_COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
+_COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
 
 class ElementResult:
@@ -325,7 +325,7 @@ def _begin(
         try:
             return type(case).from_dict(tables, results / CASE_FILE).to_dict()
         except InputError:
-            return {}  # of another kind: another case in any event
+            return {}  # results of another kind belong to another case
 
     names = list(kind.RESULTS)
     if figures and os.path.lexists(results / FIGURES_DIRECTORY):

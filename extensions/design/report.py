@@ -57,13 +57,13 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _MOST_ROWS = 10
-_MOST_WORDS = 4  # of a variable that a figure lists
+_MOST_WORDS = 4  # most words of a variable in a figure
 _TOLD = (
     "packing.kind",
     "packing.size",
     "packing.diameter",
     "material",
-)  # keys that the setting of a case tells
+)  # keys that are listed with the setting of a case
 _OF_OTHER_DESIGNS = ("neighbour", "moved")  # checks that compare with another design
 _GRAMS = 1e3  # in a kilogram
 _CAPTIONS = {
@@ -427,8 +427,8 @@ def _ends(column: pd.Series[Any]) -> str:
 
 
 def _named(words: list[str]) -> list[str]:
-    """Return materials that are written as tables by their names, where these tell them apart; else
-    words as is.
+    """Return the names of materials that are given as tables, if the names distinguish them; other
+    words unchanged.
     """
     found = [re.search(r'\b(?:name|preset) = "([^"]+)"', word) for word in words]
     names = [one[1] if one else word for one, word in zip(found, words, strict=True)]

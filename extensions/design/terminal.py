@@ -42,7 +42,7 @@ from granwave.workflows.cluster.job import CommandJob
 from granwave.workflows.cluster.profile import SLURM
 from granwave.workflows.run.directory import held
 
-_DRAWN = 64  # designs that a plan is made of
+_DRAWN = 64  # designs from which a plan is made
 
 
 def design(options: argparse.Namespace) -> int:

@@ -31,8 +31,8 @@ from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 
-_FORMAT = 4  # of the files, and of the way that beds are made; another one makes another digest
-_DIGITS = 12  # of the digest in names
+_FORMAT = 4  # version of the files and of the algorithm; another version gives another digest
+_DIGITS = 12  # digits of the digest in names
 _MARK = "# bed: "
 _CONTACT_COLUMNS = ("i", "j", "normal_force", "tangential_force")
 FOLDER = "beds"

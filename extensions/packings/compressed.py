@@ -41,12 +41,12 @@ from granwave.lammps_inputs.case.precompression import Overlaps
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.errors import Mismatch
 
-_RESTITUTION = 0.5  # of contacts with friction, while grains come to rest
+_RESTITUTION = 0.5  # restitution of contacts with friction, while grains come to rest
 _ROLLING = 0.01  # coefficient of rolling resistance with friction; it ends slow rolling
 _STEPS = 100_000  # steps or iterations of a compression, measured with some hundred grains
 _STEPS_WITH_FRICTION = 50_000  # the same
 _MOST_OF_MODULUS = 0.01  # pressure over Young's modulus, beyond which overlaps are large
-_LEAST_WIDTH = 3.0  # of the box at the start, in largest diameters
+_LEAST_WIDTH = 3.0  # smallest width of the initial box, in largest diameters
 
 
 @dataclasses.dataclass(frozen=True)

@@ -12,8 +12,9 @@ from granwave.lammps_inputs.errors import InputError
 
 Floats = NDArray[np.float64]
 
-SOLID_FRACTION = 0.2  # at the start; up to 0.3 random places are found in a few attempts
-_MOST_ATTEMPTS = 10_000  # of one grain
+# initial solid fraction; up to 0.3, random positions are found in a few attempts
+SOLID_FRACTION = 0.2
+_MOST_ATTEMPTS = 10_000  # most attempts for one grain
 
 
 def column_height(volume: float, area: float) -> float:
@@ -90,7 +91,7 @@ def scatter(
 def _apart(
     diameter: Floats, draw: Callable[[float], Floats], period: Sequence[float] | Floats
 ) -> Floats:
-    """Draw a place for each grain until it overlaps none before it: (n, 3), m."""
+    """Draw a position for each grain until it overlaps no earlier grain: (n, 3), m."""
     places = np.empty((len(diameter), 3))
     for n, size in enumerate(diameter):
         for _ in range(_MOST_ATTEMPTS):
@@ -131,7 +132,7 @@ def _draw(
     periodic: bool,
     tube: float | None,
 ) -> Floats:
-    """Draw one place inside of the walls: (3,), m."""
+    """Draw one position inside the walls: (3,), m."""
     depth = random.uniform(-height, -size / 2)
     if tube is not None:
         radius = (tube - size / 2) * math.sqrt(random.uniform())

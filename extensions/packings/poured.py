@@ -34,7 +34,7 @@ from granwave.lammps_inputs.errors import Mismatch
 # 0.5; steps with friction take longer, which is included
 _FALLS = 5.5
 _FALLS_WITHOUT_FRICTION = 15.0
-_LEAST_WIDTH = 2.0  # of a container, in largest diameters
+_LEAST_WIDTH = 2.0  # smallest width of a container, in largest diameters
 
 
 @dataclasses.dataclass(frozen=True)

@@ -28,7 +28,7 @@ from granwave.lammps_inputs.extensions import extensions
 from granwave.workflows.run.progress import Progress
 
 _OWN_VALUES = ("keys", "material")  # fields of a recipe that are written value by value
-_PARTS = 1000  # of a progress bar
+_PARTS = 1000  # steps of a progress bar
 _GIB = 2**30
 # bytes, of Python with LAMMPS and of a grain while a bed is made, measured with 100 and 1000 grains
 _MEMORY = 1.6e8

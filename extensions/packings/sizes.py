@@ -13,7 +13,7 @@ from granwave.lammps_inputs.case import schema
 
 _NORMAL_FORM = "[mean, standard deviation] in m, the mean above 0"
 _UNIFORM_FORM = "[smallest, largest] in m, above 0"
-_LARGEST_RATIO = 20.0  # of the diameters of one packing
+_LARGEST_RATIO = 20.0  # largest ratio of diameters in a packing
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -31,11 +31,11 @@ RANDOM_LOOSE_PACKING = (0.555, 0.60)
 COORDINATION_WITHOUT_FRICTION = 6.0
 COORDINATION_WITH_FRICTION = 4.0
 FORCE_TAIL = 1.5
-_POINTS_ALONG_AN_EDGE = 64  # of the inner part, in `solid_fraction`
-LEAST_CONTACTS = 2  # of a grain that carries load, with friction
+_POINTS_ALONG_AN_EDGE = 64  # points along an edge of the inner part, in `solid_fraction`
+LEAST_CONTACTS = 2  # fewest contacts of a grain that carries load, with friction
 LEAST_WITHOUT_FRICTION = 4
 LEAST_UNDER_GRAVITY = 3  # without friction, with the weight as the fourth force
-TAIL_FROM = 1.0  # force over the mean from which on the tail is fitted
+TAIL_FROM = 1.0  # force over the mean at which the fitted tail begins
 _BINS = 30
 _CONTACTS_OF_LAYER = 60
 

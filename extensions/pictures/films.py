@@ -55,12 +55,13 @@ from granwave.lammps_inputs.files import replacing
 
 _MICRO = 1e6
 _MILLI = 1e3
-_DECADES = 3.0  # of the forces of a chain
-_MOST_INSTANTS = 120  # of a chain, which has up to a thousand
+_DECADES = 3.0  # decades of the forces of a chain
+_MOST_INSTANTS = 120  # most instants of a chain, which has up to a thousand
 _WHITE = 255
 
 
-#: What a film shows: values of the spheres at a snapshot, label of the colour bar, and colour map.
+#: Content of an animation: values of the spheres at a snapshot, label of the colour bar, and colour
+#: map.
 QUANTITIES: Mapping[str, tuple[Callable[[Result, int], NDArray[np.float64]], str, str]] = {
     "force": (
         lambda result, number: result.frame(number, "contact_force") / force_scale(result)[0],
@@ -281,7 +282,7 @@ def _of_chain(result: Result, size: Size) -> Scene:
 
 
 FORMS = (".mp4", ".gif", ".webp")
-_OWN = rb"granwave"  # in the notes of the files that are written here
+_OWN = rb"granwave"  # in the metadata of the files
 SIZES = {"slide": (1920, 1080), "page": (1200, 900)}  # pixels
 # pixels
 USUAL_WIDTH = 1200
@@ -291,7 +292,7 @@ _SECONDS = 6.0  # usual length
 # frames per second
 _SLOWEST = 3.0
 _FASTEST = 25.0
-_LAST = 1.5  # s that the last picture stays
+_LAST = 1.5  # s for which the last frame remains
 
 
 def write_film(
@@ -416,7 +417,7 @@ def film_pictures(
     figure = film.draw(0)
     figure.set_dpi(width / figure.get_figwidth())
     canvas = FigureCanvasAgg(figure)
-    canvas.draw()  # which lays it out
+    canvas.draw()  # computes the layout
     figure.set_layout_engine("none")
     still = _still(figure, canvas, film.moving)
     renderer = canvas.get_renderer()
@@ -457,12 +458,12 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -
     )
     write = "-c:v libx264 -pix_fmt yuv420p -preset medium -crf 20 -metadata comment=granwave -f mp4"
     command = [imageio_ffmpeg.get_ffmpeg_exe(), *read.split(), *write.split(), str(path)]
-    # a new session: Ctrl-C reaches this process alone
+    # a new session: Ctrl-C reaches this process only
     ffmpeg = subprocess.Popen(
         command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
     )
     try:
-        with contextlib.suppress(BrokenPipeError):  # its exit status tells why it ended
+        with contextlib.suppress(BrokenPipeError):  # its exit status shows why it ended
             assert ffmpeg.stdin is not None
             with ffmpeg.stdin as stream:
                 stream.write(last.tobytes())
@@ -474,7 +475,7 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -
     finally:
         ffmpeg.kill()
         ffmpeg.wait()
-    if status:  # of a system error, its number below 256
+    if status:  # a system error has a number below 256
         number = 256 - status if status > 128 else errno.EIO
         raise OSError(number, os.strerror(number), str(path))
 

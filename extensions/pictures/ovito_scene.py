@@ -23,11 +23,11 @@ from typing import Any
 
 RUN = ".."  # the run's directory, as seen from this file
 NEEDED = ("case.toml", "data.granwave", "dumps/contacts.dump")
-SNAPSHOTS = ("dumps/spheres.bin", "dumps/spheres.dump")  # one of these
+SNAPSHOTS = ("dumps/spheres.bin", "dumps/spheres.dump")  # the file is one of these
 SPHERE_SCALE = 0.4
 CONTACT_WIDTH = 0.25  # width of the strongest contact, diameters
 DECADES = 4  # range of the colour scale of peak forces
-VIEW = (-0.46, 0.73, 0.5)  # viewing direction; depth, along +z, is down in the picture
+VIEW = (-0.46, 0.73, 0.5)  # viewing direction; depth, along +z, is downwards in the image
 PIXELS = (1200, 1000)
 
 

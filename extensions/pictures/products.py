@@ -8,7 +8,7 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 
 def make_film(results: ResultDirectory, file: str) -> None:
     """Write the animation of a run as a file of this name."""
-    # it loads the drawing library, which most commands do without
+    # it loads matplotlib, which most commands do not need
     from granwave.extensions.pictures.films import write_film
 
     results.claim([file])

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-_OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the picture
+_OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the image
 _COARSE = 7.0  # pixels across a sphere in the first pass
 _LIGHT = np.array([-0.45, 0.65, 0.62])  # right, up, towards the viewer
 _AMBIENT = 0.42
@@ -27,9 +27,9 @@ _DIFFUSE = 0.62
 _GLOSS = 0.16
 _OCCLUSION = 0.5  # darkening of points one diameter deeper than their surroundings
 _SHARPNESS = 32  # exponent of the gloss
-_BLUR = 4  # pixels to a radius when averaging the surroundings
+_BLUR = 4  # pixels per radius when averaging the surroundings
 _BLOCK = 16384  # pixels that are shaded at a time, whose numbers fit into the processor's cache
-_LINES = 8  # of the picture that are coloured at a time, likewise
+_LINES = 8  # lines of the image that are coloured at a time, for the same reason
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,7 +323,7 @@ def _light(
     return brightness, gloss
 
 
-_ALONG = 1e-6  # component of the axis towards the viewer, or across, below which there is none
+_ALONG = 1e-6  # component of the axis towards the viewer, or across, that counts as zero
 
 
 def surface_of_cylinder(

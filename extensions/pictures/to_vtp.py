@@ -81,7 +81,7 @@ def _name(what: str, number: int) -> str:
 
 
 def _since(began: NDArray[np.float64], time: float) -> NDArray[np.int8]:
-    """Return 1 for events up to a time (NaN: never), else 0."""
+    """Return 1 for events up to a time (NaN: never), otherwise 0."""
     return (began <= time).astype(np.int8)
 
 

@@ -55,7 +55,7 @@ _COORDINATES = {
     },
     "transmission": {"frequency": ("frequency", "frequency"), "sensor": ("sensor", "sensor")},
 }
-_OF_PLANE = ("plane_frequency", "slowness", "angle")  # variables that say which plane it is
+_OF_PLANE = ("plane_frequency", "slowness", "angle")  # variables that identify the plane
 
 
 def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -> Dataset:

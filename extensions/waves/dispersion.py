@@ -30,13 +30,13 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 
-STRONGEST = 0.05  # of the largest amplitude, for a ridge
+STRONGEST = 0.05  # fraction of the largest amplitude, for a ridge
 _POINTS = 101  # wave vectors of the bands
 _FREQUENCIES = 601
 _LEAST_LEVEL = -60.0  # dB
 _KILO = 1e-3  # kilohertz in a hertz
 _GREYS = "Greys"  # colour map of the amplitude
-#: Look of a band, seen on dark and bright.
+#: Line style of a band, visible on dark and bright colours.
 _BAND: dict[str, Any] = {
     "color": ORANGE, "linewidth": 0.9, "linestyle": "--",
     "path_effects": [withStroke(linewidth=2.0, foreground="white")],

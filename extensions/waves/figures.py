@@ -16,7 +16,7 @@ from granwave.extensions.waves.spectra.network import FREEDOMS
 from granwave.extensions.waves.spectra.transmission import Transmission
 
 _KILO = 1e-3
-_LEAST_GAP = 0.002  # of the height of the panel; narrower ones cannot be seen
+_LEAST_GAP = 0.002  # fraction of the height of the panel; narrower gaps are invisible
 
 
 def band_diagram(found: BandStructure) -> Drawing:

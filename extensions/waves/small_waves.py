@@ -34,8 +34,8 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.statics.bodies import Array
 from granwave.workflows.run.directory import held
 
-_HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger numbers overflow
-_LOWEST_MODES = 2  # of a large packing: whether it buckles
+_HIGHEST = 1e12  # Hz, far above all contacts; squares of much larger numbers overflow
+_LOWEST_MODES = 2  # lowest modes of a large packing: whether it buckles
 _LOG = logging.getLogger("granwave")
 
 #: Functions of `granwave.extensions.waves.figures` by the name of the figure, for each command.
@@ -303,7 +303,7 @@ def steady(
     modes = solve_modes(stiffness, None if small else _LOWEST_MODES)
     if words := growing(
         modes.square, modes.largest
-    ):  # a steady motion about such a state does not last
+    ):  # a steady motion about such a state is unstable
         _LOG.warning(
             "%s: the static state is not rigid%s; this static state and the steady motion are "
             "unstable; granwave modes lists these modes",

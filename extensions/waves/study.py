@@ -50,10 +50,10 @@ TEXT = (
     "Bands from the springs of the static state (dynamical matrix), beside closed forms; and the places of the ridges "
     "of the space-time transform of the velocities of each run. Wave numbers and speeds over places before the load."
 )
-_SHARES = (0.3, 0.5, 0.7)  # of the zone, where ridges are read
-_SMALL = 0.1  # of omega alpha0: hits up to which contacts stay linear
-_LAYERS = 12  # of a repeated piece: a multiple of 2 and of 3
-_WIDTH = 0.05  # of the frequency: modes around the largest share
+_SHARES = (0.3, 0.5, 0.7)  # fractions of the zone at which ridges are read
+_SMALL = 0.1  # amplitude over omega alpha0 up to which contacts stay linear
+_LAYERS = 12  # layers of a repeated piece: a multiple of 2 and of 3
+_WIDTH = 0.05  # relative width in frequency: modes around the largest fraction
 _SCATTER = 1e-6  # m
 _SEED = 1
 
@@ -163,7 +163,7 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
 
 
 def _closed_forms(run: Wave) -> Iterator[Row]:
-    """Edges of the chains of one and of two masses."""
+    """Return the band edges of chains with one and with two masses."""
     network = run.structure.state.network
     edges = run.structure.edges
     if not run.rule.is_chain or network.n_grains > 2:
@@ -233,7 +233,7 @@ def scattered_line(case: Case, k: float) -> float:
     network = stiffness.network
     values, vectors = np.linalg.eigh(stiffness.dense(np.array([[0.0, 0.0, k]]))[0])
     grain, direction = network.freedoms
-    # the phase between cells is that of their periods alone; within a cell it is that of the places
+    # the phase between cells follows from their periods; within a cell, from the positions
     wave = np.where(
         direction == 2, np.sqrt(network.masses) * np.exp(1j * k * network.position[grain, 2]), 0.0
     )
@@ -326,7 +326,7 @@ def _packing(
     boundary: dict[str, Any],
     friction: float = 0.0,
 ) -> Assembly:
-    """A packing of spheres as those of another, under pressure from all sides."""
+    """Replace the spheres of a packing by the spheres of another, under isotropic pressure."""
     material = like.to_dict()["material"]
     return assembly_from_dict(
         {

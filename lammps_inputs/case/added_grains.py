@@ -54,7 +54,7 @@ _HOLES = {
     "octahedral": (1 / math.sqrt(2), 6),
     "tetrahedral": (math.sqrt(3 / 8), 4),
 }  # distance, diameters; neighbours
-_HOLES_OF_SPHERE = 2  # tetrahedral ones; octahedral: 1
+_HOLES_OF_SPHERE = 2  # tetrahedral interstices; there is one octahedral interstice
 _NEAR = 1e-6  # diameters
 _UP = np.array([0.0, 0.0, 1.0])
 _RING = (
@@ -64,9 +64,10 @@ _RING = (
     'be "touching"'
 )
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
-# bytes a grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
+# bytes per grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
 _MEMORY_OF_GRAIN = 1000.0
-_OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
+# keys of a lattice that cannot be used with added grains
+_OF_SITES = ("diameter_scatter", "vacancies")
 
 
 _TOUCHING = "touching"
@@ -320,7 +321,7 @@ def with_added_grains(
             return packing
         period = lattice.lengths if periodic else None
         own = _grains_at(lattice.positions(1, n), packing.diameter, shape=packing.of_grain)
-        for sphere, width in packing.gaps:  # all spheres behind a gap move on by its width
+        for sphere, width in packing.gaps:  # all spheres after a gap are shifted by its width
             own.position[sphere:, 2] += width
     parts = [own]
     for key, entry in schema.numbered("grains", added).items():

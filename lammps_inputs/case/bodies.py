@@ -34,10 +34,10 @@ _POINT_FORM = "[x, y, z] in m"
 _OFFSET = Usual("m", 1e-9, 1.0, ("mm", "um"))
 
 
-CENTRE = "centre"  # of the top
+CENTRE = "centre"  # value for the sphere at the centre of the top
 _NO_DIRECTION = "none"
 _ALONG_Y = (0.0, 1.0, 0.0)
-ALL_GRAINS = "all"  # of a line
+ALL_GRAINS = "all"  # value for all grains of a line
 
 
 _DIRECTIONS_FORM = 'some of the letters x, y and z, such as "xy"; or "none" to block only rotations'
@@ -62,7 +62,7 @@ _DIRECTIONS = schema.or_word(
     form=_DIRECTIONS_FORM,
 )
 _FREE = schema.TextType(expected=_FREE_FORM, finish=_free_letters)
-#: Ids; none for the sphere at the centre of the top, which follows from the packing.
+#: Return ids; empty for the sphere at the centre of the top, which follows from the packing.
 _TOUCHED = schema.or_word(CENTRE, INDEX, form=f'{INDEX_FORM}; or "{CENTRE}"', finish=lambda _: ())
 
 

@@ -31,7 +31,7 @@ from granwave.lammps_inputs.errors import Mismatch
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
-BAR_COURANT_NUMBER = 0.5  # timestep over the time that a wave takes through one element of a bar
+BAR_COURANT_NUMBER = 0.5  # timestep over the travel time of a wave through one element of a bar
 # timestep over sqrt(mass/stiffness), of a plate or the first element of a bar
 PLATE_OSCILLATION = 0.05
 _SQUARE_CM = 1e4
@@ -95,7 +95,7 @@ class Backing:
             return math.inf
         if self.elements:
             return self.mass if self.end == "free" else math.inf
-        slowness = grain / stiffness  # of the square of the angular frequency
+        slowness = grain / stiffness  # inverse square of the angular frequency
         return self.mass + self.damping * math.sqrt(slowness) + self.stiffness * slowness
 
 
@@ -337,7 +337,7 @@ class Boundary:
             inner={"material": MATERIAL} | _tables_of(SUPPORTS),
         ),
     )
-    # of the bottom plane: bottom = {material = ...}; None: rigid
+    # bottom plane: bottom = {material = ...}; None: rigid
     bottom_material: Material | None = None
     sides: str = schema.choice(
         "boundaries at the sides: none, planes, or periodic",
@@ -370,9 +370,9 @@ class Boundary:
     )
     # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
     sides_tube: float | None = None
-    # of a moving bottom plane: plate, damper, half_space or bar = {...}
+    # moving bottom plane: plate, damper, half_space or bar = {...}
     bottom_support: Support | None = None
-    # of all side planes: sides = {material = ...}; None: rigid
+    # side planes: sides = {material = ...}; None: rigid
     sides_material: Material | None = None
     friction: float | None = schema.number(
         "coefficient of Coulomb friction of the walls; default: the contact friction", **_FRICTION

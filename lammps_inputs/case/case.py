@@ -75,8 +75,8 @@ class CaseHead:
     material: Material = schema.typed("material of all bodies without their own material", MATERIAL)
 
 
-#: Sections of tables by heading, in the order of a case file; that of ``[load]`` is made when it
-#: is needed, as extensions add to it.
+#: Sections of tables by heading, in the order of a case file; the section of ``[load]`` is made
+#: when it is needed, because extensions can add to it.
 _TABLES: dict[str, type | None] = {
     "[packing]": PackingSection,
     "[material]": Material,
@@ -105,7 +105,7 @@ LISTS = {
     if section is not None and heading.startswith("[[")
 }
 _NAMES = [heading.strip("[]") for heading in _TABLES]
-OPTIONAL = (PRECOMPRESSION, "bar", "incident_bar")  # of the sections; the others have defaults
+OPTIONAL = (PRECOMPRESSION, "bar", "incident_bar")  # sections without defaults
 KNOWN = (
     "name",
     "material",
@@ -157,7 +157,8 @@ def unit_of(key: str) -> str:
     return "" if field is None else info_of(field).unit
 
 
-RECORD = "resolved"  # table of derived values in the case.toml beside a deck, ignored when read
+# table of derived values in the case.toml of an input directory, ignored when read
+RECORD = "resolved"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -82,12 +82,12 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
 
 _RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield strength
 ALL_LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
-LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # those of two materials
-NO_FORCE = "none"  # law of materials whose grains do not touch each other
+LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # laws of two materials
+NO_FORCE = "none"  # law of materials whose grains do not touch
 LINES = ("half-space", "plane-strain")
 INITIAL = "initial"  # directions of contact forces
 NORMALS = ("current", INITIAL)
-LINE = "line"  # law of crystals of cylinders alone: Hertz's, with lines in plane strain
+LINE = "line"  # law of crystals of cylinders only: Hertz's, with line contacts in plane strain
 #: Published values of the constants of the elasto-plastic law, by name.
 LAW_CONSTANTS: dict[str, float] = {
     name: parameter.default

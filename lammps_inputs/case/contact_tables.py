@@ -65,7 +65,7 @@ _DASHPOT = schema.EitherType(
 
 _LOSS_KINDS = ("time", "restitution", "dashpot", "kind")
 PRONY: Final = "prony"
-MOST_BRANCHES = 4  # of a Prony series, as in the plugin
+MOST_BRANCHES = 4  # most branches of a Prony series, as in the plugin
 _WEIGHTS_FORM = f"1 to {MOST_BRANCHES} weights, each above 0, with a sum below 1"
 _TIMES_FORM = f"1 to {MOST_BRANCHES} times above 0 and at most {_LONGEST_RELAXATION:g} s"
 
@@ -189,7 +189,7 @@ class Loss:
 
 LOSS = TableType(section=Loss, expected=LOSS_FORM, finish=Loss.checked)
 
-MARSHALL = "marshall"  # resistance to twisting by the friction of the contact circle
+MARSHALL = "marshall"  # resistance to twisting by friction of the contact circle
 ROLLING_FORM = "a coefficient, or {coefficient = ..., stiffness = (N/m), damping = (N s/m)}"
 TWISTING_FORM = (
     'a coefficient in m, {coefficient = (m), stiffness = (N m), damping = (N m s)}, or "marshall"'

@@ -43,7 +43,7 @@ _VELOCITY = ("vx", "vy", "vz")
 _SPIN = ("omegax", "omegay", "omegaz")
 _WORDS = ("material", "group")
 _SHAPE_COLUMNS = ("shape", "axis")
-_LARGEST_RATIO = 300.0  # of a grain to the median, beyond which units may be mixed
+_LARGEST_RATIO = 300.0  # largest ratio of a grain to the median; beyond, units may be mixed
 _TYPES_IN_EXAMPLE = 2
 
 
@@ -339,8 +339,8 @@ def _reading(table: GrainTable, grains: Grains, materials: Mapping[str, str]) ->
 
 
 def _densities(table: GrainTable, grains: Grains) -> NDArray[np.float64] | None:
-    """Return the densities of a file, of spheres also from their masses: (n,), kg/m^3; None without
-    any.
+    """Return the densities in a file, for spheres also computed from their masses: (n,), kg/m^3;
+    None without any.
     """
     if table.density is not None or table.mass is None or any(grains.shape):
         return table.density
@@ -348,7 +348,7 @@ def _densities(table: GrainTable, grains: Grains) -> NDArray[np.float64] | None:
 
 
 def _in_natural_order(names: Iterable[str]) -> list[str]:
-    """Return names of types, numbers by their values and before words."""
+    """Return names of types: numbers by value, then words."""
     return sorted(names, key=lambda name: (not name.isdigit(), len(name) * name.isdigit(), name))
 
 

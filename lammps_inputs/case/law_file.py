@@ -36,7 +36,9 @@ def with_law_of_file(data: Mapping[str, Any], errors: ErrorList) -> dict[str, An
 
 
 def _with_law(table: Any, key: str, errors: ErrorList) -> Any:
-    """Return a table with the keys of the file that its law names; without the law with a fault."""
+    """Return a table with the keys of the file named by its law; without the law if there is a
+    fault.
+    """
     if not isinstance(table, Mapping):
         return table
     law = table.get(_LAW)

@@ -25,7 +25,7 @@ from granwave.lammps_inputs.extensions import added
 
 Row = tuple[str, str]  # name and value in words
 
-#: In place of the table of a packing whose faults were shown.
+#: Placeholder for the table of a packing whose faults were reported.
 NOT_MADE = object()
 
 _PACKING = "packing"
@@ -157,7 +157,7 @@ def with_made_grains(
     if not is_made(tables):
         return tables
     maker = packing_makers()[tables[_PACKING]["kind"]]
-    # faults of the material are shown by its own reader
+    # the reader of the material reports its faults
     given = maker_input(tables, source, ErrorList(errors.source))
     made = maker.tables(given, errors) if given is not None else None
     return {**tables, _PACKING: NOT_MADE} if made is None else made

@@ -171,7 +171,7 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
         return None
     values = {name: value for name, value in dataclasses.asdict(base).items() if value is not None}
     if own.keys() - {"name"}:
-        values.pop("source", None)  # the source does not hold for changed values
+        values.pop("source", None)  # the source does not apply to changed values
     return read_table(Material, {**values, **own}, key, errors)
 
 
@@ -262,7 +262,7 @@ def with_named_materials(value: Any, materials: Mapping[str, Material]) -> Any:
 SHAPES = ("sphere", "cylinder")
 AXIS_FORM = '"x", "y", "z" or a direction [ax, ay, az]'
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_UNIT = 1e-12  # largest error of the length of a direction that counts as a unit vector already
+_UNIT = 1e-12  # largest error of the length of a unit vector
 
 Vector: TypeAlias = tuple[float, float, float]
 

@@ -241,8 +241,8 @@ def _refuse_other_tables(data: Mapping[str, Any], errors: ErrorList) -> None:
 def _add_grains(
     parts: dict[str, Any], materials: dict[str, Material], errors: ErrorList, *, stored: bool
 ) -> None:
-    """Put the ``[[grains]]`` and the gaps of a chain into the packing, and their materials among
-    the further ones.
+    """Add the ``[[grains]]`` and the gaps of a chain to the packing, and their materials to the
+    further materials.
     """
     added = parts.pop("grains")
     packing: PackingSection | None = parts.get("packing")
@@ -345,7 +345,8 @@ def _usual_axis(packing: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of a case with implied values.
+    """Return the tables of a case with implied values: strikers as the load, the axis of strikers,
+    and a bar as the bottom.
 
     These are strikers as the load, the axis of strikers, and a bar for a bottom.
     """

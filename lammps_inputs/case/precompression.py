@@ -167,7 +167,7 @@ class Uniaxial(LoadOnFaces):
     on_top = True
 
     def _check_bottom(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
-        if not packing.rule.is_chain:  # without a bottom, the last bead bears the opposite force
+        if not packing.rule.is_chain:  # without a bottom, the opposite force acts on the last bead
             super()._check_bottom(packing, boundary, errors)
         layer = 'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'
         errors.check((packing.rule.is_layer, f"{PRECOMPRESSION}.kind", layer))

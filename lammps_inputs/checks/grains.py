@@ -27,7 +27,8 @@ from granwave.lammps_inputs.packing_kind import TOUCHING
 
 # keys of grains that could not be placed
 _PLACED = ("packing.grains", "packing.file", "packing.gaps", "grains.")
-# largest diameters; in fewer two grains could touch twice, one of them also as its image
+# smallest period in largest diameters: with less, two grains could touch twice, once across the
+# boundary
 _LEAST_PERIOD = 2.5
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
 _OF_LATTICES = {
@@ -108,7 +109,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
         return
     periodic = (
         "boundary" in vars(case) and case.boundary.periodic
-    )  # a wrong boundary hides no overlaps
+    )  # an invalid boundary does not hide overlaps
     if periodic:
         before = len(errors.items)
         least = _LEAST_PERIOD * float(grains.diameter.max())
@@ -183,7 +184,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
 def _check_enclosure(case: Case, grains: Grains, errors: ErrorList) -> None:
     """Check that no centre of a grain is beyond a plane of the enclosure that is a wall."""
     enclosure = case.packing.enclosure
-    boundary = vars(case).get("boundary")  # which may be wrong
+    boundary = vars(case).get("boundary")  # which may be invalid
     if enclosure is None or boundary is None:
         return
     planes: dict[str, tuple[float, float]] = {}
@@ -271,7 +272,7 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
 
 
 def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], fault: str | Mismatch) -> None:
-    """Add an error of some grains, under the key and the file that gave them."""
+    """Add an error about grains, under the key and the file of the grains."""
     key = grains.key(*ids)
     errors.add(key, f"{grains.file}: {fault}" if key == "packing.file" else fault)
 
@@ -313,7 +314,7 @@ def check_held(case: Case, errors: ErrorList) -> None:
             and hold.index is None
             and any(item.key.startswith(_PLACED) for item in errors.items)
         ):
-            continue  # the grains of the group could not be placed, which has its own error
+            continue  # grains of the group could not be placed; this is reported separately
         fits = errors.check_first(
             (
                 (hold.index is None) == (hold.group is None),

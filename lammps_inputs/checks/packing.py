@@ -149,7 +149,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         ),
     )
     if errors.items:
-        return  # the named spheres are unknown while other keys are wrong
+        return  # the named spheres are unknown while other keys have errors
     lattice = packing.lattice(periodic=case.boundary.periodic)
     present = np.ones(n, dtype=bool)
     if packing.vacancies:
@@ -308,8 +308,8 @@ def _check_yield(case: Case, material: Material | None, key: str, errors: ErrorL
 
 
 def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
-    """Check that a law has the constants that it takes, and no others, and that it can cohere and
-    resist twisting.
+    """Check that a law has exactly the constants that it requires, and supports cohesion and
+    resistance to twisting where set.
     """
     kind = contact.cohesion.kind if contact.cohesion is not None and contact.coheres else ""
     found = f'"{kind}" with law = "{contact.law}"'
@@ -338,8 +338,8 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
 
 
 def _check_parameters(contact: Contact, key: str, errors: ErrorList) -> None:
-    """Check that a law has the parameters that it requires, and none of other laws, and that they
-    make a passive law.
+    """Check that a law has the parameters that it requires and no parameters of other laws, and
+    that it is passive.
     """
     before = len(errors.items)
     required = [p.name for p in contact.entry.parameters.values() if p.required]
@@ -466,7 +466,7 @@ def _check_damping(case: Case, errors: ErrorList) -> None:
 
 
 def _check_series(case: Case, errors: ErrorList) -> None:
-    """Check that contacts whose modulus relaxes have an elastic law, and are not settled before."""
+    """Check that contacts with a relaxing modulus have an elastic law, and no static stage."""
     keys = {"contact": case.contact}
     keys |= {key: pair.contact for key, pair in numbered("pair", case.pair).items()}
     for key, contact in keys.items():
@@ -510,7 +510,7 @@ def check_rates(assembly: Assembly, errors: ErrorList) -> None:
 def _material_pairs(
     assembly: Assembly,
 ) -> Iterable[tuple[Material, Material | None, tuple[Shape, Shape] | None]]:
-    """Iterate over the materials that may touch, and the shapes of two grains; None: a grain on a
+    """Iterate over the materials that may touch, and the shapes of two grains; None: contact with a
     plane.
     """
     grains = [species for species in assembly.species if species.role == "sphere"]

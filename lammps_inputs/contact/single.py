@@ -49,7 +49,7 @@ _SHAPES = ("sphere", "cylinder", "plane", "tube")
 _WALLS = ("plane", "tube")
 _SIZE = "diameter"
 _KEYS = {"sphere": (_SIZE,), "cylinder": (_SIZE, "length", "axis"), "plane": (), "tube": (_SIZE,)}
-_ANY_DENSITY = 1000.0  # kg/m^3, where none is given: forces do not depend on it
+_ANY_DENSITY = 1000.0  # default density, kg/m^3: forces do not depend on it
 _EXAMPLE = 'two bodies such as {"shape": "sphere", "diameter": 0.01, "material": "steel"} and {"shape": "plane"}'
 
 
@@ -259,7 +259,7 @@ def _read_body(
 
 
 def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) -> None:
-    """Reject a law that does not hold for a contact of these shapes; the first is no wall."""
+    """Reject a law that does not apply to a contact of these shapes; the first is not a wall."""
     if contact.entry.is_power:
         return
     pair = cylinder_pair(one.cylinder, other.cylinder) if (one.cylinder or other.cylinder) else None

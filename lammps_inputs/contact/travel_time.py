@@ -28,7 +28,7 @@ from granwave.lammps_inputs.packing.motion import held_ids, line_ids, struck_of
 
 Array = NDArray[np.float64]
 
-_STEP = 1e-5  # of a frequency, for the slope of the phase
+_STEP = 1e-5  # relative step of a frequency, for the slope of the phase
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -134,7 +134,7 @@ def row_of(assembly: Assembly) -> WaveRow | None:
 
 def _stiffness(law: ContactLaw, force: float) -> float:
     """Stiffness of a contact for small motions under a force that has not been exceeded, N/m."""
-    from scipy.optimize import brentq  # takes longer to load than a case to check
+    from scipy.optimize import brentq  # takes longer to load than a check of a case
 
     def miss(overlap: float) -> float:
         return float(law.loading_force(overlap)) - force

@@ -27,7 +27,7 @@ DENTS = "dents"
 LOSS = "loss"
 TURNING = "turning"
 FORCES_OF_ALL = "forces"
-# to rolling and twisting; of contacts
+# resistance to rolling and twisting, of contacts
 RESISTANCE = "resistance"
 COHESION = "cohesion"
 # a load by a plate, friction in a holder, spheres that absorb waves, a bottom that moves, an
@@ -104,7 +104,7 @@ LEDGER = (
     Column("rotational", "c_rotational", "J", TURNING),
     Column(
         "plate", WallColumn.SUPPORT_ENERGY.of("f_plate"), "J", PLATE
-    ),  # part of the kinetic energy
+    ),  # included in the kinetic energy
     Column("elastic_tangential", "v_elastic_tangential", "J", FRICTION),
     Column("friction", "v_friction", "J", FRICTION),
     Column("elastic_rolling", "v_elastic_rolling", "J", RESISTANCE),

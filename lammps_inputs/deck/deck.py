@@ -110,7 +110,7 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
 
 
 def _velocity_lines(assembly: Assembly) -> Iterator[str]:
-    """Give the velocities of the data file, if grains have their own, or continue from a bed."""
+    """Return the velocities of the data file, if grains have their own, or continue from a bed."""
     title = "\nVelocities # id, velocity, angular velocity\n\n"
     bed = bed_velocities(assembly)
     moving = own_velocities(assembly)
@@ -284,7 +284,7 @@ def write_deck(
     try:
         with (
             contextlib.ExitStack() as stack
-        ):  # left in reverse order: the script is moved into place last
+        ):  # moved in reverse order: the script comes last
             paths = dict.fromkeys((deck.script, deck.data, *texts))
             scratch = {path: stack.enter_context(replacing(path)) for path in paths}
             for path, unfinished in scratch.items():
@@ -359,7 +359,7 @@ def read_deck(directory: str | Path, case: Case | None = None) -> Deck:
         case = stored_case(tables, path)
     table = tables.get("resolved", {})
     try:
-        table = {"line_every": 0} | table  # which `resolved` leaves out where it is 0
+        table = {"line_every": 0} | table  # `resolved` omits it where it is 0
         values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
         schedule = Schedule(**values | {"frame_steps": tuple(values["frame_steps"])})
         return Deck(directory, case, schedule, tuple(table["struck"]))

@@ -180,7 +180,7 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     parts = written_in_parts(assembly)
     name = run_directory.FRAMES_FILES[form]
     if restart_from and (form == "binary" or parts):
-        step = re.findall(r"\d+", restart_from)[0]  # of the name of a checkpoint
+        step = re.findall(r"\d+", restart_from)[0]  # step in the name of a checkpoint
         name = run_directory.FRAMES_RESUMED[form].format(step)
     return of_each_rank(name) if parts else name
 

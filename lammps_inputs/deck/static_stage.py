@@ -109,7 +109,7 @@ _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overla
 NET_FORCE = "c_static_net"
 _START = "static_start"  # fix, of velocities before the stage
 _STILL = "velocity        all set 0.0 0.0 0.0 units box"
-_ENERGY = "c_static"  # of all contacts of pairs
+_ENERGY = "c_static"  # energy of all contacts of pairs
 _SPHERE = "c_static_sphere"
 # column of the array of fix wall/gran/hysteretic
 _FORCE_OF_WALL = 1 + table.names(table.WALL_CONTACTS).index("force")
@@ -206,7 +206,7 @@ def first_half(assembly: Assembly) -> list[str]:
     mass = float(assembly.sphere_masses().min())
     overlap = (
         1.5 * force_of_contact(assembly) / static_stiffness(assembly)
-    )  # of a contact; walls move by it at first
+    )  # overlap of a contact, by which walls move at first
     return [
         _STAGE_MARKER,
         "# Equilibrium under the dead loads, first with elastic contacts, whose history is then "
@@ -264,7 +264,7 @@ def _waiting(assembly: Assembly) -> list[str]:
 
 
 def _near_balance(assembly: Assembly) -> list[str]:
-    """Return the commands that put the grains near the balance that was found beforehand."""
+    """Return the commands that displace the grains to the balance found beforehand."""
     if balanced_displacements(assembly) is None:
         return []
     return [
@@ -417,12 +417,13 @@ def _balance(assembly: Assembly) -> list[str]:
 
 
 def _turning(case: Case) -> list[str]:
-    """Return the commands for the energy of rotation that a restart file brings."""
+    """Return the commands for the energy of rotation in a restart file."""
     return ["compute         static_turning all erotate/sphere"] if case.has_rotation else []
 
 
 def _moving_bed(assembly: Assembly) -> list[str]:
-    """Return the commands that record the kinetic energy of a restart file, which is input too.
+    """Return the commands that record the kinetic energy of a restart file, which is input too. The
+    impacted spheres get another velocity.
 
     Spheres that are struck get another velocity.
     """

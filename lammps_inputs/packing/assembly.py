@@ -91,7 +91,7 @@ class Assembly:
     species: tuple[Species, ...]
     _values: dict[Callable[..., Any], Any] = dataclasses.field(
         default_factory=dict, init=False, repr=False
-    )  # of functions that are `kept_by_assembly`
+    )  # results of functions that are `kept_by_assembly`
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Send an assembly to another process as its case; the other process assembles it again."""
@@ -392,7 +392,7 @@ def assemble(case: Case) -> Assembly:
         A striker cannot be placed, or vacancies leave too few spheres.
     """
     lattice = layout_of(case.packing, case.boundary)
-    if isinstance(lattice, Lattice) and case.has_cohesion:  # at rest, where contacts bear no force
+    if isinstance(lattice, Lattice) and case.has_cohesion:  # at rest, where contact forces are zero
         lattice = dataclasses.replace(lattice, overlap=balanced_overlap(case, case.material))
     sites = sites_of(case, lattice)
     kinds = dict.fromkeys(

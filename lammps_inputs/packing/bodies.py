@@ -76,7 +76,7 @@ def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
             centre = rested
         shift = striker_shift(
             case.packing.seed, striker, number
-        )  # only what is across its way counts
+        )  # only the part across its direction counts
         if shift.any():
             way = np.array(striker.velocity) if any(striker.velocity) else -side
             way = way / np.linalg.norm(way)
@@ -205,7 +205,7 @@ def _touching(
     return middle + found.x @ axes
 
 
-# names, as in the case
+# names as in the case
 INCIDENT_BAR = "incident_bar"
 BAR = "bar"
 
@@ -294,5 +294,5 @@ def echoes(bars: Iterable[PlacedBar]) -> dict[str, float]:
     name, s.
     """
     crossing = {bar.name: bar.section.length / bar.wave_speed for bar in bars}
-    arrival = crossing.get(INCIDENT_BAR, 0.0)  # of the load at the chain
+    arrival = crossing.get(INCIDENT_BAR, 0.0)  # arrival of the load at the chain
     return {name: arrival + 2 * time for name, time in crossing.items()}

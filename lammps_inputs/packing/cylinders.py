@@ -189,7 +189,7 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     ).reshape(-1, 2)
     distance, beyond = separations(grains.position, grains.shape, *(ids - 1).T)
     radii = radius[ids - 1]
-    parallel: dict[tuple[tuple[float, ...], ...], bool] = {}  # by axes, of which a packing has few
+    parallel: dict[tuple[tuple[float, ...], ...], bool] = {}  # cached by axes; a packing has few
     found = []
     for (one, other), apart, past, (r1, r2) in zip(
         ids.tolist(), distance, beyond, radii.tolist(), strict=True

@@ -171,7 +171,7 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
     """
     nx, ny = size[:2]
     radii = _from_corner(diameters.reshape(ny, nx) / 2, tilt)
-    drop = diameter / 2 - radii  # of the centres below those of nominal spheres
+    drop = diameter / 2 - radii  # height of nominal centres above these centres
     # distances from the two walls
     u = np.empty_like(radii)
     v = np.empty_like(radii)
@@ -182,7 +182,7 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
         a = diagonal - b
         reach_u = _reach(
             radii, drop, (b, a), (b, a - 1)
-        )  # of the one in its row; no use at the wall
+        )  # distance of the neighbour in its row; not used at the wall
         reach_v = _reach(radii, drop, (b, a), (b - 1, a))
         first = (b == 0) & (a > 0)
         last = (a == 0) & (b > 0)
@@ -191,7 +191,7 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
             reach_u[first], v[0, a[first]] - v[0, a[first] - 1]
         )
         v[b[last], 0] = v[b[last] - 1, 0] + _side(reach_v[last], u[b[last], 0] - u[b[last] - 1, 0])
-        # where circles about the ones beside and below meet, away from the corner
+        # intersection of circles about the neighbours in the row and below, away from the corner
         i = b[inner]
         j = a[inner]
         beside, below = (np.stack([u[one], v[one]]) for one in ((i, j - 1), (i - 1, j)))
@@ -200,7 +200,7 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
         along = (apart**2 + reach_u[inner] ** 2 - reach_v[inner] ** 2) / (2 * apart)
         normal = np.stack([-between[1], between[0]]) / apart
         u[i, j], v[i, j] = beside + along * between / apart + _side(reach_u[inner], along) * normal
-    far = np.array([nx - 1, ny - 1]) * diameter + diameter / 2  # where the far walls are
+    far = np.array([nx - 1, ny - 1]) * diameter + diameter / 2  # positions of the far walls
     x, y = (
         far[axis] - part if sign > 0 else part - diameter / 2
         for axis, (part, sign) in enumerate(zip((u, v), tilt, strict=True))
@@ -215,7 +215,7 @@ def _from_corner(values: Array, tilt: tuple[int, int]) -> Array:
 
 
 def _reach(radii: Array, drop: Array, one: Cells, other: Cells) -> Array:
-    """Distance in the plane of the centres of two touching spheres on the floor."""
+    """Return the distance in the plane of the centres of two touching spheres on the floor."""
     return _side(radii[one] + radii[other], drop[one] - drop[other])
 
 

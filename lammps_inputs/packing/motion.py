@@ -178,7 +178,7 @@ def held_against_load(assembly: Assembly) -> tuple[int, ...]:
 
 
 _BESIDE = 0.25  # diameters; grains of a line are no further from it
-# diameters above a floor that does not move: grains there cannot reach the speed of the wave
+# diameters above a fixed floor: grains there cannot reach the speed of the wave
 _HELD = 3.0
 
 
@@ -226,7 +226,7 @@ def left_out(assembly: Assembly, line: Line) -> int:
     return next((n for n, held in enumerate(reversed(near)) if not held), len(near))
 
 
-# instants; beads of a chain from which on they are recorded by themselves
+# instants; largest number of beads of a chain that are recorded together
 _HISTORY = 1000
 _LEAST_HISTORY = 5
 _LINE_HISTORY = 2000  # instants

@@ -160,13 +160,13 @@ class Sites:
 
     @cached_property
     def _counts(self) -> tuple[int, int]:
-        """Numbers of neighbouring and of touching pairs."""
+        """Return the numbers of neighbouring and of touching pairs."""
         stacked = self.nominal if self.lattice.rule.is_chain else self.lattice.diameter
         if self.uniform or (self.count == len(self.present) and (self.diameter == stacked).all()):
             return (
                 self.lattice.n_contacts,
                 self.lattice.n_contacts,
-            )  # they differ in their materials only
+            )  # only the materials differ
         sizes = [
             (len(pairs), int(np.count_nonzero(self._touch(pairs, gaps))))
             for pairs, gaps in self.neighbours()
@@ -194,7 +194,7 @@ class Sites:
         """Select the touching pairs; those with larger spheres are found by `near_larger`."""
         slack = TOUCHING * self.lattice.diameter
         if isinstance(self.lattice, Places):
-            return gaps <= slack  # overlaps at the start touch too, where they are asked for
+            return gaps <= slack  # initial overlaps are contacts too, where they are requested
         touching = np.abs(gaps + self.lattice.overlap) <= slack
         return touching & ~self.larger[pairs - 1].any(axis=1) if self.larger.any() else touching
 

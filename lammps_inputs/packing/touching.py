@@ -26,12 +26,12 @@ from granwave.lammps_inputs.packing.cylinders import (
 from granwave.lammps_inputs.packing.places import near_pairs
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
-_DIGITS = 15  # of a number of double precision that survive a change of its unit
+_DIGITS = 15  # digits of a double that survive a change of its unit
 _OF_GAP = math.sqrt(3) + 1 / 2  # largest error of a gap over the unit of the last place
 _LARGEST_DEFAULT = 1e-2  # diameters: largest tolerance by the digits of a file
-_ROUNDS = 6  # of the fit; the error is squared in each
+_ROUNDS = 6  # iterations of the fit; each squares the error
 _CLOSED = 1e-13  # diameters: gap of grains that just touch
-_PRECISION = 1e-14  # of the least squares
+_PRECISION = 1e-14  # precision of the least squares
 _MOST_ITERATIONS = 20_000
 
 Period = tuple[float, float] | None
@@ -180,7 +180,7 @@ def fit_touching(grains: Grains, tolerance: float, period: Period = None) -> Tou
         gap = _gaps(grains, there, contacts.pairs, period)
         left = float(np.abs(gap).max())
         if left > best / 2:
-            break  # rounding, or more contacts than any places have
+            break  # rounding, or more contacts than any arrangement can have
         position = there
         best = left
     moved = np.linalg.norm(position - grains.position, axis=1)

@@ -182,7 +182,7 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
     placed = []
     for wall in (
         found
-    ):  # with cohesion where spheres bear no force; tubes, and sides with a gap, as they are
+    ):  # with cohesion, at zero contact force; tubes, and sides with a gap, are unchanged
         as_it_is = (
             wall.held_layer
             or wall.tube

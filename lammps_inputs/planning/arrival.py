@@ -28,8 +28,9 @@ from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 _PER_BEAD = 1.355  # time of a solitary wave from bead to bead over sqrt(m/k)
 _DECAY = (0.0, 0.8, 1.7)  # p, by the number of lateral dimensions in which a wave spreads
 _RANDOM = math.sqrt(2 / 3)  # layers of grains of a file that are no chain, diameters
-_STIFFNESS = (1.0, 1.5, 2.0)  # of a layer on the next, over that of a contact, likewise of a file
-_FEWEST_STEPS = 3  # from layer to layer
+# stiffness between layers over the stiffness of a contact; the same for files
+_STIFFNESS = (1.0, 1.5, 2.0)
+_FEWEST_STEPS = 3  # steps from layer to layer
 
 
 def expected_arrival(assembly: Assembly) -> float | None:

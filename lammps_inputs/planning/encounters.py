@@ -68,7 +68,8 @@ def fastest(assembly: Assembly) -> float:
 
 
 BOTTOM = "boundary.bottom"  # key of a support
-# kinds of spheres that are distinguished; if more, diameters in this ratio count as one
+# most kinds of spheres that are distinguished; if there are more, diameters within this ratio count
+# as one
 _MOST_KINDS = 50
 _NEAR = 1.1
 
@@ -110,7 +111,7 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
             for near, _ in sites.neighbours()
             for code in np.unique(of[near - 1] @ np.array([n, 1]))
         }
-        if isinstance(assembly.lattice, Places):  # any two grains may meet
+        if isinstance(assembly.lattice, Places):  # any two grains may collide
             codes = set()
             for first in range(n):
                 for second in range(first, n):
@@ -193,7 +194,8 @@ class Encounter:
         dent = self.dent
         if (
             dent > peak
-        ):  # an elastic contact with the dent stores the energy; unloading is a power law
+        # an elastic contact stores this energy including its indentation; unloading is a power law
+        ):
             held = law.loading_work(dent) - law.dissipated_energy(dent)
             steepest = law.unloading_stiffness(dent)
             ratio = (
@@ -229,7 +231,7 @@ def some_encounters(assembly: Assembly) -> list[Encounter]:
     for one in found:
         try:
             there = 0 < one.stiffness < math.inf
-        except (ArithmeticError, ValueError):  # a law of lines ends, others overflow
+        except (ArithmeticError, ValueError):  # the law of line contacts ends, others overflow
             there = False
         if not there:
             raise ValueError("the load would compress a contact beyond the range of its law")
@@ -247,7 +249,7 @@ def encounters(assembly: Assembly) -> list[Encounter]:
     if case.precompression is not None:
         force = force_of_contact(
             assembly
-        )  # its work is stored at the start, and the load does more during the run
+        )  # its work is stored initially, and the load does more work during the run
         stored = [_OF_PRECOMPRESSION * work_to_force(one.law, force) for one in found]
         found = [
             dataclasses.replace(one, energy=one.energy + more)

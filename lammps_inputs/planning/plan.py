@@ -26,7 +26,7 @@ _LOG = logging.getLogger("granwave")
 
 # timestep over the longest one that a contact alone would allow: its cause is told
 _FAR_SHORTER = 0.1
-_LONG = 60.0  # s of wall time beyond which that is a warning
+_LONG = 60.0  # s of wall time above which a warning is printed
 # times the automatic timestep: energy error above 1e-4, half of the stability limit
 _FAR_TOO_LONG = 20.0
 
@@ -199,7 +199,7 @@ def _refuse_endless(case: Case) -> None:
         )
 
 
-_NEAREST = 6  # neighbours of a grain among which the closest surfaces are looked for
+_NEAREST = 6  # neighbours of a grain that are searched for the closest surface
 
 
 def _note_gaps(assembly: Assembly) -> None:

@@ -32,9 +32,9 @@ from granwave.lammps_inputs.packing.motion import impacted_of
 Floats = NDArray[np.float64]
 Grid = tuple[int, int, int]
 
-_REACH = 1.2  # of ghosts beyond the boundary of a brick, diameters: pair, gap and skin
-_LEAST_WIDTH = 1.0  # of a brick, diameters
-_STAGES = 24  # of the growth of the wave over which times are averaged
+_REACH = 1.2  # width of the ghost layer of a brick, diameters: pair, gap and skin
+_LEAST_WIDTH = 1.0  # smallest width of a brick, diameters
+_STAGES = 24  # stages of growth of the wave over which times are averaged
 
 
 @dataclasses.dataclass(frozen=True)

@@ -57,7 +57,7 @@ _OF_VISCOUS_DECAY = 0.1
 # mass that moves along the surface over the effective mass: spheres of 2/5 m R^2 turn as well
 _OF_MASS_ALONG = 2 / 7
 
-# of bodies behind walls, by their keys
+# bounds of bodies behind walls, by their keys
 _REMEDIES = {
     BOTTOM: "a heavier or softer support",
     "bar.length": "a longer bar",

@@ -39,13 +39,13 @@ _ITEM = "ITEM: "
 _STEP = "ITEM: TIMESTEP"
 _ATOMS = "ITEM: ATOMS"
 _BOX = "ITEM: BOX BOUNDS"
-_OF_CONTACTS = "ITEM: NUMBER OF ENTRIES"  # of dump local, whose rows may have any label
+_OF_CONTACTS = "ITEM: NUMBER OF ENTRIES"  # header of dump local, whose rows may have any label
 _OF_GRID = "ITEM: GRID"
 _UNITS = re.compile(r"^ITEM: UNITS[ \t]*\r?\n[ \t]*(\S+)", re.MULTILINE)
 _FRAME = re.compile(  # LAMMPS writes its units and the time above the step
     rf"^(?:ITEM: (?:UNITS|TIME)[ \t]*\r?\n.*\n)*({_STEP})", re.MULTILINE
 )
-_GENERAL = ["abc", "origin"]  # of a box whose edges have any direction
+_GENERAL = ["abc", "origin"]  # box whose edges have any direction
 _PERIODIC = "pp"
 _SCALED = {"xs": "x", "ys": "y", "zs": "z", "xsu": "x", "ysu": "y", "zsu": "z"}
 #: Powers of ten of the SI units by the style of the units (https://docs.lammps.org/units.html);

@@ -44,7 +44,7 @@ _READERS = (
     table,
     ase_files,
 )
-#: Readers by format, in the order in which they are asked.
+#: Readers by format, in the order in which they are tried.
 READERS: dict[str, GrainReader] = {module.NAME: cast("GrainReader", module) for module in _READERS}
 _TABLES = (".csv", ".txt", ".dat", ".tsv")  # endings of files that are tables if nothing else
 _LAMMPS_RESTART = b"LammpS RestartT"

@@ -34,7 +34,7 @@ class Evaluation:
 
     energy: float
     gradient: Array
-    contacts: NeighbourPairs  # of grains near each other, and near walls
+    contacts: NeighbourPairs  # contacts of grains near each other, and near walls
     tables: list[
         tuple[Array, sparse.csr_array]
     ]  # slopes of forces with the derivatives of distances, which are first

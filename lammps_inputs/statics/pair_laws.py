@@ -27,9 +27,9 @@ from granwave.lammps_inputs.packing.walls import Wall, wall_friction
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-_STEP = 1e-6  # of the overlap, for the slope of a loading curve beyond first yield
+_STEP = 1e-6  # relative step of the overlap, for the slope of a loading curve beyond first yield
 Body = tuple["Material", "Shape"]
-Partner = tuple["Material | None", "Shape"]  # of a wall, which may be rigid, too
+Partner = tuple["Material | None", "Shape"]  # material and shape of a wall, which may be rigid
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

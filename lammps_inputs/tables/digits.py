@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _NUMBER = re.compile(r"[-+]?([0-9]*)[.,]?([0-9]*)(?:[eE]([-+]?[0-9]+))?")
-_SAMPLE = 2000  # numbers that are looked at
+_SAMPLE = 2000  # most numbers that are checked
 
 
 def half_units(texts: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -37,7 +37,7 @@ def half_units(texts: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.
         whole, fraction, exponent = match.groups()
         figures = len((whole + fraction).lstrip("0"))
         if not figures:
-            continue  # of a zero only its decimals are known
+            continue  # only the decimals of a zero are known
         decimals.add(len(fraction) - int(exponent or 0))
         significant = max(significant, figures)
     if len(decimals) == 1:

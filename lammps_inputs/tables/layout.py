@@ -21,16 +21,16 @@ from granwave.lammps_inputs.files import read_number, read_user_text
 from granwave.lammps_inputs.tables.encoding import decoded_table
 
 BLANKS = " "
-_SEPARATORS = (";", "\t", ",", BLANKS)  # the first that fits
+_SEPARATORS = (";", "\t", ",", BLANKS)  # separators; the first match is used
 _BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
 _COMMENT_LINES = ("%", "//")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?")
 _FORTRAN = re.compile(
     r'(?<![^\s,;"])([-+]?(?:[0-9]+\.[0-9]*|\.[0-9]+))[dD]([-+]?[0-9]+)(?![^\s,;"])'
 )
-_SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)  # of spreadsheets
+_SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)  # first line written by spreadsheets
 _ALL_SEPARATORS = "".join(_SEPARATORS)
-_MINUS = "\u2212"  # of typography
+_MINUS = "\u2212"  # typographic minus
 _SHOWN_ROWS = 20  # rows from which separator and decimal sign are found
 
 Row = tuple[int, list[str]]  # number of the line, and the cells
@@ -223,7 +223,7 @@ def _decimal(rows: Sequence[str], separator: str) -> str:
             continue
         try:
             cells = split_row(row, separator)
-        except csv.Error:  # a row that is refused where it is read
+        except csv.Error:  # the reader rejects this row
             continue
         if any(map(_DECIMAL_COMMA.fullmatch, cells)):
             return ","

@@ -30,7 +30,7 @@ from granwave.lammps_inputs.tables.units import LENGTH_UNITS, VOXELS, unit_of
 if TYPE_CHECKING:
     import pandas as pd
 
-_EXACT_BY_DEFAULT = (3, 1)  # first pandas that reads every bit without being asked to
+_EXACT_BY_DEFAULT = (3, 1)  # first pandas that reads every bit by default
 _THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:[.,' ][0-9]{3})+(?:[.,][0-9]*)?")
 _UNIT_IN_BRACKETS = re.compile(r"\([^()]+\)|\[[^\[\]]+\]")
 _UNIT_CELL = re.compile(r"[^0-9\s]{0,2}[^\s]{0,7}")  # short, and no number

@@ -98,7 +98,8 @@ def chosen(options: argparse.Namespace, function: Callable[..., Any]) -> dict[st
     }
 
 
-# ----------------------------------------------------------------------------- makers of options
+# ----------------------------------------------------------------------------- functions that make
+# options
 
 
 def option(

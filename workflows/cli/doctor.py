@@ -70,7 +70,7 @@ if not known:
 
 
 _NOT_STARTED = "MPI_Init"  # in the messages of MPI libraries that cannot start
-_LONGEST = 60.0  # s that a check may take
+_LONGEST = 60.0  # time limit of a check, s
 
 
 @dataclasses.dataclass(frozen=True)
@@ -156,7 +156,7 @@ def examine(profile: Path | None = None) -> list[Finding]:
     )
     missing = {name for name, version in found.items() if version == "not installed"} - {
         "mpich"
-    }  # or a site's MPI
+    }  # or another MPI
     script = (
         "from granwave.workflows.run.lammps_engine import open_engine\n"
         "from granwave.workflows.run.mpi import world\n"

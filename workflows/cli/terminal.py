@@ -21,7 +21,7 @@ GREEN = "32"
 YELLOW = "33"
 
 SHELLS = ("bash", "zsh", "fish")
-#: Lines that switch completion on, by shell, and the file that they belong into.
+#: Lines that enable completion, by shell, and the file for them.
 SWITCH_ON = {
     "bash": ('eval "$(granwave completion bash)"', "~/.bashrc"),
     "zsh": ('eval "$(granwave completion zsh)"', "~/.zshrc, after compinit"),
@@ -79,7 +79,7 @@ def warn_of_lacks(name: str, afford: Callable[[], object]) -> list[str]:
     return lacks
 
 
-#: Options of functions in messages, and what they are called here.
+#: Options of functions in messages, and the corresponding options of the command line.
 _OPTIONS = {
     "force=True": "--force",
     "resume=True": "--resume",

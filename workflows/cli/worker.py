@@ -127,7 +127,7 @@ class _Worker:
     def _attempt(self, point: dict[str, Any]) -> None:
         place = layout.unfinished(self.directory, point["id"])
         results = RunDirectory(place)
-        while results.busy():  # a worker of an earlier scan is still there
+        while results.busy():  # a worker of an earlier scan is still running
             if self.stopping.wait(_POLL):
                 return
         if layout.is_done(self.directory, point["id"]) or not self._room(point):

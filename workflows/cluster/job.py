@@ -25,7 +25,7 @@ from granwave.workflows.run import mpi
 SUFFIX = ".job"
 RECORD = "job.json"
 SCRIPT = "script.sh"
-ENDED = "ended"  # file: the work is done, or cannot be
+ENDED = "ended"  # file: the work is done, or cannot be done
 FAILURES = "failures"  # file: number of jobs whose command has failed
 _MOST_FAILURES = 2
 

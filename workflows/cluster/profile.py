@@ -18,10 +18,10 @@ from granwave.workflows.cluster.schedulers import SCHEDULERS, scheduler
 from granwave.workflows.run import mpi
 
 CLUSTER = "cluster"  # table of a profile
-SLURM = "slurm"  # the same of profiles for Slurm alone
+SLURM = "slurm"  # the same for profiles of Slurm only
 _LINES_FORM = "shell commands, a string or a list of strings"
 _LEAST_MINUTES = 10  # shortest default time limit
-_LEFT_ALONE = 30  # s that ranks may go on after one has died
+_LEFT_ALONE = 30  # s for which ranks may continue after one has died
 _BYTES_PER_MB = 1e6
 
 

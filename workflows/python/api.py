@@ -78,7 +78,7 @@ __all__ = [
 
 logger = logging.getLogger(__name__)
 
-#: Classes that are loaded when they are asked for, with the drawing library.
+#: Classes that are loaded on demand, with matplotlib.
 _ON_DEMAND = {"Comparison": "granwave.analysis.reports.comparison.comparison:Comparison"}
 _STOPPED = "{}: interrupted; pass resume=True to continue"
 
@@ -411,7 +411,7 @@ def _run_on_ranks(
         words = ["run", str(file), "-o", str(place), "--checkpoint", str(checkpoint)]
         words += [option for option, wanted in options.items() if wanted]
         lines: list[str] = []
-        if progress and os.isatty(2):  # the bar of the first rank
+        if progress and os.isatty(2):  # the progress bar of the first rank
             status = mpi.launch(ranks, words, stdout=subprocess.DEVNULL)
         else:
             status, lines = mpi.launch_unseen(ranks, words)

@@ -28,7 +28,7 @@ logger = logging.getLogger(__name__)
 Values = float | NDArray[np.float64]
 Body = str | Mapping[str, Any]
 
-_LARGEST = 1e3  # m, below which the overlap of a force is sought
+_LARGEST = 1e3  # m, lower bound of the search for the overlap of a force
 _ROUNDING = 1e-9  # relative excess of an overlap that was computed from the limit itself
 _warned: set[tuple[str, float]] = set()  # law and limit of contacts that were warned about
 

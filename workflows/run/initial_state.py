@@ -20,8 +20,8 @@ from granwave.lammps_inputs.packing.motion import own_spins, own_velocities
 from granwave.lammps_inputs.script_words import joined, num
 from granwave.workflows.run.lammps_engine import Engine
 
-_BATCH = 100_000  # sites looked at at once
-_MARGIN = 1e-3  # diameters by which more is offered to LAMMPS, which takes what is inside
+_BATCH = 100_000  # sites processed at a time
+_MARGIN = 1e-3  # margin in diameters of the centres passed to LAMMPS, which selects those inside
 _SPHERE = 4.0 * math.pi / 3.0  # in the order of operations of LAMMPS, for the same bits
 
 
@@ -66,9 +66,7 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
 
 
 def _images(centres: NDArray[np.float64], assembly: Assembly) -> NDArray[np.int64]:
-    """Return the number of periods along x, y, z by which LAMMPS will move the centres back: (n,
-    3).
-    """
+    """Return the number of periods along x, y, z by which LAMMPS will shift the centres: (n, 3)."""
     inside = centres.copy()
     images = np.zeros(centres.shape, dtype=np.int64)
     low, high = box_of(assembly)[:2].T

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
 
-# paths that LAMMPS takes as they are; it replaces % and *, and some characters beyond ASCII
+# characters of paths that LAMMPS does not change; it replaces % and *, and some characters beyond
+# ASCII
 _PLAIN_PATH = re.compile(r"[A-Za-z0-9_./+=@,:~ -]*")
 _DOUBLE = 2  # type of values in the interface of LAMMPS
 _OPEN_DIRECTORY = "/proc/self/fd/{}"  # path of an open directory under Linux
@@ -61,7 +62,7 @@ class Engine:
         """Return the last line of thermodynamic output by column; may be called from another thread
         during a run.
         """
-        # not by lammps.last_thermo(), which takes away errors of the thread that runs LAMMPS
+        # lammps.last_thermo() would discard errors of the thread that runs LAMMPS
         read = self.lammps.lib.lammps_last_thermo
 
         def word(what: bytes, index: int = 0) -> int | None:

@@ -23,7 +23,7 @@ STARTED_FILE = "GRANWAVE_STARTED_FILE"
 # settings of MPICH's launcher; inside a job it would start the ranks by the commands of the cluster
 _FORKED = {"HYDRA_LAUNCHER": "fork", "HYDRA_BOOTSTRAP": "fork", "HYDRA_RMK": "user"}
 _OF_JOBS = "SLURM_"  # prefix of the variables by which launchers recognise a job of Slurm
-_LOOK = 0.2  # s between looks at a launcher
+_LOOK = 0.2  # s between checks of a launcher
 _PATIENCE = 5.0  # s that a launcher without ranks has to end after a request
 _SLOW = 30.0  # s without ranks until a warning
 _OTHERS_FIRST = 1.0  # s that ranks leave the first one to print the same error

@@ -46,7 +46,7 @@ def note_segments() -> None:
         return
     segments = sorted(set(_SEGMENT.findall(_MAPS.read_text(encoding="utf-8", errors="replace"))))
     path = Path(tempfile.gettempdir()) / f"{_PREFIX}{os.getuid()}-{process}{_NOTE}"
-    with contextlib.suppress(OSError):  # without it nothing is cleared up
+    with contextlib.suppress(OSError):  # without it no files are removed
         _NOTED[process] = path, _locked(path, "\n".join(segments))
         atexit.register(forget)
 

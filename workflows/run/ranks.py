@@ -76,7 +76,7 @@ class _Ranks(Processes):
                 self._given.append((rank, task, sent))
                 if (
                     len(self._given) >= 2 * self.number
-                ):  # the next task is there when a rank has done one
+                ):  # when a rank has done one, the next task is ready
                     yield self._take(work)
             while self._given:
                 yield self._take(work)
@@ -115,7 +115,7 @@ class _Ranks(Processes):
 
 
 def _serve(comm: Intracomm) -> None:
-    """Work on the tasks that the first rank hands out, until there are no more."""
+    """Work on the tasks that the first rank distributes, until there are no more."""
     while True:
         wait_for(comm, 0)
         if (found := comm.recv(source=0, tag=0)) is None:

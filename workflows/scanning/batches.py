@@ -196,7 +196,7 @@ class Outlook:
         self._machine = machine
         self._ids = {point.id for point in points}
         self._planned = machine.time(points)
-        self._taken = self._expected = 0.0  # by the points that are done, s
+        self._taken = self._expected = 0.0  # time taken and expected, of the completed points, s
         self._begin = time.monotonic()
 
     def done(self, point: ScanPoint, seconds: float) -> None:
@@ -228,11 +228,11 @@ class Outlook:
         return f"{passed}, about {duration(rest)} left"
 
 
-# s of wall time: warm-up, in which contacts get loaded, and measurement
+# s of wall time: warm-up, in which contacts are loaded, and measurement
 _WARM = 1.5
 _SPAN = 1.0
-_PIECE = 50  # steps between looks at the clock
-_MEASURED_WITHIN = 60.0  # s after which the measurement is given up
+_PIECE = 50  # steps between checks of the clock
+_MEASURED_WITHIN = 60.0  # s after which the measurement is abandoned
 
 
 def slowness_of(point: ScanPoint, jobs: int) -> float | None:

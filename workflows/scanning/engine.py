@@ -31,7 +31,7 @@ EXECUTORS = (LOCAL, *SCHEDULERS)
 _POLL = 0.3
 _QUEUE_POLL = 2.0
 _PATIENCE = 60.0  # s that running jobs have to stop after a request
-_SCRIPT = "script.sh"  # of the jobs of a batch, beside their logs
+_SCRIPT = "script.sh"  # script of the jobs of a batch, in the folder of their logs
 _SETTINGS = {"OMP_NUM_THREADS": "1", mpi.SAFE_PATH: "1"}  # environment variables of all jobs
 
 
@@ -57,7 +57,7 @@ class Jobs:
         self.directory = directory
         self.waiting = list(batches)
         self.refusal = ""
-        self._live: dict[Any, Batch] = {}  # by process, or by id of the job
+        self._live: dict[Any, Batch] = {}  # batches by process, or by id of the job
         self._repeated: set[str] = set()
 
     def running(self) -> bool:
@@ -148,7 +148,7 @@ class ClusterJobs(Jobs):
         self._profile = profile
         self._queue = profile.queue
         self._name = name
-        self._asked = -math.inf  # time of the last look at the queue
+        self._asked = -math.inf  # time of the last query of the queue
         self._reported: set[str] = set()  # reasons of pending jobs
         self._submitted: dict[str, float] = {}  # times, by id
 
@@ -182,7 +182,7 @@ class ClusterJobs(Jobs):
         return [job for job in self._live if job not in unended and not self._is_new(job)]
 
     def _is_new(self, job: str) -> bool:
-        """Return True for a job that the scheduler may not list so far."""
+        """Return True for a job that the scheduler may not list yet."""
         return time.monotonic() < self._submitted[job] + self._queue.listed_after
 
     def _has_room(self, batch: Batch) -> bool:
@@ -196,7 +196,7 @@ class ClusterJobs(Jobs):
         try:
             job = self._queue.submit(script, self.directory)
         except RunError as error:
-            if not self._live:  # otherwise there may be a limit, and room later
+            if not self._live:  # otherwise there may be a limit, and capacity later
                 self.refusal = self._queue.refusal(error)
             return None
         note_submitted(self.directory, job, batch.id)

@@ -55,10 +55,11 @@ BOUNDS = {
     "residual_offset": (
         1.0,
         500.0,
-    ),  # above residual_slope, so that residual overlaps stay below the largest overlap
+    ),  # above residual_slope, so that residual overlaps remain below the largest overlap
     "residual_rate": (1e-4, 1.0),
     "unloading_exponent": (1.0, 3.0),
-    YIELD: (0.3, 3.0),  # over the strength that fits best with the published constants
+    # bounds relative to the strength that fits best with the published constants
+    YIELD: (0.3, 3.0),
 }
 RANGES = (
     1.0,
@@ -66,7 +67,7 @@ RANGES = (
     50.0,
     177.6,
     math.inf,
-)  # ranges of the overlap over that at first yield, for misfits
+)  # ranges of overlap over the overlap at first yield, for misfits
 
 _LOG = logging.getLogger("granwave")
 _LEAST_LOADING = 1e-3  # smallest scale of residuals / largest force
@@ -76,13 +77,14 @@ _FEWEST = 5  # smallest number of rows of loading beyond first yield
 _SMALL_TURN = (
     1.5  # overlap / first yield below which a turn does not determine the residual overlap
 )
-_UNIT_ERROR = 30.0  # ratio to the law's force that no material reaches: the unit is wrong
+_UNIT_ERROR = 30.0  # ratio to the law's force above which the unit is probably wrong
 _YIELD_SPAN = math.log(10.0)  # range of the search around a yield strength, logarithmic
 _HUGE = 1e3  # residual of an invalid law
 
 _BAD = 3.0  # deviation of a fit, rms, per cent, above which another zero of the overlap is tried
-_BETTER = 1 / 3  # deviation with that zero / without it, from which on it is named
-_PART = 3  # smallest number of rows of a part of the curve that counts for this
+# deviation with the fitted zero over deviation without it, below which the zero is reported
+_BETTER = 1 / 3
+_PART = 3  # fewest rows of a part of the curve that counts here
 _MICRO = 1e6  # micrometres in a metre
 
 _LEAST_RISE = 0.01  # smallest slope of a_R at first yield
@@ -197,7 +199,7 @@ def _fit(
     curve = shifted(reading, zero)
     _refuse(curve, published, radii)
     first = published
-    least_peak = 1.0  # of fitted rows, relative to first yield
+    least_peak = 1.0  # smallest peak of fitted rows, relative to first yield
     if fit_yield:
         yield_strength = _yield_alone(curve, materials, radii)
         first = contact_of(with_yield(materials, yield_strength), radii)
@@ -260,7 +262,7 @@ def _with_zero(
     *,
     fit_yield: bool,
 ) -> Fit | None:
-    """Return the fit with the zero of the overlap fitted, too; None if there is none."""
+    """Return the fit with a fitted zero of the overlap; None if there is none."""
     with _silent():
         try:
             return _fit(curve, materials, radii, free, fit_yield=fit_yield, fit_zero=True)
@@ -269,7 +271,7 @@ def _with_zero(
 
 
 def _zero_said(fit: Fit) -> str:
-    """Return the sentence on a zero that a curve has been fitted with."""
+    """Return the sentence on a fitted zero of the overlap."""
     zero = fit.zero * _MICRO
     spread = fit.uncertainty[ZERO] * _MICRO
     return (
@@ -286,7 +288,7 @@ def _worst(fit: Fit) -> float:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """Let a trial fit give no warnings."""
+    """Suppress the warnings of a trial fit."""
     _LOG.addFilter(_drop)
     try:
         yield

@@ -39,19 +39,19 @@ from granwave.lammps_inputs.errors import InputError
 
 _LOG = logging.getLogger("granwave")
 _STRENGTHS = (1e-5, 0.1)  # range of the search for the yield strength over Young's modulus
-_TRIALS = 120  # of the search
-_OF_VELOCITY = 2.5  # power of the yield strength that velocities go with
-_YIELD_RANGE = (0.03, 30.0)  # bounds of the yield strength over that of the search
+_TRIALS = 120  # most trials of the search
+_OF_VELOCITY = 2.5  # power of the yield strength to which velocities are proportional
+_YIELD_RANGE = (0.03, 30.0)  # bounds of the yield strength relative to the result of the search
 _POINTS = 400  # overlaps from first yield to R* between which velocities are interpolated
-_END_OF_FIT = 0.2  # overlap / R* up to which the law was fitted
-_ENOUGH = 5  # smallest number of impacts too slow to yield whose loss is judged
+_END_OF_FIT = 0.2  # largest overlap over R* in the fit of the law
+_ENOUGH = 5  # fewest elastic impacts whose loss is tested
 _FEWEST = 3  # smallest number of rows beyond the number of fitted values
 _STEP = 1e-4  # relative step of derivatives
 _OUTLIER = 3.0  # residual in standard deviations beyond which the loss is linear
-_SURE = 4.0  # mean loss of slow impacts in its standard deviations that is no chance
+_SURE = 4.0  # mean loss of slow impacts in its standard deviations that is significant
 _NARROWEST = 1e-6  # smallest width of the quadratic loss
 _SINGULAR = 1e-10  # relative size of singular values that count as zero
-_TOLD = 0.2  # relative uncertainty below which the measurements tell a constant
+_TOLD = 0.2  # relative uncertainty below which the measurements determine a constant
 
 Array = NDArray[np.float64]
 
@@ -223,7 +223,7 @@ class _Problem:
         modulus = min(solid.youngs_modulus for solid in self.materials)
         strengths = modulus * np.geomspace(*_STRENGTHS, _TRIALS)
         law = self._law_of({YIELD: strengths[0]})
-        # the weakest material at velocities that make up for its strength
+        # the weakest material at velocities that compensate for its strength
         factors = (strengths[0] / strengths) ** _OF_VELOCITY
         tried = restitution_at(law, self.mass, np.outer(factors, self.rebounds.velocity))
         off = np.sum(np.abs(tried - self._measured), axis=1)

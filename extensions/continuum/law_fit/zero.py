@@ -19,7 +19,8 @@ ZERO = "zero"
 
 _NO_FORCE = 1e-3  # force / largest force below which the bodies do not touch
 _SURE_FORCE = 0.05  # force / largest force at which they touch
-_REACH = 0.5  # of zeros below the first reading with a force / its distance from the largest one
+# reach of zeros below the first reading with a force, over its distance from the largest overlap
+_REACH = 0.5
 _TRIALS = 200
 
 Array = NDArray[np.float64]

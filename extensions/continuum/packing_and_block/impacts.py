@@ -33,10 +33,10 @@ from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
-SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
+SAME = 1e-4  # relative difference of nominally equal normalised velocities and energies
 _FEWEST_FITTED = 5
 
-_FAST = 0.1  # of the largest velocity
+_FAST = 0.1  # fraction of the largest velocity
 _CONSTANTS = ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
 _DIFFERENCES = {  # properties that distinguish substances: word, size of the unit, and unit
     "diameter": ("diameter", 1e-3, "mm"),
@@ -53,7 +53,7 @@ _KEYS = (
     "but_for_taper",
     "but_for_block",
 )  # equal numbers for equal content
-_MEASURED = (  # columns that a table without rows has, too
+_MEASURED = (  # columns that an empty table has too
     "run", "label", "packing", "energy_J", "energy_normalised", "velocity_normalised", "dissipated_fraction", "struck_spheres",
     "diameter", "mass_kg", "taper", "fine",
 )  # fmt: skip
@@ -280,7 +280,7 @@ def involved(run: Any) -> Involved | None:
 
 def _elements_involved(path: Path, energy_input: float) -> Involved:
     """Return the elements of a block that dissipated, from the ``result.h5`` of a continuum run;
-    the input is in J.
+    the input is in J. Raise OSError or KeyError if the file cannot be read or has another content.
 
     Raise OSError or KeyError if the file cannot be read, or is another one.
     """

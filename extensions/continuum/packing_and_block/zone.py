@@ -42,7 +42,7 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     rising,
 )
 
-_MARKERS = "os^"  # of the shares
+_MARKERS = "os^"  # markers of the fractions
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
 _LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
 _CUT_REMARK = (
@@ -352,5 +352,5 @@ def _axis_of_contacts(axes: Axes, packing: Any) -> None:
     top.set_xlabel(GRANULAR_ENERGY.removeprefix("Input energy ") + ", packing", fontsize=7)
     top.tick_params(labelsize=7)
     low, high = forward(axes.get_xlim())
-    # else the interval of the axis below arrives only when the figure is drawn
+    # otherwise the interval of the axis below is updated only when the figure is drawn
     top.xaxis.set_view_interval(low, high, ignore=True)

@@ -129,7 +129,7 @@ def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
     stiffness[:, 4:, 4:] += mode
     scale = np.repeat(
         2 / np.sqrt(material.density * volume)[:, None], 8, axis=1
-    )  # for a quarter of the mass
+    )  # a quarter of the mass
     scale[np.ix_(axis, [0, 3])] = 0.0  # no radial motion on the axis
     scaled = stiffness * scale[:, :, None] * scale[:, None, :]
     omega = math.sqrt(np.linalg.eigvalsh(scaled)[:, -1].max())

@@ -35,7 +35,7 @@ _BESIDE: dict[str, Any] = {
     "loc": "center left",
     "bbox_to_anchor": (1.0, 0.5),
     "fontsize": 7,
-}  # of a legend
+}  # names in a legend
 _SHOWN = 2.5  # half-width of the section, contact radii
 
 
@@ -161,7 +161,7 @@ def pressure_profiles(result: SphereContactResult) -> Drawing:
 
 
 def _family(curves: dict[str, tuple[Array, Array]], names: tuple[str, str]) -> tuple[Drawing, Axes]:
-    """Draw curves in the colours of a map; ``names`` are the columns of abscissae and ordinates."""
+    """Draw curves in the colours of a map; ``names`` are the columns of the axes."""
     figure, axes = one_panel(2.9, "", "")
     shares = np.linspace(0, 0.92, len(curves))
     for (name, (x, y)), share in zip(curves.items(), shares, strict=True):
@@ -177,8 +177,8 @@ def _family(curves: dict[str, tuple[Array, Array]], names: tuple[str, str]) -> t
 def _compared(
     result: SphereContactResult, columns: dict[str, Array], ylabel: str
 ) -> tuple[Drawing, Axes]:
-    """Draw columns against the first, the overlap: those of the finite elements, of the law, and of
-    Hertz.
+    """Draw columns against the first, the overlap: results of the finite elements, of the law, and
+    of Hertz.
     """
     overlap, *curves = columns.values()
     order = np.argsort(overlap)

@@ -32,7 +32,8 @@ from granwave.extensions.continuum.material import (
     compiled,
 )  # fmt: skip
 
-#: overlap (m), its change in a step, that change before smoothing (m), force (N); sums of work and losses (J)
+#: overlap (m), change of overlap in a step, change before smoothing (m), force (N); sums of work
+#: and losses (J)
 OVERLAP, RATE, TARGET_RATE, FORCE, WORK, VISCOUS, HOURGLASS, DAMPING, KINETIC, PENALTY = range(10)
 N_TALLY = 10
 STABLE = 0.9  # timestep over the stability limit of central differences

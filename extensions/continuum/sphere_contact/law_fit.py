@@ -33,9 +33,9 @@ Array = NDArray[np.float64]
 
 LAW = "elastoplastic-fe"
 _DEEPEST = 0.2  # largest overlap of the fit over R*; beyond it the law is a straight line
-_PLACES = np.linspace(0, 1, 40)  # places of an unloading from the residual overlap to the peak
+_PLACES = np.linspace(0, 1, 40)  # positions on an unloading from the residual overlap to the peak
 _FIRST = 6.0  # first unloading / first yield below which it shows the onset of dissipation
-_BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # places from yield to the first unloading
+_BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # positions from yield to the first unloading
 _POWERS = (2, 4, 6, 8)  # powers of the errors whose sums are minimised in turn
 _ERROR = 0.02  # relative error that counts as 1 in these sums
 _QUADRATURE = 400  # points of the work of loading

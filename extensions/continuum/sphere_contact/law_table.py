@@ -26,8 +26,8 @@ from granwave.extensions.continuum.sphere_contact.deviations import LOADING, UNL
 from granwave.extensions.continuum.sphere_contact.run import ContactRun
 from granwave.lammps_inputs.files import replacing
 
-_MODULUS = 1e11  # of the first sphere, Pa; results do not depend on it
-_RADIUS = 0.01  # of the first sphere, m; results do not depend on it
+_MODULUS = 1e11  # modulus of the first sphere, Pa; results do not depend on it
+_RADIUS = 0.01  # radius of the first sphere, m; results do not depend on it
 TABLE = Path(__file__).with_name("law_table.csv")
 CONTACTS = Path(__file__).with_name("law_contacts.csv")
 _DEEPEST = 0.22  # largest overlap / R*
@@ -157,7 +157,7 @@ def reduce(directory: Path) -> pd.DataFrame:
 
 
 def _smoothed_loading(history: pd.DataFrame, start: float) -> Iterator[tuple[float, float]]:
-    """Give overlaps and smoothed forces on loading, given the overlap at first yield over R*."""
+    """Return overlaps and smoothed forces on loading, given the overlap at first yield over R*."""
     is_loading = history["branch"] == LOADING
     loading = history[is_loading & (history["overlap"] > 0.3 * start) & (history["force"] > 0)]
     x = np.log(loading["overlap"].to_numpy())

@@ -73,7 +73,7 @@ TOLERANCE = 0.02  # largest accepted error of the energy balance over the work o
 PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*
 _ENTRIES = 200, 100  # entries of the history in an e-fold of loading and in an unloading
 _AT_REST = 1e-3  # rate over the loading rate at which the faces count as at rest
-_MOST_KINETIC = 0.01  # of the internal energy
+_MOST_KINETIC = 0.01  # fraction of the internal energy
 _OF_HISTORY = {
     "overlap": "m",
     "force": "N",
@@ -102,7 +102,7 @@ _OF_LOADING = {"overlap": "m", "force": "N", "contact_radius": "m", "mean_pressu
 
 
 class _Refused(Exception):
-    """Error of an energy balance that does not close."""
+    """Return the error of an energy balance that does not close."""
 
 
 class ContactRun(ElementRun):
@@ -383,8 +383,8 @@ def _of_cycles(cycles: pd.DataFrame) -> dict[str, float]:
 
 
 def _quasi_static(late: pd.DataFrame) -> dict[str, float]:
-    """Compare, from first yield on, kinetic and internal energy, forces at face and contact, and
-    penetrations.
+    """Compare, from first yield on, kinetic and internal energy, forces at faces and contact, and
+    overlaps.
     """
     loading = late[(late["branch"] == LOADING) & (late["force"] > 0)]
     difference = 100 * (loading["face_force"] / loading["force"] - 1)
@@ -413,7 +413,7 @@ def contact_table(case: SphereContactCase, history: pd.DataFrame) -> dict[str, N
     law = case.law
     yields = (
         1.0 if math.isfinite(law.yield_overlap) else math.nan
-    )  # what scales with yield is empty without it
+    )  # values in units of first yield are empty without it
     return {
         "branch": np.array(names),
         "overlap_m": overlap,
@@ -428,5 +428,5 @@ def contact_table(case: SphereContactCase, history: pd.DataFrame) -> dict[str, N
     }
 
 
-#: Run a study, as `run_elements` does; leaves contact.csv besides.
+#: Run a study, as `run_elements` does, and write contact.csv.
 run_sphere_contact = partial(run_elements, ContactRun)

@@ -149,7 +149,7 @@ class SphereContactSolver:
             np.add.at(self._extra, surface.around[:, 1], on_segment / 2)
             np.add.at(self._extra, surface.around[:, 2], on_segment / 2)
         if len(bodies) == 1:
-            self._extra[-2:] = 1.0  # nodes of the plane, which do not move
+            self._extra[-2:] = 1.0  # fixed nodes of the plane
         self._contact = tuple(map(tuple, self._surfaces))
         self.mass = np.zeros(len(nodes))
         self._set_masses()
@@ -286,7 +286,7 @@ class SphereContactSolver:
         r, z = body.nodes[body.surface].T
         line = body.surface[
             np.arctan2(r, body.radius - z) <= _STEEPEST
-        ]  # that may touch, from the axis outwards
+        ]  # nodes that may touch, from the axis outwards
         r, z = body.nodes[line].T
         length = np.hypot(np.diff(r), np.diff(z))
         stiffness = (

@@ -29,8 +29,8 @@ TEXT = (
     "finite elements over the contact law, less 1, at equal overlap; alpha_y is the overlap at "
     "first yield. The contact grows element by element, so single values have steps."
 )
-_SPOTS = (3.0, 10.0)  # alpha_y: where the law is farthest off, and where its plateau begins
-_SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
+_SPOTS = (3.0, 10.0)  # alpha_y: where the law deviates most, and where its plateau begins
+_SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -42,8 +42,8 @@ from granwave.workflows.run.progress import Progress
 Tables = dict[str, Any]
 NOTABLE = 0.05  # relative change of an objective that the report names first
 FALLEN = 0.1  # fraction of the peak to which the force on a target falls once the impact has passed
-_STILL = 0.05  # fraction of the impulse that may come in the last tenth of a run
-_MOVING = 0.3  # fraction of the energy that may be kinetic at the end
+_STILL = 0.05  # fraction of the impulse that is allowed in the last tenth of a run
+_MOVING = 0.3  # fraction of the energy that is allowed to be kinetic at the end
 _TOLERANCE = 5e-4  # scatter of diameters divided by the diameter
 
 
@@ -108,7 +108,7 @@ def _run_further(
     *,
     show: bool,
 ) -> Iterator[GuardOutcome]:
-    """Make the further runs of the best design, whose own run is ``run``; give their findings."""
+    """Make the further runs of the best design, whose own run is ``run``; return their findings."""
     waiting = deque(further_runs(problem, best, run["longer"]))
     total = len(waiting)
     started = {}
@@ -252,7 +252,7 @@ def of_neighbours(
 def _moves(
     problem: DesignProblem, best: Design, designs: Sequence[Design]
 ) -> Iterator[GuardOutcome]:
-    """Give the change by moves from the best design of the search to designs next to it."""
+    """Return the change by moves from the best design of the search to designs next to it."""
     searched = [design for design in designs if design.state == COMPLETE and not design.next_to]
     if not best.next_to or not searched:
         return
@@ -302,7 +302,8 @@ def findings_without_runs(
 def _kinetic_energy_at_end(
     problem: DesignProblem, best: Design, summary: Mapping[str, Any]
 ) -> Iterator[GuardOutcome]:
-    """Give the fraction of the energy that is kinetic at the end of the run.
+    """Return the kinetic fraction of the energy at the end of the run. It is no warning for elastic
+    packings and chains, which rattle indefinitely.
 
     It is no warning for elastic packings and chains, which rattle without end.
     """

@@ -36,7 +36,7 @@ from granwave.workflows.run import forks, mpi, record
 from granwave.workflows.run.directory import RunDirectory
 from granwave.workflows.run.launchers import of_this_machine
 
-_POLL = 0.05  # time between two looks at the runs, s
+_POLL = 0.05  # time between checks of the runs, s
 # command of a step of the Slurm job in which this process runs
 _STEP = ("srun", "--mpi=pmi2", "--exact", "-N", "1")
 

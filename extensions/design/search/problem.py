@@ -29,14 +29,14 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.workflows.scanning.header import TABLE_OF_KEYS
 
 _REPLACE = "replace"
-_MOST_IDS = 1_000_000  # of grains that one key changes
+_MOST_IDS = 1_000_000  # most ids of grains that one key changes
 #: Values of a packing that limits may concern and that are known before a run.
 KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
 _DERIVED = (
     "yielded_share",
     "kinetic_share",
     "overlap_over_radius",
-)  # values that are made of those of the summary
+)  # values that are computed from the summary
 _NO_NUMBERS = (
     "name",
     "end_reason",
@@ -330,8 +330,8 @@ def examined(
 
 
 def _values_before(assembly: Assembly, limit: DesignLimit | None) -> dict[str, float]:
-    """Return `known_before`; only the number of spheres if it is beyond its limit, which saves the
-    memory for their positions.
+    """Return `known_before`; only the number of spheres if it exceeds its limit, to save the memory
+    for their positions.
     """
     n_spheres = assembly.lattice.n_spheres
     if limit is not None and n_spheres and limit.fault(n_spheres):
@@ -393,7 +393,7 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
     """
     changed = copy.deepcopy(dict(tables))
     errors = []
-    # whole tables before keys inside them; the new position of a grain after its other keys
+    # complete tables before keys inside them; the new position of a grain after its other keys
     for key in sorted(values, key=lambda key: (key.count("."), key.endswith(".index"))):
         try:
             _set(changed, key.split("."), values[key])
@@ -452,7 +452,7 @@ def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[di
 
     An added entry has the values of the last entry that covers its grains.
     """
-    covering: dict[int, int | None] = dict.fromkeys(grains, None)  # place of the entry by grain
+    covering: dict[int, int | None] = dict.fromkeys(grains, None)  # position of the entry by grain
     for place, entry in enumerate(entries):
         with contextlib.suppress(ValidationError):
             covering |= dict.fromkeys(covering.keys() & INDEX.read(entry.get("index", [])), place)

@@ -30,15 +30,15 @@ from granwave.extensions.design.search.variables import Space, Values
 Array = NDArray[np.float64]
 _ENUMERATED = 3000  # number of designs of a space up to which all are candidates
 _RANDOM = 1024  # random candidates of a larger space
-_OF_BEST = 8  # best designs of which changed ones are candidates
+_OF_BEST = 8  # best designs whose changes are candidates
 _CHANGES = 64  # candidates made from each of these
-_MOST_RANDOM = 20_000  # draws in search of a design that was not tried
+_MOST_RANDOM = 20_000  # draws in the search for an untried design
 _LEAST_DEVIATION = 1e-9  # smallest standard deviation of a prediction
-_LEAST_PROBABLE = 0.01  # probability to meet the limits, below which a candidate comes last
+_LEAST_PROBABLE = 0.01  # probability of meeting the limits, below which a candidate comes last
 _MOST_MODELLED = 300  # largest number of designs in the model of the objective
 _MOST_ROWS = 120  # largest number of designs in the model of a limit
 _LATEST = 40  # latest designs that the model of a limit always contains
-_FAR = -6  # below it the two terms of the expected improvement cancel to rounding
+_FAR = -6  # below this value the two terms of the expected improvement cancel to rounding
 _JOINT = 0.05  # weight of the sum of two objectives in their joint loss (ParEGO)
 _FEWEST_MODELLED = 4  # complete designs that a model of the whole space needs
 
@@ -127,12 +127,15 @@ def _names(designs: Iterable[TriedDesign]) -> set[str]:
 
 
 def _by_loss(design: TriedDesign) -> tuple[bool, tuple[float, ...]]:
-    """Return the rank of a complete design: by its losses, after those that meet the limits."""
+    """Return the rank of a complete design by its losses; designs that meet the limits come first.
+    """
     return not design.feasible, design.losses or ()
 
 
 def _candidates(space: Space, designs: Sequence[TriedDesign], rng: Generator) -> list[Values]:
-    """Return all untried designs of a small space, else random ones and changes of the best."""
+    """Return all untried designs of a small space, otherwise random designs and changes of the
+    best.
+    """
     tried = _names(designs)
     if space.size <= _ENUMERATED:
         return [values for values in space.all() if repr(values) not in tried]
@@ -147,7 +150,7 @@ def _candidates(space: Space, designs: Sequence[TriedDesign], rng: Generator) ->
 def _drawn(
     space: Space, designs: Sequence[TriedDesign], seed: int, rng: Generator
 ) -> Iterator[Values]:
-    """Give untried designs at random; of a small space at last all others."""
+    """Yield untried designs at random; of a small space finally all others."""
     tried = _names(designs)
     left: dict[str, Values] = {}
     is_small = space.size <= _ENUMERATED
@@ -180,11 +183,11 @@ def worth_of(
     x = space.features(candidates)
     model = fitted(space, designs, scores)
     running = [design.values for design in tried if design.losses is None and design.in_work]
-    if running:  # with their predictions for results
+    if running:  # predictions replace the results of running designs
         predictions = model.predict(space.features(running))
         model = fitted(space, [*designs, *running], np.concatenate([scores, predictions]))
     mean, deviation = model.predict(x, return_std=True)
-    worth = np.zeros(len(x))  # without a feasible design the limits alone count
+    worth = np.zeros(len(x))  # without a feasible design only the limits count
     if feasible.any():
         least = float(scores[feasible].min())
         worth = _log_improvement(least, mean, np.maximum(deviation, _LEAST_DEVIATION))
@@ -338,7 +341,7 @@ def expected_random(
 
 
 def _limits(space: Space, designs: Sequence[TriedDesign], rng: Generator) -> Iterator[Any]:
-    """Give a model of the margin of each limit that some designs exceed."""
+    """Return a model of the margin of each limit that some designs exceed."""
     names: dict[str, None] = {}
     for design in designs:
         names.update(dict.fromkeys(design.margins))

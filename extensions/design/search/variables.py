@@ -22,10 +22,10 @@ _EXPECTED = (
 _RANGE_KEYS = ("low", "high", "log", "integer", "step")
 _DIGITS = 6  # significant digits of values in a range
 _MOST_STEPS = 10_000  # largest number of values of a range with steps
-_STEPS = (0.15, 0.03, 0.006)  # sizes of random changes, divided by the range
-_ROUNDING = 1e-9  # part of a step by which the last value may be beyond the range
-_TO_NEIGHBOUR = 0.05  # distance of neighbours in a continuous range, divided by the range
-_LOW_END = 0.01  # places below which a value is at the low end of its range ...
+_STEPS = (0.15, 0.03, 0.006)  # sizes of random changes over the range
+_ROUNDING = 1e-9  # fraction of a step by which the last value may exceed the range
+_TO_NEIGHBOUR = 0.05  # distance of neighbours in a continuous range over the range
+_LOW_END = 0.01  # positions below which a value is at the low end of its range ...
 _HIGH_END = 0.99  # ... and above which at the high end
 _CHANGED = 1.5  # mean number of changed variables, in addition to a variable that always changes
 

@@ -24,9 +24,9 @@ from granwave.extensions.inference.forces.equations import Covariance
 from granwave.extensions.inference.forces.grains import NORMAL, TANGENTIAL, Array
 from granwave.extensions.inference.forces.solve import DENSE_UNKNOWNS
 
-_LOADED = 1e-8  # of the largest force; smaller ones are errors of the solver
-_SLIDING = 1e-6  # of the limit of friction
-_SMALL = 1e-12  # of the largest force: tangential forces without direction
+_LOADED = 1e-8  # fraction of the largest force; smaller forces are errors of the solver
+_SLIDING = 1e-6  # fraction of the limit of friction
+_SMALL = 1e-12  # fraction of the largest force: tangential forces without direction
 
 
 class Freedom(NamedTuple):

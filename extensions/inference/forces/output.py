@@ -129,9 +129,7 @@ class Inferred:
         return self._joined(tables)
 
     def _joined(self, tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-        """Put the tables of the instants below each other, after a column of times if these are
-        known.
-        """
+        """Concatenate the tables of the instants, after a column of times if these are known."""
         for table, time in zip(tables, self.times, strict=True):
             if not math.isnan(time):
                 table.insert(0, "time_s", time)

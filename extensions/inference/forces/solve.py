@@ -34,7 +34,7 @@ _SOLVED = (
     "Solved",
     "AlmostSolved",
     "InsufficientProgress",
-)  # the last: as near as rounding lets it
+)  # the last: as accurate as rounding allows
 _WIDTH = math.log(30.0)  # half-width of the first scan, logarithm of the factor
 _SCANNED = 9  # factors in a scan
 _WIDENED = 4  # largest number of scans, each around the end of the last

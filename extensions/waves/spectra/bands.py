@@ -39,8 +39,8 @@ _WORDS = {
 
 
 def _hertz(square: Array, largest: float, rigid: NDArray[np.bool_] | bool = True) -> Array:
-    """Frequencies of omega^2, s^-2; 0 where nothing resists what is ``rigid``, NaN where a motion
-    grows by itself.
+    """Frequencies of omega^2, s^-2; 0 for ``rigid`` motions without stiffness, NaN for unstable
+    motions.
     """
     zero = _ZERO * largest
     hertz = np.where(

@@ -407,7 +407,7 @@ def losses_of(
         else:
             materials = assembly.material_of(i), assembly.material_of(j)
             loss = loss_of(materials, (assembly.shape_of(i), assembly.shape_of(j)))
-        if loss is not None and loss[0] != "prony":  # of which there is no state
+        if loss is not None and loss[0] != "prony":  # Prony series have no state
             kind, size = loss
             k = float(contacts.stiffness[row])
             damping[row] = size * (

@@ -109,7 +109,7 @@ def zone(periods: Array) -> tuple[dict[str, Array], str]:
             band_path = cell.bandpath(pbc=pbc, npoints=0, eps=_EPSILON)
             points = band_path.special_points
             path = band_path.path
-    except (RuntimeError, ValueError, AssertionError):  # a cell that ASE cannot name
+    except (RuntimeError, ValueError, AssertionError):  # a cell that ASE cannot classify
         points = {"G": np.zeros(3)} | dict(zip("XYZ"[:n], np.eye(3) / 2, strict=False))
         path = "".join([*points, "G"])
     stretches = ("-".join(_NAMES.findall(stretch)) for stretch in path.split(","))

@@ -16,7 +16,7 @@ from granwave.lammps_inputs.case.loads.load import LoadedPacking
 from granwave.lammps_inputs.case.schema import ErrorList
 
 _JUMPS = ("half-sine", "rectangle")  # shapes whose velocity, or value, jumps at the start
-_MARGIN = 2.0  # of overlaps and speeds over those of the displacement
+_MARGIN = 2.0  # factor on the overlaps and speeds of the displacement
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -174,7 +174,7 @@ class Load(ABC):
     shown_amplitude: ClassVar[tuple[float, str]] = (1.0, "")
     input_formula: ClassVar[str] = "v_given"
 
-    # Keys of some loads, for those that lack them.
+    # Keys of some loads, with None for loads without them.
 
     @property
     def spheres(self) -> int:
@@ -263,7 +263,7 @@ class Load(ABC):
         """True if the impacted spheres may give back most of the energy put in."""
         return False
 
-    # Struck spheres and their motion at the start.
+    # Impacted spheres and their initial motion.
 
     def named(self, at_centre: Callable[[int], tuple[int, ...]]) -> tuple[str, Sequence[int]]:
         """Return the key by which the load names spheres of the packing, and their ids; these are

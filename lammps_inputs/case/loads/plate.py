@@ -22,7 +22,7 @@ from granwave.lammps_inputs.case.loads.load import (
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.script_words import num
 
-# energy of a contact over its share of that of a plate: twice the mean force, in the softest
+# energy of a contact over the plate's energy per contact: twice the mean force, in the softest
 # direction
 _OF_SHARE = 4.0
 _REBOUND = 2.0  # speed of a sphere that a heavy plate hits, over that of the plate

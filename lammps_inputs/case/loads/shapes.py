@@ -29,12 +29,12 @@ from granwave.lammps_inputs.tables.units import in_si, split_unit, unit_of
 
 Points = tuple[tuple[float, float], ...]
 
-_N_OF_COLUMNS = 2  # time, and force or place
+_N_OF_COLUMNS = 2  # time, and force or displacement
 _MOST_HEADS = 2  # rows above the numbers: names and units
 #: Units in the names of the columns of ``load.file``: powers of ten of the SI unit.
 _UNITS = {"s": 0, "ms": -3, "us": -6, "ns": -9, "N": 0, "kN": 3, "m": 0, "mm": -3, "um": -6}
 
-#: Keys that a shape needs, and those that it may have.
+#: Keys that a shape requires, and optional keys.
 SHAPES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "half-sine": (("amplitude", "duration"), ()),
     "rectangle": (("amplitude", "duration"), ()),

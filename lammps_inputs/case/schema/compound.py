@@ -58,7 +58,7 @@ class ListType(ValueType):
         return values if self.finish is None else self.finish(values)
 
     def _read_item(self, n: int, value: Any) -> Any:
-        """Read the n-th value; the fault of a value inside of a table names the table by number."""
+        """Read the n-th value; the fault of a value inside a table names the table by number."""
         try:
             return self.item.read(value)
         except ValidationError as error:

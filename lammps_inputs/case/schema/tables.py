@@ -23,9 +23,9 @@ Entry = TypeVar("Entry")
 Content = TypeVar("Content")
 
 REQUIRED: Any = dataclasses.MISSING
-_MOST_UNKNOWN = 20  # unknown keys of a table with a fault each
-_KEY = "key"  # of the metadata of a field
-FURTHER_KEYS = "FURTHER_KEYS"  # class attribute of a section: keys that are no fields
+_MOST_UNKNOWN = 20  # unknown keys of a table that are reported one by one
+_KEY = "key"  # key of the metadata of a field
+FURTHER_KEYS = "FURTHER_KEYS"  # class attribute of a section: keys that are not fields
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -18,7 +18,7 @@ from granwave.lammps_inputs.message_words import did_you_mean, show
 
 _LEAST = 2.3e-308  # magnitude, in messages
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
-NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to that of the steps
+NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to the number of steps
 LABEL_FORM = (
     "a name that is not empty and contains no tabs, line breaks or other control characters, nor "
     "spaces at its ends"
@@ -94,7 +94,7 @@ def finite(value: Any, expected: str) -> float:
     except OverflowError:
         raise ValidationError(expected) from None
     refuse_if(not math.isfinite(result), expected)
-    if 0 < abs(result) < sys.float_info.min:  # LAMMPS cannot read it
+    if 0 < abs(result) < sys.float_info.min:  # LAMMPS cannot read longer names
         raise ValidationError(f"{expected}: 0, or a magnitude from {_LEAST:.3g} up")
     return result
 
