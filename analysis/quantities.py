@@ -229,8 +229,8 @@ ENTRIES = (
              "of a load, relative to its largest value; 0 if the chain has a single state at every "
              "amplitude.", digits=".2g"),
     Quantity("unsteady_part", "Unsteady part",
-             "Part of the motion at frequencies other than the load frequency and its second and "
-             "third harmonics, of the loaded or the last bead, whichever is larger.", digits=".2g"),
+             "Fraction of the motion at frequencies other than the load frequency and its second "
+             "and third harmonics, of the loaded or last bead, whichever is larger.", digits=".2g"),
     Quantity("deck_changed", "Input files changed by hand",
              "Values in case.toml may differ from the values of the run.",
              short="deck changed by hand"),

@@ -453,8 +453,7 @@ def curve_of(
 
 
 def _warn_of_jumps(overlap: Array, source: str) -> None:
-    """Log a warning about a curve without branches whose rows are not in the order of measurement.
-    """
+    """Warn of a curve without branches whose rows are not in the order of measurement."""
     steps = np.abs(np.diff(overlap))
     if not steps.size:
         return

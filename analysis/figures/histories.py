@@ -196,9 +196,7 @@ def bottom_force(result: Result) -> Drawing | None:
     impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
     figure, axes = panels(2.3)
     against_time(axes, time, force, linewidth=0.8)
-    axes.update_datalim(
-        [(0.0, 0.0)]
-    )  # a nearly constant force is not drawn on the frame
+    axes.update_datalim([(0.0, 0.0)])  # a nearly constant force is not drawn on the frame
     axes.autoscale_view(scalex=False)
     axes.set_ylabel("Force on the bottom (N)", color=BLUE)
     beside = axes.twinx()

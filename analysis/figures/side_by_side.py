@@ -181,8 +181,7 @@ def _drawn_beside(
 
 
 def _attempt(draw: Callable[[str], Outcome], name: str) -> tuple[bool, Outcome]:
-    """Draw a figure; a figure that fails is drawn again in its turn, and its error is raised then.
-    """
+    """Draw a figure; a figure that fails is drawn again later, and its error is raised then."""
     try:
         return True, draw(name)
     except Exception:

@@ -257,9 +257,6 @@ def _needed_tables_only() -> Iterator[None]:
     """Embed fonts without tables for shaping and naming text, which no reader of a PDF needs and
     which take longest. matplotlib has no setting for it, so the function by which fontTools loads a
     font is replaced meanwhile.
-
-    matplotlib has no setting for it; so the function by which fontTools loads a font is replaced
-    meanwhile.
     """
     from fontTools import subset  # takes longer to load than a figure to draw
 
@@ -310,9 +307,7 @@ def lay_out(figure: Figure, resolution: float) -> None:
         long_times_in_ms(figure)
         for axes in figure.axes:
             for artist in (axes.patch, *axes.spines.values()):
-                artist.set_in_layout(
-                    False
-                )  # inside the axes, which the layout leaves free anyway
+                artist.set_in_layout(False)  # inside the axes, which the layout leaves free anyway
         figure.dpi = resolution
         engine.execute(figure)
         if break_long_titles(figure):

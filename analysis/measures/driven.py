@@ -63,9 +63,7 @@ class SteadyMotion:
     """Amplitudes along a row under a harmonic load."""
 
     frequency: float  # Hz
-    velocity: NDArray[
-        np.complex128
-    ]  # complex amplitudes of the spheres: (n_spheres,), m/s
+    velocity: NDArray[np.complex128]  # complex amplitudes of the spheres: (n_spheres,), m/s
     left: Array  # residual of the fit over the signal, both as root mean squares: (n_spheres,)
     row: MeasuredRow  # the spheres
 
@@ -297,9 +295,7 @@ def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
     whole = load.lasts
     length = WINDOW_PERIODS / frequency
     n = int(min(whole, time[-1]) / length * (1 + 1e-9))
-    if (
-        n < LEAST_WINDOWS or n * length < 0.75 * whole
-    ):  # the run ended before the load fell
+    if n < LEAST_WINDOWS or n * length < 0.75 * whole:  # the run ended before the load fell
         return None
     middles = (np.arange(n) + 0.5) * length
     fits = []

@@ -58,8 +58,8 @@ class Reached:
     force: Array  # force on the target from the packing, or from the impactor without a packing, N
     ground_force: (
         Array | None
-    # force of the target on the ground, N; None for a bar at a chain's end, where it is not
-    # recorded
+        # force of the target on the ground, N; None for a bar at a chain's end, where it is not
+        # recorded
     )
     # outward displacement since the impact, m; None for a fixed target
     displacement: Array | None = None

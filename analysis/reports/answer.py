@@ -294,9 +294,7 @@ def in_words(run: ReportRun) -> str:
         values["decay"] = _decay(_peaks(run))
         values["along_chain"] = values.get("wave_speed_m_s", "")
     if (plate := run.number("plate_velocity_m_s")) is not None:
-        values["plate"] = (
-            f"{'rebounds' if plate < 0 else 'still moves in'} with {abs(plate):.4g} m/s"
-        )
+        values["plate"] = f"{'rebounds' if plate < 0 else 'still moves in'} at {abs(plate):.4g} m/s"
     values = {name: text for name, text in values.items() if text}
     lines = [
         text.format(name)

@@ -53,7 +53,7 @@ def why_no_run(path: Path) -> str:
         return f"{path}: {reason}"
     found = sorted(entry.name for entry in path.iterdir())
     if not any(name in found for name in OF_A_RUN):
-        expected = f"expected {files.RESULT_FILE} in it, as  granwave run CASE -o {path}  leaves it"
+        expected = f"expected {files.RESULT_FILE} in it, written by  granwave run CASE -o {path}"
         return no_results(path, found, "no run", expected)
     if files.CASE_FILE not in found:
         return f"{path}: {files.CASE_FILE} is missing, so the run there cannot be read; run the case again with force=True"

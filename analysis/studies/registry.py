@@ -156,9 +156,7 @@ def _load(file: Path, changed: int) -> ModuleType:
         raise InputError(f"{path}: cannot be loaded, expected the Python file of a study")
     module = importlib.util.module_from_spec(spec)
     before = set(sys.modules)
-    sys.path.insert(
-        0, str(file.parent)
-    )  # only this study can import the modules in its folder
+    sys.path.insert(0, str(file.parent))  # only this study can import the modules in its folder
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:

@@ -185,7 +185,7 @@ def _words_of_grains(found: PackingStatistics) -> str:
 def _words_of_solid_fraction(found: PackingStatistics) -> str:
     """Return the solid fraction and the published ones, or the reason why there is none."""
     if math.isnan(found.solid_fraction):
-        return f"none: {_SMALL_INSIDE}; add grains, or take a deeper or wider container"
+        return f"none: {_SMALL_INSIDE}; add grains, or use a deeper or wider container"
     low, high = RANDOM_LOOSE_PACKING
     return (
         f"{found.solid_fraction:.3f} inside; random close packing {RANDOM_CLOSE_PACKING:g}, "

@@ -150,8 +150,7 @@ def _has_outlines(result: Result) -> bool:
 
 
 def _surface_of(result: Result) -> tuple[NDArray[np.intp], RenderedSpheres]:
-    """Return the rows of the visible spheres and their view; the same for all images of a result.
-    """
+    """Return the rows of the visible spheres and their view, common to all images of a result."""
     if result not in _SURFACES:
         positions = result["spheres/position"]
         beyond = (positions - result.origin)[:, :2]

@@ -69,6 +69,6 @@ def _read(path: Path) -> Mapping[str, Any]:
         )
     if str(table[_LAW]).endswith(TOML_SUFFIX):
         raise InputError(
-            f"{path}: found law = {show(table[_LAW])} in it, a file again; name that file"
+            f"{path}: found law = {show(table[_LAW])} in it, another file; name that file"
         )
     return table

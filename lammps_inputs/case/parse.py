@@ -347,8 +347,6 @@ def _usual_axis(packing: Mapping[str, Any]) -> dict[str, str]:
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a case with implied values: strikers as the load, the axis of strikers,
     and a bar as the bottom.
-
-    These are strikers as the load, the axis of strikers, and a bar for a bottom.
     """
     data = dict(data)
     if "striker" in data:

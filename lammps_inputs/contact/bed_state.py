@@ -211,8 +211,7 @@ def _values(spring: ContactSpring, overlap: float) -> str:
 def _walls_of(
     assembly: Assembly, spheres: RestartSpheres
 ) -> tuple[list[tuple[RestartWall, Wall]], list[tuple[str, Mismatch]]]:
-    """Return the walls of the case that correspond to walls of the file, and the faults of others.
-    """
+    """Return the walls of the case that match walls of the file, and the faults of the others."""
     n = len(spheres.radius)
     position = assembly.positions()[:n]
     radius = assembly.sphere_diameters()[:n] / 2

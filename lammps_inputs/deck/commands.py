@@ -427,8 +427,7 @@ def _groups(assembly: Assembly) -> list[str]:
 
 
 def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> list[str]:
-    """Support arguments of the wall fix for spheres of a material; empty for fixed planes.
-    """
+    """Support arguments of the wall fix for spheres of a material; empty for fixed planes."""
     if wall.plate is not None:
         mass, velocity = wall.plate
         held = assembly.case.precompression is not None  # held until the run begins, see `motion`

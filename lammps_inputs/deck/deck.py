@@ -282,9 +282,7 @@ def write_deck(
     }
     texts |= {results / name: table for name, table in tables.items()}
     try:
-        with (
-            contextlib.ExitStack() as stack
-        ):  # moved in reverse order: the script comes last
+        with contextlib.ExitStack() as stack:  # moved in reverse order: the script comes last
             paths = dict.fromkeys((deck.script, deck.data, *texts))
             scratch = {path: stack.enter_context(replacing(path)) for path in paths}
             for path, unfinished in scratch.items():

@@ -424,8 +424,6 @@ def _turning(case: Case) -> list[str]:
 def _moving_bed(assembly: Assembly) -> list[str]:
     """Return the commands that record the kinetic energy of a restart file, which is input too. The
     impacted spheres get another velocity.
-
-    Spheres that are struck get another velocity.
     """
     case = assembly.case
     terms = ["ke(all)"]

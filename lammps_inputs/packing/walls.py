@@ -180,9 +180,8 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
     found += _faces_of_regions(case)
     placed = []
-    for wall in (
-        found
-    ):  # with cohesion, at zero contact force; tubes, and sides with a gap, are unchanged
+    # with cohesion, at zero contact force; tubes, and sides with a gap, are unchanged
+    for wall in found:
         as_it_is = (
             wall.held_layer
             or wall.tube

@@ -194,7 +194,7 @@ class Encounter:
         dent = self.dent
         if (
             dent > peak
-        # an elastic contact stores this energy including its indentation; unloading is a power law
+            # an elastic contact with a dent stores this energy; unloading is a power law
         ):
             held = law.loading_work(dent) - law.dissipated_energy(dent)
             steepest = law.unloading_stiffness(dent)

@@ -330,7 +330,7 @@ class DumpFrame:
             return
         if len(scaled) < len(PLACE) and not box.is_straight:
             raise ValueError(
-                "found coordinates of which some are scaled in a tilted box; dump x, y, z"
+                "found both scaled and unscaled coordinates in a tilted box; dump x, y, z"
             )
         fractions = grains.position / 10.0**power
         places = in_si(box.origin + fractions @ box.edges, power)

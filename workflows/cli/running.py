@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
         warn_of_zone(summary)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
-                f"{beyond} contacts were pressed beyond 0.2 R*, the limit of the contact law; "
+                f"{beyond} contacts exceeded an overlap of 0.2 R*, the limit of the contact law; "
                 "figures mark them with a ring"
             )
         if outcome.state == record.INTERRUPTED:

@@ -292,9 +292,6 @@ def _ranks(scratch: Path, ranks: int, launcher: Sequence[str]) -> list[Check]:
     """Run the start of the packing on several ranks; every field must equal the result of one rank
     bit by bit. There are few steps, because ranks that share a core wait for each other in each
     step.
-
-    Its steps are few: ranks that share a core with others, or with other programs, wait for each
-    other in each.
     """
     tables = _PACKING | {"run": {"end_time": 1.5e-5, "frames": 2}}
     alone = _run(scratch, "alone", tables)[0]

@@ -231,9 +231,6 @@ def _has_lost_load(assembly: Assembly, found: dict[str, float]) -> bool:
 def _is_calm(found: Mapping[str, float]) -> bool:
     """Return True for a bed in which only single grains still roll. The sum of the net forces is
     then a negligible fraction of its weight, and no net force exceeds the weight of its grain.
-
-    All net forces together are then a negligible part of its weight, and none is larger than the
-    weight of its grain.
     """
     if "unbalanced" not in found:
         return False
@@ -306,9 +303,6 @@ def _listed(ids: list[int]) -> str:
 def _relative_net_force(assembly: Assembly, found: dict[str, float]) -> float:
     """Return the largest net force on a sphere over the largest contact force. Overlaps that push
     the grains of a free packing apart leave no forces: the reference is the initial force.
-
-    Overlaps that push the grains of a free packing apart leave no forces: theirs is that at the
-    start.
     """
     largest = found["largest_force"]
     if not largest or not may_lose_its_load(assembly):

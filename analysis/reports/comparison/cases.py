@@ -155,8 +155,7 @@ def _number_rows(grains: Sequence[_Grains], *, places: bool) -> list[Difference]
 def _changed_row(
     what: str, ids: NDArray[np.int64], changes: Sequence[NDArray[np.float64]], least: float
 ) -> list[Difference]:
-    """Return the row of the grains that changed by more than ``least``, m; None if there are none.
-    """
+    """Return the row of the grains that changed by more than ``least``, m; None without any."""
     changed = ids[np.max(np.abs(changes), axis=0) > least]
     if not len(changed):
         return []

@@ -91,7 +91,7 @@ class RestitutionFit(FittedLaw):
     def scale(self) -> str:
         """Sentence on the velocity at first yield."""
         work = float(self.law.loading_work(np.array([self.law.yield_overlap]))[0])
-        return f"impacts yield from {math.sqrt(2 * work / self.mass):.4g} m/s on"
+        return f"contacts yield from {math.sqrt(2 * work / self.mass):.4g} m/s on"
 
 
 def fit_restitution(

@@ -280,7 +280,7 @@ def involved(run: Any) -> Involved | None:
 
 def _elements_involved(path: Path, energy_input: float) -> Involved:
     """Return the elements of a block that dissipated, from the ``result.h5`` of a continuum run;
-    the input is in J. Raise OSError or KeyError if the file cannot be read or has another content.
+    the input is in J.
 
     Raise OSError or KeyError if the file cannot be read, or is another one.
     """

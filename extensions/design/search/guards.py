@@ -304,8 +304,6 @@ def _kinetic_energy_at_end(
 ) -> Iterator[GuardOutcome]:
     """Return the kinetic fraction of the energy at the end of the run. It is no warning for elastic
     packings and chains, which rattle indefinitely.
-
-    It is no warning for elastic packings and chains, which rattle without end.
     """
     energy_input = summary.get("energy_input_J")
     kinetic = summary.get("energy_kinetic_J")

@@ -127,8 +127,7 @@ def _names(designs: Iterable[TriedDesign]) -> set[str]:
 
 
 def _by_loss(design: TriedDesign) -> tuple[bool, tuple[float, ...]]:
-    """Return the rank of a complete design by its losses; designs that meet the limits come first.
-    """
+    """Return the rank of a complete design by its losses; designs within the limits come first."""
     return not design.feasible, design.losses or ()
 
 

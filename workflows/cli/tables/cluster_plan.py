@@ -107,5 +107,5 @@ class ClusterPlan:
             return []
         return [
             f"memory of the profile: found {given} MB on each node, expected at least {needed}; "
-            "give more memory, or more nodes"
+            "request more memory, or more nodes"
         ]
