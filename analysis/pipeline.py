@@ -65,7 +65,7 @@ def analyse(
         True for a bar on a terminal or in a notebook; or a function, called with the name of each
         part before it is made.
     figures
-        Draw those that the case asks for, and make its other files, such as an animation. Of
+        Draw the figures requested in the case, and make its other files, such as an animation. Of
         packings with more spheres than `MOST_DRAWN` only figures of the run in time are drawn.
     at_once
         Largest number of spheres in memory; larger packings are analysed in parts. The values do
@@ -78,14 +78,14 @@ def analyse(
     Returns
     -------
     dict
-        What summary.json holds.
+        Content of summary.json.
 
     Raises
     ------
     MissingOutputError
         It is not the directory of a run, or the run did not leave a file that is needed.
     OutputFormatError
-        A file is damaged, or is not what the run wrote.
+        A file is damaged, or differs from the file that the run wrote.
     InputError
         case.toml or data.granwave was changed after the run, or there are files of such names that
         granwave did not write.

@@ -1,9 +1,9 @@
 """The quantities of ``summary.json``, each once: its name there, in reports and at the terminal,
 and where it is shown.
 
-A new one is an entry of ``ENTRIES``, and its name in those of the lists below that are to show it.
-It is computed in `granwave.analysis.summary`. Extensions have entries of their own, which say where
-they are shown, see `Extension`.
+A new value is an entry of ``ENTRIES``; its name is added to the lists below that show it.
+It is computed in `granwave.analysis.summary`. Entries of extensions state where they are shown, see
+`Extension`.
 """
 
 from __future__ import annotations
@@ -479,8 +479,8 @@ REPORT_COLUMNS = (
 
 @cache
 def report_columns() -> tuple[str, ...]:
-    """Return the columns of the tables of results in reports, as far as there are values; those of
-    extensions stand ``after`` others.
+    """Return the columns of the tables of results in reports, as far as there are values; values of
+    extensions follow the entry ``after``.
     """
     columns = list(REPORT_COLUMNS)
     for entry in entries():

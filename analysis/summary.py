@@ -1,6 +1,6 @@
-"""The numbers that sum a run up: ``summary.json``, SI units, null where a value does not apply.
+"""Summary of a run: ``summary.json``, SI units, null where a value does not apply.
 
-What they are called, and where they are shown: `granwave.analysis.quantities`.
+Their names, and where they are shown: `granwave.analysis.quantities`.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def summarise(
     Returns
     -------
     dict
-        What summary.json holds.
+        Content of summary.json.
 
     Raises
     ------
@@ -170,8 +170,8 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
 
 
 def check_value_names() -> None:
-    """Check that no two values of summary.json have the same name, as far as extensions say which
-    they add; to be called before a run.
+    """Check that no two values of summary.json have the same name, as far as extensions declare
+    their values; to be called before a run.
 
     Raises
     ------
@@ -212,12 +212,12 @@ def _last(result: Result, name: str, default: float | None = None) -> float | No
 
 
 def restitution(result: Result) -> float | None:
-    """Coefficient of restitution of a single collision: of two free spheres, or of one and the
+    """Coefficient of restitution of a single collision: of two free spheres, or of a sphere and the
     bottom wall.
 
-    Of two equal spheres of which one rests, the impacted one keeps (1 - e)/2 of its velocity; from
-    a wall it returns with
-    -e, of an oblique impact with the normal part. None for every other packing, and as long as the bodies touch.
+    For two equal spheres, one at rest, the impactor keeps (1 - e)/2 of its velocity; from a wall it
+    rebounds with -e times its velocity, in an oblique impact with -e times the normal component.
+    None for every other packing, and as long as the bodies touch.
     """
     case = result.case
     boundary = result.case.boundary

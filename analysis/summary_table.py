@@ -21,8 +21,8 @@ _GROWING = {
 
 
 class SummaryRow(NamedTuple):
-    """A row: label (empty: that of the row before), value as text, and the keys of summary.json
-    that it shows.
+    """A row: label (empty: the label of the row before), value as text, and the keys of
+    summary.json that it shows.
     """
 
     label: str
@@ -37,7 +37,9 @@ def lines(rows: Sequence[tuple[str, str]]) -> str:
 
 
 def rows_of(reference: str) -> Sequence[Quantity]:
-    """Return the quantities of a reference, as of `ResultKind.rows`; those of a run without one."""
+    """Return the quantities of a reference, as in `ResultKind.rows`; by default the quantities of a
+    run.
+    """
     rows: Sequence[Quantity] = load(reference) if reference else RUN_ROWS
     return rows
 

@@ -79,8 +79,8 @@ class Extension:
         Reference: sequence of `granwave.lammps_inputs.result_kinds.ResultKind`, one for each kind
         of directories of results that it writes.
     case_keys
-        Reference: mapping of dotted keys of its cases to `granwave.analysis.formatting.values.Naming`,
-        their labels and units.
+        Reference: mapping of dotted keys of its cases to
+        `granwave.analysis.formatting.values.Naming`, their labels and units.
     quantities
         Reference: sequence of `granwave.analysis.quantities.Quantity`: values that it writes.
     summary

@@ -121,7 +121,9 @@ def replace_bytes(path: Path, content: bytes) -> None:
 
 
 def is_special(path: Path) -> bool:
-    """Return True for a pipe, a socket or a device, also through a link; opening it may never end."""
+    """Return True for a pipe, a socket or a device, also through a link; opening it may never
+    end.
+    """
     try:
         mode = path.stat().st_mode
     except (OSError, ValueError):

@@ -11,8 +11,8 @@ from typing import Any, Self
 
 
 def stop_signals() -> list[signal.Signals]:
-    """Return the signals that ask a program to stop: Ctrl-C, SIGTERM, and SIGHUP, of a terminal that
-    is closed, unless nohup ignores it.
+    """Return the signals that ask a program to stop: Ctrl-C, SIGTERM, and SIGHUP, of a terminal
+    that is closed, unless nohup ignores it.
     """
     hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
     return [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hangs_up else [])]

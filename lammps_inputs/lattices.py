@@ -353,7 +353,9 @@ class Lattice:
         return sorted(int(other) for other, exists in shifted if exists)
 
     def at_sides(self, ids: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return True for the spheres at the ends of rows and layers that are not periodic: (n,)."""
+        """Return True for the spheres at the ends of rows and layers that are not periodic:
+        (n,).
+        """
         nx, ny, _ = self.shape
         i, j, k = self._indices(ids - 1)
         ends = [

@@ -122,7 +122,9 @@ def bench(
 
 
 def triad(megabytes: int = 256, repeats: int = 5) -> float:
-    """Measure the memory bandwidth of one core, GB/s: a = b + s c on arrays larger than the caches."""
+    """Measure the memory bandwidth of one core, GB/s: a = b + s c on arrays larger than the
+    caches.
+    """
     n = megabytes * 2**20 // 8
     a = np.empty(n)
     b = np.ones(n)

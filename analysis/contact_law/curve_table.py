@@ -31,13 +31,13 @@ _LARGEST_TITLE = 20  # rows that may be above the names of the columns
 
 
 def read_curve_rows(path: Path) -> list[Row]:
-    """Read the rows of a curve, of which the first has the names of the columns with their units,
-    such as ``displacement_mm``; other names are as they are written.
+    """Read the rows of a curve; the first has the names of the columns with their units, such as
+    ``displacement_mm``; other names are unchanged.
 
     Raises
     ------
     InputError
-        The file cannot be read, is no text, or has a line that cannot be taken apart.
+        The file cannot be read, is not text, or has a line that cannot be parsed.
     """
     rows = _rows_from_names(read_layout(path), path)
     if not rows:

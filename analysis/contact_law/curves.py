@@ -3,7 +3,7 @@ figures.
 
 A collision of effective mass m loads the contact until the work of loading W(a_max) equals m v^2 /
 2; all of it is returned but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs give the
-same, see test_curves.py.
+same curves, see test_curves.py.
 
 Measured force-overlap curves, read from CSV, with the branch and the largest overlap of every row.
 
@@ -57,8 +57,8 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
     max_overlap
         Largest overlap, in units of alpha_y; of 1e-4 R* for materials without a yield strength.
     velocity
-        Velocity of approach and of separation, m/s, of which the yield strength of some materials
-        depends; 0: slow.
+        Velocity of approach and of separation, m/s, on which the yield strength of some materials
+        depends; 0: quasi-static.
 
     Returns
     -------
@@ -66,8 +66,7 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
         ``branch`` (loading, then unloading_N and reloading_N for each of four turning points),
         ``overlap_m``, ``force_N``, ``overlap_normalised`` (by alpha_y), ``force_normalised`` (by
         F_y); the last two are NaN for materials without a yield strength. ``force_error_N``, the
-        error bar that the law states for itself, if it states one of slow contacts; NaN beyond its
-        range.
+        error bar of the law, if it has one for slow contacts; NaN beyond its range.
 
     Raises
     ------
@@ -248,8 +247,8 @@ def restitution(
     mass
         Effective mass of the two bodies, kg.
     max_overlap
-        Overlap of the fastest impact over that at first yield; for the elasto-plastic law at most
-        0.2 R*, the limit of its fit.
+        Overlap of the fastest impact over the overlap at first yield; for the elasto-plastic law at
+        most 0.2 R*, the limit of its fit.
     """
     check_forces(law)
     largest = max_overlap * law.yield_overlap

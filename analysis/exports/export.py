@@ -1,6 +1,6 @@
 """Export of a run or a scan to the formats of ParaView, pandas, xarray and OVITO.
 
-Files are written to a scratch directory, and moved into place when all are complete.
+Files are written to a scratch directory, and moved to their final location when all are complete.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def export(
 ) -> list[Path]:
     """Export a run or a scan; files of an earlier export to the same format are replaced.
 
-    Files are moved into place after all of them are complete.
+    Files are moved to their final location after all are complete.
 
     Parameters
     ----------

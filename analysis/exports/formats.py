@@ -1,6 +1,6 @@
 """Format of ``granwave export``: a description of its files, and the functions that write them.
 
-Files are written to a scratch directory, and moved into place when all are complete.
+Files are written to a scratch directory, and moved to their final location when all are complete.
 """
 
 from __future__ import annotations
@@ -113,7 +113,8 @@ def staged(output: Path, outdated: str = NOTHING) -> Iterator[tuple[PathOf, list
     Yields
     ------
     function, list
-        Scratch path for a file of a name; and the paths of the files, once they are in place.
+        Function that returns the scratch path for the name of a file; and the final paths of the
+        files, filled in at the end.
 
     Raises
     ------

@@ -66,7 +66,7 @@ def contact_network(result: Result) -> Drawing | None:
     """Draw contacts as lines as thick as their force, with a panel for each state: at rest, at an
     instant, and the largest force of each contact.
 
-    The plane is the one of the case, or the principal one, or y = 0 through the impact.
+    The plane is the plane of the case, or the principal plane, or y = 0 through the impact.
     """
     cut = _cut(result)
     if not len(cut.index):
@@ -232,8 +232,8 @@ def force_distribution(result: Result) -> Drawing | None:
     """Draw the distribution of the contact forces, relative to their mean, with exponential tails.
 
     The forces are those at rest, at the instant of the largest elastic energy, and the largest of
-    each contact, as far as the run has them, from ten contacts on. Forces that are alike are a band
-    over their range.
+    each contact, as far as the run has them, from ten contacts on. Nearly equal forces are drawn as
+    a band over their range.
     """
     states = [state for state in contact_forces(result) if len(state.force) >= _FEWEST]
     if not states:

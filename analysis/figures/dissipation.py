@@ -1,4 +1,4 @@
-"""Figures of where energy is lost: by sphere, by depth, in the plastic zone, by direction."""
+"""Figures of dissipation in space: by sphere, by depth, in the plastic zone, by direction."""
 
 from __future__ import annotations
 

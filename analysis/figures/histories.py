@@ -207,8 +207,8 @@ def bottom_force(result: Result) -> Drawing | None:
 
 
 def impactor_velocity(result: Result) -> Drawing | None:
-    """Draw the velocity of the struck, or loaded, sphere along the impact direction; None if it is
-    zero throughout.
+    """Draw the velocity of the impacted, or loaded, sphere along the impact direction; None if it
+    is always zero.
     """
     time = result["energy/time"]
     velocity = result["energy/struck_velocity"]
@@ -326,7 +326,7 @@ def target(result: Result) -> Drawing | None:
 
     The axis of the forces is logarithmic where their peaks differ by more than a decade. The
     impulse is in the figure of the force on the bottom. None if the bottom does not move and there
-    is no such force: the force on the bottom has a figure of its own.
+    is no such force: the force on the bottom has a separate figure.
     """
     arrival = reached(result)
     if arrival is None or not np.any(arrival.force):

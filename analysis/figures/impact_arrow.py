@@ -1,4 +1,4 @@
-"""Arrow that shows where and along which direction the load acts, in pictures of a packing."""
+"""Arrow that shows the position and direction of the load in images of a packing."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ImpactArrow:
-    """Place and direction of a load.
+    """Position and direction of a load.
 
     Attributes
     ----------

@@ -61,7 +61,7 @@ def write_packing(assembly: Assembly, path: Path) -> Path:
 
 
 def packing_drawing(assembly: Assembly) -> Drawing:
-    """Draw the grains of a packing from the side and from above; those in front hide others."""
+    """Draw the grains of a packing from the side and from above; grains in front hide others."""
     position = assembly.positions()
     diameter = assembly.sphere_diameters()
     names = _materials(assembly)

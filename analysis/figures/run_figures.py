@@ -37,14 +37,14 @@ class RunFigure:
     function
         Function that draws it from a result, or returns None if it does not apply.
     look
-        What to look for in it: the rest of its caption in reports.
+        Feature to look for: the rest of its caption in reports.
     shares_work_with
-        Names of other figures that are drawn in the same process, since they share the work.
+        Names of other figures that are drawn in the same process because they share computations.
     takes_long
         True if it takes so long that it is drawn first.
     adds
-        Function that returns False for a result of which it repeats other figures: it is then
-        drawn only where it is asked for.
+        Function that returns False for a result of which it repeats other figures: it is then drawn
+        only on request.
     """
 
     caption: str
@@ -229,8 +229,8 @@ def draw_figures(
     progress
         Function called with the name of each figure before it is drawn.
     names
-        Names of the figures to draw; by default those that the options ask for, and those that are
-        there already. Where the options name figures, others are removed.
+        Names of the figures to draw; by default the figures requested by the options, and the
+        existing figures. Where the options name figures, others are removed.
     helpers
         Processes that draw next to this one, started before; by default as many as there are cores,
         up to four.
@@ -326,7 +326,7 @@ def work(
     Parameters
     ----------
     requests, outcomes
-        Pipes: lists of numbers of figures come in; success and files of each figure go out.
+        Pipes: it reads lists of numbers of figures, and writes success and files of each figure.
     directory
         Directory of the run.
     names

@@ -176,7 +176,7 @@ def _length(axis: Any) -> float:
 
 
 def plain_powers(figure: Figure) -> None:
-    """Give logarithmic axes the labels of `PowersOfTen` in place of the usual labels.
+    """Replace the default labels of logarithmic axes by the labels of `PowersOfTen`.
 
     Axes over many decades have ticks at powers only.
     """
@@ -323,8 +323,8 @@ def spread_scales(axes: Axes, places: Iterable[float]) -> str:
     Returns
     -------
     str
-        Words for the title of the axis of positions, if it is not linear; empty otherwise. Its
-        line is then broken between 0 and the first place.
+        Words for the title of the axis of positions, if it is not linear; empty otherwise. Its line
+        is then broken between 0 and the first position.
     """
     places = sorted(set(places))
     positive = [place for place in places if place > 0]

@@ -152,7 +152,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     Parameters
     ----------
     name
-        Name of the plane: principal, orthogonal, or section, the one of the case.
+        Name of the plane: principal, orthogonal, or section (the plane of the case).
     colourings
         Quantities, with titles if there are several.
     """
@@ -233,7 +233,7 @@ def across_title(plane: Plane) -> str:
 def draw_impact(
     axes: Axes, result: Result, cut: SpheresOnPlane, window: tuple[float, float, float, float]
 ) -> None:
-    """Draw the arrow of the load in a section, and widen its window to show the whole of it."""
+    """Draw the arrow of the load in a section, and widen its window to show the complete arrow."""
     arrow = impact_arrow(result)
     plane = np.stack([cut.plane.across, cut.plane.down])
     place = plane @ (arrow.place - result.origin) * _MILLI

@@ -1,7 +1,7 @@
 """Parts that figures share: panels and their labels, curves against time, legends above, names of
 columns.
 
-Figures are handed over to pyplot, to be changed and shown by the user.
+Figures are registered with pyplot, so that the user can change and show them.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def draw_axes(
     width
         As in `granwave.analysis.figures.style.style`.
     into
-        Axes of the user, one for each panel, which take the place of those of a new figure.
+        Axes of the user, one for each panel, used instead of a new figure.
 
     Returns
     -------

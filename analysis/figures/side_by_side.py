@@ -1,12 +1,12 @@
 """Drawing of the figures of a run in several processes.
 
-Helpers are programs of their own, not copies of this process, which may hold threads, MPI and open
+Helpers are separate programs, not copies of this process, which may have threads, MPI and open
 files. They load the drawing library, which takes most of a second, while the run is analysed. Then
-they and this process take fractions of the figures, the longest first, so that all end at about the
-same time: a thread for each helper hands it one share after the other. Only this process writes
-files, in the order of the figures, from the output of the helpers. A figure that fails in a
-helper, or gives a warning there, is drawn again here, so that errors and warnings do not depend
-on the number of processes.
+they and this process take batches of figures, the longest first, so that all end at about the same
+time: a thread for each helper passes it one batch after another. Only this process writes files,
+in the order of the figures, from the output of the helpers. A figure that fails in a helper, or
+gives a warning there, is drawn again here, so that errors and warnings do not depend on the number
+of processes.
 """
 
 from __future__ import annotations

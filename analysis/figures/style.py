@@ -138,8 +138,8 @@ class NotDrawn:
 
 
 def attempt(what: str, draw: Callable[[], Made]) -> Made | NotDrawn:
-    """Draw a figure; if that fails, warn and return the reason, so that the others are drawn all
-    the same.
+    """Draw a figure; if this fails, warn and return the reason, so that the other figures are still
+    drawn.
     """
     try:
         return draw()
@@ -150,7 +150,7 @@ def attempt(what: str, draw: Callable[[], Made]) -> Made | NotDrawn:
 def not_made(what: str, error: Exception) -> NotDrawn:
     """Warn of a figure or file that could not be made, and return it with the reason.
 
-    Damaged files, full disks and lack of memory concern everything else too, and are raised.
+    Damaged files, full disks and lack of memory affect all figures, and are raised.
     """
     if isinstance(error, GranwaveError | OSError | MemoryError):
         raise error
@@ -168,8 +168,8 @@ _scale: ContextVar[float] = ContextVar("scale", default=1.0)  # scale of the siz
 def style(width: float | None = None) -> Iterator[None]:
     """Apply `STYLE` within a ``with`` block, without changing global settings.
 
-    All else is as matplotlib brings it: settings files of the user or the working directory change
-    no figure.
+    All other settings are matplotlib's defaults: settings files of the user or the working
+    directory change no figure.
 
     Parameters
     ----------
@@ -363,8 +363,8 @@ class FigureFolder:
     ) -> None:
         """Save a drawing as `save` does; if it is None, remove the earlier one of this name.
 
-        If granwave did not write an existing file of this name, warn and do not save. In place of a
-        figure that could not be drawn its reason is saved.
+        If granwave did not write an existing file of this name, warn and do not save. If a figure
+        could not be drawn, the reason is saved instead.
         """
         self.draw(lambda: drawing, name, formats=formats)
 

@@ -44,7 +44,7 @@ def interval(mean: float, half_width: float) -> str:
     Parameters
     ----------
     half_width
-        Half-width, positive; it gets two digits, and the mean as many decimals.
+        Half-width, positive; it has two digits, and the mean has equally many decimals.
     """
     power = max(_power(mean, 12), _power(half_width, 2))
     last = _power(half_width, 2) - 1

@@ -65,7 +65,7 @@ class _Bytes:
         return n
 
     def where(self) -> str:
-        """Return the file and the place in it."""
+        """Return the file and the position in it."""
         return f"{self.path}: byte {self.place} (snapshot {self.number})"
 
     def damaged(self, fault: str) -> OutputFormatError:
@@ -80,7 +80,7 @@ class BinaryRows:
     Attributes
     ----------
     pieces
-        Place of the first and number of the values of each piece.
+        Position of the first value, and number of values, of each piece.
     """
 
     path: Path

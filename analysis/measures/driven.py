@@ -1,22 +1,22 @@
 """Rows of grains under a load that oscillates, or that pushes them once or twice.
 
 Transmission of a harmonic load: the velocity of every sphere is fitted by a constant and a sine and
-cosine of its frequency over the last whole periods, at most half of the run; what the fit leaves
-tells how far from steady the motion is.
+cosine of its frequency over the last whole periods, at most half of the run; the residual of the
+fit measures the deviation from a steady motion.
 
 Transmission of a burst, a sweep or noise: the ratio of spectra of the velocities of two spheres
 over the whole run, at frequencies where the spectrum of the first exceeds a fraction of its largest
 value. With noise it is the cross spectrum over the power spectrum, averaged over neighbouring
 frequencies (Bendat and Piersol, Random Data, 1986).
 
-Answer to an amplitude that rises and falls at one frequency: the signals are fitted, in windows of
-whole periods of the load, by sines of its frequency and of twice, three times and half of it. A
-linear row answers in proportion, in the load's frequency alone. Where the branches of rising and of
-falling amplitude part, there are two states at one load; where half of the frequency appears, the
+Response to an amplitude that rises and falls at one frequency: the signals are fitted, in windows
+of whole periods of the load, by sines of its frequency, its double, its triple and its half. A
+linear chain responds proportionally, at the load's frequency only. Where the branches of rising and
+falling amplitude separate, there are two states at one load; where half the frequency appears, the
 period has doubled.
 
-Mean power that a harmonic load puts in and that leaves at absorbing ends: slopes of energies of the
-ledger against time, by least squares over the last half of the run, so that what goes to and fro
+Mean power input of a harmonic load, and mean power absorbed at absorbing ends: slopes of energies
+of the ledger against time, by least squares over the last half of the run, so that energy exchanged
 within a period does not count.
 """
 
@@ -250,7 +250,9 @@ class AmplitudeSweep:
 
     @property
     def apart(self) -> float:
-        """Largest difference of the last sphere's branches at one load, over its largest amplitude."""
+        """Largest difference between the branches of the last sphere at one load, over its largest
+        amplitude.
+        """
         answer = self.last[MULTIPLES.index(1.0)]
         both = [(self.load[chosen], answer[chosen]) for chosen in (self.rising, ~self.rising)]
         there = np.linspace(
@@ -267,7 +269,7 @@ def fitted_amplitudes(time: Array, signals: Array, frequency: float) -> Array:
     """Fit sines at `MULTIPLES` of a frequency: (n_multiples, n_signals), from (n_times,) and
     (n_times, n_signals).
 
-    Their amplitudes may change linearly in time; those in the middle are returned.
+    Their amplitudes may change linearly in time; the amplitudes in the middle are returned.
     """
     sines = _sines(2 * np.pi * frequency * time, MULTIPLES)
     since = (time - time.mean()) / (time[-1] - time[0])

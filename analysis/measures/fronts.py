@@ -1,15 +1,15 @@
 """Motion of lines of grains against position and time, with the arrivals of the wave and a straight
 line through them.
 
-Lines are the beads of a chain, or the grains of a packing that are nearest to the axis of the load,
-one from each layer; and the straight lines of grains ``[[line]]`` of the case. The wave arrives at
-a grain as contacts record it (see `granwave.analysis.measures.waves`), in a chain under static load
-once the speed of the bead first passes 10 % of its largest, at a grain of a ``[[line]]`` as in
+Lines are the beads of a chain, or in a packing the grain of each layer that is nearest to the axis
+of the load; and the straight lines of grains ``[[line]]`` of the case. The wave arrives at a grain
+as contacts record it (see `granwave.analysis.measures.waves`), in a chain under static load once
+the speed of the bead first passes 10 % of its largest, at a grain of a ``[[line]]`` as in
 `granwave.analysis.measures.lines`.
 
-The line through the arrivals is a least-squares fit of place against time. Along the load it goes
-through the arrivals that `granwave.analysis.measures.waves.wave_speed` takes: the deeper half,
-without the five uppermost grains; along a ``[[line]]`` through all.
+The line through the arrivals is a least-squares fit of position against time. Along the load it
+uses the arrivals of `granwave.analysis.measures.waves.wave_speed`: the deeper half, without the
+five uppermost grains; along a ``[[line]]`` through all.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Front:
     Attributes
     ----------
     time, place
-        Arrivals that it is fitted to: (n,), s and m.
+        Arrivals of the fit: (n,), s and m.
     """
 
     time: Array
@@ -52,7 +52,7 @@ class Front:
 
     @property
     def speed(self) -> float:
-        """Slope of place against time, m/s; 0 where the times are equal."""
+        """Slope of position against time, m/s; 0 where the times are equal."""
         late = self.time - self.time.mean()
         if not late.any():
             return 0.0

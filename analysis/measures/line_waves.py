@@ -1,12 +1,12 @@
 """Waves along lines of grains: velocities, pulses, crests, and the space-time transform.
 
 A line is the beads of a chain, or the layers or columns of a packing. Snapshots are taken at whole
-timesteps, so that their times are not quite even; velocities are interpolated between them at even
-times (cubic splines).
+timesteps, so that their times are not exactly uniform; velocities are interpolated between them at
+even times (cubic splines).
 
 Waves under a static force are compared with `granwave.analysis.measures.hertz_lattices`: in the
-units of the static state (speeds over c0, forces over F0, velocities over omega alpha0) every line
-of like Hertz contacts is one curve.
+units of the static state (speeds over c0, forces over F0, velocities over omega alpha0) results of
+all lines of identical Hertz contacts lie on one curve.
 
 The space-time transform shows the distribution of the energy of a line in (k, omega): the
 velocities v(x_n, t) of grains at even positions x_n = n h are tapered in space and time (Hann) and
@@ -63,7 +63,7 @@ def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array
     """Return even times (n_times,), s, positions at the start (n,), m, and velocities (n_times, n),
     m/s, along an axis.
 
-    Of the beads of a chain, else of the layers of a packing (axis 2) or of its columns across x
+    Motion of the beads of a chain, or of the layers of a packing (axis 2) or its columns across x
     (axis 0): the means of their spheres.
 
     Raises
@@ -105,8 +105,8 @@ def _means(result: Result, axis: int) -> tuple[Array, Array]:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Peaks:
-    """The pulse at the spheres of a chain, impacted one first; every array (n_spheres,), NaN where
-    it did not pass.
+    """The pulse at the spheres of a chain, impacted sphere first; every array (n_spheres,), NaN
+    where it did not pass.
 
     Attributes
     ----------
@@ -273,7 +273,7 @@ def reflection(time: ArrayLike, force: ArrayLike, place: int, beyond: int) -> fl
     time, force
         (n_times,), s, and of the contacts, (n_times, n_contacts), N.
     place
-        The contact, from 0.
+        Index of the contact, from 0.
     beyond
         Contacts that there must be beyond it.
     """
@@ -298,10 +298,10 @@ def speed_along_layers(result: Result, line: PrecompressedLine) -> float:
     """c0 along the stacking of a packing, m/s; NaN where the run has too few layers, or is too
     short.
 
-    The mean velocity of a layer of a periodic packing obeys the line of layers exactly as long as
-    everything is linear, whichever spheres of the top layer were struck; in a packing with free
-    sides until the wave is back from them. The times of its crests then give omega, and the speed
-    of long waves.
+    The mean velocity of a layer of a periodic packing obeys the linear chain of layers exactly as
+    long as the motion is linear, for any choice of impacted spheres in the top layer; in a packing
+    with free sides until the reflection from the sides arrives. The times of its crests then give
+    omega, and the speed of long waves.
 
     Parameters
     ----------
@@ -332,7 +332,8 @@ def _crests(time: Array, mean: Array) -> tuple[NDArray[np.int64], Array]:
 
 
 def long_wave_speed(line: PrecompressedLine, numbers: NDArray[np.int64], times: ArrayLike) -> float:
-    """c0 by the times of the velocity crests in a linear line, struck at its first body, m/s.
+    """c0 from the times of the velocity crests in a linear chain, after an impact on its first
+    body, m/s.
 
     Parameters
     ----------
@@ -398,7 +399,7 @@ def space_time_transform(
     time
         Even instants: (n_times,), s.
     place
-        Even positions along the line: (n_places,), m.
+        Uniform positions along the line: (n_places,), m.
     velocity
         (n_times, n_places), m/s.
     k

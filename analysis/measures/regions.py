@@ -1,8 +1,8 @@
 """Regions of a packing, and the energy in each of them against time.
 
-Regions are the strikers, and the grains of the packing by what parts them: groups of a file of
-grains, stretches of a chain of one material and diameter, or else equal parts along the load.
-Strikers, walls and the dissipated energy have fractions of their own.
+Regions are the strikers, and parts of the packing: groups of a file of grains, stretches of a chain
+with one material and diameter, or equal parts along the load. Strikers, walls and the dissipated
+energy have separate fractions.
 
 Under a static load the elastic energy of a region is no part of the input, which is measured from
 the static state; there a fraction is of the kinetic energy only.

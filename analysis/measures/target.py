@@ -1,8 +1,8 @@
 """Force and motion of the target, the bottom of a packing, and the same impact directly on it,
 without the packing.
 
-The ground carries the target: the force on it comes out of the last spring or damper, and equals
-the force on the target if this does not move.
+The ground carries the target: the force on it is transmitted by the last spring or damper, and
+equals the force on the target if the target is fixed.
 
 Without the packing the impacted spheres, side by side, hit the target: a rigid plane, a plane of a
 material, or a plane that moves on a support or a bar (`granwave.lammps_inputs.case.boundary`). Each
@@ -12,9 +12,9 @@ are local, so that spheres interact by the motion of the plane only:
     m x'' = -F(x - u)        sphere, x from where it touches
     m_0 u'' = sum F + k (u_1 - u_0), ..., m_n u_n'' = k (u_(n-1) - u_n) - K u_n - C u_n'      plane and support
 
-On a plane that does not move the peak force is the force at the overlap where W(alpha) = m v^2/2,
-and the course of equal spheres follows from the energies: m x'^2/2 is what the work of loading, or
-the elastic energy, still lacks. A force as load acts on the target itself.
+On a fixed plane the peak force is the force at the overlap where W(alpha) = m v^2/2,
+and the course of equal spheres follows from the energies: m x'^2/2 is the total energy minus the
+work of loading, or minus the elastic energy. A force as load acts on the target itself.
 """
 
 from __future__ import annotations
@@ -111,8 +111,8 @@ def reached(result: Result) -> Reached | None:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Target:
-    """Support of the plane: a row of masses joined by springs, the plane first, the last one tied
-    to the ground.
+    """Support of the plane: a chain of masses joined by springs, the plane first, with a spring
+    from the last mass to the ground.
     """
 
     material: Material | None  # material of the surface; None: rigid
@@ -164,9 +164,7 @@ class Impactors:
 
     @cached_property
     def largest_overlap(self) -> float:
-        """Overlap on a plane that does not move when all of the energy has become work of the
-        contact, m.
-        """
+        """Overlap on a fixed plane when all kinetic energy has become work of the contact, m."""
         energy = 0.5 * self.mass * self.velocity**2
 
         from scipy.optimize import brentq  # takes longer to load than many a figure to draw
@@ -181,7 +179,7 @@ class Impactors:
 
     @property
     def duration(self) -> float:
-        """About how long a collision with a plane that does not move takes, s."""
+        """Approximate duration of a collision with a fixed plane, s."""
         return 3 * self.largest_overlap / self.velocity
 
 
@@ -227,7 +225,7 @@ def unprotected(assembly: Assembly, end_time: float) -> Reached | None:
 def target_of(assembly: Assembly) -> Target | None:
     """Target of a packing: the plane below it, the bar at a chain's end, or a rigid base.
 
-    A last layer that is held in place stands for a rigid base. None if there is nothing below.
+    A last layer that is held in place represents a rigid base. None if there is nothing below.
     """
     boundary = assembly.case.boundary
     support = boundary.bottom_support
@@ -416,7 +414,7 @@ class _Collision:
         return _event(rate, direction)
 
     def contact(self, direction: int) -> Event:
-        """The last sphere leaves the plane (-1), or a first one meets it (+1)."""
+        """The last sphere leaves the plane (-1), or a first sphere touches it (+1)."""
         return _event(lambda _, state: float(self.overlaps(state).max()), direction)
 
 

@@ -10,9 +10,9 @@ A mass M on a spring k, omega = sqrt(k/M): a short impulse J moves it by J/(M om
 by F/k.
 
 Shock spectrum of a force: displacement of a plate on a spring under it, against the plate's period.
-A plate much slower than the force only feels its impulse and moves by J/(M omega); one much faster
-follows it and moves by F/k. In between it is an oscillator under the force on a wall that is held
-in place.
+A plate with a period much longer than the force responds to the impulse and moves by J/(M omega); a
+plate with a much shorter period follows the force and moves by F/k. In between it is an oscillator
+under the force on a fixed wall.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class HertzImpact:
 
     @classmethod
     def of(cls, case: Case) -> HertzImpact:
-        """The impact of a case's first sphere on its bottom, held in place."""
+        """The impact of a case's first sphere on its bottom, which is fixed."""
         law = flat_contact(assemble(case), 1, case.boundary.bottom_material)
         stiffness = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
         return cls(
@@ -117,7 +117,9 @@ class HertzImpact:
         )
 
     def energy_into(self, spring: float, damping: float) -> float:
-        """Work on a spring (N/m; 0: none) and damper (N s/m) without mass that hardly give way, J."""
+        """Work on a spring (N/m; 0: none) and damper (N s/m) without mass and with negligible
+        motion, J.
+        """
         if not spring:
             return self.square / damping
         time, force = self.history()

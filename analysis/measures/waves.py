@@ -50,7 +50,7 @@ class Spread:
         Fraction of the total in each cell: (LAYER_BINS,) from -180 degrees on, or (RINGS,
         PER_RING).
     along
-        Share within `AXIS_ANGLE` of the directions of contacts, to which an even spread would give
+        Fraction within `AXIS_ANGLE` of the directions of contacts; an isotropic distribution has
         ``even``.
     even
         Part of all directions within that angle.
@@ -67,7 +67,7 @@ class Spread:
 
 
 def struck_rows(result: Result) -> NDArray[np.int64]:
-    """Rows of the spheres of the packing that are struck: by strikers, or by the load."""
+    """Rows of the impacted spheres of the packing: by strikers, or by the load."""
     case = result.case
     n = result.assembly.lattice.n_spheres
     if case.striker:
@@ -80,8 +80,8 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
 
 
 def directions(result: Result) -> Array:
-    """Unit vectors from the nearest impacted sphere to each sphere: (n_spheres, 3); NaN for struck
-    ones and strikers.
+    """Unit vectors from the nearest impacted sphere to each sphere: (n_spheres, 3); NaN for
+    impacted spheres and strikers.
 
     Parameters
     ----------
@@ -111,8 +111,8 @@ def spread(result: Result, values: ArrayLike) -> Spread | None:
     Returns
     -------
     Spread or None
-        Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, the fraction
-        in an even distribution; ``cells`` by direction. None if impacted spheres hold all.
+        Fraction ``along`` the directions of contacts, within 15 degrees; ``even``, the fraction in
+        an isotropic distribution; ``cells`` by direction. None if impacted spheres hold all.
     """
     values = np.asarray(values, dtype=np.float64)
     vectors = directions(result)
@@ -169,7 +169,7 @@ def energy_of_spheres(result: Result, frame: int) -> Array:
 
 
 def travelling_frame(result: Result) -> int:
-    """Number of the last snapshot before the wave reaches sides or bottom, or else of the first
+    """Number of the last snapshot before the wave reaches sides or bottom; otherwise of the first
     after the start.
 
     Parameters
@@ -214,13 +214,13 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
 
     The front is at a layer when the force of a contact there first passes 10 % of the largest
     force of that contact. The slope is a least-squares fit to the deeper half of the layers that
-    were reached, without the five uppermost ones, where the wave takes its shape. The echo of the
-    bottom does not disturb it, as it does the times of peak forces. The first force at all is no
-    measure: ahead of a wave in Hertzian contacts the overlap falls faster than exponentially, so
-    that the rounding of the coordinates decides when it is first above zero. On a chain of Hertz
-    contacts the speed is within 2 % of the solitary wave's 0.6802 (2E / (D rho^1.5 (1 -
-    nu^2)))^(1/3) F^(1/6). Where the wave gets weaker it also gets slower and longer, and its front
-    is faster than its peak.
+    were reached, without the five uppermost layers, where the wave develops its shape. The
+    reflection from the bottom does not affect it, unlike the times of peak forces. The first force
+    at all is no measure: ahead of a wave in Hertzian contacts the overlap falls faster than
+    exponentially, so that the rounding of the coordinates decides when it is first above zero. On a
+    chain of Hertz contacts the speed is within 2 % of the solitary wave's 0.6802 (2E / (D rho^1.5
+    (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker it also becomes slower and longer, and
+    its front is faster than its peak.
 
     Parameters
     ----------
@@ -271,13 +271,13 @@ def wave_speed_of(result: Result) -> float | None:
     the end of the run. For weak waves in a chain of Hertz contacts this speed is 3 % above the
     speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
 
-    None for loads that keep oscillating: the largest force of a bead may come at any time, and
+    None for loads that keep oscillating: the largest force of a bead may occur at any time, and
     later where beads absorb. A burst passes once.
 
-    None for a load that does not push down: its wave does not come from the top.
+    None for a load that does not push down: its wave does not start at the top.
 
-    None for parallel cylinders: the stiffness of their contacts hardly grows with the force, so
-    that the front of the wave spreads without a limit. Lines of grains have a front speed.
+    None for parallel cylinders: the stiffness of their contacts is almost independent of the force,
+    so that the front of the wave spreads without a limit. Lines of grains have a front speed.
     """
     diameter = result.case.packing.diameter
     load = result.case.load

@@ -1,6 +1,6 @@
 """Fields of a run as xarray Datasets; each variable has its unit in ``attrs["units"]``.
 
-Snapshots are read from result.h5 when they are asked for.
+Snapshots are read from result.h5 on demand.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def chain(result: Result) -> Dataset:
     Raises
     ------
     MissingDataError
-        The run is not one of a chain, or its history was not recorded.
+        The run is not of a chain, or its history was not recorded.
     """
     if "chain" not in result:
         raise MissingDataError(

@@ -88,9 +88,9 @@ def answer_blocks(
     Parameters
     ----------
     studied
-        Main figure of the studies of a scan, shown in place of its own.
+        Main figure of the studies of a scan, shown instead of the scan's figure.
     judged
-        Studies have said what they come to, so that a scan alone need not.
+        True if studies state their result, so that a single scan does not.
     """
     found = [_of_scan(scan, inputs, studied) for scan in inputs.scans]
     if judged and len(inputs.items) == 1:

@@ -1,4 +1,4 @@
-"""Section of figures: reduced pictures of runs and scans."""
+"""Section of figures: reduced images of runs and scans."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def figures_section(
     Parameters
     ----------
     above
-        Names of figures in other sections; scans also keep those of their studies as files.
+        Names of figures in other sections; scans also store the figures of their studies.
     shown
         Paths of figures in other sections, without a suffix.
     """
@@ -123,7 +123,7 @@ def picture_in(item: ReportRun | ReportScan, name: str, inputs: ReportInputs) ->
 
 
 def picture_of(drawing: Drawing, name: str, caption: str, data: Link | None = None) -> Figure:
-    """A figure as a picture; its caption is its alternative text too."""
+    """A figure as an image; its caption is also its alternative text."""
     lay_out(drawing.figure, RESOLUTION)
     stream = io.BytesIO()
     drawing.figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
@@ -135,18 +135,18 @@ def picture_of(drawing: Drawing, name: str, caption: str, data: Link | None = No
 
 
 def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
-    """Reduce a picture to a PNG with at most 256 colours; return it with its size in pixels and its
+    """Reduce an image to a PNG with at most 256 colours; return it with its size in pixels and its
     width in inches.
 
     Parameters
     ----------
     width
-        Largest width in pixels; wide figures may have more, in a row of their own.
+        Largest width in pixels; wide figures, which fill a row, may have more.
 
     Raises
     ------
     OSError, ValueError, SyntaxError
-        The file is not a picture.
+        The file is not an image.
     """
     with Image.open(path) as found:
         image = Image.new("RGB", found.size, "white")

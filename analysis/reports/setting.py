@@ -67,7 +67,7 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
     Parameters
     ----------
     called
-        What its grains are called.
+        Name of its grains.
     """
     diameter = case.get("packing.diameter")
     parts = [

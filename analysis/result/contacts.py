@@ -1,5 +1,5 @@
-"""Contacts of a run as a table of pairs: dents of one pair are merged, unloaded touching pairs are
-added.
+"""Contacts of a run as a table of pairs: the dents of a pair are merged, and unloaded touching
+pairs are added.
 
 Touching pairs at the start follow from positions and radii, for any packing.
 
@@ -309,7 +309,7 @@ def pair_laws(
     """Return the constants of pairs of spheres; every array is (n_pairs,).
 
     The law of two materials is made once; alpha_y is proportional to R*, which may differ between
-    pairs. That of cylinders is made for each pair of radii.
+    pairs. The law of cylinders is computed for each pair of radii.
 
     Parameters
     ----------
@@ -353,8 +353,8 @@ def pair_laws(
 
 
 def dissipated_share(own: Material, partner: Material | None) -> float:
-    """Return a body's share in the yielding of a contact: half, or all or none if yield strengths
-    differ.
+    """Return a body's fraction of the plastic dissipation of a contact: half, or all or none if
+    yield strengths differ.
     """
     mine, theirs = (math.inf if one is None or one.yield_strength is None else one.yield_strength
                     for one in (own, partner))  # fmt: skip

@@ -76,9 +76,9 @@ def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> st
     found
         Names of all files in the directory.
     what
-        Description of what it is not, such as ``neither a run nor a scan``.
+        Description of the failure, such as ``neither a run nor a scan``.
     expected
-        Description of what was expected.
+        Description of the expected content.
     """
     inside = [
         name

@@ -172,7 +172,7 @@ def draw_bars(
     others: Sequence[VariedKey],
     columns: Titles,
 ) -> Drawing:
-    """Draw bars by category, one below the other, with a bar for each curve.
+    """Draw bars by category, below each other, with a bar for each curve.
 
     On a logarithmic axis points are drawn instead. Bars of plastic zones that reach a boundary are
     open, pale if a wave returned from a boundary.

@@ -305,12 +305,12 @@ class Means:
     Attributes
     ----------
     keys
-        Varied keys that take more than one value, with their values by row; without run times that
-        follow from others.
+        Varied keys with more than one value, with their values by row; without run times that
+        follow from other keys.
     counts
         Number of points of each row.
     values
-        Means by name of the quantity, one a row; None where there is none.
+        Means by name of the quantity, one for each row; None where unknown.
     half_widths
         Half-widths of the 95 % confidence intervals; None without replicates.
     protection

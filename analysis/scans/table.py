@@ -274,7 +274,7 @@ class ScanData(Mapping[str, NDArray]):
         Raises
         ------
         ValueError
-            The points do not fill a grid with one point at each place.
+            The points do not fill a grid with one point at each position.
         """
         import xarray
 

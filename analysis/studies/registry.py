@@ -13,13 +13,13 @@ and, where they are wanted, `title(group)`, `name(group)` (short, for links and 
 for the end of the verdict about points of its scans that failed or were not run, as values of the
 keys that vary. `RUN_TYPE` is the class of the runs that `select` gets, usually
 `granwave.analysis.studies.runs.FinishedRun`. A group is whatever `select` makes of the runs.
-Without `name` a study has the name of its entry here; several groups are then numbered, and so are
-their pictures. `make_studies` in `study` puts it together.
+Without `name` a study has the name of its entry in this file; several groups are then numbered, and
+so are their pictures. `make_studies` in `study` puts it together.
 
 A comparison, which a report makes of all its runs, has `can_compare(runs)` too, True where there
 are enough of them, and `remarks(runs)`, which yields notes for the end of its section.
 
-Studies of one's own are Python files that a scan file, a suite file or ``granwave report --study``
+Your own studies are Python files that a scan file, a suite file or ``granwave report --study``
 names by path.
 
     '''Title of the study in one line.
@@ -40,9 +40,8 @@ caption and columns by heading with unit: ``"All impacts", {"Velocity (m/s)": ve
 force (N)": force}``. ``runs`` is a list of `granwave.Run`: all finished runs of the scans that name
 the file, or of the report, with the values of the varied keys in ``run.labels``. ``verdict(runs)``,
 sentences for the top of the report, and the further functions of built-in studies may be there. The
-code runs when a scan or a report is made for which its path was given, and never else: the
-directory of a scan holds the path, but a later ``granwave report`` of it loads no file that was not
-named again.
+code runs only when a scan or report is made with its path: the directory of a scan holds the path,
+but a later ``granwave report`` of it loads no file that was not named again.
 """
 
 from __future__ import annotations
@@ -111,7 +110,7 @@ def find_studies(names: Sequence[str], directory: Path) -> tuple[list[str], list
     Returns
     -------
     tuple
-        Names and absolute paths; and what is wrong with the others, a line each.
+        Names and absolute paths; and the faults of the others, one line each.
     """
     found = []
     errors = []

@@ -40,7 +40,7 @@ class AnyRun(Generic[AnyCase]):
     Attributes
     ----------
     label
-        What a report calls it.
+        Name in a report.
     summary
         Its ``summary.json``.
     """
@@ -51,9 +51,7 @@ class AnyRun(Generic[AnyCase]):
     summary: Mapping[str, Any]
 
     def seen_as(self, kind: type[Kind]) -> Kind:
-        """The run as a record with methods of its own; the same object at each call, so that it
-        reads files once.
-        """
+        """The run as a `Run` object; the same object at each call, so that files are read once."""
         if isinstance(self, kind):
             return self
         if kind not in self._views:
@@ -104,9 +102,9 @@ def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[
 
 
 def all_but(case: Case, *left_out: str) -> str:
-    """Text of a case without some tables or keys: equal for cases that differ in nothing else.
+    """Text of a case without some tables or keys: equal for cases without other differences.
 
-    How long and how finely a run was followed does not count.
+    Duration and resolution of the records do not count.
 
     Parameters
     ----------

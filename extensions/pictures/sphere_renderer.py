@@ -265,7 +265,9 @@ class _Grains:
 def _paint_by_sphere(
     front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]
 ) -> None:
-    """Write the number of each sphere into its pixels, sphere by sphere: fast for few large ones."""
+    """Write the number of each sphere into its pixels, sphere by sphere: fast for few large
+    ones.
+    """
     corner = np.maximum(np.floor(place - reach[:, None]).astype(int), 0)
     beyond = np.ceil(place + reach[:, None]).astype(int) + 1
     for n, (left, bottom) in enumerate(corner):

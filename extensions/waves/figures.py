@@ -119,7 +119,9 @@ def group_velocities(found: BandStructure) -> Drawing:
 
 
 def slowness_curves(found: BandStructure) -> Drawing | None:
-    """Draw the slowness of long waves over the directions of a plane; None where there is no plane."""
+    """Draw the slowness of long waves over the directions of a plane; None where there is no
+    plane.
+    """
     curves = found.surface
     if curves is None or np.isnan(curves.speed).all():
         return None

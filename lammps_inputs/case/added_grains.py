@@ -2,12 +2,12 @@
 file.
 
     at = [[0, 0, 0.01], ...]                     positions, m
-    at = "octahedral"                            all holes of an fcc or hcp packing between six spheres, or between
+    at = "octahedral" all holes of an fcc or hcp packing between six spheres, or between
                                                  four ("tetrahedral")
-    ring = {n = 6, radius = 0.01, z = 0.005}     n positions around the axis x = y = 0; angle: of the first
-    ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a chain: 3 and 4
-    repeat = {times = 10, step = [0, 0, 0.015]}  these positions again and again, each time moved
-    on by a step
+    ring = {n = 6, radius = 0.01, z = 0.005} n positions around the axis x = y = 0; angle: of the
+    first ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a
+    chain: 3 and 4 repeat = {times = 10, step = [0, 0, 0.015]} these positions again and again, each
+    time moved on by a step
 
 A case with such grains is one of ``packing.kind = "file"``: the sites of the lattice come first and
 keep their ids.

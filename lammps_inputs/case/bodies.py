@@ -6,7 +6,7 @@
     [[hold]]                     grains that do not move
     [[guide]]                    grains that move in some directions only, as in a groove
     [[line]]                     a line of grains whose motion is recorded and measured
-    [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
+    [[sensor]] a sphere whose mean contact force (chains) or acceleration is recorded
 
 Spheres of a chain are numbered from 1 at the impacted end. Strikers follow the spheres of the
 packing, in the order of the file.

@@ -5,10 +5,12 @@ or ``bar``.
 
 plate        a rigid plate on a spring and an optional damper
 damper       a massless plate on a damper, which carries the static force: an end that absorbs waves
-half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a spring
+half_space the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a
+spring
              4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart,
              1966)
-bar          an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or non-reflecting
+bar an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or
+non-reflecting
 """
 
 from __future__ import annotations

@@ -388,7 +388,9 @@ class WrongTable(Exception):
 
 
 class PartialCase(Case):
-    """A case whose wrong tables are missing; a check that reads one of them ends with `WrongTable`."""
+    """A case whose wrong tables are missing; a check that reads one of them ends with
+    `WrongTable`.
+    """
 
     def __init__(self, parts: Mapping[str, Any]) -> None:
         vars(self).update({name: part for name, part in parts.items() if part is not None})

@@ -46,8 +46,8 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
     """Return the exact C of the contact pressure at first yield, ``p_y = C sigma_y``, under Hertz's
     pressure.
 
-    On the axis below the centre of a Hertzian contact of radius a and peak pressure p0, at depth z = zeta a
-    (K. L. Johnson, Contact Mechanics, 1985, eq. 3.45)::
+    On the axis below the centre of a Hertzian contact of radius a and peak pressure p0, at depth z
+    = zeta a (K. L. Johnson, Contact Mechanics, 1985, eq. 3.45)::
 
         sigma_z / p0 = -1 / (1 + zeta^2)
         sigma_r / p0 = -(1 + nu) (1 - zeta arctan(1/zeta)) + 1 / (2 (1 + zeta^2))

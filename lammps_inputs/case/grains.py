@@ -3,13 +3,10 @@
 
     x, y, z, diameter                    m; depth is +z
     shape, length                        sphere or cylinder, and the length of this, m
-    axis                                 direction of the axis of a cylinder: x, y (the default) or z; or
-    axis_x, axis_y, axis_z               any direction
-    material                             name of a preset or of a [materials.NAME]; by default that of the packing
-    group                                a word, for [[hold]]
-    clump                                a number; grains of one number move as one rigid body
-    vx, vy, vz                           initial velocity, m/s
-    omegax, omegay, omegaz               initial angular velocity, rad/s
+    axis direction of the axis of a cylinder: x, y (the default) or z; or axis_x, axis_y, axis_z any
+    direction material name of a preset or of a [materials.NAME]; by default that of the packing
+    group a word, for [[hold]] clump a number; grains of one number move as one rigid body vx, vy,
+    vz initial velocity, m/s omegax, omegay, omegaz initial angular velocity, rad/s
 
 Columns stand in any order under a line of their names. Tables of other programs, and other
 formats, are read by `granwave.lammps_inputs.readers`.

@@ -388,7 +388,9 @@ def mass_of(material: Material, radius: float, shape: Shape) -> float:
 
 
 def density_as_sphere(density: float, diameter: float, shape: Shape) -> float:
-    """Return the density at which a sphere of this diameter, m, has the mass of the grain, kg/m^3."""
+    """Return the density at which a sphere of this diameter, m, has the mass of the grain,
+    kg/m^3.
+    """
     return density if shape is None else density * 1.5 * shape.length / diameter
 
 

@@ -280,7 +280,9 @@ def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], fault: str | Mis
 def _add_pair(
     errors: ErrorList, grains: Grains, pair: Sequence[int], message: str, n_pairs: int = 1
 ) -> None:
-    """Add an error of two grains; ``{}`` in the message stands for the number of more such pairs."""
+    """Add an error of two grains; ``{}`` in the message stands for the number of more such
+    pairs.
+    """
     more = f" (and {n_pairs - 1} more pairs)" if n_pairs > 1 else ""
     first, second = map(grains.called, pair)
     _add(errors, grains, pair, f"found grains {first} and {second}{message.format(more)}")
@@ -393,7 +395,9 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
 
 
 def check_tube(case: Case, errors: ErrorList) -> None:
-    """Check that the packing fits into its tube, before this shrinks, and each grain after it has."""
+    """Check that the packing fits into its tube, before this shrinks, and each grain after it
+    has.
+    """
     tube = case.boundary.sides_tube
     if tube is None or errors.items:
         return

@@ -196,7 +196,9 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
 
 
 def check_room(case: Case, errors: ErrorList) -> None:
-    """Check that spheres larger than the lattice spacing overlap neither other spheres nor walls."""
+    """Check that spheres larger than the lattice spacing overlap neither other spheres nor
+    walls.
+    """
     if case.packing.rule.is_chain or not any(
         (entry.diameter or 0) > case.packing.diameter for entry in case.replace
     ):

@@ -162,7 +162,9 @@ def error_in_dents(assembly: Assembly) -> str:
 
 
 def largest_dent(assembly: Assembly, law: ContactLaw) -> float:
-    """Return the largest initial dent of contacts of this law, m; 0 for a file that cannot be read."""
+    """Return the largest initial dent of contacts of this law, m; 0 for a file that cannot be
+    read.
+    """
     case = assembly.case
     given = case.contact.initial_overlap
     if not given or not law.entry.yields:

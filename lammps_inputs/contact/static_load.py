@@ -2,10 +2,12 @@
 
 Dead loads are constant forces on spheres during the static stage and the run:
 
-uniaxial   the same force along +z on each sphere of the top layer (grains of a file: on the uppermost ones); for a
+uniaxial the same force along +z on each sphere of the top layer (grains of a file: on the uppermost
+ones); for a
            pressure, pressure times area of a cell; the opposite force on the last sphere of a chain
            without a bottom
-uniform    the forces of the missing neighbours outside of the packing, if every contact of the lattice carried the
+uniform the forces of the missing neighbours outside of the packing, if every contact of the lattice
+carried the
            same force f. The mean stress (virial) of spheres with z contacts each in a cell of
            volume V is p = z f D/(2 d V) in d dimensions; hence f = p D^2/(2 sqrt 2) for fcc and
            hcp. A lattice of equal spheres is then in equilibrium in place under the pressure p, and
@@ -191,7 +193,9 @@ def _share_of(force: float, assembly: Assembly) -> float:
 
 
 def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the ids of the spheres with a dead load, rising, and the forces: (n,) and (n, 3), N."""
+    """Return the ids of the spheres with a dead load, rising, and the forces: (n,) and (n, 3),
+    N.
+    """
     lattice = assembly.lattice
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
     force = _dead_load(assembly).forces(assembly, ids)

@@ -206,7 +206,9 @@ MOVING_WALL = (
 
 
 def names(table: Iterable[Column], *having: str) -> tuple[str, ...]:
-    """Return the names of the columns that all cases have, and of those with the given conditions."""
+    """Return the names of the columns that all cases have, and of those with the given
+    conditions.
+    """
     return tuple(column.name for column in table if not column.when or column.when in having)
 
 

@@ -379,8 +379,8 @@ def _wall_style(assembly: Assembly, wall: Wall) -> str:
 
 
 def coordinate(assembly: Assembly, wall: Wall) -> str:
-    """Return the position of a plane in the deck, or the radius of a tube; of walls that move to a force as a
-    formula.
+    """Return the position of a plane in the deck, or the radius of a tube; of walls that move to a
+    force as a formula.
     """
     place = wall.coordinate
     if not wall.tube:

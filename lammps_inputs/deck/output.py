@@ -114,7 +114,9 @@ def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
 
 
 def displacements(case: Case) -> list[str]:
-    """Return the commands for displacements from the data file, of all spheres and of those probed."""
+    """Return the commands for displacements from the data file, of all spheres and of those
+    probed.
+    """
     lines = ["compute         displacement all displace/atom"]
     spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]
     if spheres:
@@ -226,7 +228,9 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
 
 
 def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Return the commands for the motion of lines of grains, and of the sums of the forces on each."""
+    """Return the commands for the motion of lines of grains, and of the sums of the forces on
+    each.
+    """
     case = assembly.case
     if not case.line:
         return []

@@ -306,7 +306,9 @@ class Assembly:
         return np.stack([low - side, [*(high[:2] + side), high[2] + bottom]])
 
     def bottom(self) -> float:
-        """Return the z at which a bottom plane or bar touches nominal spheres of the last layer, m."""
+        """Return the z at which a bottom plane or bar touches nominal spheres of the last layer,
+        m.
+        """
         return float(self.faces()[1, 2])
 
     def top(self) -> float:

@@ -4,12 +4,15 @@ tilted floor.
 Separate streams of random numbers follow from ``packing.seed``, so that a change of one property
 does not change the others:
 
-    diameters     one number for each site, scaled by the width of the band; independent of vacancies and replaced
+    diameters one number for each site, scaled by the width of the band; independent of vacancies
+    and replaced
                   spheres
-    vacancies     one number for each site; the sites of the smallest numbers are vacant, so that the vacancies of a
+    vacancies one number for each site; the sites of the smallest numbers are vacant, so that the
+    vacancies of a
                   larger share include those of a smaller one
     replace       likewise, with one stream for each entry, by its place in the case
-    strikers      three numbers for each striker with a misalignment, one stream each, by its place in the case
+    strikers three numbers for each striker with a misalignment, one stream each, by its place in
+    the case
 
 The numbers are the upper 53 bits of the output of PCG64, whose stream numpy guarantees for all
 versions and machines. For a normal distribution they pass through a special function whose last

@@ -1,4 +1,6 @@
-"""Grains that are struck, that move from the start, that are held, and that are recorded in time."""
+"""Grains that are struck, that move from the start, that are held, and that are recorded in
+time.
+"""
 
 from __future__ import annotations
 

@@ -17,9 +17,9 @@ alpha_y) only, whatever material and size. Power laws were fitted to impacts on 
 packings that were larger than the zone; all data lie within the factor `spread`:
 
     kind      depth / D      radius / D     spread   fitted to
-    fcc, hcp  1.30 e^0.255   1.0 e^0.265    1.5      13 impacts, e from 13 to 1.35e5, one of them on 7 spheres
-    bcc       1.30 e^0.32    2.2 e^0.26     1.4      4 impacts, e from 13 to 1.4e3
-    sc, chain 75             0              -        6 impacts, e from 3.4 to 5.4e5
+    fcc, hcp 1.30 e^0.255 1.0 e^0.265 1.5 13 impacts, e from 13 to 1.35e5, one of them on 7 spheres
+    bcc 1.30 e^0.32 2.2 e^0.26 1.4 4 impacts, e from 13 to 1.4e3 sc, chain 75 0 - 6 impacts, e from
+    3.4 to 5.4e5
 
 Along a line of contacts a pulse with a force just above F_y is not attenuated: 75 spheres or more
 yield, 240 to 350 of 600 within 8 ms. Below e = 3 little more than the struck contacts yields.
@@ -401,7 +401,9 @@ class ExpectedZone:
 
     @property
     def may_reach(self) -> tuple[str, ...]:
-        """Names of further boundaries that it reaches if it is larger than estimated by ``spread``."""
+        """Names of further boundaries that it reaches if it is larger than estimated by
+        ``spread``.
+        """
         larger = dataclasses.replace(
             self, depth=self.spread * self.depth, radius=self.spread * self.radius
         )

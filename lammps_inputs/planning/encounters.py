@@ -10,17 +10,18 @@ direction:
   m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
 * a sphere that a rigid plate throws forward at twice its velocity, or the fraction of a contact in
 the plate's energy;
-* a sphere against a wall, or against one that is held: m_eff = m, v_n = v if lines of contacts carry the pulse there
-  undivided (chain, simple cubic), else v halved with each layer on the way; a wall that moves counts with the mass of
-  its plate.
+* a sphere against a wall, or against one that is held: m_eff = m, v_n = v if lines of contacts
+carry the pulse there
+  undivided (chain, simple cubic), else v halved with each layer on the way; a wall that moves
+  counts with the mass of its plate.
 
 If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a
-pair of masses m1 < m2 takes up at most m2/(m1 + m2), and all of it where one of them is held. The energy input of a force F is at most that
-of its impulse J on a free sphere, J^2/2m, and no contact force exceeds some 2.5 F (2.3 F in a
-Hertzian chain). If there are many diameters, those within 10 % of each other are represented by the
-smallest one, which has the stiffest contact for its mass. Equal spheres with diameter scatter are
-represented by the smallest one, struck by one of nominal size. Under a static load each contact
-also takes up the work of that load.
+pair of masses m1 < m2 takes up at most m2/(m1 + m2), and all of it where one of them is held. The
+energy input of a force F is at most that of its impulse J on a free sphere, J^2/2m, and no contact
+force exceeds some 2.5 F (2.3 F in a Hertzian chain). If there are many diameters, those within 10 %
+of each other are represented by the smallest one, which has the stiffest contact for its mass.
+Equal spheres with diameter scatter are represented by the smallest one, struck by one of nominal
+size. Under a static load each contact also takes up the work of that load.
 """
 
 from __future__ import annotations
@@ -97,7 +98,9 @@ def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
-    """Return one pair for each kind of neighbours, and one of unmodified spheres if there are two."""
+    """Return one pair for each kind of neighbours, and one of unmodified spheres if there are
+    two.
+    """
     sites = assembly.sites
     pairs: list[tuple[int, int]] = []
     if sites.uniform:
@@ -341,7 +344,9 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
 
 
 def _of_pairs(assembly: Assembly) -> list[Encounter]:
-    """Return a collision for each kind of touching pair, and for those with a grain that is held."""
+    """Return a collision for each kind of touching pair, and for those with a grain that is
+    held.
+    """
     energy = expected_energy(assembly)
     of, _ = kinds_of_grains(assembly.sites)
     held = held_against_load(assembly)

@@ -166,7 +166,9 @@ def make_schedule(assembly: Assembly, timestep: float | None = None) -> Schedule
         return max(1, round(time / length))
 
     def records(most: int) -> int:
-        """Units between records that are at most so many first timesteps apart, and divide a block."""
+        """Units between records that are at most so many first timesteps apart, and divide a
+        block.
+        """
         return max(
             every for every in range(1, max(1, most // per_first) + 1) if in_block % every == 0
         )

@@ -125,7 +125,9 @@ def _overrides(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[s
 
 
 def _keys(*files: str, first: str = "") -> dict[str, Key]:
-    """Return the keys of kinds of files by dotted name; entries of lists have the number ``first``."""
+    """Return the keys of kinds of files by dotted name; entries of lists have the number
+    ``first``.
+    """
     from granwave.workflows.cli.keys import tables
 
     lists = {table.name for table in tables() if table.heading.startswith("[[")}

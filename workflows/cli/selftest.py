@@ -217,7 +217,9 @@ def _number(what: str, unit: str, expected: float, found: float, digits: int = 5
 
 
 def _pair_constants() -> tuple[float, float, float]:
-    """Return mass (kg), radius (m) and modulus (Pa) of a pair of equal spheres, as Hertz has them."""
+    """Return mass (kg), radius (m) and modulus (Pa) of a pair of equal spheres, as Hertz has
+    them.
+    """
     mass = _BRASS["density"] * math.pi / 6 * _DIAMETER**3
     return (
         mass / 2,

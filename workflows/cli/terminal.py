@@ -100,6 +100,8 @@ def in_shell(text: str) -> str:
 
 
 def print_json(values: Any) -> None:
-    """Print one JSON document, and nothing else, on standard output; NaN and infinity become null."""
+    """Print one JSON document, and nothing else, on standard output; NaN and infinity become
+    null.
+    """
     print(json.dumps(plain(values), indent=2, allow_nan=False, default=os.fspath))  # paths as text
     sys.stdout.flush()

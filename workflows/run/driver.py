@@ -296,7 +296,9 @@ class _Run:
         return error
 
     def gone(self) -> str:
-        """Describe that the directory, or its output, was removed or moved meanwhile; empty if not."""
+        """Describe that the directory, or its output, was removed or moved meanwhile; empty if
+        not.
+        """
         places = [self.directory]
         if self.began:
             places += [self.directory / DUMPS, self.balance.path]

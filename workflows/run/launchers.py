@@ -1,5 +1,5 @@
-"""Start of MPI: launchers that fork their ranks on this machine, and end when they are asked to; and
-an explanation where the MPI library ends the process in place of an error.
+"""Start of MPI: launchers that fork their ranks on this machine, and end when they are asked to;
+and an explanation where the MPI library ends the process in place of an error.
 """
 
 from __future__ import annotations
@@ -133,7 +133,9 @@ def starting(*, first: bool = True) -> Iterator[None]:
 
 
 def start_fault(environment: Mapping[str, str]) -> str:
-    """Describe why MPI could not be started, from variables and limits that are known to stop it."""
+    """Describe why MPI could not be started, from variables and limits that are known to stop
+    it.
+    """
     what = "MPI cannot be started: "
     if "PMIX_RANK" in environment and "PMI_RANK" not in environment:
         return (

@@ -37,7 +37,7 @@ class Difference:
     Attributes
     ----------
     what
-        Dotted key, or the grains.
+        Dotted key, or grains.
     values
         In words, by run: (n_runs,).
     is_numerical

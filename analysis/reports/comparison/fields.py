@@ -1,5 +1,5 @@
-"""Peak forces on a vertical section of several packings side by side, on one colour scale, and
-their difference where grains correspond.
+"""Peak forces on a vertical section of several packings side by side, on one colour scale, and the
+difference of corresponding grains.
 """
 
 from __future__ import annotations
@@ -119,7 +119,8 @@ def corresponding(first: ForceField, other: ForceField) -> bool:
 
 
 def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
-    """Draw the peak force of each run less that of the first, for runs with the same grains.
+    """Draw the peak force of each run minus the peak force of the first, for runs with the same
+    grains.
 
     None where no run corresponds to the first, or none differs from it.
     """
@@ -158,7 +159,9 @@ def _ticks(largest: float) -> list[float]:
 
 
 def difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
-    """Return the runs whose grains do not correspond to those of the first, in a sentence."""
+    """Return a sentence on the runs whose grains do not correspond to the grains of the first
+    run.
+    """
     reference, *others = list(fields)
     unlike = [run.name for run in others if not corresponding(fields[reference], fields[run])]
     if not unlike:

@@ -82,17 +82,17 @@ class ComparisonFigure:
     caption
         What it shows.
     read
-        Function that reads of a run what is drawn, or raises `LackingError`.
+        Function that reads the data of a run, or raises `LackingError`.
     draw
-        Function that draws what was read, by run, and measured curves; None: there is nothing.
+        Function that draws the data by run, and measured curves; None: there is nothing.
     units
         SI units of the axes of a measured curve over it; empty: none can lie over it.
     look
-        What to look for.
+        Feature to look for.
     notes
-        Function that returns sentences on what was read.
+        Function that returns sentences on the data.
     curve
-        Function that returns the curve of a run that a measured one is compared with.
+        Function that returns the curve of a run for comparison with a measured curve.
     most
         Largest number of runs that it shows.
     """
@@ -109,12 +109,12 @@ class ComparisonFigure:
 
 @dataclass(frozen=True, eq=False)
 class FigureData:
-    """Data of the runs for a figure, and the reasons for which others give none.
+    """Data of the runs for a figure, and the reasons why other runs have no data.
 
     Attributes
     ----------
     present
-        What was read of each run that has it.
+        Data of each run that has data.
     lacking
         Reason by run without it.
     """
@@ -318,7 +318,7 @@ def _log_if_wide(axes: Axes) -> None:
 
 
 def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
-    """Return the fit of each run that has one, of the law that fits all of them better.
+    """Return the fit of each run that has one, for the law that fits all runs better.
 
     The law is the same for all runs, so that its constants can be compared: the exponential or
     the power with the smaller sum of squared misfits.
@@ -332,7 +332,7 @@ def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, 
 
 
 def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return the fits of the decay in a sentence."""
+    """Return a sentence on the fits of the decay."""
     fits = common_fits(peaks)
     if not fits:
         return ""
@@ -426,7 +426,7 @@ def draw_fronts(
 
 
 def speed_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
-    """Return the speeds of the fronts in a sentence, of runs that have one."""
+    """Return a sentence on the front speeds of the runs that have one."""
     speeds = [(run.name, run.run.number("wave_speed_m_s")) for run in curves]
     parts = [f"{speed:.4g} m/s ({name})" for name, speed in speeds if speed is not None]
     if not parts:

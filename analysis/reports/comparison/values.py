@@ -57,7 +57,7 @@ class ComparedValue:
     values
         By run; None where a run does not have it: (n_runs,).
     label
-        What it is, in words.
+        Name in words.
     unit
         SI unit; empty if there is none.
     """
@@ -112,7 +112,8 @@ class ComparedValue:
 
 
 def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> list[ComparedValue]:
-    """Return the values of the runs: those of some names, or all results, the most different first.
+    """Return the values of the runs: the requested values, or all results, the most different
+    first.
 
     Values that are zero in every run are omitted, unless they are requested by name.
     """
@@ -150,7 +151,7 @@ def differing_values(values: Iterable[ComparedValue]) -> list[ComparedValue]:
 def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> str:
     """Return the values that differ most in a sentence, with both values and the ratio.
 
-    Of values that say much the same the first is taken.
+    Of similar values only the first is used.
     """
     different = differing_values(value for value in values if None not in value.values)
     if not different:

@@ -67,7 +67,7 @@ class TargetRun(FinishedRun):
 
     @property
     def layers(self) -> int:
-        """Layers of spheres, one below the other."""
+        """Number of layers of spheres."""
         return self.assembly.lattice.shape[2]
 
     @property
@@ -88,7 +88,7 @@ class TargetRun(FinishedRun):
 
     @property
     def held(self) -> bool:
-        """The bottom is a plane that does not move."""
+        """True if the bottom is a fixed plane."""
         return self.case.boundary.bottom_rule.has_plane and not self.moves
 
     @property

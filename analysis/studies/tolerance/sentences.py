@@ -56,7 +56,7 @@ def verdict(packing: PackingRuns) -> Iterator[str]:
 
 
 def missing(packing: PackingRuns, undone: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Say that the ideal packing has not finished, where a point of a scan asked for it."""
+    """Return a note if the ideal packing is a point of a scan but has not finished."""
     present = imperfections(packing.case)["setting"]
     asked = any(_is_ideal(present._asdict(), labels) for labels in undone)
     if IDEAL not in packing.runs and asked:

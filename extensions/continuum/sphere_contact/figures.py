@@ -329,7 +329,9 @@ def deviation(result: SphereContactResult) -> Drawing:
 
 
 def quasi_static(result: SphereContactResult) -> Drawing:
-    """Draw the non-static energies over the internal energy, and the force balance, during loading."""
+    """Draw the non-static energies over the internal energy, and the force balance, during
+    loading.
+    """
     rows = result.branch(LOADING)
     overlap = result["history/overlap"] / result.units[0]
     rows = rows[(overlap[rows] >= RESOLVED) & (result["history/force"][rows] > 0)]
@@ -363,7 +365,9 @@ def quasi_static(result: SphereContactResult) -> Drawing:
 
 
 def von_mises(result: SphereContactResult) -> Drawing | None:
-    """Draw the von Mises stress in both spheres at the largest overlap; None if it was not reached."""
+    """Draw the von Mises stress in both spheres at the largest overlap; None if it was not
+    reached.
+    """
     if "fields/von_mises" not in result.values:
         return None
     position = result["fields/position"] * _MILLI

@@ -1,12 +1,12 @@
 """One sphere-contact study, from case to figures: its summary, ``contact.csv`` and ``result.h5``.
 
     /history/{branch, cycle, overlap, force, face_force, contact_radius, mean_pressure, penetration}
-    /energy/{kinetic, elastic, plastic, hourglass, viscous, damping, contact, input}     at the same instants
-    /loading/{overlap, force, contact_radius, mean_pressure, law_force, law_contact_radius}
-    /deviation/{force, contact_radius, mean_pressure}                                    per cent of the law's
-    /cycles/{peak_overlap, peak_force, residual_overlap, exponent, ...}                  a row a cycle
-    /pressure/N/{radius, pressure}                                     profiles, each with its overlap as attribute
-    /fields/{position, elements, body, von_mises, plastic_strain}      at the largest overlap, (r, z) from the contact
+    /energy/{kinetic, elastic, plastic, hourglass, viscous, damping, contact, input} at the same
+    instants /loading/{overlap, force, contact_radius, mean_pressure, law_force, law_contact_radius}
+    /deviation/{force, contact_radius, mean_pressure} per cent of the law's /cycles/{peak_overlap,
+    peak_force, residual_overlap, exponent, ...} a row a cycle /pressure/N/{radius, pressure}
+    profiles, each with its overlap as attribute /fields/{position, elements, body, von_mises,
+    plastic_strain} at the largest overlap, (r, z) from the contact
 
 ``branch``: 0 loading, 1 unloading, 2 reloading. The root carries ``kind``, ``name``, ``case``
 (TOML), ``summary`` and ``versions`` (JSON) as attributes; every data set a ``unit``.
@@ -108,9 +108,9 @@ class _Refused(Exception):
 class ContactRun(ElementRun):
     """Run of a sphere contact through loading and all cycles.
 
-    Rows of its history hold what `SphereContactSolver.ledger` gives, the ``branch`` (`LOADING`, `UNLOADING` or
-    `RELOADING`), the number of the ``cycle`` (from 1; 0: loading), ``contact_radius`` and
-    ``penetration`` (m).
+    Rows of its history hold what `SphereContactSolver.ledger` gives, the ``branch`` (`LOADING`,
+    `UNLOADING` or `RELOADING`), the number of the ``cycle`` (from 1; 0: loading),
+    ``contact_radius`` and ``penetration`` (m).
 
     Attributes
     ----------
@@ -217,7 +217,9 @@ class ContactRun(ElementRun):
             self._enter(RELOADING, cycle)
 
     def _unloading_rate(self) -> float:
-        """Return the change of overlap in a step that unloads the contact in about the set time, m."""
+        """Return the change of overlap in a step that unloads the contact in about the set time,
+        m.
+        """
         radius = max(self.solver.contact().contact_radius, 1e-12)
         return 1.5 * self.solver.force / (2 * self.case.law.effective_modulus * radius) / self._way
 
@@ -398,7 +400,9 @@ def _quasi_static(late: pd.DataFrame) -> dict[str, float]:
 
 
 def contact_table(case: SphereContactCase, history: pd.DataFrame) -> dict[str, NDArray]:
-    """Return the columns of contact.csv: loading, then unloading_N and reloading_N of each cycle."""
+    """Return the columns of contact.csv: loading, then unloading_N and reloading_N of each
+    cycle.
+    """
     down = history["branch"] == UNLOADING
     first = history[down & (history["branch"].shift() == LOADING)]
     begun = history.loc[first.index - 1].assign(

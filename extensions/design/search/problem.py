@@ -340,7 +340,9 @@ def _values_before(assembly: Assembly, limit: DesignLimit | None) -> dict[str, f
 
 
 def known_before(assembly: Assembly) -> dict[str, float]:
-    """Return the values of a packing that are known before a run, by the names of `KNOWN_BEFORE`."""
+    """Return the values of a packing that are known before a run, by the names of
+    `KNOWN_BEFORE`.
+    """
     n = assembly.lattice.n_spheres
     diameters = assembly.sphere_diameters()[:n]
     positions = assembly.positions()[:n]

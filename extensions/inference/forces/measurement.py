@@ -90,7 +90,9 @@ def _number(text: str) -> float:
 
 
 def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
-    """Return the columns of numbers, NaN where a cell is empty; the index has the line of each row."""
+    """Return the columns of numbers, NaN where a cell is empty; the index has the line of each
+    row.
+    """
     rows = read_rows(Path(path))
     if not rows:
         raise InputError(

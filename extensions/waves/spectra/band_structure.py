@@ -236,7 +236,8 @@ def band_structure(
     Parameters
     ----------
     path
-        See `granwave.extensions.waves.spectra.wave_vectors`; empty for the standard path of the cell.
+        See `granwave.extensions.waves.spectra.wave_vectors`; empty for the standard path of the
+        cell.
     points
         Wave vectors of each stretch; None: 61, or 16 of a cell with more than 150 degrees of
         freedom.

@@ -298,7 +298,9 @@ class Modes:
 
     @property
     def frequency(self) -> Array:
-        """Frequencies: (n_modes,), Hz; 0 where nothing resists, NaN where a motion grows by itself."""
+        """Frequencies: (n_modes,), Hz; 0 where nothing resists, NaN where a motion grows by
+        itself.
+        """
         return _hertz(self.square, self.largest)
 
     @property
@@ -350,7 +352,9 @@ def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
 
 
 def _chebyshev(matrix, largest: float) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
-    """Density of states of a large matrix, by the kernel polynomial method with Jackson's kernel."""
+    """Density of states of a large matrix, by the kernel polynomial method with Jackson's
+    kernel.
+    """
     n = matrix.shape[0]
     random = np.random.default_rng(_SEED)
     vector = random.choice([-1.0, 1.0], (n, _VECTORS))

@@ -234,7 +234,8 @@ class ComplexBands:
     frequency
         (n_frequencies,), Hz.
     attenuation
-        -ln |lambda| of all that do not grow, rising along each row; NaN where there are fewer: (n_frequencies, n).
+        -ln |lambda| of all that do not grow, rising along each row; NaN where there are fewer:
+        (n_frequencies, n).
     phase
         arg lambda of the same, rad.
     """
@@ -252,7 +253,9 @@ class ComplexBands:
 
 
 def plane_spacing(stiffness: Stiffness, direction: Array) -> float:
-    """Return the distance of the planes of the lattice across a direction, m; 0 if they have none."""
+    """Return the distance of the planes of the lattice across a direction, m; 0 if they have
+    none.
+    """
     places = np.abs(stiffness.shifts @ direction)
     size = np.linalg.norm(stiffness.network.periods, axis=1).max()
     places = places[places > _WHOLE * size]
