@@ -2,9 +2,9 @@
 paths; free memory.
 
 Rows of CSV are read with the numbers of their lines; a # outside quotes begins a comment. Paths
-that cases and scans name are made absolute as soon as they are read: one in a file is relative to
-the folder of that file (`read_toml`), one in ``--set`` or in a Python mapping to the working
-directory (`parse_overrides`, `case_from_dict`). Code that opens the file need not know.
+that cases and scans name are made absolute as soon as they are read: in a file it is relative to
+the folder of the file (`read_toml`), in ``--set`` or in a Python mapping to the working directory
+(`parse_overrides`, `case_from_dict`). Code that opens the file need not know.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def scratch_files(path: Path) -> Iterator[Callable[[], Path]]:
 def naming(path: Path) -> Iterator[None]:
     """Add this file to system errors that name no file, such as a full disk.
 
-    Errors that a library raises in their place (HDF5, PIL) are converted, too.
+    Other errors raised by libraries (HDF5, PIL) are also converted.
     """
     try:
         yield
@@ -145,7 +145,7 @@ def regular(path: Path) -> Path:
 
 
 def read_regular(path: Path) -> bytes:
-    """Read a whole file; reject pipes and devices, which may never end.
+    """Read a complete file; reject pipes and devices, which may never end.
 
     Raises
     ------
@@ -156,7 +156,7 @@ def read_regular(path: Path) -> bytes:
 
 
 def read_text(path: Path, decode: Callable[[bytes], str] | None = None) -> str:
-    """Read a whole file as UTF-8, or by another decoder; reject pipes and devices.
+    """Read a complete file as UTF-8, or by another decoder; reject pipes and devices.
 
     Raises
     ------
@@ -193,8 +193,8 @@ def read_user_text(
     hint: Callable[[Path], str] = lambda _: "",
     decode: Callable[[bytes], str] | None = None,
 ) -> str:
-    """Read a text file that a user named; raise InputError. ``hint`` returns more words about a
-    missing one, ``decode`` the text of bytes that may be no UTF-8.
+    """Read a text file that a user named; raise InputError. ``hint`` returns additional text for a
+    missing file, ``decode`` the text of bytes that may not be UTF-8.
     """
     try:
         return read_text(path, decode)
@@ -330,8 +330,8 @@ def csv_cell(word: str) -> str:
 
 
 def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
-    """Write rows as CSV; text that a spreadsheet would take for a formula gets an apostrophe before
-    it.
+    """Write rows as CSV; text that a spreadsheet would interpret as a formula is preceded by an
+    apostrophe.
     """
 
     def plain_text(cell: object) -> object:
@@ -364,7 +364,7 @@ def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:
     directory
         Folder that relative paths start from.
     key
-        Key of ``value``; empty for a whole file.
+        Key of ``value``; empty for a complete file.
     """
     return _with_paths(value, key, lambda path: os.path.realpath(directory / path))
 

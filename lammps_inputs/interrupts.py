@@ -34,7 +34,7 @@ class Interrupts:
 
     @property
     def count(self) -> int:
-        """Number of signals that came."""
+        """Number of received signals."""
         return len(self.numbers)
 
     def __enter__(self) -> Self:

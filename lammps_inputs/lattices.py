@@ -13,7 +13,7 @@ Rows of a crystal in x-z alternate between n and n - 1 grains, so that both side
 all have n; the long ones begin at x = 0, the short ones (or every second row of n) half a pitch
 further.
 
-No array over the whole packing is stored, so that a lattice of any size takes no memory.
+No array over the packing is stored, so that a lattice of any size needs no memory.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ _FREE = PackingKind(
 
 @cache
 def lattice_kinds() -> dict[str, PackingKind]:
-    """Return the lattices by name: those of the core, then those of extensions.
+    """Return the lattices by name: lattices of the core, then lattices of extensions.
 
     Raises
     ------
@@ -216,10 +216,10 @@ class Lattice:
     periodic
         True if the packing is periodic along x and y.
     top_row
-        Struck row of a crystal in x-z: ``long`` (nx grains) or ``short`` (nx - 1); ``equal``: all
+        Impacted row of a crystal in x-z: ``long`` (nx grains) or ``short`` (nx - 1); ``equal``: all
         rows have nx.
     overlap
-        Overlap of neighbours, m: with cohesion that at which contacts bear no force.
+        Overlap of neighbours, m: with cohesion the overlap at zero contact force.
     """
 
     kind: str

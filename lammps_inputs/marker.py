@@ -32,10 +32,10 @@ class Marker:
         Text of case.toml at the start of the run; empty if there is none.
     files
         Sizes in bytes by name relative to the directory; None for files whose size was not noted. A
-        name that ends in "/" is a directory of results with a marker of its own; one with "%"
-        stands for the files of all ranks.
+        name that ends in "/" is a directory of results with a separate marker; a name with "%"
+        means the files of all ranks.
     digests
-        Digests of the files of the deck as granwave wrote them, by name.
+        Digests of the LAMMPS input files as granwave wrote them, by name.
     sums
         CRC-32 of finished files by name, as their sizes in ``files``.
     format
@@ -83,7 +83,7 @@ def read_marker(path: Path) -> Marker:
     Raises
     ------
     InputError
-        A later version wrote it, in a format that this one does not know.
+        A later version wrote it, in a format unknown to this version.
     """
     content = None if path.is_symlink() else read_json(path)
     if content is None:

@@ -53,7 +53,7 @@ class SectionPlane:
 
 @dataclasses.dataclass(frozen=True)
 class PowerLaw:
-    """A length that grows with a power of the energy put in: factor, diameters, and power."""
+    """A length proportional to a power of the energy input: factor, diameters, and power."""
 
     factor: float
     power: float
@@ -85,7 +85,7 @@ class PackingKind:
     """One kind of packing, given by its sites in diameters; all other properties follow from its
     axes and contacts.
 
-    Nothing outside compares names of kinds: what differs between kinds is an attribute here.
+    Nothing outside compares names of kinds: differences between kinds are attributes here.
 
     Attributes
     ----------

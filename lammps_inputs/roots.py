@@ -1,8 +1,8 @@
-"""Zero of a function of one variable by Brent's method, without scipy.optimize, which takes longer
-to load than to use.
+"""Zero of a function of one variable by Brent's method, without scipy.optimize, which takes long to
+load.
 
 R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4; step by step as
-`scipy.optimize.brentq`, so that both find the same number.
+`scipy.optimize.brentq`, so that both give the same number.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def brentq(
     low, high
         Bounds.
     xtol, rtol
-        Absolute and relative tolerance of the place.
+        Absolute and relative tolerance of the position.
 
     Raises
     ------

@@ -135,7 +135,7 @@ def newer_format(found: object, version: object) -> str:
     Parameters
     ----------
     found
-        Format of the results, a number or its digits; anything else counts as none.
+        Format of the results, a number or its digits; other values count as no format.
     version
         Version of granwave that wrote them.
     """
@@ -150,14 +150,14 @@ def newer_format(found: object, version: object) -> str:
 
 
 def of_each_rank(name: str) -> str:
-    """Return the name of a dump of which each rank writes a part, such as ``spheres.%.bin``."""
+    """Return the name of a dump that each rank writes in part, such as ``spheres.%.bin``."""
     path = PurePosixPath(name)
     return str(path.with_suffix(f".{RANK}{path.suffix}"))
 
 
 def files_of(directory: Path, name: str) -> list[str]:
-    """Return the names of the files for a name: itself, or those of all ranks that
-    there are, in order.
+    """Return the names of the files for a name: the name itself, or the existing files of all
+    ranks, in order.
     """
     if RANK not in name:
         return [name]

@@ -71,8 +71,9 @@ class Replace:
     """``[[replace]]``: spheres that differ from the rest; a later entry overrides an earlier one.
 
     They are selected by ``index``, by a box from ``low`` to ``high`` around their lattice sites
-    (for a chain, those of equal spheres), or as a random ``share`` of all spheres. A larger sphere
-    needs space around it: vacancies or smaller neighbours. The beads of a chain are moved apart.
+    (for a chain, those of equal spheres), or as a random fraction ``share`` of all spheres. A
+    larger sphere needs space around it: vacancies or smaller neighbours. The beads of a chain are
+    moved apart.
     """
 
     index: tuple[int, ...] | None = schema.typed("which spheres", INDEX, default=None)

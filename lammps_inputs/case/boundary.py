@@ -48,7 +48,7 @@ class Backing:
     Attributes
     ----------
     mass
-        Mass of the node, 0 for a surface without inertia, or of the whole bar, kg.
+        Mass of the node, 0 for a surface without inertia, or total mass of the bar, kg.
     stiffness
         Stiffness of the spring, or of an element of the bar, N/m.
     damping
@@ -109,11 +109,11 @@ class Support(abc.ABC):
     kind
         Its name in the case file.
     bears
-        True if it can bear a static load, by a spring to the ground or as a damper.
+        True if it can carry a static load, by a spring to the ground or as a damper.
     needs_material
         True if its values follow from the material of the surface.
     absorbs
-        True if it takes up steady waves by its damping alone.
+        True if it absorbs steady waves by its damping only.
     """
 
     kind: ClassVar[str]
@@ -134,7 +134,7 @@ class Support(abc.ABC):
         """
 
     def absorber(self, material: Material | None) -> tuple[float, float] | None:
-        """Return spring (N/m) and damper (N s/m) of a surface without an echo; None for others.
+        """Return spring (N/m) and damper (N s/m) of a surface without reflections; None for others.
 
         Parameters
         ----------
@@ -240,7 +240,7 @@ class HalfSpace(Support):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SupportBar(Support):
-    """Elastic bar under the whole packing."""
+    """Elastic bar under the complete packing."""
 
     kind = "bar"
     needs_material = True

@@ -281,7 +281,7 @@ class Pair:
     Attributes
     ----------
     contact
-        Values of ``[contact]``, overridden by those of the pair.
+        Values of ``[contact]``, overridden by the values of the pair.
     """
 
     materials: tuple[str, str] = schema.typed("materials of the two bodies", _NAMES)
@@ -305,8 +305,8 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
     Parameters
     ----------
     contact
-        The table ``[contact]``, source of the values that a pair does not give: all but the
-        constants of another law.
+        The table ``[contact]``, source of the values that a pair does not set, except the constants
+        of another law.
     """
     if not isinstance(tables, list | tuple):
         errors.add("pair", Mismatch(show(tables), "one or more [[pair]] tables"))

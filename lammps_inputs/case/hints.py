@@ -46,8 +46,8 @@ class Usual:
     units
         Units other than SI that users often mean, the most likely first.
     beyond
-        Factor above ``high`` up to which there is no warning; for bodies that stand for rigid or
-        heavy ones.
+        Factor above ``high`` up to which there is no warning; for bodies that represent rigid or
+        heavy bodies.
     """
 
     unit: str

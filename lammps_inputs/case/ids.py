@@ -1,4 +1,4 @@
-"""Ids of grains, as keys have them: one, a list, or a range."""
+"""Ids of grains in keys: a single id, a list, or a range."""
 
 from __future__ import annotations
 

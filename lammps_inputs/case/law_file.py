@@ -1,8 +1,8 @@
 """Contact law from another file: ``law = "fit.toml"`` in ``[contact]`` or a ``[[pair]]``.
 
-The file is one with a table ``[contact]``, as ``granwave fit`` writes it, or another case. Its keys
-take the place of ``law``; keys that the case gives itself come before them. The case that a run
-keeps holds the constants, so that it needs no other file.
+The file has a table ``[contact]``, such as the output of ``granwave fit``, or is another case. Its
+keys replace ``law``; keys of the case itself take precedence. The case that a run keeps holds the
+constants, so that it needs no other file.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _LAW = "law"
 
 
 def with_law_of_file(data: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
-    """Return the tables of a case with the laws of other files in place of their names.
+    """Return the tables of a case with the laws of other files instead of the names of the files.
 
     Faults of a file are added to ``errors``.
     """

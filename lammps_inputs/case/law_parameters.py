@@ -32,8 +32,8 @@ def with_parameters(
     Parameters
     ----------
     first
-        Fields in the order that files of earlier versions have; then come the other fields of the
-        section, then the other parameters.
+        Fields in the order of files of earlier versions; the other fields of the section follow,
+        then the other parameters.
     """
     fields = {parameter.name: _field(parameter) for parameter in parameters}
     annotations = {parameter.name: _annotation(parameter) for parameter in parameters}

@@ -41,11 +41,11 @@ class PackingToMake:
     file
         File in which it is to be kept.
     time
-        Expected time of making it, on one core, s.
+        Expected time to generate it on one core, s.
     memory
-        Expected memory of making it, bytes.
+        Expected memory to generate it, bytes.
     rows
-        What it is and costs, as names and values in words.
+        Description and cost, as names and values in words.
     """
 
     file: Path
@@ -60,7 +60,7 @@ class PackingNotMadeError(InputError):
     Parameters
     ----------
     message
-        What is missing, and which command makes it.
+        Missing packing, and the command that generates it.
     packings
         Packings that are missing, each of them once.
     """
@@ -108,7 +108,7 @@ class PackingMaker(abc.ABC):
 
     @abc.abstractmethod
     def tables(self, given: MakerInput, errors: ErrorList) -> dict[str, Any] | None:
-        """Return the tables of the case with the grains in place of the way to make them.
+        """Return the tables of the case with the grains instead of the recipe.
 
         None with faults, which are added to ``errors``.
 

@@ -1,8 +1,8 @@
 """Materials and shapes of grains.
 
 A ``[material]`` table gives elastic constants, density and yield strength, or names a ``preset``
-whose values it may override one by one. Presets come with the package (``materials.toml``) or from
-the user's own ``file`` of the same form. Shapes are spheres, and cylinders whose axis is fixed in
+whose values it may override one by one. Presets are in the package (``materials.toml``) or in a
+``file`` of the user with the same format. Shapes are spheres, and cylinders whose axis is fixed in
 space.
 """
 
@@ -85,7 +85,7 @@ SELECTORS = tuple(Material.FURTHER_KEYS)
 
 @cache
 def presets() -> dict[str, Material]:
-    """Return the materials that come with the package, by name."""
+    """Return the materials of the package, by name."""
     with resources.as_file(
         resources.files("granwave.lammps_inputs.case") / "materials.toml"
     ) as path:
@@ -113,7 +113,7 @@ def sphere_mass(material: Material, radius: float) -> float:
 
 
 def load_materials(path: str | Path) -> dict[str, Material]:
-    """Read a file of materials, one table for each, or the ``[materials]`` of a case.
+    """Read a file of materials, with a table for each, or the ``[materials]`` of a case.
 
     Raises
     ------

@@ -6,8 +6,8 @@
     region = "cylinder z 0 0 0.05 0 0.1"                 axis, its place, radius, ends
     region = "cone z 0 0 0.05 0.01 0 0.1 open 1 open 2"  the same with the radii at both ends
 
-Grains are inside of the region; ``side out`` puts them outside of a sphere, or of a cylinder with
-the bounds INF INF. An open face, and a bound INF, has no wall.
+Grains are inside the region; ``side out`` puts them outside of a sphere, or of a cylinder with
+the bounds INF INF. An open face and a bound INF have no wall.
 """
 
 from __future__ import annotations

@@ -339,7 +339,7 @@ def figure_names() -> tuple[str, ...]:
 
 @cache
 def usual_figure_names() -> tuple[str, ...]:
-    """Return the names of the figures that are drawn unless others are asked for."""
+    """Return the names of the figures that are drawn by default."""
     usual = set(FIGURES_BY_DEFAULT)
     for extension in extensions():
         usual |= extension.figures.keys() - set(extension.figures_on_request)
@@ -484,7 +484,7 @@ class Figures:
 
 
 def read_figures(table: Any, source: str) -> Figures:
-    """Read a table ``[figures]`` alone.
+    """Read only a table ``[figures]``.
 
     Parameters
     ----------

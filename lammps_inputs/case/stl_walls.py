@@ -24,7 +24,8 @@ _TEXT_FORM = "the text of an STL file, from solid to endsolid"
 
 
 def with_triangles(data: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
-    """Return the tables of a case with the triangles of STL files in place of their names.
+    """Return the tables of a case with the triangles of STL files instead of the names of the
+    files.
 
     Faults of an entry, such as a region together with a file, are added to ``errors``.
     """

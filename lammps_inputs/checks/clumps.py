@@ -114,7 +114,7 @@ def _check_free(grains: Grains, ids: Sequence[int], key: str, does: str, errors:
 
 
 def check_loaded_clumps(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that no grain of a clump is given a motion of its own."""
+    """Check that no grain of a clump has a separate motion."""
     case = assembly.case
     grains = case.packing.grains
     if grains is None or not grains.clumps:

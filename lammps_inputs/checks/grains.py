@@ -74,7 +74,7 @@ def check_columns(case: Case, errors: ErrorList) -> None:
 
 
 def check_restart(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that a case has what its restart file has: spheres, masses and walls."""
+    """Check that a case has the spheres, masses and walls of its restart file."""
     try:
         state = bed_state(assembly)
     except InputError as error:
@@ -361,7 +361,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
     """Check that the side walls that act on some grains only find these, and that there are such
     walls.
 
-    Return False if walls would act on no grain, so that they have no place.
+    Return False if walls would act on no grain, so that their position is undefined.
     """
     boundary = case.boundary
     key = "boundary.sides_touch"
@@ -395,9 +395,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
 
 
 def check_tube(case: Case, errors: ErrorList) -> None:
-    """Check that the packing fits into its tube, before this shrinks, and each grain after it
-    has.
-    """
+    """Check that the packing fits into its tube before it shrinks, and each grain afterwards."""
     tube = case.boundary.sides_tube
     if tube is None or errors.items:
         return

@@ -91,7 +91,7 @@ Array = NDArray[np.float64]
 def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     """Check that a run with an oscillating load measures the required quantities.
 
-    Weak waves in a row under a static load that surely do not arrive are an error, all else a
+    Weak waves in a chain under a static load that cannot arrive in time are an error, other cases a
     warning.
     """
     case = assembly.case

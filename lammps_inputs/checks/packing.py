@@ -425,8 +425,8 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def check_losses(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that some loss time gives the restitution that is asked for, of each pair of materials,
-    and that contacts that are damped along their surfaces have friction.
+    """Check that a relaxation time gives the specified restitution for each pair of materials, and
+    that contacts with tangential damping have friction.
     """
     case = assembly.case
     if not case.has_loss:

@@ -137,8 +137,8 @@ def _force_at_largest_overlap(law: ContactLaw) -> float:
 
 
 def check_plates(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that spheres on a moving bottom, or under a plate, are of one material, which has a fix
-    of its own.
+    """Check that spheres on a moving bottom, or under a plate, are of one material, which has a
+    separate fix.
     """
     case = assembly.case
     layers = []

@@ -3,9 +3,9 @@
 Contacts between spheres are found by their ids. A restart file does not contain the positions of
 walls: each wall of the file is identified with the wall of the case that its spheres touch.
 
-The complete history of contacts is taken over, and history that the case does not support is a
-fault. A bed with a static stage starts only with the tangential springs (`packing.springs`) of its
-present contacts.
+The complete history of contacts is used; history that the case does not support is a fault. A bed
+with a static stage starts only with the tangential springs (`packing.springs`) of its present
+contacts.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class BedState:
     walls
         Walls of the file with the walls of the case that they are.
     faults
-        What the case cannot take over, each with its key.
+        Features that the case does not support, each with its key.
     """
 
     spheres: RestartSpheres

@@ -58,7 +58,7 @@ class ContactAdvice:
     remaining
         Largest gap or overlap that would be left of them, m.
     largest_force
-        Largest force of a contact as it is, N; None if its law cannot be told.
+        Largest contact force of the original grains, N; None if the law is unknown.
     has_friction
         True if the contacts of the case have friction, which only a damped search keeps.
     has_springs

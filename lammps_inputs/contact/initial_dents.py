@@ -183,9 +183,7 @@ def largest_dent(assembly: Assembly, law: ContactLaw) -> float:
 
 
 def earlier_result(case: Case) -> Path | None:
-    """Return the path of the result.h5 that the dents of a case come from; None if they are given
-    by value.
-    """
+    """Return the path of the result.h5 with the dents of a case; None for dents given by value."""
     if not isinstance(case.contact.initial_overlap, str):
         return None
     path = Path(case.contact.initial_overlap)
@@ -261,7 +259,7 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
 
 def regions_of(case: Case) -> tuple[Dents, ...]:
     """Return the regions of dents that are given by value; where regions overlap, the last one
-    holds.
+    applies.
     """
     given = case.contact.initial_overlap
     return given if isinstance(given, tuple) else (Dents(overlap=float(given)),)

@@ -2,8 +2,8 @@
 viscous losses.
 
 The loss time of a restitution at a speed is found from the head-on collision of two bodies with
-their own law (`ContactLaw.collide`). The grains of a material share one loss time, computed for
-their median diameter.
+their own law (`ContactLaw.collide`). The grains of a material have a common relaxation time,
+computed for their median diameter.
 """
 
 from __future__ import annotations
@@ -109,8 +109,8 @@ def law_between(
     plane_strain
         True if contacts along lines are in plane strain, False if bodies are half-spaces.
     effective_radius
-        Radius of the sphere that is as stiff on a flat, m, where it does not follow from radii and
-        shapes: in a tube.
+        Radius of the sphere with the same stiffness on a flat, m, where it does not follow from
+        radii and shapes: in a tube.
     """
     others: dict[str, Any] = {"checked": checked}
     if effective_radius is not None:
@@ -419,7 +419,7 @@ def nominal_grain(
 def velocity_normalised(
     velocity: float, modulus: float, density: float, yield_strength: float
 ) -> float:
-    """Impact velocity in units that make materials collapse on one curve.
+    """Impact velocity in units in which all materials fall on one curve.
 
     ``(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v``; for brass 4 m/s give 37.9.
 

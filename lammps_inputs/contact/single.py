@@ -94,7 +94,7 @@ def contact_between_bodies(
     Raises
     ------
     InputError
-        A body, the law or an option is wrong, or the law does not describe the contact of these
+        A body, the law or an option is invalid, or the law does not apply to the contact of these
         shapes.
     """
     errors = ErrorList("contact")

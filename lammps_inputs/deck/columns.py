@@ -70,8 +70,8 @@ def of_compute(
     Parameters
     ----------
     name
-        Reference to the compute or fix, such as ``c_contacts``; ``{}`` stands for a name that
-        `sources` fills in.
+        Reference to the compute or fix, such as ``c_contacts``; ``{}`` is a placeholder for a name
+        that `sources` fills in.
     first
         Number of the first column.
     """
@@ -206,9 +206,7 @@ MOVING_WALL = (
 
 
 def names(table: Iterable[Column], *having: str) -> tuple[str, ...]:
-    """Return the names of the columns that all cases have, and of those with the given
-    conditions.
-    """
+    """Return the names of the columns of all cases, and of columns with the given conditions."""
     return tuple(column.name for column in table if not column.when or column.when in having)
 
 

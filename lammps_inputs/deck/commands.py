@@ -59,7 +59,7 @@ def command(*words: str) -> list[str]:
 def time_series(
     name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool
 ) -> list[str]:
-    """Return the command of a time series: one row every so many steps, the step first."""
+    """Return the command of a time series: one row every ``every`` steps, the step first."""
     return command(
         f"fix             {name} all ave/time {every} 1 {every}",
         *columns.values(),
@@ -379,8 +379,8 @@ def _wall_style(assembly: Assembly, wall: Wall) -> str:
 
 
 def coordinate(assembly: Assembly, wall: Wall) -> str:
-    """Return the position of a plane in the deck, or the radius of a tube; of walls that move to a
-    force as a formula.
+    """Return the position of a plane in the input script, or the radius of a tube; for walls that
+    move to a force, a formula.
     """
     place = wall.coordinate
     if not wall.tube:

@@ -1,13 +1,13 @@
 """Damped run: motion with friction, losses and local damping until a packing is at rest.
 
 Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
-halves of the static stage are one of motion with friction, losses and local damping (Cundall and
-Strack 1979), from the positions of the case on; the tangential springs that it leaves stay. Half of
-the net force on a sphere is taken from it along each axis where the sphere moves with the force,
-and added where it moves against it. That damps a grain that rolls under its weight as fast, in its
-own periods, as one that swings on a stiff contact. A drag that ends the swings would hold the
-rolling grain, which then creeps on with a net force equal to its drag. Settled grains need some
-thousand steps, and tens of thousands where some roll to other positions.
+halves of the static stage integrate the motion with friction, losses and local damping (Cundall and
+Strack 1979), starting from the positions of the case; the resulting tangential springs are kept.
+Along each axis, half of the net force on a sphere is subtracted where the sphere moves with the
+force, and added where it moves against it. This damps a grain that rolls under its weight as fast,
+relative to its period, as a grain that oscillates on a stiff contact. A drag that ends the swings
+would hold the rolling grain, which then creeps on with a net force equal to its drag. Settled
+grains need some thousand steps, and tens of thousands where some roll to other positions.
 
 The last motion is the slow swing of single grains that roll in hollows. Twice in its period the net
 force on such a grain passes through zero while it moves, with its drag in balance with its weight.

@@ -1,5 +1,5 @@
-"""Deck of a case, a directory in which ``lmp -in in.granwave`` runs, and its data file of spheres
-and nodes.
+"""LAMMPS input of a case: a directory in which ``lmp -in in.granwave`` runs, with the data file of
+spheres and nodes.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
     """Write the LAMMPS data file of ``atom_style sphere``, with 17 significant digits.
 
     With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the
-    density column. Rows of equal spheres come from all processes; dissimilar spheres would have to
-    be stored by each process.
+    density column. Rows of equal spheres are written by all processes; dissimilar spheres would
+    have to be stored by each process.
     """
     bars = assembly.bars
     n = assembly.lattice.n_spheres
@@ -208,7 +208,7 @@ class Deck:
     struck
         Ids of the spheres that the load acts on, the impacted sphere first.
     written
-        Names of the files that were written; empty for a deck that was read.
+        Names of the written files; empty for an existing directory.
     """
 
     directory: Path
@@ -249,7 +249,7 @@ def write_deck(
     Parameters
     ----------
     timestep
-        Timestep in place of ``run.timestep``, s.
+        Timestep instead of ``run.timestep``, s.
     processes
         Processes that share the work. The files do not depend on them.
 

@@ -37,7 +37,7 @@ def may_lose_its_load(assembly: Assembly) -> bool:
     """Return True if the initial overlaps are the only load: grains that are free to separate lose
     it, and contacts with nearly zero force have nearly zero stiffness.
 
-    Forces are then compared with those at the start.
+    Forces are then compared with the initial forces.
     """
     stage = assembly.case.precompression
     return stage is not None and stage.is_overlaps_alone
@@ -73,8 +73,8 @@ def _minimise_to(least: str) -> str:
 def press_walls(assembly: Assembly) -> list[str]:
     """Return the commands that move walls inwards iteratively until they carry their forces.
 
-    The power 2/3 of the force is about linear in the distance: its secant gives the next one, in
-    the first round the line through the start.
+    The power 2/3 of the force is about linear in the distance: its secant gives the next distance,
+    in the first round the line through the start.
     """
     stage = assembly.case.precompression
     if stage is None or not stage.presses:

@@ -175,7 +175,7 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     """Return the name of the dump of snapshots, with "%" if each rank writes its own.
 
     LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file
-    writes one of its own. So does one that writes in parts, since it may have another number of
+    writes separate files. So does a run that writes in parts, because it may have another number of
     ranks.
     """
     form = assembly.case.output.dump_format
@@ -281,8 +281,8 @@ def count_commands() -> list[str]:
     """Return the commands for the number of contacts, from the sum and the mean of a column that is
     never 0.
 
-    It is written to a file, as the dumps of all ranks but the first have no header that tells if
-    they were cut.
+    It is written to a file, because only the dump of the first rank has a header, so that truncated
+    dumps of other ranks would not be recognised.
     """
     column = names(table.CONTACTS).index("i") + 1
     return [

@@ -94,8 +94,8 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
     Parameters
     ----------
     restart_from
-        Restart file to resume from: system, fixes and outputs are the same, but the state comes
-        from that file, there is no initial velocity, spin, dent or static stage, and output is
+        Restart file to resume from: system, fixes and outputs are the same, but the state is read
+        from this file, there is no initial velocity, spin, dent or static stage, and output is
         appended.
     """
     case = assembly.case

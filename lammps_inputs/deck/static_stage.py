@@ -2,21 +2,21 @@
 
 Dead loads are applied, and the spheres are brought to equilibrium by damped dynamics (FIRE, Bitzek
 et al. 2006) without friction. The first half uses Hertz's law for all contacts, and the contact
-history is cleared afterwards, since its overlaps are not those of the case's law. The second half
+history is cleared afterwards, since its overlaps differ from the case's law. The second half
 starts from that equilibrium with the laws and initial dents of the case; contacts whose static
 force exceeds yield get their dents there. FIRE overshoots, which leaves no dents: every iteration
-begins with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents are those of
-a load that grows steadily. Then time and energies are reset to zero.
+begins with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents correspond
+to a monotonically increasing load. Then time and energies are reset to zero.
 
 Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
-halves are one damped run (`damped_run.py`) from the positions of the case on; the tangential
-springs that it leaves stay.
+halves are one damped run (`damped_run.py`) starting from the positions of the case; the resulting
+tangential springs are kept.
 
-A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
-would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
-the stage (`inertia_relief.py`).
+A packing under uniform pressure may rotate rigidly, and dead loads, which keep their directions,
+would amplify the rotation: inertia relief cancels the forces that accelerate it rigidly during the
+stage (`inertia_relief.py`).
 
-A run that is resumed from a checkpoint does not repeat the stage. Files remain: STATIC_STAGE_FILE,
+A resumed run does not repeat the stage. Files remain: STATIC_STAGE_FILE,
 a record; STATIC_FILE, script lines with the reference energy of the energy record; and the forces
 of all contacts (`initial_forces`).
 """

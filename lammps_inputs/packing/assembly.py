@@ -42,7 +42,7 @@ Value = TypeVar("Value")
 @dataclasses.dataclass(frozen=True)
 class Species:
     """Particles of one LAMMPS type: grains of one material and shape, the face of a bar, or the
-    rest of its nodes.
+    other nodes of a bar.
 
     Attributes
     ----------
@@ -263,12 +263,12 @@ class Assembly:
 
     @cached_property
     def deck_origin(self) -> NDArray[np.float64]:
-        """Origin of the deck in coordinates of the case: (3,), m.
+        """Origin of the LAMMPS input in coordinates of the case: (3,), m.
 
         LAMMPS adds a step of some nanometres to each coordinate, whose rounding grows with the
-        distance from the origin. A file of grains that lies farther from the origin than it is
-        large is moved to it, along each axis; results are in the coordinates of the file. The axis
-        of a tube, or of bars, stays where it is, and so does all next to walls of regions.
+        distance from the origin. Grains of a file at a distance from the origin larger than their
+        extent are moved to the origin, along each axis; results are in the coordinates of the file.
+        The axis of a tube, or of bars, stays where it is, and so does all next to walls of regions.
         """
         low, high = self.lattice_bounds()
         origin = np.zeros(3)
@@ -370,7 +370,7 @@ class Assembly:
 def kept_by_assembly(function: Callable[[Assembly], Value]) -> Callable[[Assembly], Value]:
     """Make a function whose value an assembly keeps: it is computed once for each assembly.
 
-    Values of rooms above this one use it, since `Assembly` cannot have them as properties.
+    It is used for values of higher-level packages, which cannot be properties of `Assembly`.
     """
 
     @wraps(function)

@@ -8,11 +8,9 @@ does not change the others:
     and replaced
                   spheres
     vacancies one number for each site; the sites of the smallest numbers are vacant, so that the
-    vacancies of a
-                  larger share include those of a smaller one
-    replace       likewise, with one stream for each entry, by its place in the case
-    strikers three numbers for each striker with a misalignment, one stream each, by its place in
-    the case
+    vacancies of a larger fraction include those of a smaller fraction replace       likewise, with
+    one stream for each entry, by its position in the case strikers three numbers for each striker
+    with a misalignment, one stream each, by its position in the case
 
 The numbers are the upper 53 bits of the output of PCG64, whose stream numpy guarantees for all
 versions and machines. For a normal distribution they pass through a special function whose last
@@ -22,7 +20,7 @@ Spheres of a square packing on a slightly tilted floor: each lies on it, leaning
 or walls.
 
 The spheres roll to a corner and come to rest one after another, so that every sphere touches the
-next one towards the corner in its row and in its column, or the wall there. Sphere (a, b), counted
+next sphere towards the corner in its row and in its column, or the wall. Sphere (a, b), counted
 from the corner, is where the circles of these contacts meet; all spheres of a diagonal are placed
 at once. The contacts are closed and carry no force.
 """
@@ -46,7 +44,7 @@ _GRID = 2.0**-24  # fraction of the band
 
 
 def is_random(case: Case) -> bool:
-    """Return True if the packing or a striker's place depends on the seed."""
+    """Return True if the packing or a striker's position depends on the seed."""
     share = isinstance(case.packing.vacancies, float) and case.packing.vacancies > 0
     strikers = any(any(striker.misalignment) for striker in case.striker)
     return (
@@ -88,7 +86,7 @@ def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDAr
     Raises
     ------
     ValueError
-        The share exceeds the spheres that may be omitted.
+        The fraction exceeds the spheres that may be omitted.
     """
     if isinstance(packing.vacancies, tuple) or not packing.vacancies:
         return np.array(packing.vacancies or (), dtype=np.int64) - 1
@@ -163,14 +161,14 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
     diameter
         Nominal diameter, m: walls and floor touch nominal spheres at the sites of the lattice.
     diameters
-        Diameters of the spheres, at most the nominal one: (nx ny,), m.
+        Diameters of the spheres, at most the nominal diameter: (nx ny,), m.
     tilt
         Signs of the directions along x and y in which the spheres roll.
 
     Raises
     ------
     ValueError
-        The spheres differ so much that one finds no place between its neighbours.
+        The spheres differ so much that one does not fit between its neighbours.
     """
     nx, ny = size[:2]
     radii = _from_corner(diameters.reshape(ny, nx) / 2, tilt)

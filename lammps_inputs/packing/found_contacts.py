@@ -45,7 +45,7 @@ def period_of(packing: PackingSection, boundary: Boundary | None) -> Period:
 
 
 def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
-    """Put grains and static load of a case as its ``packing.contacts`` starts them.
+    """Set grains and static load of a case according to its ``packing.contacts``.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """Sites of a lattice with different spheres: diameters, materials, vacancies.
 
 Spheres are centred on the sites of the lattice of nominal spheres: smaller ones leave gaps, larger
-ones need space. The beads of a chain are stacked in contact by their nominal diameters, those of
-`[[replace]]` included; diameters below nominal by the tolerance leave gaps there, too. The
-tolerance counts from the nominal diameter of each sphere. On a tilted floor the spheres of a square
-packing lean on each other instead (`granwave.lammps_inputs.packing.disorder`).
+ones need space. The beads of a chain, including those of `[[replace]]`, are stacked in contact by
+their nominal diameters; diameters below nominal by the tolerance leave gaps. The tolerance counts
+from the nominal diameter of each sphere. On a tilted floor the spheres of a square packing lean on
+each other instead (`granwave.lammps_inputs.packing.disorder`).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Sites:
     leaning
         Centres of spheres that lean on each other: (n_sites, 3), m; None: they are at the sites.
     uniform
-        True if all spheres are equal and none is missing: arrays of one value, which take no
+        True if all spheres are equal and none is missing: arrays of a single value, which need no
         memory.
     """
 
@@ -70,7 +70,7 @@ class Sites:
         Parameters
         ----------
         whole
-            True for sequences that fill the chain without a rest.
+            True for sequences that fill the chain without a remainder.
         """
         beads = np.stack([self.diameter, self.nominal, self.body], axis=1)
         n = len(self.body)
@@ -261,7 +261,7 @@ def sites_of(case: Case, lattice: Layout) -> Sites:
     Raises
     ------
     ValueError
-        A fraction of vacancies leaves too few spheres, or spheres on a tilted floor find no place.
+        A fraction of vacancies leaves too few spheres, or spheres on a tilted floor do not fit.
     """
     packing = case.packing
     n = lattice.n_spheres

@@ -1,11 +1,11 @@
 """Contacts of grains at user-defined positions that touch within a tolerance: the rounding of their
 file, and the displacements after which they just touch.
 
-A grain whose coordinates are rounded to the unit u of their last place is off by up to u/2 along
-each axis, and its diameter by as much. The gap of a pair is then off by up to (sqrt(3) + 1/2) u.
+A grain whose coordinates are rounded to the unit u of their last place has an error of up to u/2
+along each axis and in its diameter. The gap of a pair is then off by up to (sqrt(3) + 1/2) u.
 
-Of the displacements that close all gaps g of the pairs, J d = -g to first order, the smallest in
-the sense of least squares is taken, and again from there: the gaps fall quadratically.
+Of the displacements that close all gaps g of the pairs, J d = -g to first order, the least-squares
+smallest is applied, iteratively: the gaps fall quadratically.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ def _significant_digits(value: float) -> int:
 
 
 def rounding_of(grains: Grains) -> float:
-    """Return the unit of the last digit of the lengths of grains, m: as the reader of their file
-    found it, else as their digits show it.
+    """Return the unit of the last digit of the lengths of grains, m: as found by the reader of the
+    file, otherwise from the digits.
     """
     if len(grains.half_unit):
         return 2 * float(grains.half_unit.max())

@@ -73,7 +73,7 @@ class Schedule:
     frame_steps
         Counts at the snapshots after the first, at 0, if they are not evenly spaced.
     history_every
-        Counts between the instants at which a whole chain is recorded; 0: never.
+        Counts between the instants at which a complete chain is recorded; 0: never.
     line_every
         Counts between the instants at which lines of grains are recorded; 0: never.
     first_step, longest_step

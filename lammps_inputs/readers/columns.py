@@ -173,12 +173,12 @@ def find_columns(
     notes
         Warnings, to which columns that are omitted are added.
     repeated
-        The first of several columns of one name counts.
+        Columns that occur several times; the first is used.
 
     Raises
     ------
     ValueError
-        A column is there twice, or is not there although the user named it.
+        A column occurs twice, or a column named by the user is missing.
     """
     columns: dict[str, GrainColumn] = {}
     unknown: list[str] = []
@@ -389,7 +389,7 @@ class ColumnReader:
     columns
         Columns by quantity.
     options
-        What the user said of the file.
+        The user's settings for the file.
     powers
         Powers of ten of the units of the file by kind of quantity, if neither the user nor the name
         of the column gives them.

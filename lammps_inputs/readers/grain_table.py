@@ -27,7 +27,7 @@ class GrainTable:
     Attributes
     ----------
     format
-        Name of the format, and what the file says of itself.
+        Name of the format, and description in the file.
     position
         Centres: (n, 3), m.
     half_unit

@@ -98,7 +98,7 @@ def powers_of_style(style: str, options: FileOptions) -> Mapping[str, float]:
     Raises
     ------
     ValueError
-        The style has no length of its own, and the user gives none.
+        The style has no unit of length, and the user gives none.
     """
     if options.units:
         return dict.fromkeys((LENGTH, VELOCITY), options.power())
@@ -232,7 +232,7 @@ class DumpFrame:
 
     @classmethod
     def read(cls, text: str, first_line: int) -> DumpFrame:
-        """Read a frame of which the first line has this number."""
+        """Read a frame whose first line has this number."""
         frame = cls()
         lines = text.splitlines()
         k = 0

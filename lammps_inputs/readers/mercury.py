@@ -1,6 +1,6 @@
 """Packings of MercuryDPM: ``.data`` (one or several steps, in three dimensions) and ``.restart``.
 
-A step of ``.data`` begins with N, time and the corners of the domain; each particle has its place,
+A step of ``.data`` begins with N, time and the corners of the domain; each particle has position,
 velocity, radius, angles, angular velocity and a number.
 """
 

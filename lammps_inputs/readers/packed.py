@@ -35,7 +35,7 @@ class OtherKind:
     label
         Its name in messages.
     remedy
-        What the user can do.
+        Remedy for the user.
     """
 
     start: bytes
@@ -93,7 +93,7 @@ def unpacked(raw: bytes) -> bytes:
     Raises
     ------
     ValueError
-        It is damaged, or of a kind that holds no grains; the message says what to do.
+        It is damaged, or of a kind without grains; the message states the remedy.
     """
     for start, (ending, unpack) in _UNPACKERS.items():
         if raw.startswith(start):

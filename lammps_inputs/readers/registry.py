@@ -58,7 +58,7 @@ def read_grain_table(source: GrainSource) -> GrainTable:
     OSError
         The file cannot be read.
     ValueError
-        It is of no known format, or has a fault; the message says where and what would do.
+        It is of no known format, or has a fault; the message states where, and the remedy.
     """
     if not source.content.strip():
         raise ValueError("found an empty file, expected a row or a line for each grain")

@@ -2,8 +2,8 @@
 
 The law of a point contact with the effective radius R* follows from the law for R* = 1 m: overlaps
 are proportional to R*, forces to R*^2, stiffnesses to R*, energies to R*^3. Line contacts and
-powers of the overlap do not scale: each size has a law of its own, which is used in the same
-formulas with a scale of 1 m.
+powers of the overlap do not scale: each size has a separate law, which is used in the same formulas
+with a scale of 1 m.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Touches:
     friction
         Coefficient of friction.
     dents
-        Largest earlier overlaps, alike everywhere; None without.
+        Largest earlier overlaps, uniform; None without.
     scaled
         True if the law scales with R*, False if it holds for one size.
     rolling, twisting

@@ -74,7 +74,7 @@ def split_unit(head: str) -> tuple[str, str]:
 
 
 def unit_of(cell: str) -> str:
-    """Return the unit in a cell of its own, such as ``[mm]``; empty if it has none."""
+    """Return the unit in a separate cell, such as ``[mm]``; empty if there is none."""
     unit = _spelt(cell.strip().strip("()[]{}\"'"))
     return "" if unit in _NO_UNITS else unit
 

@@ -34,7 +34,7 @@ class DisplacementLoad(DrivenLoad):
 
     @property
     def may_stop(self) -> bool:
-        """True for a table: its spheres may stop, and give back most of the energy put in."""
+        """True for a table: its spheres may stop and return most of the energy input."""
         return bool(self.table)
 
     @property

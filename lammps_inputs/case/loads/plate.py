@@ -1,7 +1,7 @@
 """A rigid plate that strikes the free top.
 
-The plate is a wall, and has the name of the kind of load: its contacts, and how it moves, are those
-of a wall of `granwave.lammps_inputs.packing.walls`.
+The plate is a wall, and has the name of the kind of load: its contacts and its motion are those of
+a wall of `granwave.lammps_inputs.packing.walls`.
 """
 
 from __future__ import annotations

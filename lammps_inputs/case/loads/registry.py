@@ -36,7 +36,7 @@ Field = dataclasses.Field[Any]
 
 @cache
 def load_kinds() -> dict[str, type[Load]]:
-    """Return all kinds of loads by name: those of the core, then those of extensions.
+    """Return all kinds of loads by name: loads of the core, then loads of extensions.
 
     Raises
     ------
@@ -74,8 +74,8 @@ _FILE = schema.path(
 
 @cache
 def load_section() -> type:
-    """Return the section of the keys of all kinds of loads, of which `read_load` makes the load;
-    the keys of the kind with the fewest come first.
+    """Return the section of the keys of all kinds of loads, from which `read_load` makes the load;
+    the keys of the kind with the fewest keys come first.
 
     Raises
     ------

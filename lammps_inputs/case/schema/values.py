@@ -1,4 +1,4 @@
-"""Types of the values of keys: what they accept, in words and as JSON Schema, and how they read it.
+"""Types of the values of keys: accepted values, in words and as JSON Schema, and readers.
 
 A type is declared with its key, and is the only source on the values of the key, for the reader of
 a file, the reference of the keys, the schema for editors and the completion of words.
@@ -117,7 +117,7 @@ class NumberType(ValueType):
     unit
         Unit in messages; empty if there is none.
     form
-        Accepted values in words, in place of those made of the bounds.
+        Accepted values in words; default: derived from the bounds.
     finish
         As in `TextType`.
     """
@@ -203,7 +203,7 @@ class CountType(ValueType):
 
 @dataclasses.dataclass(frozen=True)
 class ChoiceType(ValueType):
-    """One of some words, whole numbers or truth values; ``finish`` as in `TextType`.
+    """One of several words, whole numbers or booleans; ``finish`` as in `TextType`.
 
     Attributes
     ----------
@@ -249,7 +249,7 @@ class TextType(ValueType):
     expected
         Accepted values, in words.
     may_be_empty
-        True if blanks alone are valid.
+        True if blank text is valid.
     finish
         Function that converts the string, or raises `ValidationError`.
     """
@@ -273,7 +273,7 @@ class TextType(ValueType):
 
 @dataclasses.dataclass(frozen=True)
 class WordType(ValueType):
-    """One word, in place of a value of another type; ``finish`` as in `TextType`."""
+    """One word, as an alternative to a value of another type; ``finish`` as in `TextType`."""
 
     word: str
     finish: Finish | None = None
@@ -305,7 +305,7 @@ class WordType(ValueType):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class OtherType(ValueType):
-    """Values that code of their own reads, such as tables with names of the user's.
+    """Values with a separate reader, such as tables with user-defined names.
 
     Attributes
     ----------
@@ -336,7 +336,7 @@ class OtherType(ValueType):
 
 
 def parse_label(value: Any) -> str:
-    """Return ``value`` if it is a name that stands in one line of a table; raise `ValidationError`
+    """Return ``value`` if it is a name that fits in one line of a table; raise `ValidationError`
     otherwise.
     """
     is_text = isinstance(value, str) and value != ""
