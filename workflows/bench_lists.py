@@ -1,6 +1,6 @@
 """Cost of new lists of pairs, for our style and LAMMPS's own: ``granwave bench --parts lists``.
 
-Times are those of the processor: lists are built where spheres move, and other work on the machine
+Times are processor times: lists are built where spheres move, and other work on the machine
 would count twice in a difference of wall times.
 """
 

@@ -1,4 +1,4 @@
-"""Kinds of files that users write: cases, scans, profiles of clusters, those of extensions."""
+"""Kinds of files that users write: cases, scans, profiles of clusters, and files of extensions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class FileKind:
         `granwave.workflows.solvers.solver_of` recognises, and for files that no command takes for
         a case.
     noun
-        Noun with its article, for messages: "a scan". Cases have that of their `CaseKind`.
+        Noun with its article, for messages: "a scan". Cases have the name of their `CaseKind`.
     command
         Words between ``granwave`` and the name of the file in the command that reads it.
     check

@@ -118,7 +118,7 @@ def inputs_of_continuum(case: ContinuumCase) -> ImpactInput:
 
 
 def continuum_of(assembly: Assembly) -> Counterpart:
-    """Return the continuum case of equal input: a punch with the mass and velocity of the struck
+    """Return the continuum case of equal input: a punch with the mass and velocity of the impacted
     spheres.
 
     The block is as high as the packing, and as wide as its narrower side.
@@ -179,8 +179,8 @@ def packing_of(case: ContinuumCase) -> Counterpart:
     """Return the FCC packing of equal input: spheres as wide as the punch, in a packing as large as
     the block.
 
-    As few spheres are struck as keep the expected overlap within the contact law, and seven at
-    most.
+    The number of impacted spheres is the smallest, up to seven, that keeps the expected overlap
+    within the contact law.
     """
     diameter = case.punch.diameter
     rule = KINDS["fcc"]

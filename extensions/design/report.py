@@ -1,5 +1,5 @@
-"""Report of a search for the best design: the answer, what the checks found, the ten best, and how
-they were found.
+"""Report of a search for the best design: the best design, results of its checks, the ten best
+designs, and the course of the search.
 """
 
 from __future__ import annotations
@@ -82,9 +82,7 @@ _CAPTIONS = {
 
 
 def design_report(directory: Path) -> Report:
-    """Return the report of a search, made of its design.json and designs.csv; its figures are drawn
-    again.
-    """
+    """Return the report of a search from design.json and designs.csv; its figures are redrawn."""
     found = read_json(directory / DESIGN_OUTCOME) or {}
     table = pd.read_csv(directory / DESIGN_TABLE)
     return Report(
@@ -181,8 +179,8 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
 
 
 def ranking_of(found: Mapping[str, Any]) -> str:
-    """Return in a sentence by what the designs are ranked; empty for searches of 1.0, whose files
-    do not contain it.
+    """Return a sentence on the ranking of the designs; empty for searches of 1.0, whose files do
+    not contain it.
     """
     if "statistic" not in found:
         return ""
@@ -457,7 +455,7 @@ class DesignKind(ReportKind):
         return design_report(directory) if has_outcome(directory) else None
 
     def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
-        """Reject the directory: it has no run of its own."""
+        """Reject the directory: it is not a run."""
         if has_outcome(results.path):
             reason = "is a design search, which has a separate report; remove the other directories"
         else:

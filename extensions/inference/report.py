@@ -73,7 +73,7 @@ class InferenceKind(ReportKind):
     tables = _TABLES
 
     def setting(self, run: ReportRun) -> str:
-        """Return the number of grains, the measurement and what was assumed."""
+        """Return the number of grains, the measurement and the assumptions."""
         grains = run.summary.get("n_grains")
         source = run.summary.get("measurement")
         count = grains[0] if isinstance(grains, list) and grains else grains

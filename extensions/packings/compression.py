@@ -8,8 +8,8 @@ drag. This is the way of O'Hern, Silbert, Liu and Nagel, Phys. Rev. E 68 (2003) 
 positions on.
 
 Under Hertz's law the pressure of a jammed packing grows with about the power 3/2 of the solid
-fraction beyond jamming: its power 2/3 is extrapolated to the pressure that is asked for, which is
-met within `PRESSURE_TOLERANCE`.
+fraction beyond jamming: its power 2/3 is extrapolated to the required pressure, which is reached
+within `PRESSURE_TOLERANCE`.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ def compress(
     target: CompressionTarget,
     report: Report = lambda *_: None,
 ) -> CompressedGrains:
-    """Compress grains, and return them at rest; on one core, the same bits every time.
+    """Compress grains, and return them at rest; on one core, bitwise reproducible.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ class _Compression:
         return self._proportions * _scale(self._diameter, self._proportions, self._fraction)
 
     def run(self, state: Path) -> CompressedGrains:
-        """Compress until the target is met; the state of LAMMPS goes to a file."""
+        """Compress until the target is reached; the state of LAMMPS is written to a file."""
         self._rest()
         if self._target.pressure is not None:
             self._to_pressure_at_rest(self._target.pressure)

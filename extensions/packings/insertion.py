@@ -43,7 +43,7 @@ def insert(
     periodic
         True if the column is periodic along x and y.
     tube
-        Radius of a tube about x = y = 0 in place of the box, m.
+        Radius of a tube about x = y = 0 instead of the box, m.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def scatter(
     lengths
         Lengths of the box along x, y and z, m.
     periodic
-        True for the axes along which the box is periodic; across the others are walls.
+        True for the axes along which the box is periodic; the other axes have walls.
 
     Raises
     ------
@@ -108,8 +108,8 @@ def _apart(
 
 
 def nearest_image(apart: Floats, period: Sequence[float] | Floats) -> Floats:
-    """Return the whole periods to take off differences of positions, for the nearest image: (n,
-    3), m.
+    """Return the multiples of the periods to subtract from differences of positions, for the
+    nearest image: (n, 3), m.
 
     Parameters
     ----------

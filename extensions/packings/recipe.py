@@ -82,7 +82,7 @@ class Recipe(abc.ABC):
     @property
     @abc.abstractmethod
     def expected_time(self) -> float:
-        """Estimate of the time that it takes on one core, s."""
+        """Estimated time on one core, s."""
 
     @property
     @abc.abstractmethod
@@ -94,7 +94,7 @@ class Recipe(abc.ABC):
         """Make the bed."""
 
     def tables(self, tables: Mapping[str, Any], bed: Bed) -> dict[str, Any]:
-        """Return the tables of a case with the grains of a bed, and what follows from it."""
+        """Return the tables of a case with the grains of a bed and derived keys."""
         return tables_of_bed(tables, bed, self.diameter.mean, balanced=self.rests_under_gravity)
 
 
@@ -209,7 +209,7 @@ def tables_of_bed(
     diameter
         Mean diameter, m.
     balanced
-        True if the grains are in balance under gravity; else they move until they are.
+        True if the grains are in equilibrium under gravity; otherwise they move until they are.
     """
     container = bed.container
     enclosure: dict[str, Any] = {"bottom": bed.bottom}

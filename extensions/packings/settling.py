@@ -3,8 +3,8 @@
 Grains fall under gravity with Hertz's law, friction and a loss; when their motion is small, drag
 ends it. A small resistance to rolling and twisting stops grains that would spin or roll for ever.
 The bed is at rest where the net force on each grain is a small fraction of the largest force, and
-its motion carries a negligible energy. Without friction a bed has hardly more contacts than it
-needs: it creeps far under small forces, and is at rest at a minimum of its energy.
+its motion carries a negligible energy. Without friction a bed has few more contacts than required
+for stability: it creeps far under small forces, and is at rest at a minimum of its energy.
 """
 
 from __future__ import annotations
@@ -162,7 +162,7 @@ def settle(
     law: SettlingLaw,
     report: Report = lambda *_: None,
 ) -> Settled:
-    """Let grains fall, and return them at rest; on one core, the same bits every time.
+    """Let grains fall, and return them at rest; on one core, bitwise reproducible.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ class SizeDistribution:
         return mean - self.cut * spread, mean + self.cut * spread
 
     def checked(self) -> SizeDistribution:
-        """Return the distribution; raise `ValidationError` unless it is one, and not too wide."""
+        """Return the distribution; raise `ValidationError` unless it is valid and not too wide."""
         both = (self.normal is None) == (self.uniform is None)
         schema.refuse_if(both, f"{SIZES_FORM}: one of normal and uniform")
         low, high = self.bounds

@@ -1,4 +1,4 @@
-"""Commands of pictures: ``granwave view`` and ``film``."""
+"""Commands of views and animations: ``granwave view`` and ``film``."""
 
 from __future__ import annotations
 

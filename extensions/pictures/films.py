@@ -1,5 +1,5 @@
-"""Film of a run, from its ``result.h5``: a figure for every instant, with a clock and one colour
-scale.
+"""Animation of a run, from its ``result.h5``: a frame for every instant, with a clock and one
+colour scale.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ VIEWS = (*PLANES, "3d", "chain")
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Pictures of a run in time: one figure, of which some artists change.
+    """Frames of a run in time: one figure in which some artists change.
 
     Attributes
     ----------
@@ -92,9 +92,9 @@ class Scene:
     figure
         The figure.
     moving
-        The artists that change, with what lies behind them first.
+        The artists that change, from back to front.
     show
-        Function that makes them those of the instant of a number.
+        Function that sets them to the instant with a number.
     """
 
     times: NDArray[np.float64]
@@ -119,9 +119,9 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
     quantity
         One of `QUANTITIES`; chains show forces.
     view
-        One of `VIEWS`; None for the chain in space-time, or the first plane that the packing has.
+        One of `VIEWS`; None for the chain in space-time, or the first plane of the packing.
     size
-        Width and height of the pictures, inches; by default a column, as high as the view needs.
+        Width and height of the frames, inches; by default a column, with the height of the view.
 
     Raises
     ------
@@ -319,25 +319,25 @@ def write_film(
         ``force`` (largest contact force of each sphere), ``velocity`` or ``dissipation``.
     view
         ``orthogonal`` or ``principal`` plane, ``section`` (the plane of the options), ``3d``, or
-        ``chain`` (forces in space-time); by default what the packing has.
+        ``chain`` (forces in space-time); by default all views of the packing.
     width
         Width, pixels; the height follows from the view.
     size
-        Width and height, pixels, in place of the width.
+        Width and height, pixels, instead of the width.
     options
         Colours, limits and plane of the case; by default as ``[figures]`` of the case.toml there
         says.
     rate
-        Pictures per second; by default the animation takes some six seconds.
+        Frames per second; by default the animation takes about six seconds.
     progress
-        Function called after each picture with its number from 1 and that of all.
+        Function called after each frame with its number from 1 and the total number.
 
     Raises
     ------
     InputError
         Another form, quantity or view; or a file of that name that granwave did not write.
     MissingOutputError, OutputFormatError
-        The directory holds no result, or a damaged one.
+        The directory contains no result, or a damaged result.
     """
     path = Path(path)
     _check(path, quantity, view, width, size, rate)
@@ -410,7 +410,8 @@ def _check(
 def film_pictures(
     film: Scene, width: int, progress: Callable[[int, int], None] | None = None
 ) -> Iterator[NDArray[np.uint8]]:
-    """Yield the pictures in red, green, blue: (height, width, 3), both even as animations need.
+    """Yield the frames in red, green, blue: (height, width, 3), with even width and height as
+    required for animations.
 
     The unchanged parts are drawn once, and overlaid on the changing parts.
     """

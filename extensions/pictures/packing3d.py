@@ -1,4 +1,4 @@
-"""Pictures of the packing in three dimensions with a quarter cut away, coloured by a quantity."""
+"""Images of the packing in three dimensions with a quarter cut away, coloured by a quantity."""
 
 from __future__ import annotations
 
@@ -64,7 +64,8 @@ def packing_3d_dissipation(result: Result) -> Drawing | None:
 def draw_packing(
     result: Result, colouring: Colouring, size: tuple[float, float] | None = None
 ) -> Drawing | None:
-    """Draw the cut packing in any colouring; return None for a chain, of which curves show more.
+    """Draw the cut packing in any colouring; return None for a chain, which is better shown by
+    curves.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ def draw_packing(
 
 
 def packing_pixels(result: Result, colouring: Colouring) -> NDArray[np.uint8]:
-    """Return the picture of the cut packing in red, green, blue and opacity: (height, width, 4)."""
+    """Return the image of the cut packing in red, green, blue and opacity: (height, width, 4)."""
     kept, surface = _surface_of(result)
     values = colouring.values[kept]
     colours = colormaps[colouring.map](
@@ -169,7 +170,7 @@ def _surface_of(result: Result) -> tuple[NDArray[np.intp], RenderedSpheres]:
 
 
 def bar_location(size: tuple[float, float] | None) -> str:
-    """Return where the colour bar goes: to the right in a figure that is wider than high."""
+    """Return the position of the colour bar: to the right in a figure that is wider than high."""
     return "right" if size is not None and size[0] > size[1] else "bottom"
 
 

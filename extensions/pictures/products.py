@@ -23,7 +23,7 @@ def make_page(results: ResultDirectory, file: str) -> None:
 
 
 def packages_of_film(file: str) -> tuple[str, ...]:
-    """Return the packages that an animation needs: pictures in one file do without ffmpeg."""
+    """Return the packages that an animation needs: single-file image formats do not need ffmpeg."""
     return ("imageio_ffmpeg",) if file.endswith(".mp4") else ()
 
 

@@ -1,6 +1,7 @@
 """Bands, modes and transmission as xarray Datasets; units of variables are in ``attrs["units"]``.
 
-They are made of the groups of spectra.h5, as `granwave.extensions.waves.spectra.files` writes them.
+They are made from the groups of spectra.h5, as `granwave.extensions.waves.spectra.files` writes
+them.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Files of small waves about a static state.
 
-Each command leaves NAME.csv, NAME.json, and a group in a file that all share.
+Each command writes NAME.csv, NAME.json, and a group in a common file.
 """
 
 from __future__ import annotations

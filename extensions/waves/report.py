@@ -95,7 +95,7 @@ _TABLES = {BANDS: OF_BANDS, MODES: OF_MODES, TRANSMISSION: OF_TRANSMISSION}
 
 
 class SpectraKind(ReportKind):
-    """Bands, modes and transmission of small waves, of which a directory may hold all."""
+    """Bands, modes and transmission of small waves, which may all be in one directory."""
 
     result_kind = SPECTRA
     noun = "small waves"

@@ -1,14 +1,14 @@
 """Bands of precompressed rows and packings compared with the space-time transforms of their runs.
 
-A weak hit on the first bead or layer holds all frequencies. The velocities along the row, or of the
-layers, are transformed in space and time, and the ridges of the transform compared with the bands
-of the same static state.
+A weak hit on the first bead or layer holds all frequencies. The velocities along the chain, or of
+the layers, are transformed in space and time, and the ridges of the transform are compared with the
+bands of the same static state.
 
-Of a packing of scattered diameters, a piece that repeats in all directions tells the frequencies at
-which it answers to a plane wave along z. Each mode at a wave vector k holds a fraction of the plane
-wave, in which the spheres move along z by exp(i k z). The line that a transform of the motion shows
-is at the mode of the largest fraction; the mean of it and of those near to it, weighed by their
-shares, is taken.
+For a packing with scattered diameters, a piece with periodic sides in all directions gives the
+frequencies of its response to a plane wave along z. Each mode at a wave vector k holds a fraction
+of the plane wave, in which the spheres move along z by exp(i k z). The line in a transform of the
+motion is at the mode with the largest fraction; the weighted mean of this mode and the modes near
+it is used.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Wave(FinishedRun):
 
     @cached_property
     def structure(self) -> BandStructure:
-        """Bands along the line; with scattered diameters those of like spheres."""
+        """Bands along the line; with scattered diameters the bands of identical spheres."""
         packing = without_scatter(self.case) if self.scattered else self.assembly
         return structure_along(self.case, packing)
 
@@ -114,10 +114,11 @@ class Wave(FinishedRun):
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
-    """Chains of one or two sorts of beads and lattices under a static load, hit weakly along it.
+    """Chains of one or two kinds of beads and lattices under a static load, with a weak impact
+    along it.
 
-    Lattices with layers have periodic sides, and may have scattered diameters; those of one layer
-    are free all around.
+    Lattices with layers have periodic sides, and may have scattered diameters; lattices of one
+    layer have free sides.
     """
     found = [run.seen_as(Wave) for run in runs if _fits(run)]
     return [found] if found else []

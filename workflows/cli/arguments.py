@@ -1,4 +1,4 @@
-"""Arguments of the command line: texts to values, with one-line errors."""
+"""Arguments of the command line: conversion of texts to values, with one-line errors."""
 
 from __future__ import annotations
 

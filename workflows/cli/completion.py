@@ -2,7 +2,7 @@
 their values.
 
 The shell calls ``granwave`` with ``_ARGCOMPLETE`` set, see https://kislyuk.github.io/argcomplete.
-Names are collected when they are asked for, as most need modules that the parser does without.
+Names are collected on demand, because most need modules that the parser does not need.
 """
 
 from __future__ import annotations

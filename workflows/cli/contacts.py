@@ -164,7 +164,7 @@ RADII = "--radius: expected positive lengths in m (the second may be inf, a plan
 
 
 def are_radii(radii: Sequence[float]) -> bool:
-    """Return True for one finite radius, and a second one that may be infinite."""
+    """Return True for one finite radius, and optionally a second radius, which may be infinite."""
     return math.isfinite(radii[0]) and all(radius > 0 for radius in radii)
 
 

@@ -147,7 +147,9 @@ def _found(extension: Extension) -> FoundExtension:
 
 
 def examine(profile: Path | None = None) -> list[Finding]:
-    """Check all parts that a run needs, and those that a profile of a cluster names."""
+    """Check all parts that are required for a run, and for the profile of a cluster if one is
+    given.
+    """
     found = versions()
     path = plugins.library()
     wrong = check_release()

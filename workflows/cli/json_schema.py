@@ -1,8 +1,8 @@
-"""JSON Schema (2020-12) of the files that a user writes, made of the records of their keys; editors
-complete from it.
+"""JSON Schema (2020-12) of the files that a user writes, derived from the declarations of their
+keys; editors use it for completion.
 
-The declared types of keys are there: bounds, words, and tables in tables. What concerns several
-keys is not: ``granwave check`` says that.
+The declared types of keys are there: bounds, words, and tables in tables. Relations between several
+keys are not included: ``granwave check`` says that.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """``granwave selftest``: known answers, plugin, MPI ranks and restart, computed on this machine.
 
-Two of the answers are closed forms, written here again and not taken from the laws that the runs
-use; R and m are those of the pair, K = 4/3 E* sqrt(R):
+Two reference values are closed forms, written here independently of the laws used in the runs; R
+and m are the effective radius and mass of the pair, K = 4/3 E* sqrt(R):
 
     Hertz 1882       F = K a^1.5, a_max = (5 m v^2/(4 K))^(2/5); the contact lasts 2.943 a_max/v
     Thornton 1997    F_max = F_y sqrt(6/5 (v/v_y)^2 - 1/5) and, with r = v_y/v, restitution

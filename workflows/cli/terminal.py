@@ -40,7 +40,7 @@ def coloured(text: str, code: str, stream: Any) -> str:
 
 
 def columns(rows: Sequence[Sequence[str]], left: Container[int] = ()) -> str:
-    """Format a table; the columns ``left`` are aligned left, the others right."""
+    """Format a table; the columns ``left`` are left-aligned, the other columns right-aligned."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     aligned = [
         [

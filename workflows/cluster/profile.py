@@ -104,7 +104,9 @@ class Profile(SlurmProfile):
 
     @property
     def ranks(self) -> int:
-        """Usual number of ranks of a run: all cores of its nodes, or one where they are unknown."""
+        """Usual number of ranks of a run: all cores of its nodes, or one if the number is
+        unknown.
+        """
         return self.nodes * self.cores if self.cores is not None else 1
 
     def nodes_of(self, ranks: int) -> int:
@@ -143,8 +145,8 @@ class Profile(SlurmProfile):
         directory: Path,
         after: tuple[str, ...] = (),
     ) -> JobRequest:
-        """Return the request of a job; ``memory`` is what it needs on a node, bytes, and the others
-        are those of `JobRequest`.
+        """Return the request of a job; ``memory`` is the required memory on a node, bytes; the
+        other parameters are defined in `JobRequest`.
         """
         return JobRequest(
             name=name,

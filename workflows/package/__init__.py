@@ -2,11 +2,11 @@
 
 import granwave as gw
 
-run = gw.run("fcc-small", load__velocity=10)    # a case: run, and loaded
+run = gw.run("fcc-small", load__velocity=10)    # run a case and load it
 scan = gw.scan("restitution", jobs=2)           # a scan
 best = gw.design("plate-design.toml").best      # a search for the best packing
-gw.load("fcc-small")                            # what is there
-gw.compare(["fcc-small", "hcp-small"])          # what differs most between runs
+gw.load("fcc-small")                            # load existing results
+gw.compare(["fcc-small", "hcp-small"])          # largest differences between runs
 gw.bands("precompressed-chain")                 # small waves: bands, modes, transmission
 gw.infer("grains.csv", "infer.toml")            # contact forces from measured grains
 gw.case("fcc-small", load__velocity=10)         # a case that is checked but not run

@@ -332,8 +332,8 @@ def expected_neighbours(assembly: Assembly) -> tuple[int, float] | None:
 
 
 def check_coordination(kind: str, expected: tuple[int, float] | None, engine: Engine) -> None:
-    """Check that LAMMPS sees the `expected_neighbours` of a kind of packing, none lost to rounding
-    of positions.
+    """Check that LAMMPS sees the `expected_neighbours` of a kind of packing, with none lost by
+    rounding of positions.
 
     Raises
     ------

@@ -273,12 +273,12 @@ def run_files(assembly: Assembly, schedule: Schedule) -> list[str]:
 
 
 def start(assembly: Assembly, results: RunDirectory, *, force: bool = False) -> None:
-    """Make room for a run, after checking that its deck can be written; make it a run's directory.
+    """Prepare the directory for a run, after checking that the LAMMPS input can be written.
 
     Parameters
     ----------
     force
-        True to move earlier results into NAME.old; else they are removed.
+        True to move earlier results into NAME.old; otherwise they are removed.
 
     Raises
     ------

@@ -1,4 +1,5 @@
-"""One run from case to figures: deck, LAMMPS in pieces, energy balance, checkpoints, analysis.
+"""One run from case to figures: input script, LAMMPS in pieces, energy balance, checkpoints,
+analysis.
 
 LAMMPS executes the lines of in.granwave. Only the run section is replaced by pieces of the run;
 between them the energy balance is checked, the progress bar is updated, and a request to stop is
@@ -222,7 +223,7 @@ class _Run:
             raise
 
     def integrate(self, stop: StopRequest, *, go_on: bool) -> None:
-        """Integrate in time; halve an automatic timestep as long as the balance does not close."""
+        """Integrate in time; halve an automatic timestep until the balance closes."""
         if go_on:
             self.record = on_first(self.comm, lambda: self.results.read_record() or record.Record())
         self.record.energy_balance_accepted = self.balance.accepted

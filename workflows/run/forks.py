@@ -32,8 +32,8 @@ def load(*, figures: bool = False) -> None:
 
 
 def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
-    """Do work in a copy of this process, which ends with a checkpoint if this one ends; return its
-    process id.
+    """Do work in a copy of this process, which ends with a checkpoint if this process ends; return
+    its process id.
 
     Parameters
     ----------

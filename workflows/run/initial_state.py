@@ -1,7 +1,8 @@
-"""Spheres at the start of a run, made by the ranks: each makes those in its own part of the box.
+"""Spheres at the start of a run, made by the ranks: each rank creates the spheres in its part of
+the box.
 
-LAMMPS would read data.granwave on one rank and hand every row to every rank, which takes as long on
-any number of them. What is made here has the same bits, in the same order.
+LAMMPS would read data.granwave on one rank and send every row to every rank, which takes equally
+long for any number of ranks. The spheres created here are bitwise identical, in the same order.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
     Raises
     ------
     RunError
-        Spheres are lost, as their ranks do not make them.
+        Spheres are lost, because no rank creates them.
     """
     box = joined(num(bound) for bounds in box_of(assembly) for bound in bounds)
     engine.commands(

@@ -33,7 +33,7 @@ _OPEN_DIRECTORY = "/proc/self/fd/{}"  # path of an open directory under Linux
 
 
 class SingleRankError(RunError):
-    """Error of LAMMPS on one rank only; the other ranks wait for it and must be aborted."""
+    """Error of LAMMPS on one rank only; the other ranks wait for this rank and must be aborted."""
 
 
 class Engine:
@@ -50,7 +50,7 @@ class Engine:
         self._directory = directory
 
     def commands(self, text: str) -> None:
-        """Execute LAMMPS commands, one a line, with `&` at the end of continued lines."""
+        """Execute LAMMPS commands, one per line, with `&` at the end of continued lines."""
         with _translated():
             self.lammps.commands_string(with_absolute_files(text, self._directory))
 
@@ -101,7 +101,7 @@ class Engine:
         *,
         n_atoms: int,
     ) -> None:
-        """Make those of the given atoms that lie in this rank's part of the box; collective.
+        """Create the given atoms in this rank's part of the box; collective.
 
         Parameters
         ----------
@@ -227,7 +227,8 @@ def _path_for_lammps(directory: Path | None) -> Iterator[str]:
 def check_release() -> str | None:
     """Describe the fault of the installed LAMMPS release; None if there is none.
 
-    LAMMPS does not guarantee binary compatibility between releases, nor between updates of one.
+    LAMMPS does not guarantee binary compatibility between releases, nor between updates of a
+    release.
     """
     wanted = plugins.lammps_release()
     try:

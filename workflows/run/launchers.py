@@ -1,5 +1,5 @@
-"""Start of MPI: launchers that fork their ranks on this machine, and end when they are asked to;
-and an explanation where the MPI library ends the process in place of an error.
+"""Start of MPI: launchers that fork their ranks on this machine and end on request; and an
+explanation if the MPI library ends the process instead of raising an error.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def starting(*, first: bool = True) -> Iterator[None]:
     Parameters
     ----------
     first
-        False on ranks that leave the first one to print the error.
+        False on ranks that leave the error message to the first rank.
     """
     library = ctypes.CDLL(None)
     if not hasattr(library, "__cxa_atexit"):

@@ -40,7 +40,9 @@ def scratch_directory(prefix: str = _PREFIX) -> Iterator[Path]:
 
 
 def note_segments() -> None:
-    """Note the shared memory that this process maps, for a later start if this one is killed."""
+    """Note the shared memory that this process maps, for a later start if this process is
+    killed.
+    """
     process = os.getpid()
     if process in _NOTED or not _MAPS.exists():
         return

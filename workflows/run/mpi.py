@@ -169,8 +169,8 @@ def leave(status: int) -> NoReturn:
 
 
 def abort(comm: Intracomm, message: str, status: int = 1) -> NoReturn:
-    """Abort all ranks with an exit status; the message goes through `logging`, which has the words
-    of the command line there.
+    """Abort all ranks with an exit status; the message is logged, with the options of the command
+    line.
     """
     logger.error("granwave: %s", message)
     _note_last_words(f"granwave: {message}\n")
@@ -215,7 +215,7 @@ def wait_for(comm: Intracomm, rank: int, tag: int = 0) -> None:
 
 
 def find_mpiexec() -> str | None:
-    """Return the path of mpiexec: in the environment, or else, for a site's own MPI, in PATH; None
+    """Return the path of mpiexec: in the environment, or otherwise, for a site's MPI, in PATH; None
     if there is none.
     """
     own = Path(sys.prefix) / "bin" / "mpiexec"
@@ -272,7 +272,7 @@ def start(
     Parameters
     ----------
     launcher
-        As in `command`; without one the ranks are forked on this machine.
+        As in `command`; by default the ranks are forked on this machine.
     variables
         Further environment variables of the ranks.
     """

@@ -1,7 +1,7 @@
 """Progress of the static stage: a bar on a terminal, lines in a batch log.
 
-The stage is a few commands of LAMMPS that each take long. A thread looks at the last line of
-thermodynamic output meanwhile, at nothing else: LAMMPS keeps it for other threads.
+The stage is a few commands of LAMMPS that each take long. A thread reads only the last line of
+thermodynamic output: LAMMPS keeps it for other threads.
 """
 
 from __future__ import annotations

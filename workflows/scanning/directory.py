@@ -53,7 +53,7 @@ def check_points(scan: Scan, results: ResultDirectory, *, force: bool) -> None:
     Parameters
     ----------
     force
-        True to move the points that are there into NAME.old.
+        True to move existing points into NAME.old.
 
     Raises
     ------

@@ -1,5 +1,5 @@
 """Jobs of a scan, one for each batch: processes on this machine, or jobs of the scheduler of a
-cluster; as many at once as have room.
+cluster; as many at once as resources allow.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Jobs:
     waiting
         Batches without a job so far.
     refusal
-        Reason why no job can be started for them; empty if they can.
+        Reason why no job can be started for them; empty if jobs can be started.
     """
 
     def __init__(self, directory: Path, batches: Iterable[Batch]) -> None:
@@ -76,8 +76,8 @@ class Jobs:
         return bool(self._live) or (bool(self.waiting) and not self.refusal)
 
     def stop(self, in_haste: Callable[[], bool]) -> None:
-        """Start no further job, and wait until the running ones have stopped, which a file has
-        asked for.
+        """Start no further job, and wait until the running jobs have stopped at the request of a
+        file.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class Jobs:
 
 
 class LocalJobs(Jobs):
-    """Jobs on so many cores of this machine, and in its memory."""
+    """Jobs on a number of cores of this machine, within its memory."""
 
     def __init__(self, directory: Path, batches: Sequence[Batch], cores: int) -> None:
         super().__init__(directory, batches)
@@ -136,8 +136,8 @@ class LocalJobs(Jobs):
 
 
 class ClusterJobs(Jobs):
-    """Jobs of the scheduler of a cluster, so many at once, by the profile; ``name`` is the name of
-    the scan.
+    """Jobs of the scheduler of a cluster, with the number of simultaneous jobs in the profile;
+    ``name`` is the name of the scan.
     """
 
     def __init__(
@@ -162,7 +162,7 @@ class ClusterJobs(Jobs):
         return self._unended
 
     def stop(self, in_haste: Callable[[], bool]) -> None:
-        """Take pending jobs back, and wait for the others; then cancel them."""
+        """Withdraw pending jobs, and wait for the others; then cancel them."""
         self._queue.cancel(job.id for job in jobs_of(self.directory, self._queue) if job.pending)
         patience = time.monotonic() + _PATIENCE
         while jobs := jobs_of(self.directory, self._queue):

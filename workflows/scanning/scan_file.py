@@ -169,7 +169,7 @@ def load_scan(
     here
         True if the points run on this machine and must fit into its memory.
     most
-        Number of points to make of a larger scan, taken at random, for its plan; None: all.
+        Number of random points of a larger scan to make for its plan; None: all.
 
     Raises
     ------
@@ -197,8 +197,8 @@ def scan_from_dict(
     Parameters
     ----------
     path
-        Name of the file in messages; its stem is the default name of the scan, and its folder that
-        of relative paths.
+        Name of the file in messages; its stem is the default name of the scan, and its folder is
+        the base of relative paths.
     changes
         Keys of the case for all points, by dotted key.
     here

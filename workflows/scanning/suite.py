@@ -1,4 +1,4 @@
-"""Suites: several scans run one after the other in one directory, with a common report.
+"""Suites: several scans run in sequence in one directory, with a common report.
 
 name = "packings"
 scans = ["velocity-fcc", "velocity-hcp"]            # built-in scans, or scan files

@@ -1,4 +1,4 @@
-"""Fit of the elasto-plastic law's constants to a force-overlap curve.
+"""Fit of the constants of the elasto-plastic law to a force-overlap curve.
 
 Least squares over the rows beyond first yield, of the residuals
 
@@ -113,7 +113,7 @@ class Fit(FittedLaw):
         return self.zero if name == ZERO else super().value(name)
 
     def published_value(self, name: str) -> float:
-        """Return the published value of a constant; that of the zero is 0."""
+        """Return the published value of a constant; 0 for the zero of the overlap."""
         return 0.0 if name == ZERO else super().published_value(name)
 
     def undetermined(self, name: str) -> bool:
@@ -143,24 +143,25 @@ def fit_law(
 ) -> Fit:
     """Fit the law to a curve.
 
-    If the fit is bad and would be good with another zero of the overlap, a warning says which.
+    If the fit is poor and would be good with another zero of the overlap, a warning states this
+    zero.
 
     Parameters
     ----------
     materials, radii
         One or two materials and radii (m), which determine force and overlap at first yield.
     free
-        Constants to fit; by default those that the curve can determine, and a warning names the
-        rest.
+        Constants to fit; by default the constants that the curve can determine; a warning names the
+        others.
     fit_yield
         True to fit the yield strength too, starting from the value of the softer material.
     fit_zero
-        True to fit the reading of the overlap at the touch, too; else it is 0.
+        True to fit also the reading of the overlap at first contact; otherwise it is 0.
 
     Raises
     ------
     InputError
-        The curve does not suit the contact or is too short, or the law with the fitted constants
+        The curve does not match the contact or is too short, or the law with the fitted constants
         is not passive.
     """
     if fit_zero:
@@ -344,7 +345,7 @@ class _Problem:
         )
 
     def shift(self, x: Array) -> float:
-        """Return the reading at the touch less that of the start, m."""
+        """Return the reading at first contact minus the initial estimate, m."""
         if ZERO not in self.names:
             return 0.0
         return float(x[self.names.index(ZERO)] - 1) * self.unit(ZERO)

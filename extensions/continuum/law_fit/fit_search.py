@@ -147,8 +147,8 @@ def _joints(names: Sequence[str], largest: float) -> list[Array]:
 
 
 def uncertainties(search: Search, x: Array, at_bound: Rows) -> Array:
-    """Return the standard uncertainties of the values, infinite if undetermined or at a bound:
-    (n_values,).
+    """Return the standard uncertainties of the values, infinite for undetermined values and at a
+    bound: (n_values,).
 
     A fit with another joint whose sum of squares is larger by d variances, and which differs by e
     in a value, implies that the uncertainty of this value is at least e/sqrt(d).

@@ -1,10 +1,10 @@
 """Fit of the elasto-plastic law to measured coefficients of restitution.
 
 An impact of effective mass m at the velocity v loads the contact until the work of loading W is
-m v^2/2, and dissipates D:  e = sqrt(1 - D/W). With given constants of the law the velocity over
-that of first yield determines e, and this velocity is proportional to the 5/2-th power of the yield
-strength: restitution determines it best. What the same measurements would tell of each other
-constant, if it were fitted together with the yield strength, is stated for each.
+m v^2/2, and dissipates D:  e = sqrt(1 - D/W). With given constants of the law, e depends on the
+velocity over the velocity of first yield, and this velocity is proportional to the 5/2-th power of
+the yield strength: restitution determines it best. For each other constant, the uncertainty that
+these measurements would give, if it were fitted together with the yield strength, is stated.
 
 Least squares of e_law - e, with Huber's loss from three times the scatter on, and uncertainties as
 of fits to curves.
@@ -67,8 +67,8 @@ class RestitutionFit(FittedLaw):
     mass
         Effective mass of the two bodies, kg.
     told
-        Relative uncertainty that the measurements would give to each constant that was held, if it
-        were fitted as well as the yield strength; infinite if they say nothing of it.
+        Relative uncertainty of each fixed constant if it were fitted together with the yield
+        strength; infinite if the measurements do not determine it.
     """
 
     rebounds: Rebounds
@@ -108,7 +108,7 @@ def fit_restitution(
         One or two materials and radii (m; the second may be infinite, a plane). Their yield
         strengths are not used.
     free
-        Constants to fit as well as the yield strength.
+        Constants to fit in addition to the yield strength.
 
     Raises
     ------
@@ -181,8 +181,8 @@ def restitution_at(law: ContactLaw, mass: float, velocity: Array) -> Array:
 
 
 def overlap_at(law: ContactLaw, mass: float, velocity: Array) -> Array:
-    """Return the largest overlaps of impacts at velocities, m/s; those of impacts that do not yield
-    are not above that at first yield: (n,), m.
+    """Return the largest overlaps of impacts at velocities, m/s; overlaps of elastic impacts are at
+    most the overlap at first yield: (n,), m.
     """
     peak = _overlaps(law)
     return np.interp(0.5 * mass * velocity**2, law.loading_work(peak), peak)
@@ -195,7 +195,7 @@ def _overlaps(law: ContactLaw) -> Array:
 
 
 def effective_mass(materials: Sequence[Material], radii: Sequence[float]) -> float:
-    """Return the effective mass of two spheres, or of one on a plane (its radius infinite), kg."""
+    """Return the effective mass of two spheres, or of a sphere on a plane (infinite radius), kg."""
     first = sphere_mass(materials[0], radii[0])
     if math.isinf(radii[-1]):
         return first

@@ -50,10 +50,11 @@ def zero_range(curve: Curve) -> tuple[float, float]:
 
 
 def estimated_zero(curve: Curve, law: ContactLaw) -> float:
-    """Return the reading at the touch from the shape of first loading, a start of the fit, m.
+    """Return an initial estimate of the reading at first contact from the shape of first loading,
+    m.
 
-    The ratio of the forces to those of the law varies least there; its size is of no account, so
-    that the law need not have the strength of the measured material.
+    With this zero the ratio of the forces to the forces of the law varies least; its magnitude does
+    not matter, so that the law need not have the strength of the measured material.
     """
     loading = curve.loading & touching(curve)
     overlap = curve.overlap[loading]

@@ -95,7 +95,7 @@ def dissipated_fraction(impacts: Impacts) -> Drawing:
     """Draw the fraction against input energy of both, by sigma_y^2 D^3/E with the diameter of the
     punch.
 
-    Spheres of the reference material alone are shown, by diameter: the unit is then the same for
+    Only spheres of the reference material are shown, by diameter: the unit is then the same for
     all.
     """
     first = impacts.reference.iloc[0]
@@ -285,7 +285,7 @@ def linear(runs: DataFrame) -> Linearity | None:
 
     Contacts count that lie within the cone of the preferred directions, are pressed beyond F_y at
     the largest velocity and were pressed at all at every other. Beyond the cone a contact may be
-    loaded by the rebound alone.
+    loaded only by the rebound.
     """
     if len(runs) < _FEWEST_RUNS:
         return None

@@ -118,10 +118,10 @@ class Impacts:
 
 
 def collect(runs: Iterable[AnyRun[Any]]) -> Impacts:
-    """The runs that can be compared, without the others.
+    """The comparable runs.
 
-    What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by
-    the elasto-plastic law, and of punches on blocks.
+    Compared quantities: impacts on ideal packings (like spheres, no friction) whose contacts yield
+    by the elasto-plastic law, and of punches on blocks.
     """
     runs = list(runs)
     granular = [
@@ -159,8 +159,8 @@ def rising(runs: DataFrame, column: str) -> DataFrame:
 
 
 def equal(runs: DataFrame, others: DataFrame, column: str) -> DataFrame:
-    """Pairs of runs and others that are meant to be equal in a column; those of the others have an
-    underscore.
+    """Pairs of runs and other runs that should be equal in a column; columns of the other runs have
+    an underscore.
     """
     pairs = runs.merge(others, how="cross", suffixes=("", "_"))
     return pairs[np.abs(pairs[column] / pairs[f"{column}_"] - 1) < SAME]
@@ -177,7 +177,7 @@ def substances(runs: DataFrame, reference: DataFrame) -> Curves:
 
 
 def differences(first: pd.Series, other: pd.Series) -> str:
-    """Label of another substance by what differs, for a legend: such as "modulus 230 GPa".
+    """Label of another substance by its differences, for a legend: such as "modulus 230 GPa".
 
     Materials with different names are distinguished by name.
     """
@@ -204,8 +204,8 @@ def energy_unit(run: pd.Series | DataFrame, diameter: float | None = None) -> An
 
 
 def variants(impacts: Impacts) -> Curves:
-    """The reference and the groups that differ from it in material or diameter, one sphere struck;
-    with their names.
+    """The reference and the groups that differ from it in material or diameter, with one impacted
+    sphere; with their names.
     """
     alike = impacts.like_reference
     return substances(alike[alike.struck_spheres == 1], impacts.reference)

@@ -63,8 +63,8 @@ _NOT_COMPARED_REMARK = (
 def zones(impacts: Impacts) -> dict[str, DataFrame]:
     """Plastic zones by energy, of packings and of blocks.
 
-    The packings have the spheres of the reference, of which one is impacted; of each energy the
-    largest packing counts.
+    The packings have the spheres of the reference, of which one is impacted; for each energy the
+    largest packing is used.
 
     Returns
     -------

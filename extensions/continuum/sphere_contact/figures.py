@@ -54,8 +54,8 @@ class SphereContactResult(ElementResult):
 
     @property
     def units(self) -> tuple[float, float]:
-        """Overlap (m) and force (N) for normalisation: those at first yield, or at the overlap in
-        its place.
+        """Overlap (m) and force (N) for normalisation: values at first yield, or at the substitute
+        overlap.
         """
         unit = self.case.yield_unit
         return unit, float(self.hertz(np.array([unit]))[0])
@@ -90,8 +90,8 @@ class SphereContactResult(ElementResult):
         return stiffness * overlap**1.5
 
     def branch(self, branch: int, cycle: int = 0) -> NDArray[np.int64]:
-        """Return the indices of the entries of one branch; of unloading with that at which it
-        began.
+        """Return the indices of the entries of one branch; unloading includes the entry where it
+        begins.
         """
         rows = np.flatnonzero((self["history/branch"] == branch) & (self["history/cycle"] == cycle))
         return np.append(rows[0] - 1, rows) if branch == UNLOADING else rows

@@ -9,7 +9,7 @@ Each element has one quadrature point, its centre. With b = grad N there, from c
     sigma <- Q sigma Q^T, + C : D    Q: rotation by Hughes and Winget (1980); then radial return
     f = V b^T sigma                  at the end of the step, V = 2 pi r A
 
-Hourglass control is that of Flanagan and Belytschko (1981) in stiffness form; the hourglass
+Hourglass control follows Flanagan and Belytschko (1981) in stiffness form; the hourglass
 displacement rotates with the element and is reduced by plastic flow like the deviator. The state of
 an element has the layout of `granwave.extensions.continuum.material`, but ``PLASTIC`` is in J,
 as volumes change.
@@ -358,7 +358,7 @@ def advance(
     mesh,
     contact,
 ):
-    """Take ``n_steps``; energies and force in ``tally`` are those at the end.
+    """Take ``n_steps``; energies and force in ``tally`` refer to the end.
 
     Parameters
     ----------

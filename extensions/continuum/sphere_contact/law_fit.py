@@ -5,8 +5,9 @@ and its error bars.
 
 prints the largest errors. With HEADER (elastoplastic_fe_constants.h of the plugin) it fits first,
 from the present constants on, and writes it with the error bars; with PICTURE it draws the errors
-of this law and of the default one; in each PAGE (Markdown) it renews the tables of errors and bars.
-Two equal spheres to great depth are one on a rigid flat: the law has that symmetry.
+of this law and of the default law; in each PAGE (Markdown) it updates the tables of errors and
+error bars. Two equal spheres at large depth are equivalent to one sphere on a rigid flat: the law
+has that symmetry.
 """
 
 from __future__ import annotations
@@ -354,7 +355,7 @@ def draw(contacts: list[Measured], constants: Mapping[str, float] | None, path: 
 
 
 def main() -> None:
-    """Fit if a header is named, and print the errors of this law and of the default one."""
+    """Fit if a header is given, and print the errors of this law and of the default law."""
     contacts = measured()
     constants = None
     paths = [Path(argument) for argument in sys.argv[1:]]

@@ -18,10 +18,10 @@ elastic stiffness 2 E* a. Changes of rate are smooth. All this is slow compared 
 time of waves through the mesh, which is proportional to its number of elements in a row; hence the
 numbers of steps in `mesh` are multiples of ``n``, the elements along a side of the mesh's core.
 
-The overlap is that of the flat faces; Hertz's is that of remote points in half-spaces. A
-half-sphere is therefore stiffer: the elastic force at a given overlap exceeds Hertz's by 0.3 a/R to
-0.45 a/R (1 % at a = 0.03 R, 3.5 % at a = 0.08 R; a: contact radius). At yield of brass, a = 0.011
-R, the difference is 0.4 %.
+The overlap is measured between the flat faces; Hertz's overlap is measured between remote points in
+half-spaces. A half-sphere is therefore stiffer: the elastic force at a given overlap exceeds
+Hertz's by 0.3 a/R to 0.45 a/R (1 % at a = 0.03 R, 3.5 % at a = 0.08 R; a: contact radius). At yield
+of brass, a = 0.011 R, the difference is 0.4 %.
 
 The constants were chosen by convergence for brass up to 0.2 R*. The contact grows by one element at
 a time, so that the force has small steps: +-0.5 % with 6000 elements beyond 50 alpha_y. Averaged
@@ -108,8 +108,8 @@ class _Refused(Exception):
 class ContactRun(ElementRun):
     """Run of a sphere contact through loading and all cycles.
 
-    Rows of its history hold what `SphereContactSolver.ledger` gives, the ``branch`` (`LOADING`,
-    `UNLOADING` or `RELOADING`), the number of the ``cycle`` (from 1; 0: loading),
+    Rows of its history contain the values of `SphereContactSolver.ledger`, the ``branch``
+    (`LOADING`, `UNLOADING` or `RELOADING`), the number of the ``cycle`` (from 1; 0: loading),
     ``contact_radius`` and ``penetration`` (m).
 
     Attributes
@@ -255,8 +255,8 @@ class ContactRun(ElementRun):
             raise _Refused
 
     def progress(self) -> tuple[float, str]:
-        """Fraction of the loading that is done, by the logarithm of the overlap, as its rate
-        goes.
+        """Completed fraction of the loading, by the logarithm of the overlap, according to its
+        rate.
         """
         last = self.rows[-1]
         note = f"overlap {last['overlap'] / self._unit:.1f} alpha_y, cycle {last['cycle']}"

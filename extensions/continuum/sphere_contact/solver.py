@@ -1,8 +1,8 @@
 """Two half-spheres pressed together slowly: explicit steps with updated geometry and scaled masses.
 
 The flat faces are displaced towards each other and may move radially; the curved surfaces are free
-of traction except for the frictionless contact. Each body is solved in the frame of its own flat
-face, where the face is at rest and the overlap enters the contact only,
+of traction except for the frictionless contact. Each body is solved in the frame of its flat face,
+where the face is at rest and the overlap enters only in the contact,
 
     gap(r) = z_1(r) + z_2(r) - overlap z: height of the surface over the contact point, into its
     body
@@ -15,9 +15,9 @@ The contact is a penalty on the gap at two points of each surface segment of bot
 `PENALTY` times the stiffness of an element; mass added to the surface nodes keeps it stable. The
 remaining penetration is reported.
 
-The overlap is that of the flat faces, not of remote points as in Hertz's theory: a half-sphere
-between its face and its contact is somewhat stiffer than a half-space, by the amount given in
-`sphere_contact.run`.
+The overlap is measured between the flat faces, not between remote points as in Hertz's theory: a
+half-sphere between its face and its contact is somewhat stiffer than a half-space, by the amount
+given in `sphere_contact.run`.
 """
 
 from __future__ import annotations

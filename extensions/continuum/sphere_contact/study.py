@@ -1,6 +1,6 @@
 """The contact law against finite elements of two spheres pressed together.
 
-One base everywhere: finite elements over the law, less 1, at equal overlap.
+Common basis: finite elements over the law, less 1, at equal overlap.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class SphereLoading:
     name
         Materials and radii in a few words.
     place
-        Key to sort by: spheres alike first.
+        Key to sort by: equal spheres first.
     scaled
         Overlap over that at first yield: (n_entries,).
     over_law

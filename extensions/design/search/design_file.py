@@ -1,6 +1,4 @@
-"""A design file: a case, what may vary, limits, objectives, uncertainty, and the cases that follow
-from it.
-"""
+"""A design file: a case, variables, limits, objectives, uncertainty, and the resulting cases."""
 
 from __future__ import annotations
 
@@ -85,7 +83,7 @@ def load_problem(
     source
         Path of the file, or its tables.
     budget
-        Number of designs to run, in place of ``search.evaluations``.
+        Number of designs to run, instead of ``search.evaluations``.
 
     Raises
     ------

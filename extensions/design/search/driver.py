@@ -93,7 +93,7 @@ def run_design(
     Raises
     ------
     InputError
-        The directory holds results, another search, or files of others; no design meets the limits;
+        The directory holds results, another search, or foreign files; no design meets the limits;
         or scikit-learn is missing.
     """
     results = ResultDirectory(results_directory(directory))

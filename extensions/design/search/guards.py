@@ -56,7 +56,7 @@ class GuardOutcome:
     name
         Name of the check; for a further run the name of its directory, without ``best-``.
     what
-        Quantity that is changed or inspected.
+        Changed or inspected quantity.
     text
         Finding, in a sentence.
     changes
@@ -130,7 +130,7 @@ def _run_further(
 
 
 def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Give the further runs that apply to a case: name, what is changed, and the changed keys."""
+    """Return the further runs that apply to a case: name, description, and changed keys."""
     packing = tables["packing"]
     run = tables["run"]
     boundary = tables.get("boundary", {})
@@ -171,7 +171,7 @@ def _is_periodic(boundary: Tables) -> bool:
 def further_runs(
     problem: DesignProblem, best: Design, longer: float
 ) -> Iterator[tuple[str, str, Tables]]:
-    """Give the further runs of a design that make a case: name, what is changed, and the tables.
+    """Return the further runs of a design that need a case: name, description, and tables.
 
     ``longer``: duration of its run divided by that of the design file.
     """
@@ -272,7 +272,7 @@ def _moves(
 def findings_without_runs(
     problem: DesignProblem, best: Design, summary: Mapping[str, Any], place: Path
 ) -> Iterator[GuardOutcome]:
-    """Give the findings of the best design's own run, in the directory ``place``."""
+    """Return the findings of the best design's run in the directory ``place``."""
     for note in best.notes:
         yield GuardOutcome("end", "the end of the run", note, warning=True)
     for variable in problem.space.variables:
@@ -346,7 +346,7 @@ def has_come(force: np.ndarray) -> bool:
 
 
 def late_impulse(time: np.ndarray, force: np.ndarray) -> float:
-    """Return the fraction of the impulse that comes in the last tenth of a run."""
+    """Return the fraction of the impulse in the last tenth of a run."""
     impulse = np.diff(time) * (force[1:] + force[:-1]) / 2
     total = float(impulse.sum())
     is_late = time[1:] > 0.9 * time[-1]

@@ -238,7 +238,7 @@ class DesignProblem:
     tables
         Tables of the file, for comparison when a search is resumed.
     samples
-        Changes of the case by dotted key for each run of a design; one empty mapping without
+        Changes of the case by dotted key for each run of a design; a single empty mapping without
         uncertainty.
     tolerance
         ``run.energy_tolerance`` of the search; the best designs are run again with the tolerance
@@ -286,7 +286,7 @@ class DesignProblem:
         return dict(tables)
 
     def assembly(self, tables: Mapping[str, Any]) -> Assembly:
-        """Read a case, and place its bodies; raise InputError if it is wrong."""
+        """Read a case, and place its bodies; raise InputError if it is invalid."""
         return assembly_from_dict(tables, self.path)
 
     def case(self, tables: Mapping[str, Any]) -> Case:
@@ -358,7 +358,7 @@ def known_before(assembly: Assembly) -> dict[str, float]:
 
 
 def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[str, Any]:
-    """Return a summary with the values that limits and objectives derive from others.
+    """Return a summary with the derived values for limits and objectives.
 
     ``overlap_over_radius`` is the largest overlap divided by the effective radius of two of the
     smallest spheres, a quarter of their diameter. ``kinetic_share`` is the kinetic energy at the
@@ -391,7 +391,7 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
     Raises
     ------
     InputError
-        Part of a key is no table or list, or there is no such place.
+        Part of a key is not a table or list, or there is no such position.
     """
     changed = copy.deepcopy(dict(tables))
     errors = []

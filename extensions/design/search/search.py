@@ -4,10 +4,10 @@ improvement.
 First designs are drawn at random. From then on a Gaussian process (Matern 5/2, one length for each
 variable; scikit-learn) of the logarithm of the objective gives mean and deviation of every
 candidate, and the candidates are ordered by expected improvement times the probability that they
-meet the limits. Candidates are all designs of a small space, else random ones and changes of the
-best. Two objectives are joined by weights that are drawn again for each design (ParEGO, Knowles,
-IEEE Trans. Evol. Comput. 10, 2006). A choice depends on the seed, its number and the earlier
-designs only.
+meet the limits. Candidates are all designs of a small space, otherwise random designs and changes
+of the best. Two objectives are joined by weights that are drawn again for each design (ParEGO,
+Knowles, IEEE Trans. Evol. Comput. 10, 2006). A choice depends on the seed, its number and the
+earlier designs only.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def n_first(space: Space, evaluations: int) -> int:
 
 
 def random_designs(space: Space, seed: int, start: int = 0) -> Iterator[Values]:
-    """Give random designs without end; the same ones for the same seed and start."""
+    """Yield random designs without end, reproducible for the same seed and start."""
     rng = np.random.default_rng([seed, start])
     while True:
         yield space.at(rng.random(len(space.variables)).tolist())
@@ -173,7 +173,8 @@ def worth_of(
     """Return the worth of candidates, by which they are ordered: (n,).
 
     The worth is the logarithm of the expected improvement plus the logarithm of the probability
-    that the limits are met. Candidates with a small probability come last, ordered by it.
+    that the limits are met. Candidates with a small probability come last, ordered by this
+    probability.
     """
     complete = _best_and_latest(_complete(tried))
     designs = [design.values for design in complete]
@@ -271,8 +272,8 @@ def importance(space: Space, designs: Sequence[TriedDesign], n: int = 512) -> di
     """Return the fraction of the variance of the first objective due to each variable alone
     (first-order Sobol index).
 
-    The variance is taken over the whole space by the fitted model; the rest to 1 is due to joint
-    effects of several variables.
+    The variance is computed over the complete space with the fitted model; the remainder to 1 is
+    due to joint effects of several variables.
     """
     complete = _complete(designs)
     if len(complete) < _FEWEST_MODELLED:
@@ -301,7 +302,7 @@ def front(losses: Sequence[Sequence[float]]) -> list[int]:
     """Return the positions of the designs on the Pareto front, by the first objective.
 
     A design is on the front if no other design is at least as good in all objectives and better in
-    one. Of equal designs the first is taken.
+    one. Of equal designs the first is used.
     """
     table = [tuple(row) for row in losses]
     places = {row: n for n, row in reversed(list(enumerate(table)))}

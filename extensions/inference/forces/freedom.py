@@ -2,9 +2,9 @@
 
 A sliding contact keeps its direction within its cone of friction, and an unloaded contact stays
 unloaded: near the solution the forces f + T c are free, with a column of T for each free component.
-A sliding contact has one free component of two in the plane, and two of three in space. In space
-the component that turns the tangential force about the normal is resisted by the curvature of the
-cone. With the weighted equations A f = d, the covariance C of their noise, and the stiffness S
+A sliding contact has one free component out of two in the plane, and two out of three in space. In
+space the component that turns the tangential force about the normal is resisted by the curvature of
+the cone. With the weighted equations A f = d, the covariance C of their noise, and the stiffness S
 against c (curvature and ridge), the residuals are the noise outside of A T:
 
     <chi^2> = |(1 - H) C^(1/2)|^2,   H = A T (T^T A^T A T + S)^(-1) T^T A^T

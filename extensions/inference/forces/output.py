@@ -60,8 +60,8 @@ class Inferred:
     Attributes
     ----------
     found, times
-        Inferences and their instants, s; NaN for a table without times. A run has only one, from
-        the first measurement with the largest noise.
+        Inferences and their instants, s; NaN for a table without times. A run has only one table,
+        from the first measurement with the largest noise.
     summary
         Content of summary.json.
     measurement, case
@@ -265,7 +265,7 @@ def modulus(inference: Inference) -> Drawing | None:
 
 
 def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
-    """Draw the error of the forces against the noise of measurements made of a run.
+    """Draw the error of the forces against the noise of synthetic measurements of a run.
 
     Parameters
     ----------

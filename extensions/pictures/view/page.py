@@ -74,7 +74,7 @@ class View:
     n_spheres, n_frames
         Numbers of spheres and snapshots on it.
     note
-        A sentence on what was omitted; empty if nothing was.
+        A sentence on omitted data; empty if nothing is omitted.
     """
 
     path: Path
@@ -98,7 +98,7 @@ def write_view(
     path
         File to write, .html; by default view.html in the directory.
     spheres
-        Largest number of spheres: those nearest to the impacted one; None for all.
+        Largest number of spheres: nearest to the impacted sphere; None for all.
     frames
         Largest number of snapshots; by default as many as `MOST_VALUES` allows.
 
@@ -108,7 +108,7 @@ def write_view(
         Another ending or no such directory; a file of that name that granwave did not write; or a
         run in which nothing happened.
     MissingOutputError, OutputFormatError
-        The directory holds no result, or a damaged one.
+        The directory contains no result, or a damaged result.
     """
     results = ResultDirectory.at(directory)
     target = results / VIEW_FILE if path is None else Path(path)

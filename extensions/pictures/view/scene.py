@@ -4,7 +4,7 @@ clock and title.
 Lengths are in mm from the impacted sphere, and times in µs, as in figures. Fields are values of the
 spheres at every instant, as levels of a logarithmic scale.
 
-Instants are the snapshots of a run, or those at which a whole chain was recorded, which are more. A
+Instants are the snapshots of a run, or the more frequent records of a complete chain. A
 page holds millions of values. They are stored as the levels of a scale of `LEVELS` colours, with 0
 for values below it: numbers that repeat, which compress to a twentieth.
 """
@@ -260,7 +260,7 @@ def plot_of(
     found
         Fields; the first is shown at the start.
     note
-        A sentence on what is omitted; empty if nothing is.
+        A sentence on omitted data; empty if nothing is omitted.
     """
     import k3d  # imports the notebook widgets
 
@@ -349,7 +349,7 @@ def _spheres(
     is_round = np.array([one is None for one in shapes])
 
     def look(field: Field, rows: NDArray[np.int64], what: str, corners: int = 1) -> dict[str, Any]:
-        """Return colours and name of some grains, of each of which so many points have colours."""
+        """Return the colour and name of each grain, repeated once per point."""
         levels = {
             _key(time): np.repeat(field.levels[n, rows], corners) for n, time in enumerate(times)
         }

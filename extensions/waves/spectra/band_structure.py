@@ -92,8 +92,8 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
 
 
 def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> PlaneWaves | None:
-    """Return slowness and frequencies over a plane; None for large cells, and if the packing does
-    not repeat there.
+    """Return slowness and frequencies over a plane; None for large cells, and if the packing is not
+    periodic in the plane.
     """
     network = stiffness.network
     a, b = PLANES[plane]
@@ -246,18 +246,18 @@ def band_structure(
     directions
         Directions in which the grains move, from "xyz"; empty for the directions of the packing.
     plane
-        Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the one of the
+        Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the plane of the
         packing.
     allow_floppy
         True to continue where motions meet no resistance; their frequencies are NaN.
     slab
-        True for a packing with an upper and a lower end, which repeats sideways alone.
+        True for a packing with an upper and a lower end, periodic only sideways.
 
     Raises
     ------
     InputError
-        The packing does not repeat or carries no load, the path is invalid, or motions meet no
-        resistance.
+        The packing is not periodic or carries no load, the path is invalid, or modes have no
+        stiffness.
     """
     if set(directions) - set("xyz"):
         raise InputError(

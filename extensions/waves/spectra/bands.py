@@ -3,8 +3,8 @@ finite packing.
 
 The participation ratio of a mode is (sum e_i)^2/(n sum e_i^2), where e_i are the energies of the n
 grains: 1 if all grains move equally, 1/n if only one grain moves. The density of states of a large
-packing is found over its whole range from moments over Chebyshev polynomials with random vectors
-(kernel polynomial method, doi:10.1103/RevModPhys.78.275).
+packing is computed over its complete range from moments over Chebyshev polynomials with random
+vectors (kernel polynomial method, doi:10.1103/RevModPhys.78.275).
 """
 
 from __future__ import annotations
@@ -69,8 +69,8 @@ class Bands:
     largest
         Upper bound of omega^2, s^-2.
     share
-        Part of the energy that chosen degrees of freedom have: (n_k, n_bands); None if none were
-        chosen.
+        Fraction of the energy in selected degrees of freedom: (n_k, n_bands); None without a
+        selection.
     """
 
     stiffness: Stiffness
@@ -318,7 +318,8 @@ class Modes:
 
 
 def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
-    """Find the modes of a finite packing: all modes of a small packing, the lowest of a large one.
+    """Find the modes of a finite packing: all modes of a small packing, the lowest modes of a large
+    packing.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Static states at the end of the static stages of runs: of the whole packing, and averaged over
+"""Static states at the end of the static stages of runs: of the complete packing, and averaged over
 its unit cells.
 """
 
@@ -117,8 +117,7 @@ def mean_cell(result: Result) -> MeanCell:
     Raises
     ------
     InputError
-        The packing does not repeat, there is no contact inside, or the state is not the same in
-        every cell.
+        The packing is not periodic, there is no contact inside, or the state differs between cells.
     """
     case = result.case
     assembly = result.assembly

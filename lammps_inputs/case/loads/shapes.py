@@ -9,8 +9,7 @@ With amplitude A, duration T and frequency f:
     up-and-down    A (1 - |2t/T - 1|) sin(2 pi f t) up to T
     sweep          A sin(2 pi (f t + (f_last - f) t^2 / 2T)) up to T, with a ramp at either end
     noise          sines at all multiples of 1/T from f to f_last, with equal amplitudes and random
-                   phases,
-                   with the root mean square A; up to T, with a ramp at either end
+                   phases, with the root mean square A; up to T, with a ramp at either end
     table          linear interpolation between points; a force is zero before and after, a
                    displacement begins at 0 and keeps its last value
 """

@@ -36,7 +36,7 @@ _TIMES = {
 def plan_table(
     assembly: Assembly, plan: Plan, inputs: ImpactInput | None = None, rows: Rows = ()
 ) -> str:
-    """Return the table of a planned run; ``rows`` are those of extensions."""
+    """Return the table of a planned run; ``rows`` are added by extensions."""
     return table(_plan_rows(assembly, plan, inputs, rows))
 
 
