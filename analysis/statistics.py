@@ -124,8 +124,8 @@ def differ_significantly(
     """Test if two means differ significantly, by Welch's test; None if the spread of one is
     unknown.
 
-    Means whose intervals do not overlap always differ significantly; those with a small overlap
-    may, too.
+    Means whose intervals do not overlap always differ significantly; means with a small overlap may
+    differ significantly too.
     """
     if not (math.isfinite(first.half_width) and math.isfinite(second.half_width)):
         return None

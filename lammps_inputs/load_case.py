@@ -1,7 +1,7 @@
 """Loading of a case file: read, check, warn, with the assembly that the checks made; and reading of
 the case of a finished run, which is parsed and no more.
 
-What a finished run holds was checked before it ran. Its case is neither checked again nor compared
+The case of a finished run was checked before it ran. Its case is neither checked again nor compared
 with the memory, the cores or the disk of this machine: a result opens wherever it is copied to.
 """
 
@@ -123,7 +123,7 @@ def stored_case(data: Mapping[str, Any], source: str | Path = "case") -> Case:
     Raises
     ------
     InputError
-        The mapping is not that of a case, as of a damaged file; the message lists all faults.
+        The mapping is not a case, for example from a damaged file; the message lists all faults.
     """
     errors = ErrorList(str(source))
     parts = parse_case(data, source, errors, stored=True)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.style import BLANK, DISSIPATION_MAP, FORCE_MAP
 from granwave.analysis.result.reader import Result
 
-DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
+DISSIPATION_LIMITS = (1e-6, 1e-1)  # range of dissipation over input
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _EDGE_OF_BLANK = "#c4c4c4"
 

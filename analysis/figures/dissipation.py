@@ -1,4 +1,4 @@
-"""Figures of where energy is lost: by sphere, by depth, in the plastic zone, by direction."""
+"""Figures of dissipation in space: by sphere, by depth, in the plastic zone, by direction."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
     """
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
-    in_plane = result.assembly.grains_called == CYLINDERS  # of one length
+    in_plane = result.assembly.grains_called == CYLINDERS  # cylinders of equal length
     volumes = (2 * result["spheres/radius"] / result.case.packing.diameter) ** (
         2 if in_plane else 3
     )
@@ -301,8 +301,8 @@ def _mark_directions(axes: Axes, depth: Array, force: Array) -> None:
     )
 
 
-_LEAST = 1e-5  # smallest share of the energy in the figure
-_NOTHING = 1e-12  # share of the energy that is due to rounding
+_LEAST = 1e-5  # smallest fraction of the energy in the figure
+_NOTHING = 1e-12  # fraction of the energy that is due to rounding
 _STYLES = {
     "depth": (BLUE, "-", "o", BOTTOM),
     "radius": (ORANGE, "--", "s", SIDES),
@@ -371,7 +371,7 @@ def draw_zone_size(
         sizes = [extent_holding(values, energy, percent / 100) for percent in SHARES]
         left = [1 - percent / 100 for percent in SHARES]
         axes.plot(np.array(sizes) / diameter, left, marker, color=colour, markersize=4)
-        beyond = np.flatnonzero(outside > _LEAST)  # none if all the energy is at distance 0
+        beyond = np.flatnonzero(outside > _LEAST)  # all energy is at distance 0
         reach = max(
             reach,
             float(place[beyond[-1] + 1 :].min(initial=place[-1])) if beyond.size else diameter / 2,
@@ -420,7 +420,7 @@ def _outside(distance: Array, energy: Array) -> tuple[Array, Array]:
 
 _LEAST_SPHERES = 8
 _TITLE_HEIGHT = 0.7  # inches
-_LEAST_OF_EVEN = 0.1  # share over that of an even spread at the dark end of the scale
+_LEAST_OF_EVEN = 0.1  # fraction relative to isotropic, at the dark end of the scale
 
 
 def directions(result: Result) -> Drawing | None:

@@ -18,7 +18,7 @@ _CORNERS = ("upper right", "upper left", "lower left", "lower right")
 _OTHER_PLACES = ("center right", "center left", "lower center", "upper center")
 _MARGIN = 2.0  # margin around a legend, points
 _POINTS = 72.0  # points in an inch
-_ABOVE = (0.5, 1.0)  # position of a legend that does not fit inside the axes, of the axes
+_ABOVE = (0.5, 1.0)  # position of a legend that does not fit inside the axes, in axes coordinates
 _COLUMNS_ABOVE = 3
 
 

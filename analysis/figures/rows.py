@@ -52,10 +52,10 @@ _MOST_CURVES = 5
 _DECADES = 3.0  # decades of force in the map
 _LINEAR = 30.0  # largest dynamic force / force up to which the scale of the map is linear
 _MOST_COLUMNS = 2000  # largest number of columns of a map
-_AFTER = 2.0  # times the last arrival: where the diagram of a line ends
+_AFTER = 2.0  # end of the diagram of a line over the last arrival
 _FEWEST_TIMES = 8  # instants of a diagram of a line
 _DECADES_OF_SPEED = 3.0  # decades of speed in the diagram of a line
-_EDGE = [withStroke(linewidth=2.2, foreground="white")]  # seen on dark and bright colours
+_EDGE = [withStroke(linewidth=2.2, foreground="white")]  # visible on dark and bright colours
 _ARRIVALS: dict[str, Any] = {
     "color": "black", "markersize": 2.6, "markeredgecolor": "white", "markeredgewidth": 0.4,
 }  # fmt: skip
@@ -252,7 +252,7 @@ def _name(result: Result, contact: int) -> str:
 
 
 def _name_of_body(result: Result, number: int) -> str:
-    """Return the number of a bead, S with its number for a striker, or ``bar``."""
+    """Return the number of a bead, ``S`` with its number for a striker, or ``bar``."""
     n_beads = result.assembly.lattice.n_spheres
     if number <= n_beads:
         return str(number)

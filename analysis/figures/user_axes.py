@@ -1,4 +1,4 @@
-"""Figures in axes of the user, and curves of another run over those of a figure."""
+"""Figures in axes of the user, and curves of another run drawn over a figure."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.errors import InputError
 
-_OTHER_LINE = "--"  # of the curves of another run
+_OTHER_LINE = "--"  # line style of another run
 _OTHER_ALPHA = 0.7
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
 class UserFigure:
-    """Figure whose panels are axes of the user; all else is asked of the figure of these axes.
+    """Figure whose panels are axes of the user; other attributes are those of the figure of these
+    axes.
 
     Parameters
     ----------
@@ -42,7 +43,7 @@ class UserFigure:
 
     @property
     def axes(self) -> list[Axes]:
-        """Axes of the panels, and those that the drawing added, such as of colour bars."""
+        """Axes of the panels, and axes added by the drawing, such as colour bars."""
         return [axes for axes in self._figure.axes if axes not in self._before]
 
     def subplots(
@@ -107,7 +108,7 @@ def drawing_into(panels: Sequence[Axes]) -> Iterator[UserFigure]:
 
 
 def plots_of(figure: Figure | UserFigure) -> list[Axes]:
-    """Return the axes of a figure without those of colour bars."""
+    """Return the axes of a figure without its colour bars."""
     return [axes for axes in figure.axes if axes.get_label() != _COLOUR_BAR]
 
 
@@ -131,7 +132,7 @@ def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
 
 
 def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:
-    """Draw the curves of the panels of another run over those of a run, dashed.
+    """Draw the curves of another run, dashed, over the panels of a run.
 
     Second axes, such as of the impulse over the force, are removed.
 

@@ -1,12 +1,12 @@
 """Decay of the peak force with depth: exponential, and a power of the depth.
 
-Both are lines of least squares through the logarithms of the forces, each with the same weight:
+Both are least-squares lines through the logarithms of the forces, with equal weights:
 
-    F = F_0 exp(-z/L)          rate 1/L, of waves that lose the same share in every layer
+    F = F_0 exp(-z/L)          rate 1/L, of waves that lose the same fraction in every layer
     F = F_D (z/D)^-n           exponent n, of waves that spread without a scale
 
-Standard errors are those of the slopes. They tell the scatter of the layers about the line, which
-is no noise: forces that follow neither law have a large one.
+Standard errors are those of the slopes. They measure the scatter of the layers about the line,
+which is systematic: forces that follow neither law have a large one.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 
 _LEAST_FIT = 4  # layers of a fit of the decay
-_TOP = 0.5  # diameters below the struck sphere, above which layers are left out of the fit
-_DEGREES = 2  # constants of the fit
-_BEFORE_END = 1 - 1e-9  # of the end of a run: a force that is largest later may still rise
+_TOP = 0.5  # diameters below the impacted sphere, above which layers are left out of the fit
+_DEGREES = 2  # number of constants of the fit
+_BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may still rise
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class PowerDecay:
     exponent, error
         The exponent and its standard error.
     force
-        Of the fit at a depth of one diameter, N.
+        Force of the fit at a depth of one diameter, N.
     diameter
         m.
     misfit
@@ -162,7 +162,7 @@ def exponential_of_depth(depth: ArrayLike, force: ArrayLike) -> ForceDecay:
 
 
 def force_decay(result: Result) -> ForceDecay | PowerDecay | None:
-    """Fit the largest peak force of each layer against depth, by an exponential and by a power;
+    """Fit the largest peak force of each layer against depth by an exponential and by a power law;
     return the fit with the smaller misfit, or None for fewer than four layers; see `both_decays`.
     """
     fits = both_decays(result)

@@ -96,7 +96,7 @@ def decay_rate(x: ArrayLike, y: ArrayLike) -> float:
     Parameters
     ----------
     x, y
-        Place, and what decays: (n_points,).
+        Position, and the decaying quantity: (n_points,).
     """
     x = np.asarray(x)
     y = np.asarray(y)

@@ -108,7 +108,7 @@ class Values(Mapping[str, Any]):
 class Run(Values):
     """Results of one run; a mapping of the values of its summary.json.
 
-    Tables and fields are read from result.h5 when they are first asked for.
+    Tables and fields are read from result.h5 on first access.
 
     Parameters
     ----------
@@ -364,7 +364,7 @@ class Run(Values):
         Raises
         ------
         MissingDataError
-            The run is not one of a chain, or its history was not recorded.
+            The run is not of a chain, or its history was not recorded.
         """
         from granwave.analysis.notebook import datasets
 
@@ -376,7 +376,8 @@ class Run(Values):
     def figures(self) -> tuple[str, ...]:
         """Names of the figures that apply to this run; none of a run that is not of spheres.
 
-        Those that are not in its directory yet are drawn to find out, which takes seconds once.
+        Figures that are not in its directory yet are drawn to find out whether they apply, which
+        takes seconds once.
         """
         from granwave.analysis.figures.run_figures import run_figures
         from granwave.analysis.figures.style import Drawing, FigureFolder, attempt, style
@@ -414,8 +415,8 @@ class Run(Values):
             Plane of figures that end in _section, and of the contact network: ``"x"``, a normal
             (3,), or a mapping as ``figures.plane`` of a case.
         against
-            Another run, whose curves are drawn over those of this run, dashed. Second axes, such
-            as of the impulse, are removed.
+            Another run, whose curves are drawn dashed over the curves of this run. Second axes,
+            such as of the impulse, are removed.
         depths
             Depths of the figure force_at_depths, m, as ``figures.depths`` of a case.
 
@@ -429,7 +430,7 @@ class Run(Values):
         ------
         MissingDataError
             There is no figure of this name, or it does not apply to this run, or it has no curves
-            that those of the other run could be drawn over.
+            to be overlaid.
         InputError
             The axes do not suit the panels, or plane or depths are wrong.
         """

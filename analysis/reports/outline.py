@@ -53,7 +53,7 @@ from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
-_IN_TITLE = 3  # names in the title
+_IN_TITLE = 3  # most names in the title
 #: Notes on runs, before their names.
 _REFUSED = "Rejected: energy balance error too large"
 _POOR = "Energy balance error too large, do not use (up to {off} of the input, more than {most})"
@@ -84,9 +84,9 @@ _ERROR = (
     "to the input."
 )
 _BALANCE = "balance"
-_MOST_OPEN = 12  # runs whose table is not folded
+_MOST_OPEN = 12  # most runs whose table is not folded
 _PARTS = ("energy_kinetic_J", "energy_elastic_J", "energy_dissipated_J")
-#: Parts of these, shown if any run has them.
+#: Sections that are shown if any run has them.
 _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissipated_rolling_J",
            "energy_dissipated_twisting_J", "energy_dissipated_adhesion_J", "energy_dissipated_viscous_J",
            "energy_dissipated_holder_J", "energy_absorbed_J", "support_energy_J", "support_lost_J")  # fmt: skip
@@ -422,7 +422,7 @@ def balance_section(inputs: ReportInputs) -> DocumentSection:
 
 
 def _fitted(run: ReportRun) -> bool:
-    """Return True if the law of a run was fitted to finite elements, or is not known."""
+    """Return True if the law of a run was fitted to finite-element results, or is unknown."""
     law = run.case.get("contact.law", "elastoplastic")
     return law != LINE and (law not in ALL_LAWS or bool(ALL_LAWS[law].fitted))
 

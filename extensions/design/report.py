@@ -1,5 +1,5 @@
-"""Report of a search for the best design: the answer, what the checks found, the ten best, and how
-they were found.
+"""Report of a search for the best design: the best design, results of its checks, the ten best
+designs, and the course of the search.
 """
 
 from __future__ import annotations
@@ -57,13 +57,13 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _MOST_ROWS = 10
-_MOST_WORDS = 4  # of a variable that a figure lists
+_MOST_WORDS = 4  # most words of a variable in a figure
 _TOLD = (
     "packing.kind",
     "packing.size",
     "packing.diameter",
     "material",
-)  # keys that the setting of a case tells
+)  # keys that are listed with the setting of a case
 _OF_OTHER_DESIGNS = ("neighbour", "moved")  # checks that compare with another design
 _GRAMS = 1e3  # in a kilogram
 _CAPTIONS = {
@@ -82,9 +82,7 @@ _CAPTIONS = {
 
 
 def design_report(directory: Path) -> Report:
-    """Return the report of a search, made of its design.json and designs.csv; its figures are drawn
-    again.
-    """
+    """Return the report of a search from design.json and designs.csv; its figures are redrawn."""
     found = read_json(directory / DESIGN_OUTCOME) or {}
     table = pd.read_csv(directory / DESIGN_TABLE)
     return Report(
@@ -181,8 +179,8 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
 
 
 def ranking_of(found: Mapping[str, Any]) -> str:
-    """Return in a sentence by what the designs are ranked; empty for searches of 1.0, whose files
-    do not contain it.
+    """Return a sentence on the ranking of the designs; empty for searches of 1.0, whose files do
+    not contain it.
     """
     if "statistic" not in found:
         return ""
@@ -427,8 +425,8 @@ def _ends(column: pd.Series[Any]) -> str:
 
 
 def _named(words: list[str]) -> list[str]:
-    """Return materials that are written as tables by their names, where these tell them apart; else
-    words as is.
+    """Return the names of materials that are given as tables, if the names distinguish them; other
+    words unchanged.
     """
     found = [re.search(r'\b(?:name|preset) = "([^"]+)"', word) for word in words]
     names = [one[1] if one else word for one, word in zip(found, words, strict=True)]
@@ -457,7 +455,7 @@ class DesignKind(ReportKind):
         return design_report(directory) if has_outcome(directory) else None
 
     def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
-        """Reject the directory: it has no run of its own."""
+        """Reject the directory: it is not a run."""
         if has_outcome(results.path):
             reason = "is a design search, which has a separate report; remove the other directories"
         else:

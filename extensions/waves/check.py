@@ -37,7 +37,7 @@ def small_waves(assembly: Assembly) -> dict[str, Any] | None:
 
     try:
         found = band_structure(assembly)
-    except InputError:  # no chain that repeats, or nothing bears the load
+    except InputError:  # no repeating chain, or nothing carries the load
         return None
     highest = float(np.nanmax(found.bands.frequency))
     inside = [(gap.low, gap.high) for gap in found.gaps if gap.below and np.isfinite(gap.high)]

@@ -31,7 +31,8 @@ from granwave.lammps_inputs.packing.touching import (
 )
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
-_MOST_LAWS = 100  # pairs of the largest forces by their overlaps and radii, whose laws are asked
+# pairs with the largest forces, by overlap and radius, for which laws are evaluated
+_MOST_LAWS = 100
 
 
 @dataclasses.dataclass(frozen=True)
@@ -57,7 +58,7 @@ class ContactAdvice:
     remaining
         Largest gap or overlap that would be left of them, m.
     largest_force
-        Largest force of a contact as it is, N; None if its law cannot be told.
+        Largest contact force of the original grains, N; None if the law is unknown.
     has_friction
         True if the contacts of the case have friction, which only a damped search keeps.
     has_springs
@@ -92,7 +93,7 @@ class ContactAdvice:
 
     @property
     def _touching(self) -> str:
-        """Phrase on the effect of the way that moves grains until they touch."""
+        """Return a phrase on the effect of moving grains until they touch."""
         pairs = "1 pair overlaps" if self.n_beyond == 1 else f"{self.n_beyond} pairs overlap"
         beyond = f"; {pairs} by more, which it rejects" if self.n_beyond else ""
         if not self.n_within and self.n_beyond:
@@ -141,7 +142,7 @@ def advice_on(case: Case, grains: Grains, period: Period = None) -> ContactAdvic
 
 
 def _largest_force(case: Case, grains: Grains, overlapping: GrainGaps) -> float | None:
-    """Return the largest force of overlapping pairs, N; None if a table of the case is wrong."""
+    """Return the largest force of overlapping pairs, N; None if a table of the case is invalid."""
     if not len(overlapping):
         return 0.0
     radii = grains.diameter[overlapping.pairs] / 2

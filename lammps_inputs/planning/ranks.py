@@ -1,20 +1,19 @@
 """Time of a step on many ranks, and the grid of ranks that takes least.
 
 LAMMPS divides the box into a grid of equal bricks, one for each rank, and the slowest rank decides:
-all wait for it. A sphere at rest costs far less than one that moves, so that an impact keeps the
-ranks busy that its wave has reached, and the others wait. The model of a step is
+all wait for it. A sphere at rest costs far less than a moving sphere, so that the ranks reached by
+the wave of an impact are busy, and the others wait. The model of a step is
 
     t = n c_rest + m (c_moving - c_rest) + g c_ghost + 2 s t_message + c t_sum log2(ranks)
 
-for n spheres of a brick, of which m move, and g ghosts: copies of spheres of other bricks within
+for n spheres of a brick, m of them moving, and g ghosts: copies of spheres of other bricks within
 `_REACH`. There are s axes with more than one brick. The wave is a box: the loaded spheres, and all
 that is nearer to them than the distance it has travelled along an axis; it grows until it fills the
-packing. A box takes a little more than the sphere or the cone of a wave, and it is a product of
-three intervals, so that the largest fraction of a brick is the product of the largest shares along
-each axis.
+packing. The box around the sphere or the cone of a wave is a product of three intervals, so that
+the largest fraction of a brick is the product of the largest fractions along each axis.
 
 LAMMPS's own grid has the smallest surface. For a wave from one point, or from the top layer by
-layer, columns along its direction are loaded more evenly, at the price of more ghosts.
+layer, columns along its direction are loaded more evenly, at the cost of more ghosts.
 """
 
 from __future__ import annotations
@@ -32,9 +31,9 @@ from granwave.lammps_inputs.packing.motion import impacted_of
 Floats = NDArray[np.float64]
 Grid = tuple[int, int, int]
 
-_REACH = 1.2  # of ghosts beyond the boundary of a brick, diameters: pair, gap and skin
-_LEAST_WIDTH = 1.0  # of a brick, diameters
-_STAGES = 24  # of the growth of the wave over which times are averaged
+_REACH = 1.2  # width of the ghost layer of a brick, diameters: pair, gap and skin
+_LEAST_WIDTH = 1.0  # smallest width of a brick, diameters
+_STAGES = 24  # stages of growth of the wave over which times are averaged
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,7 +43,7 @@ class StepCosts:
     Attributes
     ----------
     rest, moving
-        A sphere at rest and one that moves, in loaded contacts.
+        Time for a sphere at rest and for a moving sphere, in loaded contacts.
     ghost
         A ghost: packing, sending, and unpacking.
     message
@@ -221,8 +220,8 @@ def costs_of(assembly: Assembly) -> StepCosts:
 
 
 def grid_of(assembly: Assembly, n_ranks: int) -> Grid:
-    """Return the grid of ranks for a run: that of `run.processors`, or the one that the model
-    chooses.
+    """Return the grid of ranks for a run: the grid of `run.processors`, or the grid chosen by the
+    model.
     """
     grid = assembly.case.run.processors
     if not isinstance(grid, str):

@@ -29,7 +29,7 @@ def recognises(source: GrainSource) -> bool:
 
 
 def read(source: GrainSource) -> GrainTable:
-    """Read the last frame of a file by ASE, or the one whose number is the step.
+    """Read the last frame of a file by ASE, or the frame whose number is the step.
 
     Raises
     ------

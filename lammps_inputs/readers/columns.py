@@ -36,8 +36,8 @@ DIAMETER = "diameter"
 ID = "id"
 TYPE = "type"
 CLUMP = "clump"
-NO_CLUMP = -1  # of other programs
-_AXES = 3  # of a volume
+NO_CLUMP = -1  # clump number of other programs for grains without a clump
+_AXES = 3  # axes of a volume
 LARGEST_CLUMP = 2**31 - 1  # a molecule of LAMMPS
 WORDS = ("material", "group", "shape", "axis")
 KINDS: dict[str, str] = {
@@ -52,11 +52,11 @@ KINDS: dict[str, str] = {
 QUANTITIES = (*PLACE, DIAMETER, RADIUS, "shape", "length", "axis", *AXIS_PARTS, "material",
               "group", CLUMP, *VELOCITIES, *SPINS, ID, TYPE, "mass", "density",
               "volume")  # fmt: skip
-#: Columns of which nothing is needed, and no warning is given.
+#: Columns that are ignored without a warning.
 _UNUSED = re.compile(
     r"[fti][xyz]|[xyz]su?|force_[xyz012]|torque_[xyz012]|tq[xyz]|mol|element|q|mask"
 )
-# of spheres, and of grains in no clump
+# values of spheres, and of grains without a clump
 _MAY_BE_EMPTY = {"length": 0.0, **dict.fromkeys(AXIS_PARTS, 0.0), CLUMP: 0.0}
 _STEMS = {
     "": ("pos", "position", "p", "coord", "coords", "coordinate", "coordinates", "center",
@@ -73,7 +73,7 @@ _OTHER_NAMES = {
         "particle_size durchmesser kugeldurchmesser diametre diamètre"
     ),
     ID: "ids tag label identifier particleidentifier",
-    # of YADE, of LIGGGHTS (fix multisphere) and of LAMMPS (fix rigid)
+    # names in YADE, LIGGGHTS (fix multisphere) and LAMMPS (fix rigid)
     CLUMP: "clumpid clump_id id_multisphere f_id_multisphere multisphere_id body body_id",
     TYPE: (
         "types typelabel particletype atom_type type_id material_id mat_id matid indspecies "
@@ -173,12 +173,12 @@ def find_columns(
     notes
         Warnings, to which columns that are omitted are added.
     repeated
-        The first of several columns of one name counts.
+        Columns that occur several times; the first is used.
 
     Raises
     ------
     ValueError
-        A column is there twice, or is not there although the user named it.
+        A column occurs twice, or a column named by the user is missing.
     """
     columns: dict[str, GrainColumn] = {}
     unknown: list[str] = []
@@ -389,7 +389,7 @@ class ColumnReader:
     columns
         Columns by quantity.
     options
-        What the user said of the file.
+        The user's settings for the file.
     powers
         Powers of ten of the units of the file by kind of quantity, if neither the user nor the name
         of the column gives them.

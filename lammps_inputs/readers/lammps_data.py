@@ -40,7 +40,7 @@ _SPHERE = ["diameter", "density"]
 _IMAGES = ["ix", "iy", "iz"]
 _STYLES = {
     "sphere": ["id", "type", *_SPHERE, *_PLACE],
-    "granular": ["id", "type", *_SPHERE, *_PLACE],  # of LIGGGHTS and LAMMPS before 2010
+    "granular": ["id", "type", *_SPHERE, *_PLACE],  # LIGGGHTS, and LAMMPS before 2010
     "bpm/sphere": ["id", "mol", "type", *_SPHERE, *_PLACE],
     "atomic": ["id", "type", *_PLACE],
 }

@@ -1,6 +1,6 @@
 """Packings of MercuryDPM: ``.data`` (one or several steps, in three dimensions) and ``.restart``.
 
-A step of ``.data`` begins with N, time and the corners of the domain; each particle has its place,
+A step of ``.data`` begins with N, time and the corners of the domain; each particle has position,
 velocity, radius, angles, angular velocity and a number.
 """
 
@@ -26,8 +26,8 @@ _N_OF_STEP = 8  # N, time, lowest and highest corner
 _N_OF_PLANE = (6, 8)  # values of a step and of a particle in two dimensions
 _PARTICLES = re.compile(r"^Particles[ \t]+([0-9]+)[ \t]*$", re.MULTILINE)
 _DOMAIN = re.compile(r"([xyz])Min[ \t]+(\S+)[ \t]+\1Max[ \t]+(\S+)", re.IGNORECASE)
-_OLD_PARTICLE = "BP"  # of version 3, before the numbers, or nothing
-_N_OF_OLD = 16  # place, velocity, radius, angles, spin, inverse mass and inertia, species
+_OLD_PARTICLE = "BP"  # word of version 3 before the numbers; may be missing
+_N_OF_OLD = 16  # position, velocity, radius, angles, spin, inverse mass and inertia, species
 _OTHER_SHAPES = re.compile(r"superquadric|clump|nonspherical|multiparticle", re.IGNORECASE)
 _VALUES = {"position": 3, "velocity": 3, "radius": 1, "indSpecies": 1, "id": 1}
 

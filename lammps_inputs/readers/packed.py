@@ -35,7 +35,7 @@ class OtherKind:
     label
         Its name in messages.
     remedy
-        What the user can do.
+        Remedy for the user.
     """
 
     start: bytes
@@ -76,14 +76,14 @@ _OTHER_KINDS = (
     OtherKind(b'View "" {', "a view of Gmsh", _REMEDY_OF_ROWS),
     OtherKind(b"\x80\x04\x95", "a pickle of Python", _REMEDY_OF_ROWS),
 )
-# of which the first bytes are not enough
+# signatures for which the first bytes are not sufficient
 _BOOST = re.compile(rb"<!DOCTYPE boost_serialization>")
 _STL = re.compile(rb"solid\b.*\n\s*facet\s+normal", re.IGNORECASE)
 _PATTERNS = {
     _BOOST: OtherKind(b"", "a simulation of YADE (O.save)", "write it by yade.export.text"),
     _STL: OtherKind(b"", "a surface (STL)", "name it in [[wall]], and the grains here"),
 }
-_HEAD = 1000  # bytes in which such a pattern stands
+_HEAD = 1000  # bytes that are searched for such a pattern
 _ARRAYS = ".npy"  # members of a .npz
 
 
@@ -93,7 +93,7 @@ def unpacked(raw: bytes) -> bytes:
     Raises
     ------
     ValueError
-        It is damaged, or of a kind that holds no grains; the message says what to do.
+        It is damaged, or of a kind without grains; the message states the remedy.
     """
     for start, (ending, unpack) in _UNPACKERS.items():
         if raw.startswith(start):

@@ -44,7 +44,7 @@ _READERS = (
     table,
     ase_files,
 )
-#: Readers by format, in the order in which they are asked.
+#: Readers by format, in the order in which they are tried.
 READERS: dict[str, GrainReader] = {module.NAME: cast("GrainReader", module) for module in _READERS}
 _TABLES = (".csv", ".txt", ".dat", ".tsv")  # endings of files that are tables if nothing else
 _LAMMPS_RESTART = b"LammpS RestartT"
@@ -58,7 +58,7 @@ def read_grain_table(source: GrainSource) -> GrainTable:
     OSError
         The file cannot be read.
     ValueError
-        It is of no known format, or has a fault; the message says where and what would do.
+        It is of no known format, or has a fault; the message states where, and the remedy.
     """
     if not source.content.strip():
         raise ValueError("found an empty file, expected a row or a line for each grain")

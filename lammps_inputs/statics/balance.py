@@ -23,10 +23,10 @@ _MOST_GRAINS = 5000  # whose stiffness is factorised in a second or so
 
 @kept_by_assembly
 def balanced_displacements(assembly: Assembly) -> NDArray[np.float64] | None:
-    """Return the displacements of the grains by which they come near balance: (n, 3), m.
+    """Return the displacements of the grains to approximate equilibrium: (n, 3), m.
 
-    None for packings whose balance is left to the static stage alone: lattices, many grains, walls
-    that move in to a force or give way, and strikers.
+    None for packings whose equilibrium is found only by the static stage: lattices, many grains,
+    walls that move to a force or are movable, and strikers.
     """
     case = assembly.case
     stage = case.precompression

@@ -312,7 +312,7 @@ def across(normal: Array) -> Array:
 
 
 def joined(tables: Sequence[_Table], kept: NDArray[np.bool_] | slice = slice(None)) -> _Table:
-    """Put tables of arrays below each other, and return the rows that are kept."""
+    """Concatenate tables of arrays, and return the rows that are kept."""
     columns: dict[str, Any] = {}
     for field in dataclasses.fields(tables[0]):
         parts = [getattr(table, field.name) for table in tables]

@@ -34,7 +34,7 @@ class Evaluation:
 
     energy: float
     gradient: Array
-    contacts: NeighbourPairs  # of grains near each other, and near walls
+    contacts: NeighbourPairs  # contacts of grains near each other, and near walls
     tables: list[
         tuple[Array, sparse.csr_array]
     ]  # slopes of forces with the derivatives of distances, which are first
@@ -147,7 +147,7 @@ class EnergyProblem:
     def stretch(
         self, contacts: NeighbourPairs, direction: Array, *, walls: bool = False
     ) -> sparse.csr_array:
-        """Derivatives by the unknowns of how far contacts are apart along directions (n, 3): (n,
+        """Derivatives of the separations of contacts along directions (n, 3) by the unknowns: (n,
         n_unknowns).
 
         Parameters
@@ -197,8 +197,8 @@ def newton_step(
     pivots
         True for an indefinite matrix; the step then also leads to balances that are no minimum.
     holding
-        Stiffness of springs that hold all grains in place, N/m; by default so soft that it affects
-        free motions only.
+        Stiffness of springs that hold all grains in place, N/m; by default so small that it affects
+        only free motions.
     """
     diagonal = hessian.diagonal()
     soft = SOFT * float(diagonal.mean()) if len(diagonal) else 1.0

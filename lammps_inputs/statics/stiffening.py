@@ -33,10 +33,10 @@ SETTLE_AS_RUN = (
     "pour or settle the bed with the Young's modulus of the run, or run it with the modulus with "
     "which it was settled"
 )
-_ROUNDS = 60  # of the least squares
-_DAMPING = 0.03  # of the least squares: bounds motions that hardly change an overlap
-_CLOSED = 1e-4  # largest error of an overlap over the mean one, at which they end
-_PRECISION = 1e-10  # of the least squares
+_ROUNDS = 60  # most iterations of the least squares
+_DAMPING = 0.03  # damping of the least squares: bounds motions that hardly change an overlap
+_CLOSED = 1e-4  # largest error of an overlap over the mean one, at which the iterations end
+_PRECISION = 1e-10  # precision of the least squares
 _MOST_ITERATIONS = 20_000
 _REACH = 4.0  # gap up to which grains may come to touch on the way, largest overlaps
 

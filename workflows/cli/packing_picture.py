@@ -1,4 +1,4 @@
-"""Option ``--picture`` of ``granwave check``: a picture of the packing."""
+"""Option ``--picture`` of ``granwave check``: a drawing of the packing."""
 
 from __future__ import annotations
 

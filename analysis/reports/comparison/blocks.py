@@ -35,7 +35,7 @@ from granwave.analysis.reports.comparison.values import ComparedValue, factor
 from granwave.analysis.reports.figures import picture_of
 
 _MOST_VALUES = 10  # rows of the table of values
-_MOST_OPEN = 12  # rows of the table of keys that is not folded
+_MOST_OPEN = 12  # rows of a table of keys that is not folded
 _OF_VALUES = "Largest differences of results"
 _OF_CASES = "Differences between the cases"
 _OF_NUMERICS = "Differences in output and run control"
@@ -50,7 +50,7 @@ MISFIT_HEADS = (
     "Difference of the peaks",
     "Points",
 )
-_TIMES = 10.0  # relative difference from which on it is given as a ratio
+_TIMES = 10.0  # relative difference above which it is given as a ratio
 _NO_RANGE = "no common range"
 _NO_CELLS = ("",) * (len(MISFIT_HEADS) - 1)
 
@@ -175,7 +175,7 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
     blocks: list[DocumentTable] = []
     for name, curve in comparison.measured.items():
         units = FIGURES[name].units
-        assert units is not None  # else no curve can lie over it
+        assert units is not None  # a measured curve cannot be drawn over it
         x_unit, y_unit = units
         peak = quantity_in(curve.peak, y_unit)
         place = quantity_in(curve.peak_at, x_unit)

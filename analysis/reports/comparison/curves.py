@@ -23,8 +23,8 @@ from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
-FORMS = ("kinetic", "elastic", "dissipated")  # of energy, in the order of their panels
-_LEAST_SHARE = 1e-4  # of the largest peak force: layers that a wave reached
+FORMS = ("kinetic", "elastic", "dissipated")  # forms of energy, in the order of their panels
+_LEAST_SHARE = 1e-4  # fraction of the largest peak force: layers that the wave reached
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,5 @@
-"""Peak forces on a vertical section of several packings side by side, on one colour scale, and
-their difference where grains correspond.
+"""Peak forces on a vertical section of several packings side by side, on one colour scale, and the
+difference of corresponding grains.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ _ACROSS = 3  # most panels in a row ...
 _IN_PAIRS = 2  # ... and panels in a row of four
 MOST_PANELS = 6
 _MILLI = 1e3
-_FONT = 8  # of the labels of the axes, points
+_FONT = 8  # font size of the labels of the axes, points
 _TALLEST = 8.0  # inches
-_SAME_PLACE = 1e-3  # diameters, between grains that correspond
-_LINEAR = 1e-2  # of the largest difference, within which its scale is linear
+_SAME_PLACE = 1e-3  # distance between corresponding grains, diameters
+_LINEAR = 1e-2  # fraction of the largest difference within which its scale is linear
 _LINEAR_PART = 0.4  # length of the linear part of that scale on each side, decades
 _TICKS = 2  # powers of ten on each side of zero
-_DISC = 0.96  # drawn over actual diameter
+_DISC = 0.96  # ratio of drawn to actual diameter
 _NO_EDGE = 0.2  # width of edges, points
 
 
@@ -119,7 +119,8 @@ def corresponding(first: ForceField, other: ForceField) -> bool:
 
 
 def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
-    """Draw the peak force of each run less that of the first, for runs with the same grains.
+    """Draw the peak force of each run minus the peak force of the first, for runs with the same
+    grains.
 
     None where no run corresponds to the first, or none differs from it.
     """
@@ -158,7 +159,9 @@ def _ticks(largest: float) -> list[float]:
 
 
 def difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
-    """Return the runs whose grains do not correspond to those of the first, in a sentence."""
+    """Return a sentence on the runs whose grains do not correspond to the grains of the first
+    run.
+    """
     reference, *others = list(fields)
     unlike = [run.name for run in others if not corresponding(fields[reference], fields[run])]
     if not unlike:

@@ -54,19 +54,20 @@ from granwave.analysis.reports.comparison.subjects import (
 Decay = ForceDecay | PowerDecay
 
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
-#: Lines of the runs, which tell curves apart in grey; dotted are fits and measured curves.
+#: Line styles of the runs, which distinguish curves in grey prints; fits and measured curves are
+#: dotted.
 _LINES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (2, 1)))
 _MICRO = 1e6
 _MILLI = 1e3
 _KILO = 1e3
 _DECADES = 1e-4  # lowest over highest value of a logarithmic axis
-_FONT = 7  # of legends, points
+_FONT = 7  # font size of legends, points
 _LETTER = 0.054  # width of a letter of a legend, inches
 _HANDLE = 0.45  # width of its line and gaps, inches
 _ROW = 0.15  # height of a row of a legend, inches
 _FREE_ROWS = 2  # rows of a legend for which a figure has room
 _THIN = 0.9  # points
-_NOTHING = 1e-9  # of the input: energy that is rounding
+_NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 _POINTS_OF_FIT = 30
 _ROOM_ABOVE = 1.06  # upper end of a linear axis over the largest value
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
@@ -81,17 +82,17 @@ class ComparisonFigure:
     caption
         What it shows.
     read
-        Function that reads of a run what is drawn, or raises `LackingError`.
+        Function that reads the data of a run, or raises `LackingError`.
     draw
-        Function that draws what was read, by run, and measured curves; None: there is nothing.
+        Function that draws the data by run, and measured curves; None: there is nothing.
     units
         SI units of the axes of a measured curve over it; empty: none can lie over it.
     look
-        What to look for.
+        Feature to look for.
     notes
-        Function that returns sentences on what was read.
+        Function that returns sentences on the data.
     curve
-        Function that returns the curve of a run that a measured one is compared with.
+        Function that returns the curve of a run for comparison with a measured curve.
     most
         Largest number of runs that it shows.
     """
@@ -108,12 +109,12 @@ class ComparisonFigure:
 
 @dataclass(frozen=True, eq=False)
 class FigureData:
-    """Data of the runs for a figure, and the reasons for which others give none.
+    """Data of the runs for a figure, and the reasons why other runs have no data.
 
     Attributes
     ----------
     present
-        What was read of each run that has it.
+        Data of each run that has data.
     lacking
         Reason by run without it.
     """
@@ -176,7 +177,9 @@ def _legend(figure: MatplotlibFigure) -> None:
 
 
 def _end_of_time(axes: Axes, ends: Sequence[float]) -> None:
-    """Show all of the longest run; with a logarithmic axis where runs differ a lot in length."""
+    """Show the longest run completely; the axis is logarithmic where the lengths of the runs differ
+    a lot.
+    """
     longest = max(ends) * _MICRO
     shortest = min(ends) * _MICRO
     if 0 < shortest * _UNLIKE < longest:
@@ -315,7 +318,7 @@ def _log_if_wide(axes: Axes) -> None:
 
 
 def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
-    """Return the fit of each run that has one, of the law that fits all of them better.
+    """Return the fit of each run that has one, for the law that fits all runs better.
 
     The law is the same for all runs, so that its constants can be compared: the exponential or
     the power with the smaller sum of squared misfits.
@@ -329,7 +332,7 @@ def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, 
 
 
 def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return the fits of the decay in a sentence."""
+    """Return a sentence on the fits of the decay."""
     fits = common_fits(peaks)
     if not fits:
         return ""
@@ -423,7 +426,7 @@ def draw_fronts(
 
 
 def speed_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
-    """Return the speeds of the fronts in a sentence, of runs that have one."""
+    """Return a sentence on the front speeds of the runs that have one."""
     speeds = [(run.name, run.run.number("wave_speed_m_s")) for run in curves]
     parts = [f"{speed:.4g} m/s ({name})" for name, speed in speeds if speed is not None]
     if not parts:

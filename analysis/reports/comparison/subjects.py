@@ -23,14 +23,14 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 MOST_SIDE_BY_SIDE = 6  # runs with a column each in a table
 MOST_CURVES = 12  # runs in a figure of curves
-_NO_PHYSICS = ("run.", "output.", "figures.", "sensor")  # keys that no label shows
+_NO_PHYSICS = ("run.", "output.", "figures.", "sensor")  # keys that labels omit
 _MATERIAL = "material.name"
-_NONE_AT_ZERO = ("contact.initial_overlap",)  # keys whose value 0 says that there is none
+_NONE_AT_ZERO = ("contact.initial_overlap",)  # keys whose value 0 means that the feature is absent
 _OF_MATERIAL = "material."
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
-_BETWEEN_WORDS = r"[-_ /]"  # of the name of a run
+_BETWEEN_WORDS = r"[-_ /]"  # separators in the name of a run
 _KILO = 1e3
 _MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
 _LEAST_RANGE = 3  # runs in a row that are named by the first and the last
@@ -49,9 +49,9 @@ class ComparedRun:
     run
         The run, as a report reads it.
     label
-        Its label in figures: its name and what differs in its case.
+        Its label in figures: its name and the differences of its case.
     number
-        Its place among the runs, from 0.
+        Its position among the runs, from 0.
     look
         Number of its colour and line, from 0, which are the same in all figures.
     """
@@ -126,8 +126,7 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
 
 
 def spread_first(n_runs: int, most: int) -> list[int]:
-    """Return the positions of runs, ``most`` that are evenly spread from first to last before
-    others.
+    """Return the positions of runs, starting with ``most`` evenly spaced ones from first to last.
 
     Parameters
     ----------
@@ -169,7 +168,7 @@ def by_reason(lacking: Mapping[ComparedRun, str]) -> str:
 
 
 def ranges_of(runs: Sequence[ComparedRun]) -> str:
-    """Return the names of runs, of three or more that follow one another the first and the last."""
+    """Return the names of runs; for three or more consecutive runs, the first and the last."""
     groups: list[list[ComparedRun]] = []
     for run in sorted(runs, key=lambda run: run.number):
         if groups and run.number == groups[-1][-1].number + 1:

@@ -22,7 +22,7 @@ _MICRO = 1e6
 _MILLI = 1e3
 _SHORT = 20.0  # period of a plate / contact time above which an impact is short
 _SLOW = 0.2  # period of a plate / contact time below which an impact is slow
-_SLIGHT = 0.005  # momentum of the sphere / momentum of an impedance that hardly gives way
+_SLIGHT = 0.005  # momentum of the sphere over the momentum of a nearly rigid impedance
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:

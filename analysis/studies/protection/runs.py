@@ -67,7 +67,7 @@ class TargetRun(FinishedRun):
 
     @property
     def layers(self) -> int:
-        """Layers of spheres, one below the other."""
+        """Number of layers of spheres."""
         return self.assembly.lattice.shape[2]
 
     @property
@@ -88,7 +88,7 @@ class TargetRun(FinishedRun):
 
     @property
     def held(self) -> bool:
-        """The bottom is a plane that does not move."""
+        """True if the bottom is a fixed plane."""
         return self.case.boundary.bottom_rule.has_plane and not self.moves
 
     @property
@@ -212,7 +212,7 @@ def table(caption: str, runs: Sequence[TargetRun], kind: str) -> DocumentTable:
     table ("H" or "B") that any of the runs has.
     """
     headings = []
-    factors = {}  # of the shown quantities
+    factors = {}  # factors of the shown quantities
     for name, (heading, unit, factor, kinds) in QUANTITIES.items():
         if kind in kinds and any(math.isfinite(run.value(name)) for run in runs):
             headings.append((heading, unit))

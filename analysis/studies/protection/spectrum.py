@@ -28,9 +28,9 @@ TEXT = (
 )
 _FEWEST = 4  # smallest number of stiffnesses
 _MICRO = 1e6
-_CURVE = 60  # points of the theory
-_BELOW = 0.05  # relative deviation below the theory from which a remark names it
-_TURNED = 0.98  # part of a run: a displacement that is largest later may still grow
+_CURVE = 60  # points of the theoretical curve
+_BELOW = 0.05  # relative deviation below the theory above which a remark is printed
+_TURNED = 0.98  # fraction of a run: a displacement that is largest later may still grow
 
 #: A packing on a wall of the plates' material, and the runs with plates of one mass below it, by
 #: rising period. Columns of the runs: run, plate, period (s), largest displacement with the packing
@@ -41,7 +41,7 @@ Spectrum = tuple[TargetRun, DataFrame]
 def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
     """Spectra of plates with at least four stiffnesses, for each impact.
 
-    The same packing was also run on a wall of the plates' material.
+    True if the same packing was also run on a wall of the plates' material.
     """
     all_spectra = [spectra(impact) for impact in impacts(runs)]
     return [spectra_of_impact for spectra_of_impact in all_spectra if spectra_of_impact]

@@ -42,7 +42,7 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     rising,
 )
 
-_MARKERS = "os^"  # of the shares
+_MARKERS = "os^"  # markers of the fractions
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
 _LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
 _CUT_REMARK = (
@@ -63,8 +63,8 @@ _NOT_COMPARED_REMARK = (
 def zones(impacts: Impacts) -> dict[str, DataFrame]:
     """Plastic zones by energy, of packings and of blocks.
 
-    The packings have the spheres of the reference, of which one is impacted; of each energy the
-    largest packing counts.
+    The packings have the spheres of the reference, of which one is impacted; for each energy the
+    largest packing is used.
 
     Returns
     -------
@@ -352,5 +352,5 @@ def _axis_of_contacts(axes: Axes, packing: Any) -> None:
     top.set_xlabel(GRANULAR_ENERGY.removeprefix("Input energy ") + ", packing", fontsize=7)
     top.tick_params(labelsize=7)
     low, high = forward(axes.get_xlim())
-    # else the interval of the axis below arrives only when the figure is drawn
+    # otherwise the interval of the axis below is updated only when the figure is drawn
     top.xaxis.set_view_interval(low, high, ignore=True)

@@ -1,6 +1,6 @@
 """The contact law against finite elements of two spheres pressed together.
 
-One base everywhere: finite elements over the law, less 1, at equal overlap.
+Common basis: finite elements over the law, less 1, at equal overlap.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ TEXT = (
     "finite elements over the contact law, less 1, at equal overlap; alpha_y is the overlap at "
     "first yield. The contact grows element by element, so single values have steps."
 )
-_SPOTS = (3.0, 10.0)  # alpha_y: where the law is farthest off, and where its plateau begins
-_SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
+_SPOTS = (3.0, 10.0)  # alpha_y: where the law deviates most, and where its plateau begins
+_SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class SphereLoading:
     name
         Materials and radii in a few words.
     place
-        Key to sort by: spheres alike first.
+        Key to sort by: equal spheres first.
     scaled
         Overlap over that at first yield: (n_entries,).
     over_law

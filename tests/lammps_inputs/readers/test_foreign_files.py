@@ -402,7 +402,7 @@ FAULTS = [
     ("ITEM: TIMESTEP\n1\nITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES c_1[1]\n1\n",
      "line 3: found a dump of contacts (ITEM: NUMBER OF ENTRIES), expected one of atoms"),
     (dump("id x ys zs radius", SCALED, "xy xz yz pp pp ff", "0 1 0.1\n0 1 0\n0 1 0\n"),
-     "found coordinates of which some are scaled in a tilted box"),
+     "found both scaled and unscaled coordinates in a tilted box"),
     ("x;y;z;d\n0,5;0;0;1\n1.000;0;0;1\n",
      'line 3: found "1.000" for x, expected a finite number, without a sign of thousands'),
     ("id,x,y,z,r\n99999999999999999999,0,0,0,1\n", "line 2: found 1e+20 for id, expected a whole"),
