@@ -163,14 +163,15 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
         *dump("frames", "custom", every, frames_file(assembly, restart_from), columns, resumed,
-              form=form if case.output.dump_format == "text" else "", one_line=True),
+              form=form if case.output.dump_format == "text" else "", one_line=True,
+              parts=written_in_parts(assembly)),
         *chosen,
         *forces,
     ]  # fmt: skip
 
 
 def frames_file(assembly: Assembly, restart_from: str = "") -> str:
-    """Return the name of the dump of snapshots, with "%" if each rank writes its own.
+    """Return the name of the dump of snapshots, with "%" if it has several files.
 
     LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file
     writes one of its own. So does one that writes in parts, since it may have another number of
@@ -242,8 +243,8 @@ def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> l
 
 
 def contacts_file(assembly: Assembly, name: str = run_directory.CONTACTS_FILE) -> str:
-    """Return the name of the dump of the contacts at the end, or of another, with "%" if each rank
-    writes its own.
+    """Return the name of the dump of the contacts at the end, or of another, with "%" if it has
+    several files.
     """
     return of_each_rank(name) if written_in_parts(assembly) else name
 
@@ -262,7 +263,12 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
         "run             0 post no",
         "",
         "# All contacts of the run, and all spheres that touched a wall.",
-        *write_dump("local", contacts_file(assembly), sources(table.CONTACTS, *recorded(case))),
+        *write_dump(
+            "local",
+            contacts_file(assembly),
+            sources(table.CONTACTS, *recorded(case)),
+            parts=parts,
+        ),
         *([_COUNT.format(run_directory.COUNT_FILE)] if parts else []),
     ]
     for fix in plane_fixes(assembly):
@@ -277,7 +283,7 @@ def count_commands() -> list[str]:
     """Return the commands for the number of contacts, from the sum and the mean of a column that is
     never 0.
 
-    It is written to a file, as the dumps of all ranks but the first have no header that tells if
+    It is written to a file, as all parts of the dumps but the first have no header that tells if
     they were cut.
     """
     column = names(table.CONTACTS).index("i") + 1
@@ -300,7 +306,7 @@ def initial_forces(assembly: Assembly) -> list[str]:
     file = contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)
     lines = [
         "# Forces of all contacts under the static load.",
-        *write_dump("local", file, sources(table.FORCES)),
+        *write_dump("local", file, sources(table.FORCES), parts=parts),
     ]
     lines += [_COUNT.format(run_directory.INITIAL_COUNT_FILE)] if parts else []
     for fix in plane_fixes(assembly):
