@@ -62,15 +62,16 @@ FRAME_FORCES_FILE = "contact_forces.dump"  # contact forces of every snapshot
 # dump of a wall, with the name of the wall's fix
 CONTACTS_FILE = "contacts.dump"
 WALL_CONTACTS_FILE = "wall_{}.dump"
-COUNT_FILE = "contacts.txt"  # number of contacts, where each rank writes its own
-RANK = "%"  # part of the name of a dump that stands for the number of the rank
+COUNT_FILE = "contacts.txt"  # number of contacts, where the dump has several files
+RANK = "%"  # part of the name of a dump that stands for the number of a file of several ranks
+MOST_PARTS = 64  # files of a checkpoint, and of dumps where the number of nodes is not known
 STATIC_STAGE_FILE = "prestage.txt"
 STATIC_FILE = "static.lmp"
 # contact forces after the static stage: of pairs, of walls by the name of the fix, and the number
 # of pairs
 INITIAL_FORCES_FILE = "initial_forces.dump"
 INITIAL_WALL_FORCES_FILE = "initial_forces_{}.dump"
-INITIAL_COUNT_FILE = "initial_forces.txt"  # one file for each rank
+INITIAL_COUNT_FILE = "initial_forces.txt"  # where the dump has several files
 MOVED_WALLS_FILE = "moved-walls.lmp"  # distances of walls that were moved to a force
 
 # Of a scan, of a suite of scans, and of a point beside its run.
@@ -150,15 +151,13 @@ def newer_format(found: object, version: object) -> str:
 
 
 def of_each_rank(name: str) -> str:
-    """Return the name of a dump that each rank writes in part, such as ``spheres.%.bin``."""
+    """Return the name of a dump in several files, such as ``spheres.%.bin``."""
     path = PurePosixPath(name)
     return str(path.with_suffix(f".{RANK}{path.suffix}"))
 
 
 def files_of(directory: Path, name: str) -> list[str]:
-    """Return the names of the files for a name: the name itself, or the existing files of all
-    ranks, in order.
-    """
+    """Return the names of the files for a name: itself, or all parts that there are, in order."""
     if RANK not in name:
         return [name]
     folder = (directory / name).parent

@@ -1,9 +1,10 @@
 """Readers of the dumps of LAMMPS: snapshots of spheres, contacts, wall contacts; and of the data
 file.
 
-A dump is one file of all ranks or a file of each rank, and the files of resumed runs. All values
-are float64: overlaps of micrometres in a packing of a metre exceed single precision. Snapshots are
-read one at a time; with ``at_once`` in frames of at most this many rows. All readers raise
+A dump is one file of all ranks or several files, each of some ranks, and the files of resumed
+runs. All values are float64: overlaps of micrometres in a packing of a metre exceed single
+precision. Snapshots are read one at a time; with ``at_once`` in frames of at most this many rows.
+All readers raise
 
 MissingOutputError
     There is no such file, or the file of a rank is missing.
@@ -70,9 +71,10 @@ def read_frames(
     """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`,
     rows sorted by id.
 
-    If each rank wrote a file, their rows are joined. The snapshots of resumed runs follow in
-    separate files. If a step was written twice (resumed run), the first is used. With ``at_once``
-    only the rows of a frame are sorted; rows of a snapshot are sorted as LAMMPS writes them.
+    Rows in several files are joined. The snapshots of resumed runs follow in separate files. If a
+    step was written twice (resumed run), the first is used. With ``at_once`` only the rows of a
+    frame are sorted; rows of a snapshot stay in the order in which LAMMPS wrote them: sorted in one
+    file, as the ranks hold them in several files.
 
     Parameters
     ----------
@@ -97,9 +99,7 @@ def read_frames(
 
 
 def frames_path(directory: AnyPath) -> Path:
-    """Return the path of the dump of snapshots, binary or text, with "%" if each rank wrote its
-    own.
-    """
+    """Return the path of the dump of snapshots, binary or text, with "%" if it has several files."""
     return _present(
         ResultDirectory.at(directory),
         [form for name in files.FRAMES_FILES.values() for form in (name, of_each_rank(name))],
@@ -128,18 +128,18 @@ def read_frame_forces(directory: Path) -> Iterator[Frame]:
 
 @dataclasses.dataclass(frozen=True)
 class ContactDump:
-    """Contacts at one instant: files of all ranks, with the number of rows that LAMMPS counted.
+    """Contacts at one instant: one or several files, with the number of rows that LAMMPS counted.
 
     Attributes
     ----------
     path
-        Path of the dump, with "%" if each rank wrote its own.
+        Path of the dump, with "%" if it has several files.
     like
         Another dump of the same ranks, if there is one.
     required
         Columns that it must have.
     count
-        Name of the file with the number of rows in the files of all ranks.
+        Name of the file with the number of rows in all files.
     """
 
     path: Path
@@ -178,7 +178,7 @@ class ContactDump:
         expected = self._noted()
         if n_rows != expected:
             raise OutputFormatError(
-                f"{self.path} (all ranks): found {n_rows} contacts, {self.count} says {expected}: "
+                f"{self.path} (all parts): found {n_rows} contacts, {self.count} says {expected}: "
                 f"a file is truncated or belongs to another run; {AGAIN}"
             )
         yield frame.with_rows(frame.values[:0])
@@ -417,7 +417,7 @@ def _pieces(
     number = 0
     path = paths[0]
     try:
-        for frame in _of_all_ranks(paths, at_once):
+        for frame in _of_all_parts(paths, at_once):
             if missing := [name for name in required if name not in frame.columns]:
                 raise OutputFormatError(
                     f"{path}: snapshot {number} has no columns {', '.join(missing)}; it has "
@@ -433,10 +433,8 @@ def _pieces(
         raise OutputFormatError(f"{path} holds no complete snapshot; {AGAIN}")
 
 
-def _of_all_ranks(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
-    """Iterate over the snapshots of a dump in several files, each with the rows of a range of ids,
-    rising.
-    """
+def _of_all_parts(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
+    """Iterate over the snapshots of a dump in several files, the rows of one file after the other."""
     readers = [
         (binary_frames if path.suffix == BINARY else text_frames)(path, at_once) for path in paths
     ]
@@ -460,8 +458,8 @@ def _of_all_ranks(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
 
 
 def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
-    """Return the files of a dump: itself, or the files of all ranks where its name has "%";
-    ``like`` is another dump of the same ranks.
+    """Return the files of a dump: itself, or all its parts where its name has "%"; ``like`` is
+    another dump of the same session, with as many parts.
     """
     if RANK not in path.name:
         return [path]
@@ -475,14 +473,14 @@ def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
 
     found = numbers(path)
     expected = max(found | (numbers(like) if like is not None and RANK in like.name else set())) + 1
-    of_ranks = [path.with_name(path.name.replace(RANK, str(number))) for number in range(expected)]
+    parts = [path.with_name(path.name.replace(RANK, str(number))) for number in range(expected)]
     if missing := sorted(set(range(expected)) - found):
         more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
         raise MissingOutputError(
-            f"{of_ranks[missing[0]]} is missing{more}: each of {expected} ranks wrote a part of {path.name}; copy it "
-            f"back, or {AGAIN}"
+            f"{parts[missing[0]]} is missing{more}: {path.name} has {expected} parts; copy it back, "
+            f"or {AGAIN}"
         )
-    return of_ranks
+    return parts
 
 
 def _missing_dump(directory: Path, path: Path) -> MissingOutputError:

@@ -7,9 +7,10 @@ part is kept in memory, several parts in scratch files.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -184,43 +185,97 @@ class DentRecord:
     def __init__(
         self, start: Start, dump: ContactDump, scratch: Callable[[], Path], processes: Processes
     ) -> None:
-        self._like, rows, expected = dump.unread(start.at_once)
-        self._places: dict[
-            int, list[tuple[Path, int, int]]
-        ] = {}  # file, byte and number of rows of each part
+        like, rows, expected = dump.unread(start.at_once)
+        self._parts = RowsByPart(like)
         n_rows = 0
-        at_bars = [self._like.values]
+        at_bars = [like.values]
         tasks = ((frame, scratch()) for frame in rows)
         for n_read, others, places in processes.map(partial(_by_part, start, dump.path), tasks):
             n_rows += n_read
             at_bars.append(others)
-            for part, place in places:
-                self._places.setdefault(part, []).append(place)
+            self._parts.add(places)
         if n_rows != expected:
             list(dump.frames(start.at_once))
-        self.at_bars = self._like.with_rows(np.concatenate(at_bars))
+        self.at_bars = like.with_rows(np.concatenate(at_bars))
 
     def of_part(self, part: int) -> Callable[[], Frame]:
         """Return the reader of the contacts of the spheres of a part with other spheres; any
         process can call it.
         """
+        return self._parts.reader(part)
+
+
+class PlaceOfRows(NamedTuple):
+    """Rows of a part in a scratch file: the part, the file, the first byte, and their number."""
+
+    part: int
+    path: Path
+    byte: int
+    n_rows: int
+
+
+class RowsByPart:
+    """Rows in scratch files, by the parts of the spheres.
+
+    Parameters
+    ----------
+    like
+        Frame with the columns of the rows.
+    """
+
+    def __init__(self, like: Frame) -> None:
+        self._like = like.with_rows(like.values[:0])
+        self._places: dict[int, list[PlaceOfRows]] = {}
+
+    def add(self, places: Iterable[PlaceOfRows]) -> None:
+        """Add rows of a scratch file."""
+        for place in places:
+            self._places.setdefault(place.part, []).append(place)
+
+    def reader(self, part: int) -> Callable[[], Frame]:
+        """Return the reader of the rows of a part, in the order in which they were added; any
+        process can call it.
+        """
         return partial(_read_places, self._like, self._places.get(part, []))
 
 
-def _read_places(like: Frame, places: list[tuple[Path, int, int]]) -> Frame:
+def _read_places(like: Frame, places: list[PlaceOfRows]) -> Frame:
     """Read rows of scratch files, in the order in which they were written."""
-    values = np.empty((sum(n_rows for _, _, n_rows in places), len(like.columns)))
+    values = np.empty((sum(place.n_rows for place in places), len(like.columns)))
     at = 0
-    for path, place, n_rows in places:
-        rows = values[at : at + n_rows]
-        rows[:] = np.fromfile(path, np.float64, rows.size, offset=place).reshape(rows.shape)
-        at += n_rows
+    for place in places:
+        rows = values[at : at + place.n_rows]
+        found = np.fromfile(place.path, np.float64, rows.size, offset=place.byte)
+        rows[:] = found.reshape(rows.shape)
+        at += place.n_rows
     return like.with_rows(values)
+
+
+def write_by_part(
+    path: Path, values: NDArray[np.float64], *parts: NDArray[np.int64]
+) -> list[PlaceOfRows]:
+    """Write rows to a scratch file, one part after the other.
+
+    Parameters
+    ----------
+    values
+        Rows: (n_rows, n_columns).
+    parts
+        Part of each row, (n_rows,); of contacts two, the parts of both spheres.
+    """
+    places = []
+    with open(path, "wb") as file:
+        for part in np.unique(np.concatenate(parts)).tolist():
+            here = np.logical_or.reduce([numbers == part for numbers in parts])
+            rows = values if here.all() else values[here]
+            places.append(PlaceOfRows(part, path, file.tell(), len(rows)))
+            rows.tofile(file)
+    return places
 
 
 def _by_part(
     start: Start, source: Path, task: tuple[Frame, Path]
-) -> tuple[int, NDArray[np.float64], list[tuple[int, tuple[Path, int, int]]]]:
+) -> tuple[int, NDArray[np.float64], list[PlaceOfRows]]:
     """Write contacts to a scratch file by part; return the number of all, those with bars, and
     where each part is.
     """
@@ -231,11 +286,4 @@ def _by_part(
     between = pairs.max(axis=1, initial=0) <= start.last_sphere
     values = frame.values if between.all() else frame.values[between]
     first, second = (start.rows(ids) // start.at_once for ids in pairs[between].T)
-    places = []
-    with open(path, "wb") as file:
-        for part in np.union1d(first, second).tolist():
-            here = (first == part) | (second == part)
-            rows = values if here.all() else values[here]
-            places.append((part, (path, file.tell(), len(rows))))
-            rows.tofile(file)
-    return len(frame), frame.values[~between], places
+    return len(frame), frame.values[~between], write_by_part(path, values, first, second)

@@ -14,8 +14,10 @@ from displacements, which have 17 digits independently of the distance from the 
 from __future__ import annotations
 
 import getpass
-from collections.abc import Iterable, Iterator
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,8 +28,15 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, Frame
 from granwave.analysis.result.hdf5_file import COMPRESSION, ROWS_IN_CHUNK, Encoded, encoded, store
-from granwave.analysis.result.start import Start, periodic
+from granwave.analysis.result.start import (
+    PlaceOfRows,
+    RowsByPart,
+    Start,
+    periodic,
+    write_by_part,
+)
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.files import discard
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.processes import ALONE, Processes
 
@@ -71,6 +80,7 @@ def write_trajectory(
     timestep: float,
     source: Path,
     processes: Processes = ALONE,
+    scratch: Callable[[], Path] | None = None,
 ) -> int:
     """Write ``/particles/spheres``, one snapshot at a time, or a part of one.
 
@@ -86,6 +96,9 @@ def write_trajectory(
         File of the snapshots, for messages.
     processes
         Processes that read and compress.
+    scratch
+        Name for a scratch file, where the rows of a snapshot are not in the order of their ids:
+        they are first sorted by the parts of the spheres. None: they are in this order.
 
     Returns
     -------
@@ -113,13 +126,16 @@ def write_trajectory(
     for name in (*_VECTORS, *scalars):  # all share the step and the time of the first
         elements[name] = _create_element(group, name, start.n_spheres, n_chunk)
     steps: list[int] = []
-    blocks = _blocks(start, frames, source, steps)
-    for number, columns in processes.map(
-        partial(_encoded_block, start, scalars, source, n_chunk, origin), blocks
-    ):
-        for name, element in elements.items():
-            element.resize(number + 1, axis=0)
-            store(element, columns[name].pieces, number)
+    encode = partial(_encoded_block, start, scalars, source, n_chunk, origin)
+    if scratch is None:
+        batches = iter([_blocks(start, frames, source, steps)])
+    else:
+        batches = _sorted_blocks(start, frames, source, steps, processes, scratch)
+    for blocks in batches:
+        for number, columns in processes.map(encode, blocks):
+            for name, element in elements.items():
+                element.resize(number + 1, axis=0)
+                store(element, columns[name].pieces, number)
     for name, values in (("step", steps), ("time", np.array(steps) * timestep)):
         group["position"][name].resize(len(steps), axis=0)
         group["position"][name][:] = values
@@ -188,11 +204,12 @@ def _fixed(start: Start, n_chunk: int, part: int) -> dict[str, Encoded]:
 
 
 class _Block(NamedTuple):
-    """Some rows of a snapshot, from row ``first`` on, perhaps unread."""
+    """Some rows of a snapshot, from row ``first`` on, and their reader, which any process can call."""
 
     number: int
+    step: int
     first: int
-    frames: list[Frame]
+    read: Callable[[], Frame]
 
 
 def _blocks(
@@ -204,9 +221,7 @@ def _blocks(
     first = stop = 0
     held: list[Frame] = []
     for piece in frames:
-        frame = (
-            piece if start.n_spheres == start.n_particles else piece.read().up_to(start.last_sphere)
-        )
+        frame = _spheres_of(start, piece)
         stop = stop + len(frame)
         number = len(steps)
         at = 0
@@ -218,13 +233,86 @@ def _blocks(
             at += n
             whole = at == len(frame) and not piece.more
             if whole or sum(map(len, held)) == start.at_once:
-                yield _Block(number, first, held)
+                yield _Block(number, piece.step, first, partial(_rows_of, held))
                 first = first + sum(map(len, held))
                 held = []
             if whole:
                 steps.append(piece.step)
                 first = stop = 0
                 break
+
+
+def _spheres_of(start: Start, frame: Frame) -> Frame:
+    """Return the rows of spheres of a frame, without the nodes of bars."""
+    if start.n_spheres == start.n_particles:
+        return frame
+    return frame.read().up_to(start.last_sphere)
+
+
+def _rows_of(frames: Sequence[Frame]) -> Frame:
+    """Read frames of one snapshot as one."""
+    return frames[0].with_rows(np.concatenate([frame.read().values for frame in frames]))
+
+
+def _sorted_blocks(
+    start: Start,
+    frames: Iterable[Frame],
+    source: Path,
+    steps: list[int],
+    processes: Processes,
+    scratch: Callable[[], Path],
+) -> Iterator[list[_Block]]:
+    """Iterate over snapshots whose rows have any order: the blocks of each, one for each part.
+
+    All rows of a snapshot are written to scratch files by part, which are removed when its blocks
+    were processed. Steps are noted as by `_blocks`.
+    """
+    for step, pieces in itertools.groupby(frames, key=attrgetter("step")):
+        number = len(steps)
+        paths: list[Path] = []
+        tasks = _with_paths(start, pieces, paths, scratch)
+        sort = partial(_by_part, start, source, number)
+        found = list(processes.map(sort, tasks))
+        rows = RowsByPart(found[0].like)
+        for piece in found:
+            rows.add(piece.places)
+        n_rows = sum(place.n_rows for piece in found for place in piece.places)
+        if n_rows != start.n_spheres:
+            raise _strange(source, number, step, n_rows, start)
+        yield [
+            _Block(number, step, start.range(part)[0], rows.reader(part))
+            for part in range(start.n_parts)
+        ]
+        steps.append(step)
+        for path in paths:
+            discard(path)
+
+
+def _with_paths(
+    start: Start, pieces: Iterable[Frame], paths: list[Path], scratch: Callable[[], Path]
+) -> Iterator[tuple[Frame, Path]]:
+    """Iterate over the pieces of a snapshot with a scratch file for each, whose names are noted."""
+    for piece in pieces:
+        paths.append(scratch())
+        yield _spheres_of(start, piece), paths[-1]
+
+
+class _SortedPiece(NamedTuple):
+    """Rows of a snapshot in a scratch file, by part, and a frame without rows."""
+
+    like: Frame
+    places: list[PlaceOfRows]
+
+
+def _by_part(start: Start, source: Path, number: int, task: tuple[Frame, Path]) -> _SortedPiece:
+    """Write rows of a snapshot to a scratch file by the part of the sphere."""
+    frame = task[0].read()
+    try:
+        parts = start.rows(frame["id"].astype(np.int64)) // start.at_once
+    except KeyError:
+        raise _strange(source, number, frame.step, len(frame), start) from None
+    like = frame.with_rows(np.empty((0, len(frame.columns))))
+    return _SortedPiece(like, write_by_part(task[1], frame.values, parts))
 
 
 def _encoded_block(
@@ -236,14 +324,11 @@ def _encoded_block(
     block: _Block,
 ) -> tuple[int, dict[str, Encoded]]:
     """Read a block and encode its values."""
-    like = block.frames[0]
-    frame = like.with_rows(np.concatenate([one.read().values for one in block.frames])).sorted_by(
-        "id"
-    )
+    frame = block.read().sorted_by("id")
     first = block.first
     stop = block.first + len(frame)
     if not np.array_equal(frame["id"], start.ids(first, stop)):
-        raise _strange(source, block.number, like.step, stop, start)
+        raise _strange(source, block.number, block.step, stop, start)
     displacement = frame.vector("ux", "uy", "uz")
     unknown = np.full(len(frame), np.nan)
     places = start.read(slice(first, stop)).vector("x", "y", "z") + origin

@@ -135,7 +135,18 @@ def write_result(
         frames = read_frames(
             results, at_once, partial=False, unread=start.n_particles == start.n_spheres
         )
-        end = write_trajectory(file, assembly, start, frames, timestep, snapshots, processes)
+        # a file in parts has the rows of each rank as it holds them
+        unsorted = files.RANK in snapshots.name and start.n_parts > 1
+        end = write_trajectory(
+            file,
+            assembly,
+            start,
+            frames,
+            timestep,
+            snapshots,
+            processes,
+            scratch if unsorted else None,
+        )
         if end < n_steps:  # the end of a run is always a snapshot
             ends = f"{snapshots} ends with the snapshot of step {end}, the run at step {n_steps}"
             raise OutputFormatError(f"{ends}: {CUT}")

@@ -26,11 +26,11 @@ def export_scene(directory: Path, output: Path) -> list[Path]:
     Raises
     ------
     InputError
-        The run is not finished, or each rank wrote its own dumps.
+        The run is not finished, or its dumps have several parts.
     """
     if ovito_scene.in_parts(directory):
         raise InputError(
-            f"{directory}: each rank wrote its own dumps (output.parts), which OVITO cannot "
+            f"{directory}: the dumps have several parts (output.parts), which OVITO cannot "
             "combine; use --to vtp"
         )
     if missing := ovito_scene.missing_files(directory):

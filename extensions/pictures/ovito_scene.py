@@ -137,7 +137,7 @@ def missing_files(run: Path) -> list[str]:
 
 
 def in_parts(run: Path) -> bool:
-    """Return True if each rank wrote its own dumps, which OVITO cannot join."""
+    """Return True if the dumps have several parts, which OVITO does not join."""
     return (run / "dumps" / "contacts.0.dump").is_file()
 
 
@@ -175,7 +175,7 @@ def main() -> None:
     run = options.run.resolve()
     if in_parts(run):
         raise SystemExit(
-            f"{run}: each rank wrote its own dumps, which OVITO cannot combine; use granwave "
+            f"{run}: the dumps have several parts, which OVITO cannot combine; use granwave "
             "export --to vtp"
         )
     if missing := missing_files(run):

@@ -247,8 +247,8 @@ class Output:
         default=False,
     )
     parts: bool | Literal["auto"] = schema.typed(
-        "each rank writes its own files of snapshots, contacts and checkpoints; auto: from 10 "
-        "million spheres on",
+        "write snapshots, contacts and checkpoints to several files, snapshots and contacts to one "
+        "file per node; auto: from 10 million spheres on",
         _PARTS,
         default="auto",
     )

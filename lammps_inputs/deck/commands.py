@@ -35,6 +35,10 @@ from granwave.lammps_inputs.run_directory import DUMPS
 from granwave.lammps_inputs.script_words import joined, num
 
 _WIDTH = 110
+#: Variable of the number of files of a dump in parts: `granwave run` sets it to the number of
+#: nodes, and a script that is run by hand to `MOST_PARTS`. LAMMPS reduces it to the number of ranks.
+PARTS = "parts"
+_IN_PARTS = f"nfile ${{{PARTS}}}"
 
 
 def id_ranges(ids: Iterable[int]) -> str:
@@ -79,8 +83,12 @@ def dump(
     form: str = "",
     group: str = "all",
     one_line: bool = False,
+    parts: bool = False,
 ) -> list[str]:
     """Return the commands of a dump, appended to if a run is resumed.
+
+    Particles are sorted by id, except in parts, where LAMMPS sorts nothing if several ranks share a
+    file.
 
     Parameters
     ----------
@@ -92,25 +100,33 @@ def dump(
         Format of a line.
     one_line
         True for one command with all names.
+    parts
+        True for several files, see `PARTS`.
     """
     start = f"dump            {name} {group} {style} {every} {DUMPS}/{file}"
     custom = style == "custom"
     first = "append yes first no" if resumed else "first yes"
     modify = f"dump_modify     {name}"
     names = _column_names(columns)
+    order = " sort id" if custom else ""
+    if parts:
+        order = f" {_IN_PARTS}"
     return [
         *(command(start, *columns.values()) if custom else [f"{start} {joined(columns.values())}"]),
-        f"{modify} {first}{' sort id' if custom else ''}"
-        + (f' format line "{form}"' if form else ""),
+        f"{modify} {first}{order}" + (f' format line "{form}"' if form else ""),
         *(command(modify, *names) if one_line else (f"{modify} {one}" for one in names)),
     ]
 
 
-def write_dump(style: str, file: str, columns: dict[str, str], above: str = "") -> list[str]:
+def write_dump(
+    style: str, file: str, columns: dict[str, str], above: str = "", *, parts: bool = False
+) -> list[str]:
     """Return the command that writes the present state; ``above``: of particles for which this
-    source is positive.
+    source is positive; ``parts``: to several files, see `PARTS`.
     """
     of_id, select = ([], "") if style == "local" else (["%d"], f" sort id thresh {above} > 0.0")
+    if parts:
+        select += f" {_IN_PARTS}"
     return command(
         f"write_dump      all {style} {DUMPS}/{file}{' id' if of_id else ''}",
         *columns.values(),

@@ -165,14 +165,15 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
         "compute         sphere all gran/hysteretic/atom",
         "compute         contacts all gran/hysteretic/local",
         *dump("frames", "custom", every, frames_file(assembly, restart_from), columns, resumed,
-              form=form if case.output.dump_format == "text" else "", one_line=True),
+              form=form if case.output.dump_format == "text" else "", one_line=True,
+              parts=written_in_parts(assembly)),
         *chosen,
         *forces,
     ]  # fmt: skip
 
 
 def frames_file(assembly: Assembly, restart_from: str = "") -> str:
-    """Return the name of the dump of snapshots, with "%" if each rank writes its own.
+    """Return the name of the dump of snapshots, with "%" if it has several files.
 
     LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file
     writes separate files. So does a run that writes in parts, because it may have another number of
@@ -246,8 +247,8 @@ def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> l
 
 
 def contacts_file(assembly: Assembly, name: str = run_directory.CONTACTS_FILE) -> str:
-    """Return the name of the dump of the contacts at the end, or of another, with "%" if each rank
-    writes its own.
+    """Return the name of the dump of the contacts at the end, or of another, with "%" if it has
+    several files.
     """
     return of_each_rank(name) if written_in_parts(assembly) else name
 
@@ -266,7 +267,12 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
         "run             0 post no",
         "",
         "# All contacts of the run, and all spheres that touched a wall.",
-        *write_dump("local", contacts_file(assembly), sources(table.CONTACTS, *recorded(case))),
+        *write_dump(
+            "local",
+            contacts_file(assembly),
+            sources(table.CONTACTS, *recorded(case)),
+            parts=parts,
+        ),
         *([_COUNT.format(run_directory.COUNT_FILE)] if parts else []),
     ]
     for fix in plane_fixes(assembly):
@@ -281,8 +287,8 @@ def count_commands() -> list[str]:
     """Return the commands for the number of contacts, from the sum and the mean of a column that is
     never 0.
 
-    It is written to a file, because only the dump of the first rank has a header, so that truncated
-    dumps of other ranks would not be recognised.
+    It is written to a file, because only the first part of a dump has a header, so that truncated
+    other parts would not be recognised.
     """
     column = names(table.CONTACTS).index("i") + 1
     return [
@@ -304,7 +310,7 @@ def initial_forces(assembly: Assembly) -> list[str]:
     file = contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)
     lines = [
         "# Forces of all contacts under the static load.",
-        *write_dump("local", file, sources(table.FORCES)),
+        *write_dump("local", file, sources(table.FORCES), parts=parts),
     ]
     lines += [_COUNT.format(run_directory.INITIAL_COUNT_FILE)] if parts else []
     for fix in plane_fixes(assembly):

@@ -13,6 +13,7 @@ from collections.abc import Iterable
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import INITIAL
 from granwave.lammps_inputs.deck.commands import (
+    PARTS,
     command,
     contacts,
     cylinder_commands,
@@ -38,6 +39,7 @@ from granwave.lammps_inputs.deck.static_stage import (
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.clumps import largest_extent
 from granwave.lammps_inputs.packing.cylinders import in_grains
+from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.encounters import fastest
 from granwave.lammps_inputs.planning.ranks import costs_of
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
@@ -52,6 +54,7 @@ from granwave.lammps_inputs.run_directory import (
     LOAD_FILE,
     LOG_FILE,
     MESH_FILE,
+    MOST_PARTS,
     MOVED_WALLS_FILE,
     SCRIPT_FILE,
     START_FILE,
@@ -116,6 +119,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
     ]
     parts = [
         _head(assembly),
+        _files_of_dumps() if written_in_parts(assembly) else [],
         _system(assembly, restart_from),
         _neighbours(assembly, schedule),
         contacts(assembly),
@@ -157,6 +161,14 @@ def _head(assembly: Assembly) -> list[str]:
         f"# Written by granwave from {CASE_FILE}.",
         f"# Run it here:  lmp -in {SCRIPT_FILE}   (granwave provides the pair style "
         "gran/hysteretic)",
+    ]
+
+
+def _files_of_dumps() -> list[str]:
+    """Return the number of files of a dump in parts, unless the variable was set before."""
+    return [
+        "# Files of each dump of snapshots and contacts.",
+        f"variable        {PARTS} index {MOST_PARTS}",
     ]
 
 

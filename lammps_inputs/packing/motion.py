@@ -264,6 +264,6 @@ def line_history(assembly: Assembly) -> int:
 
 
 def written_in_parts(assembly: Assembly) -> bool:
-    """Return True if each rank writes its own snapshots and contacts."""
+    """Return True if snapshots and contacts are written to several files."""
     parts = assembly.case.output.parts
     return assembly.n_spheres >= _PARTS_FROM if parts == "auto" else bool(parts)

@@ -36,7 +36,7 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
-from granwave.lammps_inputs.packing.motion import struck_site
+from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
 from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.encounters import expected_energy
 from granwave.lammps_inputs.planning.ranks import wave_of
@@ -149,7 +149,6 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunS
         analysis = n * _ANALYSED_SPHERE + pairs * _ANALYSED_PAIR
     if n <= MOST_DRAWN:
         analysis = max(analysis, n * _DRAWN)
-    scratch = n * _SCRATCH_SPHERE + touched * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
     sites = (0.0 if assembly.sites.uniform else _SITE) + (
         _PLACED_SITE if assembly.strikers else 0.0
     )
@@ -167,8 +166,26 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunS
         + schedule.n_frames * (frame + _STORED_FRAME * n * _reached(assembly))
         + contacts
         + rows * _ROW,
-        disk_reserve=scratch + frame + n * _CHECKPOINT_SPHERE + pairs * kept_pair,
+        disk_reserve=_scratch(assembly, touched)
+        + frame
+        + n * _CHECKPOINT_SPHERE
+        + pairs * kept_pair,
     )
+
+
+def _scratch(assembly: Assembly, touched: float) -> float:
+    """Estimate the scratch files of the analysis, bytes; ``touched`` is the number of pairs that have
+    touched.
+
+    Rows of a snapshot in parts are sorted in scratch files, before those of the contacts.
+    """
+    n = assembly.n_particles
+    if n <= ANALYSED_AT_ONCE:
+        return 0.0
+    snapshot = (
+        n * _VALUE * numbers_in_snapshot(assembly.case) if written_in_parts(assembly) else 0.0
+    )
+    return n * _SCRATCH_SPHERE + max(snapshot, touched * _SCRATCH_PAIR)
 
 
 def numbers_in_snapshot(case: Case) -> int:

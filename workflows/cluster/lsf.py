@@ -24,7 +24,6 @@ class Lsf(Scheduler):
         "-q": "partition",
         "-P": "account",
         "-W": "time",
-        "-M": "memory",
     }
     own_options = ("-J", "-o", "-oo", "-e", "-eo", "-n", "-w")
     signs_in_log = re.compile(r"(TERM_\w+.*)")

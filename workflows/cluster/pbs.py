@@ -25,7 +25,7 @@ class Pbs(Scheduler):
     longest_name = 15
     log_pattern = "*.o{job}"
     keys: ClassVar[Mapping[str, str]] = {"-q": "partition", "-A": "account"}
-    own_options = ("-N", "-o", "-e", "-j", "-V")
+    own_options = ("-N", "-o", "-e", "-j", "-V", "-S")
     signs_in_log = re.compile(r"=>> PBS: (?:job killed: )?(.+)")
 
     _JOB = re.compile(r"^Job Id: (\d+)\b(?!\[)(?:(?!^Job Id:).)*?job_state = (\w)", re.M | re.S)

@@ -30,11 +30,20 @@ def _lines(lines: tuple[str, ...]) -> str:
 
 
 def _options(value: str) -> str:
-    """Check that options can be split into words as by a shell."""
+    """Check that options are one line that can be split into words as by a shell."""
+    if len(value.splitlines()) > 1:  # the second line would be a command of the script
+        raise ValidationError("options of jobs in one line")
     try:
         shlex.split(value)
     except ValueError:  # unbalanced quotation mark
         raise ValidationError("options of jobs, as in a shell") from None
+    return value
+
+
+def _name(value: str) -> str:
+    """Check that a name is one word of a directive."""
+    if len(value.split()) != 1 or value != value.strip():
+        raise ValidationError(_NAME_FORM)
     return value
 
 
@@ -45,6 +54,8 @@ _LINES = schema.ListType(
     alone=True,
     finish=_lines,
 )
+_NAME_FORM = "a name without blanks"
+_NAME = schema.TextType(expected=_NAME_FORM, finish=_name)
 _OPTIONS = schema.TextType(expected="options of jobs, a string", may_be_empty=True, finish=_options)
 
 
@@ -52,8 +63,8 @@ _OPTIONS = schema.TextType(expected="options of jobs, a string", may_be_empty=Tr
 class SlurmProfile:
     """``[slurm]`` of a profile file: the keys of `Profile` for Slurm only."""
 
-    partition: str | None = text("partition or queue to submit to", default=None)
-    account: str | None = text("account or project to charge", default=None)
+    partition: str | None = schema.typed("partition or queue to submit to", _NAME, default=None)
+    account: str | None = schema.typed("account or project to charge", _NAME, default=None)
     time: int | None = schema.count(
         "time limit of a job, minutes; default: thrice the expected time", default=None
     )
@@ -92,8 +103,9 @@ class Profile(SlurmProfile):
     cores: int | None = schema.count(
         "cores of a node: number of ranks of a run, unless --np is given", default=None
     )
-    parallel_environment: str | None = text(
+    parallel_environment: str | None = schema.typed(
         "parallel environment of Grid Engine for several ranks (qconf -spl lists them)",
+        _NAME,
         default=None,
     )
 

@@ -3,8 +3,9 @@
 A checkpoint is a LAMMPS restart file, with sizes and checksums of all output files at that step. A
 resumed run truncates its output files to these sizes and appends, so that nothing is repeated. If
 snapshots are written in parts (`granwave.lammps_inputs.packing.motion.written_in_parts`), each rank
-writes its own part, several ranks a file where there are many, and any number of ranks can read
-them.
+writes its own part of a checkpoint, several ranks a file where there are more than `MOST_PARTS`,
+and any number of ranks can read them. Checkpoints have more parts than dumps, because the run waits
+for them every minute.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from granwave.lammps_inputs.processes import Processes
 from granwave.lammps_inputs.run_directory import (
     CHECKPOINT_FILE,
     DATA_FILE,
+    MOST_PARTS,
     SCRIPT_FILE,
     files_of,
     of_each_rank,
@@ -28,8 +30,6 @@ if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
     from granwave.workflows.run.lammps_engine import Engine
-
-_MOST_PARTS = 64  # files of a checkpoint in parts; more ranks share them
 
 
 def write_checkpoint(
@@ -90,7 +90,7 @@ def write_checkpoint(
     on_first(comm, prepare)
     command = f"write_restart {name}"
     if parts:
-        command = f"{command} nfile {min(comm.size, _MOST_PARTS)}"
+        command = f"{command} nfile {min(comm.size, MOST_PARTS)}"
     engine.commands(command)
     comm.barrier()
     return shared(comm, describe)

@@ -25,6 +25,7 @@ from granwave.analysis.pipeline import analyse
 from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.summary import check_value_names
+from granwave.lammps_inputs.deck.commands import PARTS
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
@@ -403,6 +404,8 @@ class _Run:
             setup = part(script, "setup")
             grid = on_first(self.comm, lambda: grid_of(self.assembly, self.comm.size))
             engine.commands("processors " + " ".join(map(str, grid)))
+            if written_in_parts(self.assembly):
+                engine.commands(f"variable {PARTS} index {len(self.record.nodes)}")
             from_data = not (saved or self.case.packing.restart)
             if from_data and not (self.assembly.bars or self.assembly.clumps):
                 before, _, setup = setup.partition(f"{READ_DATA}\n")

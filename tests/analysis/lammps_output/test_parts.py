@@ -1,6 +1,4 @@
-"""Analysis in parts, and dumps of which each rank writes its own: the same values as of one part
-and one file.
-"""
+"""Analysis in parts, and dumps in several files: the same values as of one part and one file."""
 
 from __future__ import annotations
 
@@ -20,6 +18,7 @@ import pytest
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, analyse, pipeline
 from granwave.analysis.exports.export import export
 from granwave.analysis.figures import run_figures
+from granwave.analysis.lammps_output.binary import binary_frames
 from granwave.analysis.lammps_output.dumps import contacts_at_end, read_frames
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import summarise
@@ -124,28 +123,33 @@ def test_parts_give_the_same_bits_as_the_whole(tmp_path, name):
     assert not list(tmp_path.glob(".result.h5.*"))
 
 
-# ---------------------------------------------------------------------- files of each rank
+# ---------------------------------------------------------------------- files of each node
 
 
 BOTH = """
     from granwave.lammps_inputs.load_case import load_case
     from granwave.workflows import run_case
-    for name in ("parts", "one"):
+    from granwave.workflows.run import driver
+    for name in ("node", "one", "parts"):
+        if name == "parts":
+            driver.nodes = lambda comm: ["first", "second"][: comm.size]
         run_case(load_case(f"{name}.toml"), name, figures=False)
 """
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """A run on two ranks with a file from each, and one with a file from both."""
+    """Runs on two ranks: as if on two nodes, with a file from each; with a file of both; and with
+    the parts of this node.
+    """
     place = tmp_path_factory.mktemp("runs")
-    for name, parts in (("parts", True), ("one", False)):
+    for name, parts in (("node", True), ("one", False), ("parts", True)):
         case = case_of(boundary={"bottom": "wall"}, output=IN_PARTS | {"parts": parts})
         (place / f"{name}.toml").write_text(case.to_toml())
     (place / "both.py").write_text(textwrap.dedent(BOTH))
     command = [str(BIN / "mpiexec"), "-n", "2", sys.executable, "-m", "mpi4py", "both.py"]
     subprocess.run(command, cwd=place, check=True, env=PLAIN, capture_output=True, timeout=240)
-    return {"parts": place / "parts", "one": place / "one"}
+    return {name: place / name for name in ("node", "one", "parts")}
 
 
 @pytest.fixture
@@ -154,7 +158,7 @@ def run(runs, tmp_path):
     return without_checksums(tmp_path / "run")
 
 
-def test_each_rank_writes_its_own(runs):
+def test_each_node_writes_its_own(runs):
     names = {path.name for path in (runs["parts"] / "dumps").iterdir()}
     assert {
         "spheres.0.bin",
@@ -164,13 +168,25 @@ def test_each_rank_writes_its_own(runs):
         "contacts.txt",
     } <= names
     assert not names & {"spheres.bin", "contacts.dump"}
+    ids = [
+        next(binary_frames(runs["parts"] / "dumps" / f"spheres.{part}.bin")).read()["id"]
+        for part in (0, 1)
+    ]
+    assert ids[0].max() > ids[1].min() and ids[1].max() > ids[0].min()  # they need to be sorted
 
 
-def test_results_are_those_of_one_file(runs):
-    one, parts = (values_in(runs[name]) for name in ("one", "parts"))
+def test_one_node_writes_one_file(runs):
+    names = {path.name for path in (runs["node"] / "dumps").iterdir()}
+    assert {"spheres.0.bin", "contacts.0.dump", "contacts.txt"} <= names
+    assert not names & {"spheres.1.bin", "contacts.1.dump", "spheres.bin", "contacts.dump"}
+
+
+@pytest.mark.parametrize("name", ["parts", "node"])
+def test_results_are_those_of_one_file(runs, name):
+    one, parts = (values_in(runs[form]) for form in ("one", name))
     del one["/"], parts["/"]  # the case and the wall time
     assert [key for key in one if one[key] != parts.get(key)] == []
-    summaries = [json.loads((runs[name] / "summary.json").read_text()) for name in ("one", "parts")]
+    summaries = [json.loads((runs[form] / "summary.json").read_text()) for form in ("one", name)]
     timed = ("wall_time_s", "sphere_steps_per_s")
     one, parts = (
         {key: value for key, value in found.items() if key not in timed} for found in summaries
@@ -189,7 +205,7 @@ def test_analysis_once_more(run):
     [
         (
             "spheres.0.bin",
-            r"spheres\.0\.bin is missing: each of 2 ranks wrote a part of spheres\.%\.bin",
+            r"spheres\.0\.bin is missing: spheres\.%\.bin has 2 parts",
         ),
         ("spheres.1.bin", r"spheres\.1\.bin is missing"),
         ("contacts.0.dump", r"contacts\.0\.dump is missing"),
@@ -211,9 +227,22 @@ def test_last_part_of_a_run_that_did_not_finish(run):
     for name in ("spheres.1.bin", "contacts.1.dump"):
         (run / "dumps" / name).unlink()
     with pytest.raises(
-        OutputFormatError, match=r"spheres\.%\.bin: snapshot 0 .* holds 72 spheres .* 144"
+        OutputFormatError, match=r"spheres\.%\.bin: snapshot 0 .* holds 75 spheres .* 144"
     ):
         analyse(run, figures=False)
+
+
+@pytest.mark.parametrize("at_once", [20, 1000])
+def test_sphere_that_is_there_twice(run, at_once):
+    path = run / "dumps" / "spheres.0.bin"
+    frame = next(binary_frames(path))
+    begin, _ = frame.values.pieces[0]
+    row = 8 * len(frame.columns)
+    content = bytearray(path.read_bytes())
+    content[begin + row : begin + 2 * row] = content[begin : begin + row]
+    path.write_bytes(content)
+    with pytest.raises(OutputFormatError, match=r"snapshot 0 .* spheres that are not the 144"):
+        analyse(run, figures=False, at_once=at_once)
 
 
 @pytest.mark.parametrize(
@@ -233,7 +262,7 @@ def test_contacts_cut_at_the_end_of_a_row(run):
     path.write_text("".join(path.read_text().splitlines(keepends=True)[:-1]))
     with pytest.raises(
         OutputFormatError,
-        match=r"contacts\.%\.dump \(all ranks\): found \d+ contacts, contacts\.txt says",
+        match=r"contacts\.%\.dump \(all parts\): found \d+ contacts, contacts\.txt says",
     ):
         analyse(run, figures=False)
 
@@ -241,7 +270,7 @@ def test_contacts_cut_at_the_end_of_a_row(run):
 def test_parts_of_another_run(run):
     """As of LAMMPS run by hand, first on three ranks and then on two."""
     shutil.copy(run / "dumps" / "spheres.1.bin", run / "dumps" / "spheres.2.bin")
-    with pytest.raises(OutputFormatError, match="holds 216 spheres that are not the 144"):
+    with pytest.raises(OutputFormatError, match="holds 213 spheres that are not the 144"):
         analyse(run, figures=False)
 
 
@@ -419,7 +448,7 @@ def test_figures_of_a_large_packing_are_left_out(run, monkeypatch, caplog):
 
 @pytest.mark.needs_extension("pictures")
 def test_ovito_does_not_join_parts(run, tmp_path):
-    with pytest.raises(InputError, match=r"each rank wrote its own dumps .*--to vtp"):
+    with pytest.raises(InputError, match=r"the dumps have several parts .*--to vtp"):
         export(run, "ovito", tmp_path / "out")
 
 
@@ -427,7 +456,7 @@ def test_check_tells_what_a_rank_holds():
     large = {"packing": {"vacancies": 0.01}, "size": (100, 100, 60), "output": {"parts": True}}
     case = case_of(**large)
     table = plan_table(assemble(case), plan(case, n_ranks=8))
-    assert "one file per rank (output.parts)" in table
+    assert "one file per node (output.parts)" in table
     assert "all sites at once, for dissimilar or missing spheres" in table
     sizes = [
         plan(case_of(size=(100, 100, n), output={"parts": "auto"}), n_ranks=10_000)

@@ -33,7 +33,7 @@ def test_the_script_of_a_run(granwave, profile):
 def test_the_script_of_a_scan(granwave, profile):
     done = granwave("scan", "restitution", "--submit", "cluster.toml", "--print", cwd=profile)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("#!/bin/bash\n#PBS -N granwave-restit\n")
+    assert done.stdout.startswith("#!/bin/bash\n#PBS -S /bin/bash\n#PBS -N granwave-restit\n")
     assert "granwave.workflows.cli.worker .scan/batches/" in done.stdout
     assert [path.name for path in profile.iterdir()] == ["cluster.toml"]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import shlex
 import subprocess
 from pathlib import Path
@@ -26,6 +27,7 @@ DIRECTIVES = {
 #SBATCH --export=ALL
 #SBATCH --ntasks=7
 #SBATCH --nodes=2
+#SBATCH --ntasks-per-node=4
 #SBATCH --time=90
 #SBATCH --mem=3000
 #SBATCH --signal=TERM@90
@@ -33,7 +35,8 @@ DIRECTIVES = {
 #SBATCH --account=granular
 #SBATCH --dependency=afterany:17
 #SBATCH --x='a b'""",
-    "pbs": """#PBS -N granwave-myscan
+    "pbs": """#PBS -S /bin/bash
+#PBS -N granwave-myscan
 #PBS -o logs/
 #PBS -j oe
 #PBS -V
@@ -43,7 +46,8 @@ DIRECTIVES = {
 #PBS -A granular
 #PBS -W depend=afterany:17
 #PBS --x='a b'""",
-    "torque": """#PBS -N granwave-myscan
+    "torque": """#PBS -S /bin/bash
+#PBS -N granwave-myscan
 #PBS -o logs/
 #PBS -j oe
 #PBS -V
@@ -77,7 +81,8 @@ DIRECTIVES = {
 #$ -P granular
 #$ -hold_jid 17
 #$ --x='a b'""",
-    "moab": """#MSUB -N granwave-myscan
+    "moab": """#MSUB -S /bin/bash
+#MSUB -N granwave-myscan
 #MSUB -o logs/
 #MSUB -j oe
 #MSUB -V
@@ -165,6 +170,9 @@ def test_a_template_of_the_site(tmp_path):
         ("[cluster]\nscheduler = 'pbs'\nstatus = 'sacct'", "sacct is a command of Slurm"),
         ("[cluster]\nscheduler = 'lsf'\noptions = '-q x'", "it is the key cluster.partition"),
         ("[cluster]\ntemplate = 'none.sh'", "cluster.template: found no file"),
+        ("[cluster]\npartition = 'a b'", "cluster.partition: .*a name without blanks"),
+        ('[cluster]\naccount = "a\\nrm b"', "a name without blanks"),
+        ('[cluster]\noptions = "--x\\nrm b"', "options of jobs in one line"),
         ("[cluster]\n[slurm]", r"expected one table \[cluster\], or \[slurm\]"),
     ],
 )
@@ -172,6 +180,14 @@ def test_faults_of_profiles(tmp_path, text, said):
     (tmp_path / "p.toml").write_text(text)
     with pytest.raises(InputError, match=said):
         load_profile(tmp_path / "p.toml")
+
+
+def test_a_limit_of_memory_of_lsf(tmp_path):
+    """The key ``memory`` reserves memory; the limit -M of a site is another option."""
+    (tmp_path / "p.toml").write_text("[cluster]\nscheduler = 'lsf'\noptions = '-M 8GB'\n")
+    profile = load_profile(tmp_path / "p.toml")
+    request = dataclasses.replace(REQUEST, options=profile.options)
+    assert "#BSUB -M 8GB\n" in profile.script(request)
 
 
 def test_grid_engine_needs_its_parallel_environment():

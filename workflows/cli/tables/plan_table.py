@@ -51,7 +51,7 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
     yield "disk", f"about {plan.disk / 1e9:.3g} GB"
     yield from _schedule_rows(plan, values)
     yield from _time_rows(plan)
-    yield "output", "one file per rank (output.parts)" if values["output_in_parts"] else ""
+    yield "output", "one file per node (output.parts)" if values["output_in_parts"] else ""
     if held := values["held_by_first_rank"]:
         yield "held by the first rank", f"all sites at once, for {' and '.join(held)}"
     yield "largest overlap", _largest_overlap(plan, values)

@@ -1,4 +1,5 @@
 #!/bin/bash
+#MSUB -S /bin/bash
 #MSUB -N {{job_name}}
 #MSUB -o {{log}}
 #MSUB -j oe

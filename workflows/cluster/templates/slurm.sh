@@ -5,6 +5,7 @@
 #SBATCH --ntasks={{cores}}
 {%- if cores > 1 %}
 #SBATCH --nodes={{nodes}}
+#SBATCH --ntasks-per-node={{tasks_per_node}}
 {%- endif %}
 #SBATCH --time={{minutes}}
 #SBATCH --mem={{memory_mb}}

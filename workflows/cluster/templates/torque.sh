@@ -1,4 +1,5 @@
 #!/bin/bash
+#PBS -S /bin/bash
 #PBS -N {{job_name}}
 #PBS -o {{log}}
 #PBS -j oe
