@@ -33,6 +33,7 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #include "ghost_velocities.h"
 #include "moved_mass.h"
 #include "pair.h"
+#include "pair_batch.h"
 #include "pair_geometry.h"
 
 #include "atom.h"
@@ -128,27 +129,7 @@ class PairGranHysteretic : public Pair {
   };
 
   using PairParameters = granwave::PairParameters;
-
-  struct Batch : granwave::ContactBatch {
-    const PairParameters *pair[CAPACITY];
-    PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
-    double pressing[CAPACITY];              // of pairs with cohesion: normal force that limits friction
-    double damping[CAPACITY];               // with damping along the surface: its coefficient; below 0: a run is continued
-    void set(int m, const PairParameters &p)
-    {
-      pair[m] = &p;
-      radius_i[m] = p.radius_i;
-      radius_j[m] = p.radius_j;
-      radsum[m] = p.radsum;
-      root_radius[m] = p.root_radius;
-      hertz[m] = p.contact.hertz();
-      shear_stiffness[m] = p.shear_stiffness;
-      largest_overlap[m] = p.largest_overlap;
-      elastic_limit[m] = p.contact.elastic_limit();
-      friction[m] = p.friction;
-      keeps[m] = p.tangential_model == granwave::TangentialModel::MINDLIN ? 1.0 : 0.0;
-    }
-  };
+  using Batch = granwave::PairBatch;
 
   enum class Message { MASSES, VELOCITIES };    // to ghosts
   enum class Tally { NONE, VIRIAL, EACH_PAIR };
@@ -206,7 +187,6 @@ class PairGranHysteretic : public Pair {
   void tally(const Batch &, Tally);
   double approach(const Batch &, int m) const;
   double effective_mass(const Batch &, int m) const;
-  double pressing_force(const Batch &, int m) const;
   double tangent_stiffness(const Batch &, int m);
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 

@@ -138,12 +138,6 @@ double PairGranHysteretic::effective_mass(const Batch &batch, int m) const
   return masses.effective(atom->radius[i] > 0.0 ? i : MovedMass::BODY, atom->radius[j] > 0.0 ? j : MovedMass::BODY, normal);
 }
 
-/* Normal force of a touching pair that limits its friction. */
-double PairGranHysteretic::pressing_force(const Batch &batch, int m) const
-{
-  return batch.pair[m]->contact.cohesive() ? batch.pressing[m] : batch.force[m];
-}
-
 /* Slope of the force of the law over the overlap, of a touching pair without cohesion. */
 double PairGranHysteretic::tangent_stiffness(const Batch &batch, int m)
 {
@@ -177,7 +171,7 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
                                  TouchingPairs::ROUNDING * p.radsum,
                                  approach(batch, m),
                                  batch.force[m],
-                                 pressing_force(batch, m),
+                                 batch.pressing_force(m),
                                  batch.circle[m]};
     const ViscousForce viscous = advance_viscous(
         p.loss, has, contact, step, now, [&] { return tangent_stiffness(batch, m); },
@@ -265,8 +259,7 @@ void PairGranHysteretic::compute_resistance(const Batch &batch, const double *ci
     const PairParameters &p = *batch.pair[m];
     if (!p.resistance) continue;
     RollingContact contact{
-        {},        {}, p.contact.effective_radius(), pressing_force(batch, m), circle[m], p.shear_stiffness * circle[m],
-        p.friction};
+        {}, {}, p.contact.effective_radius(), batch.pressing_force(m), circle[m], p.shear_stiffness * circle[m], p.friction};
     for (int d = 0; d < 3; d++) {
       contact.normal[d] = batch.normal[d][m];
       contact.spin[d] = omega[batch.i[m]][d] - omega[batch.j[m]][d];
