@@ -48,14 +48,14 @@ class PairGranHysteretic : public Pair {
 
   /* State of one contact for output, in physical units. */
   struct Report {
-    int i, j;    // local index; j may be a ghost, -1 for a forgotten dent on record
+    int i, j;    // local indices; j may be a ghost, -1 for a forgotten dent on record
     tagint tag_i, tag_j;
     double overlap, force;    // present values; overlap < 0 is a gap
     double on_first[3];       // present force on i: normal and tangential; of for_each_dent, for live contacts
     double peak_force, elastic, dissipated, share_i;
-    double time_first;    // arrival of the force
+    double time_first;    // arrival time of the force
     double tangential_force, tangential_elastic, frictional_loss;
-    double rolling_loss, twisting_loss;    // part of the frictional loss
+    double rolling_loss, twisting_loss;    // included in the frictional loss
     double viscous_loss, adhesive_loss;
     double tangential[3];    // tangential force on sphere i
     double effective_radius;
@@ -86,7 +86,7 @@ class PairGranHysteretic : public Pair {
      dent on record by the owner of each sphere. Requires a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
 
-  /* Sums over the forgotten dents of an owned sphere that are not on record. */
+  /* Sums over forgotten dents of an owned sphere without a record. */
   granwave::ForgottenContacts forgotten(int i) const { return fix_history->history.forgotten(i); }
 
   // in pvector
@@ -154,19 +154,22 @@ class PairGranHysteretic : public Pair {
     double shear_stiffness;    // 8 G*
     granwave::TangentialModel tangential_model = granwave::TangentialModel::MINDLIN_RESCALE;
     granwave::ViscousLoss loss;
-    const granwave::ResistanceModel *resistance = nullptr;    // to rolling and twisting, null if there is none
+    // resistance to rolling and twisting, null if there is none
+    const granwave::ResistanceModel *resistance = nullptr;
   };
 
-  struct SpecialPair {                                 // pair of a cylinder, or with a power of the overlap
+  // parameters of a pair with a cylinder, or with a power of the overlap
+  struct SpecialPair {
     std::unique_ptr<granwave::ElasticContact> line;    // of parallel cylinders
     granwave::ScaledLaw contact;
   };
 
   struct Batch : granwave::ContactBatch {
     const PairParameters *pair[CAPACITY];
-    PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
-    double pressing[CAPACITY];              // of pairs with cohesion: normal force that limits friction
-    double damping[CAPACITY];               // with damping along the surface: its coefficient; below 0: a run is continued
+    // for each pair, or only the first if all are equal; unused if known by type
+    PairParameters parameters[CAPACITY];
+    double pressing[CAPACITY];    // for pairs with cohesion: normal force that limits friction
+    double damping[CAPACITY];     // with tangential damping: its coefficient; below 0: a run is resumed
     void set(int m, const PairParameters &p)
     {
       pair[m] = &p;
@@ -213,7 +216,8 @@ class PairGranHysteretic : public Pair {
     if (is_special(itype, jtype)) return special_law(itype, jtype, ri, rj);
     return {law(itype, jtype), effective_radius(ri, rj), ri, rj};
   }
-  granwave::ScaledLaw law_of(int i, const granwave::ContactRecord &record)    // of a forgotten contact of sphere i
+  // law of a forgotten contact of sphere i
+  granwave::ScaledLaw law_of(int i, const granwave::ContactRecord &record)
   {
     return scaled_law(atom->type[i], record.partner_type, atom->radius[i], record.partner_radius);
   }
@@ -271,40 +275,40 @@ class PairGranHysteretic : public Pair {
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 
   double gap = 0.0;
-  bool lists_forgotten = false;    // true if forgotten dents stay on record
-  bool normals_initial = false;    // true if normals are those of the initial places
-  int initial_places = -1;         // index of the custom array that holds these
+  bool lists_forgotten = false;    // true if forgotten dents are kept on record
+  bool normals_initial = false;    // true if normals are those of the initial positions
+  int initial_places = -1;         // index of the custom array with the initial positions
   int atom_types = 0;
   bool from_restart = false;    // true if the settings are from a restart file
   std::vector<granwave::ContactLaw> laws;
-  std::vector<granwave::LawArguments> coefficients;    // as set by pair_coeff, for mixing and restarts
+  std::vector<granwave::LawArguments> coefficients;    // arguments of pair_coeff, for mixing and restarts
   std::vector<double> largest_radius;
   std::shared_ptr<const granwave::Cylinders> cylinders;    // null if there are none
   bool has_special = false;
-  std::vector<char> special_types;                                    // by pair of types
-  std::vector<std::unique_ptr<granwave::CylinderPair>> geometries;    // by pair of types, null for spheres
+  std::vector<char> special_types;                                    // indexed by pair of types
+  std::vector<std::unique_ptr<granwave::CylinderPair>> geometries;    // indexed by pair of types, null for spheres
   std::map<std::tuple<int, int, double, double>, SpecialPair> special_pairs;
   bool uniform = false;
   granwave::ContactMemory has;    // each part is there from the first pair_coeff with it on, and from the first initial dent
   bool has_rate = false;          // true if a law depends on the rate
   bool has_dashpot = false;       // true if a pair of types has one
   granwave::MovedMass masses;     // with a dashpot
-  bool sends_velocities = false;    // true if laws need velocities of ghosts that LAMMPS does not send
+  bool sends_velocities = false;    // true if laws need ghost velocities that LAMMPS does not send
   granwave::GhostVelocities ghosts;
   Message message = Message::MASSES;
-  bool flows = false;    // true if velocities jump across periodic boundaries, as those of the box do
+  bool flows = false;    // true if velocities jump across periodic boundaries, because the box deforms
   granwave::ContactList contacts{has};
-  Batch batch;                         // of the pairs found last
-  granwave::LoadingBatch loading{};    // those beyond their elastic limit
+  Batch batch;                         // batch of the pairs found last
+  granwave::LoadingBatch loading{};    // pairs beyond their elastic limit
   granwave::UnloadingBatch unloading{};
   granwave::LineBatch lines{};    // those along lines
   granwave::TouchingPairs pairs{};
-  std::vector<PairParameters> parameters_by_type;    // empty if they are not determined by the types
+  std::vector<PairParameters> parameters_by_type;    // empty if parameters are not determined by the types
   double now = 0.0;                                  // simulation time of this force evaluation
-  granwave::Step step{};                             // that histories are advanced by in this force evaluation
+  granwave::Step step{};                             // timestep by which histories advance in this force evaluation
   FixGranHystereticHistory *fix_history = nullptr;
   bool radii_vary = false;       // true if a fix may change radii during a run
-  bool lost_contacts = false;    // true if somebody else deleted it
+  bool lost_contacts = false;    // true if the fix was deleted externally
 };
 
 }    // namespace LAMMPS_NS

@@ -15,7 +15,7 @@ using namespace granwave;
 
 namespace {
 
-constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks are fetched meanwhile
+constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks are prefetched
 
 }    // namespace
 
@@ -96,7 +96,8 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
 
 /* ---------------------------------------------------------------------- cohesion */
 
-/* Overwrite force and contact circle of pairs with cohesion, whose surfaces touch, are held by a neck, or have just parted. */
+/* Overwrite force and contact circle of pairs with cohesion, whose surfaces touch, are joined by a neck, or have just
+   separated. */
 void PairGranHysteretic::compute_cohesion(Batch &batch)
 {
   ContactList &c = contacts;
@@ -117,7 +118,7 @@ void PairGranHysteretic::compute_cohesion(Batch &batch)
 
 /* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
 
-/* End the spring of a pair that has parted, and its viscous force. */
+/* End the spring and the viscous force of a pair that has separated. */
 void PairGranHysteretic::release_contact(int k)
 {
   ContactList &c = contacts;
@@ -155,7 +156,7 @@ void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
   for (int k = 0; k < n; k++) masses.unpack(first + k, buf + k * MovedMass::SIZE);
 }
 
-/* Effective mass of a pair along its normal. The body of a flat face is taken as much heavier than the sphere. */
+/* Effective mass of a pair along its normal. The body of a flat face is assumed to be much heavier than the sphere. */
 double PairGranHysteretic::effective_mass(const Batch &batch, int m) const
 {
   const int i = batch.i[m], j = batch.j[m];
@@ -238,7 +239,7 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
   if (has.damping) add_damping(batch);
 }
 
-/* A pair with friction as partial slip and damping need it. */
+/* A pair with friction, for partial slip and damping. */
 SlipContact PairGranHysteretic::slip_contact(const Batch &batch, int m) const
 {
   SlipContact contact{{},
@@ -441,7 +442,7 @@ void PairGranHysteretic::compute_forces(Tally what)
   compute_special(what);
 }
 
-/* In a minimization, begin with the histories at its start: of the positions it tries only the last ones leave dents. */
+/* In a minimization, begin with its initial histories: only the final positions leave dents. */
 void PairGranHysteretic::begin_evaluation()
 {
   if (update->whichflag != 2) contacts.start.kept = false;

@@ -155,7 +155,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.tangential_elastic += resisted.stored();
     report.frictional_loss += resisted.loss();
   }
-  // a pair that was moved since the last step may be beyond its peak
+  // a pair moved since the last step may be beyond its peak
   const LawHistory h{std::max(report.dent.peak, overlap), view.extra};
   if (contact.yielded(h.peak)) {
     const Turning turning = contact.turning(h);

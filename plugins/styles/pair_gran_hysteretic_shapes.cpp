@@ -22,7 +22,7 @@ constexpr const char *INITIAL_PLACES = "initial";    // custom array, d2_initial
 
 }
 
-/* Find the places at which normals are taken, if they are the initial ones. */
+/* Find the initial positions if normals refer to these. */
 void PairGranHysteretic::find_initial_places()
 {
   initial_places = -1;
@@ -184,7 +184,8 @@ void PairGranHysteretic::compute_special(Tally what)
   if (batch.size > 0) compute_batch(what, true);
 }
 
-/* Put special pair k of row r into the batch, or end what ends when it does not touch. Returns true if it is in the batch. */
+/* Put special pair k of row r into the batch, or end its spring and forces if it does not touch. Returns true if it is in
+   the batch. */
 bool PairGranHysteretic::add_special(int r, int k)
 {
   ContactList &c = contacts;
