@@ -28,8 +28,8 @@ def ball(chain):
 
 
 def stiffness(chain):
-    """Effective modulus over density, m^2/s^2: speeds far above the static force go with its power
-    2/5.
+    """Effective modulus over density, m^2/s^2: speeds far above the static force are proportional
+    to its power 2/5.
     """
     return chain.law.effective_modulus / chain.case.material.density
 

@@ -19,15 +19,15 @@ LIGHT = "Small beads without mass"
 
 
 def handed_on(diameters):
-    """Share of the energy that hard spheres hand on to the last one, each pair colliding once."""
+    """Fraction of the energy that reaches the last hard sphere if each pair collides once."""
     first = diameters[:-1] ** 3
     second = diameters[1:] ** 3
     return float(np.prod(4 * first * second / (first + second) ** 2))
 
 
 def measured(runs):
-    """Small over large diameter, energy of the last bead over the input, that of hard spheres, of
-    large beads alone.
+    """Small over large diameter, energy of the last bead over the input, the same for hard spheres,
+    and for large beads only.
     """
     found = []
     for chain in map(Chain, runs):

@@ -15,7 +15,7 @@ from granwave.measures import Chain
 HARD = "Doney and Sen 2005, hard spheres"
 MEASURED = "Melo et al. 2006, abstract"
 NEWS = "UB Reporter 38 (19)"
-# beads between which the front has its shape and has not met the end
+# beads between which the front has developed its shape and has not reached the end
 FIRST = 6
 LAST = 17
 SOURCE = "The source: hard spheres describe the measured front well, and better with a small loss. Ours falls more."
@@ -23,8 +23,8 @@ LEFT = "Hertz's wave is spread over some five beads: what it leaves behind does 
 
 
 class Tapered:
-    """Taper, energy of the last bead at the end over the input, and the fall of the front from bead
-    to bead.
+    """Taper, energy of the last bead at the end over the input, and the decrease of the front from
+    bead to bead.
     """
 
     def __init__(self, run):

@@ -37,8 +37,8 @@ def three(one, normal, across, spin):
 
 
 def measured(runs):
-    """Angle, the three ours and the three of theory, by rising angle: (7, n) of each material and
-    model.
+    """Angle, our three values and the three theoretical values, by rising angle: (7, n) for each
+    material and model.
     """
     found = {(name, model): [] for name in NAMES.values() for model in MODELS}
     for one in map(Rebound, runs):
@@ -71,7 +71,8 @@ def rows(runs):
     for k, ((quantity, unit), values) in enumerate(zip(KINDS, points, strict=True)):
         for (angle, source), (model, label) in itertools.product(values.T, MODELS.items()):
             columns = found["oxide", model]
-            for at in np.flatnonzero(columns[0] == angle):  # angles that were measured and run
+            # angles that were both measured and computed
+            for at in np.flatnonzero(columns[0] == angle):
                 ours, theory = columns[[1 + k, 4 + k], at]
                 name = f"{quantity.capitalize()} measured at {angle:g} degrees, oxide, {label}"
                 remark = MEASURED[model]

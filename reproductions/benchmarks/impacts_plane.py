@@ -30,7 +30,7 @@ FINITE = {
 
 
 class Point:
-    """Incidence, and two numbers of the rebound: ours and with partial slip."""
+    """Incidence, and two values of the rebound: ours and with partial slip."""
 
     def __init__(self, run):
         one = Rebound(run)
@@ -51,8 +51,8 @@ class Point:
 
 
 def measured(runs, partial=False):
-    """Points by the name of their material, by rising incidence: (5, n) of incidence, two ours, two
-    of theory.
+    """Points by the name of their material, by rising incidence: (5, n) with incidence, two values
+    of ours, two of theory.
     """
     points = [point for point in map(Point, runs) if point.partial == partial]
     return {
@@ -80,8 +80,8 @@ def rows(runs):
         for column, name in enumerate(names if names[0] in found else ()):
             values = found[name]
             for k, quantity in enumerate(quantities):
-                # columns of test 5: both of a material; of test 6: rebounds of both, restitutions
-                # of both
+                # columns of test 5: both values of a material; of test 6: rebounds of both,
+                # restitutions of both
                 source = printed[1 + 2 * column + k] if test == 5 else printed[1 + column + 2 * k]
                 for incidence in chosen:
                     at = np.abs(values[0] - incidence).argmin()

@@ -50,7 +50,7 @@ class Curve:
         self.modulus = self.material.youngs_modulus / (2 * (1 - self.material.poisson_ratio**2))
 
     def at_yield(self):
-        """Velocity at which the pressure of Hertz reaches 1.6 times the yield strength, m/s."""
+        """Velocity at which Hertz's pressure reaches 1.6 times the yield strength, m/s."""
         pressure = 1.6 * self.material.yield_strength
         return 3.194 * math.sqrt(pressure**5 * self.radius**3 / (self.modulus**4 * self.mass))
 

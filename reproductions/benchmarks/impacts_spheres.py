@@ -18,8 +18,8 @@ DAMPED = "Theory is partial slip on a plane. Theirs damps the tangential motion 
 
 
 class Pair:
-    """Two spheres; of unlike ones incidence and rebound, and the rebound with partial slip on a
-    plane.
+    """Two spheres; for dissimilar spheres incidence and rebound, and the rebound with partial slip
+    on a plane.
     """
 
     def __init__(self, run):
@@ -39,7 +39,7 @@ class Pair:
 
 
 def measured(runs):
-    """Pairs of equal spheres, and of unlike ones by case and incidence."""
+    """Pairs of equal spheres, and of dissimilar spheres by case and incidence."""
     pairs = list(map(Pair, runs))
     unlike = sorted(
         (one for one in pairs if not one.alike), key=lambda one: (one.case, one.incidence)

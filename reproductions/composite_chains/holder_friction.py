@@ -26,7 +26,7 @@ def series(runs):
 
 
 def taken(section):
-    """Friction times weight times the path of every bead, by its recorded velocity, J."""
+    """Friction times weight times the path of every bead, from its recorded velocity, J."""
     paths = np.trapezoid(np.abs(section.chain.velocity), section.time, axis=0)
     masses = section.run.spheres.mass.loc[section.chain.array("chain/id")].to_numpy()
     return friction_of(section) * GRAVITY * (masses * paths).sum()

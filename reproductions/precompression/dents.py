@@ -14,7 +14,7 @@ import numpy as np
 from granwave.measures import Chain
 
 LITTLE = 0.01  # relative
-SAME = 5e-4  # relative: no change to the digits shown
+SAME = 5e-4  # relative change below the digits shown
 VALUES = {
     "Dissipated": ("J", "energy_dissipated_J"),
     "Largest contact force": ("N", "peak_force_N"),
@@ -23,7 +23,7 @@ VALUES = {
 
 
 def pairs(runs):
-    """Runs with dents kept and forgotten, by what they are."""
+    """Runs with dents kept and forgotten, by their description."""
     found = {}
     for run in sorted(runs, key=lambda run: -run.case.boundary.forget_gap):
         found.setdefault(words(run), []).append(run)
@@ -53,7 +53,7 @@ def words(run):
 
 
 def change(pair, key):
-    """Relative change by forgetting; infinite where there was nothing before."""
+    """Relative change by forgetting; infinite if the value was 0."""
     before, after = (run[key] for run in pair)
     return after / before - 1 if before else math.inf if after else 0.0
 

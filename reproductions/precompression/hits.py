@@ -24,7 +24,7 @@ def select(runs):
 
 
 def before(run):
-    """Directory of the run that left the dents; None of a first hit."""
+    """Directory of the run that left the dents; None for a first hit."""
     left = run.case.contact.initial_overlap
     if not isinstance(left, str):
         return None

@@ -15,7 +15,7 @@ WORDS = {"elastoplastic": "elasto-plastic contacts", "hertz": "elastic contacts"
 
 
 def select(runs):
-    """The packing that yields, and the elastic one, by rising pressure."""
+    """The yielding packing and the elastic packing, by rising pressure."""
     found = ([run for run in runs if run.case.contact.law == law] for law in WORDS)
     return [sorted(group, key=pressure) for group in found if group]
 
@@ -25,7 +25,7 @@ def pressure(run):
 
 
 def added(run):
-    """Largest force at the bottom beyond the static one, N."""
+    """Largest dynamic force at the bottom, N."""
     force = run.result["walls/bottom/force"]
     return (force - force[0]).max()
 

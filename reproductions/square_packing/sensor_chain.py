@@ -21,8 +21,8 @@ SETUP = {"where": "square packing, Experimental Setup"}
 
 
 def measured(runs):
-    """Mass of the sphere over the others', reflected share (%), record and force there, by rising
-    mass.
+    """Mass of the sphere over the others', reflected fraction (%), record and force there, by
+    rising mass.
     """
     found = []
     for run in runs:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import first_peak, sensor_velocities
 
-FELT = 0.01  # of the largest velocity: the wave passes a sensor
+FELT = 0.01  # fraction of the largest velocity that marks the passage of the wave at a sensor
 SETUP = {"where": "square packing, Experimental Setup"}
 
 

@@ -21,7 +21,7 @@ INTRUDERS = ("aluminium", "steel")
 
 
 def measured(runs):
-    """Chains of one material by its name; places, and energies and peaks at these by the intruder's
+    """Chains of one material by its name; positions, and energies and peaks there by the intruder's
     name.
     """
     chains = sorted(map(OddBead, runs), key=lambda chain: chain.place)

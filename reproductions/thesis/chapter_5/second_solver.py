@@ -63,7 +63,7 @@ def rows_of_reference(run):
 
 
 def row_of_small_packing(run):
-    """Dissipated fraction beside the network with the same normals."""
+    """Dissipated fraction compared with the network with the same normals."""
     velocity = run.case.load.velocity
     normals = NORMALS[run.case.contact.normals]
     values = second_solver()["small", velocity, normals]

@@ -59,7 +59,7 @@ class LayeredPacking:
 
 
 def measured(runs):
-    """Packings by the velocity of the top layer; those with empty holes first."""
+    """Packings by the velocity of the top layer; packings with empty holes first."""
     found = sorted(map(LayeredPacking, runs), key=lambda one: (one.velocity, one.small != EMPTY))
     return [
         (velocity, list(group)) for velocity, group in groupby(found, key=lambda one: one.velocity)
