@@ -20,13 +20,13 @@ import granwave as gw
 WHERE = "thesis Fig. 7.7b"
 APPROACHES = (-1.8e-5, 0.0, 3e-5)
 SPHERES = 300
-SPHERE = 75  # of the velocity
-GAPS = range(16, 32)  # of the tunnel
+SPHERE = 75  # sphere whose velocity is recorded
+GAPS = range(16, 32)  # gaps of the tunnel
 DRIVE = 0.1  # N
 END = 5e-3  # s
 LONGER = 15e-3  # s, before the reflection from the end of the chain returns
 STEP = 1e-6  # s
-HALF = 0.5  # of the level
+HALF = 0.5  # fraction of the level
 IN_BAND = 0.85  # end of the frequencies of the level, over sqrt(K/m)
 ROW_EDGE = 2.0  # cut-off of the row without a tunnel, over sqrt(K/m)
 DIGITS = 5.6e4  # rad/s, the source's 5.6 kHz

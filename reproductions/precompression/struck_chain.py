@@ -13,8 +13,8 @@ from granwave.theory import crest_force, crest_speed, lattice_speed, precompress
 
 WHERE = "composite (3)"
 SMALL = 0.05  # F_m/F0 - 1 up to which a pulse is small: the speed of (3) is then within 0.3 % of c0
-PRINTED_FACTOR = 0.9314  # of c0, (3)
-EXACT_FACTOR = math.sqrt(9 / math.pi) * 3 ** (-1 / 3) * 4 ** (-1 / 6)  # of the lattice
+PRINTED_FACTOR = 0.9314  # factor of c0, (3)
+EXACT_FACTOR = math.sqrt(9 / math.pi) * 3 ** (-1 / 3) * 4 ** (-1 / 6)  # factor for the lattice
 FIRST_BEAD = 10  # first contact at which the crests of small pulses are followed
 DISTURBED = 1e-3  # fraction of the largest added force: the wave has reached the far end
 STEADY = 0.01  # fraction by which the crest may decrease while its speed is measured

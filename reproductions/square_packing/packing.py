@@ -20,7 +20,7 @@ COLOURS = {
 }  # fmt: skip
 
 
-VELOCITY = {"in-plane": 0.29, "out-of-plane": 0.65}  # of the source's striker, m/s
+VELOCITY = {"in-plane": 0.29, "out-of-plane": 0.65}  # velocities of the source's striker, m/s
 
 
 def source_impacts(runs):

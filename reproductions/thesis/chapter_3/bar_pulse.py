@@ -57,7 +57,7 @@ class Passage:
         start = instants[max(0, (values != 0).argmax() - 1)]
         reach = 2 * bar.length - AHEAD * (2 * bar.length * self.pitch**2 / 8) ** (1 / 3)
         clear = np.array([self.time < start + (reach - x) / self.c for x in self.sections])
-        velocity = 0.5 * (velocity[:, 1:] + velocity[:, :-1])  # of elements
+        velocity = 0.5 * (velocity[:, 1:] + velocity[:, :-1])  # velocities of the elements
         self.force, self.velocity = (
             np.where(clear, one[:, elements].T, np.nan) for one in (force, velocity)
         )

@@ -34,7 +34,7 @@ class LeadingWave:
         energy = 1 + (second / peak) ** 2 + 2 * (moving / peak) ** 2
         self.ratio = math.sqrt(
             1 - lost / energy
-        )  # of peak forces from contact to contact: energy balance (4.26)
+        )  # ratio of peak forces from contact to contact: energy balance (4.26)
         self.decay = 1 - self.ratio  # the balance as a differential equation (4.28)
         self.transition = brentq(lambda n: self.secondary(n) - self.printed(n), 1.0, 200.0)
 
@@ -72,7 +72,8 @@ class ShortPulse:
         self.leading = np.minimum(heights, near.largest[:CONTACTS])
         self.transition = int(np.argmax(self.largest[:CONTACTS] > OVERTAKEN * self.leading)) + 1
         free = (near.time > crests[0]) & (near.force[:, 0] == 0)
-        self.residual = near.velocity[free.argmax(), 0]  # of bead 1, once the wave has left it
+        # velocity of bead 1 after the wave has left it
+        self.residual = near.velocity[free.argmax(), 0]
 
     def excess(self, contact):
         """Largest force at a contact (from 1) over the leading peak, in per cent above 100 %."""

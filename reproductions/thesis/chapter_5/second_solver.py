@@ -12,7 +12,7 @@ import granwave as gw
 
 BY = "our second solver"
 TABLE = Path(__file__).with_name("second_solver.csv")
-NORMALS = {"current": "true", "initial": "of the start"}  # of a case and of the table
+NORMALS = {"current": "true", "initial": "of the start"}  # names in a case and in the table
 REFERENCE = ("reference", 5.0, "of the start")
 
 

@@ -20,7 +20,7 @@ from symmetric_motion import leading_wave, waves_of
 import granwave as gw
 
 CONTACTS = (20, 50, 100, 200)
-NUMBERS = (6, 7, 8, 9)  # of small spheres in a ring
+NUMBERS = (6, 7, 8, 9)  # numbers of small spheres in a ring
 
 
 class Waves:

@@ -125,7 +125,7 @@ class Travelling:
         self.time = np.linspace(-(REACH - 1) / c, (REACH - 1 + TAIL) / c, INSTANTS)
         z = [
             shift - c * self.time for shift in (-1.0, 0.0, 1.0)
-        ]  # of the beads behind, here and ahead
+        ]  # differences of the beads behind, here and ahead
         r = [
             np.where(np.abs(one) < REACH, self.difference(np.clip(one, -REACH, REACH)), 0.0)
             for one in z
