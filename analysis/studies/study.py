@@ -206,7 +206,7 @@ def make_studies(
         Points that failed or were not run of the scans that name a study, as values of the keys
         that vary.
     """
-    from granwave.analysis.figures.style import style  # imported on demand: matplotlib takes a second to load
+    from granwave.analysis.figures.style import style  # loads matplotlib: imported on demand
 
     if not runs:
         return []
