@@ -86,7 +86,7 @@ def add(stiffness, first, second, spring):
 
 
 class DrivenRow:
-    """Normalised peak velocities of the sphere by frequency: in the runs, and of the linear chain."""
+    """Normalised peak velocities of the sphere by frequency: runs, and linear chain."""
 
     def __init__(self, approach, runs):
         tunnel = Tunnel(approach or 0.0)
