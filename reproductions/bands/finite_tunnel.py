@@ -5,8 +5,8 @@ to 31, between two rigid walls that approach by a times the diameter. A harmonic
 on the first sphere for 5 ms. Peak velocities of sphere 75 are normalised by the static overlap of
 the row times sqrt(K/m), frequencies by sqrt(K/m). The level is the median velocity at 0.5 to 0.85,
 where every row passes waves. The linear row has the springs of the static state, and its motion is
-a sum of its modes: a twin without LAMMPS. In 5 ms slow waves near the edge of a band do not arrive,
-and above the edge the sudden start leaves a tail.
+a sum of its modes: a check without LAMMPS. In 5 ms slow waves near the edge of a band do not
+arrive, and above the edge the sudden start leaves a tail.
 """
 
 import math

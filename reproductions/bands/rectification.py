@@ -1,11 +1,11 @@
 """Row with a light bead: rectification and switching.
 
 A row under a static force with a light bead near one end, driven at its first bead at a frequency
-that the row does not pass. The mean power that its absorbing end takes in the last half of each run
-is drawn against the amplitude of the drive, with the light bead near the drive and near the other
-end. Dashed: the steady response of small motions, with the losses of contacts. Next to the
-amplitude at which the row opens, what opens it grows or dies so slowly that the mean is that of a
-state which still changes.
+above its cut-off. The mean power absorbed at its end in the last half of each run is drawn
+against the amplitude of the drive, with the light bead near the drive and near the other end.
+Dashed: the steady response of small motions, with the losses of contacts. Next to the amplitude at
+which the row opens, what opens it grows or dies so slowly that the mean belongs to a state that is
+not yet steady.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Resonance of a bead on a plane.
 
-A bead under a static force, shaken at frequencies about its own. The frequency of the largest
-velocity falls as the square of the amplitude; where losses are small, the amplitude jumps as the
-load rises and falls.
+A bead under a static force, driven at frequencies near its natural frequency. The frequency of the
+largest velocity falls as the square of the amplitude; where losses are small, the amplitude jumps
+as the load rises and falls.
 """
 
 import math

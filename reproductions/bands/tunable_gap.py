@@ -2,7 +2,7 @@
 
 Endless row of brass spheres of 9.525 mm under 1 N with a pair of brass cylinders of 4.76 mm in each
 gap, between two rigid walls that approach by a times the diameter; cylinders as long as the spheres
-are wide. The bands are those of the springs of its static state. Angular frequencies: the source's
+are wide. The bands follow from the springs of its static state. Angular frequencies: the source's
 axes say Hz, but hold rad/s.
 """
 

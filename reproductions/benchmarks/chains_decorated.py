@@ -1,9 +1,9 @@
 """Decorated chains: small beads between large ones.
 
-Ten beads that shrink by 5 % from one to the next, with a small bead between any two, the first
-struck at 1 m/s, the last free. Two limits are known: hard spheres that collide once each, and small
-beads without mass, two springs in a row, so that the large beads alone hand on the energy (Harbola
-and others 2009).
+Ten beads that shrink by 5 % from one to the next, with a small bead between any two, impact at 1
+m/s on the first, the last free. Two limits are known: hard spheres that collide once each, and
+small beads without mass, two springs in series, so that only the large beads transmit the energy
+(Harbola and others 2009).
 """
 
 import numpy as np

@@ -2,8 +2,8 @@
 
 Coste, Falcon and Fauve (Phys. Rev. E 56, 6104, 1997) struck chains of steel beads of 8 mm under
 three static forces. Daraio and others (Phys. Rev. E 73, 026610, 2006) pressed chains of PTFE and of
-steel by a magnet. What their abstracts print needs no modulus: in units of the static state all
-such chains are one.
+steel by a magnet. The values in their abstracts need no modulus: in units of the static state all
+such chains are equivalent.
 """
 
 import numpy as np

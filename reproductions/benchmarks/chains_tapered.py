@@ -1,9 +1,9 @@
 """Tapered chains: the energy that reaches the last bead.
 
-Chains of 20 beads whose diameters fall by the share q from bead to bead, the first of 10 mm struck
-at 1 m/s, the last free. Doney and Sen took hard spheres that collide one after the other: from bead
-to bead 4 e^3/(1 + e^3)^2 of the energy goes on, e = 1 - q. Melo and others (q = 5.60 and 8.27 %,
-measured) found the front of the wave to fall so.
+Chains of 20 beads whose diameters decrease by the fraction q from bead to bead, impact at 1 m/s on
+the first of 10 mm, the last free. Doney and Sen assumed hard spheres that collide one after
+another: from bead to bead 4 e^3/(1 + e^3)^2 of the energy goes on, e = 1 - q. Melo and others (q =
+5.60 and 8.27 %, measured) found the front of the wave to fall so.
 """
 
 import numpy as np

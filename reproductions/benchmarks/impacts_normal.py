@@ -1,6 +1,6 @@
 """Normal impacts: tests 1 to 3 of Chung and Ooi.
 
-Two elastic spheres, a sphere and a rigid plane, and restitution that is asked for and comes out.
+Two elastic spheres, a sphere and a rigid plane, and specified restitution compared with the result.
 The largest force and overlap follow from Hertz's law and the energy.
 """
 

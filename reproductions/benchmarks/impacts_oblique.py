@@ -1,11 +1,11 @@
 """Oblique impacts at one speed: test 4 of Chung and Ooi.
 
 A sphere of aluminium oxide or alloy, 5 mm across, hits a rigid plane at 3.9 m/s and at angles from
-4 to 85 degrees from the normal; friction 0.092, restitution 0.98. The rebound angle is that of the
-surface. Beyond some 33 degrees the sphere slides all the time and every program agrees. Below, the
-spring of friction decides: the tests are defined for a spring of no slip, ours keeps its force and
-loses some of it as its circle shrinks, theirs keeps its elongation. The measurements show the
-annulus of slip that the theory of Mindlin and Deresiewicz has, and that contact.tangential =
+4 to 85 degrees from the normal; friction 0.092, restitution 0.98. The rebound angle is the angle of
+the contact point. Beyond about 33 degrees the sphere slides all the time and all programs agree.
+Below, the spring of friction decides: the tests are defined for a spring of no slip, ours keeps its
+force and loses some of it as its circle shrinks, theirs keeps its elongation. The measurements show
+the annulus of slip that the theory of Mindlin and Deresiewicz has, and that contact.tangential =
 "partial_slip" computes.
 """
 

@@ -1,10 +1,10 @@
 """Spheres that hit a rigid plane at one normal velocity: tests 5 and 6 of Chung and Ooi.
 
-In test 5 they slide along the plane, friction 0.3 and no loss; incidence, rebound and spin are
-those of the surface, over friction times the normal velocity. In test 6 they spin, friction 0.4 and
-restitution 0.5. Where spheres slide all the time rigid bodies are enough. Below, theory is partial
-slip after Mindlin and Deresiewicz; finite elements of a steel sphere follow it in test 5, and so do
-runs with contact.tangential = "partial_slip"; single springs do not.
+In test 5 they slide along the plane, friction 0.3 and no loss; incidence, rebound and spin refer to
+the contact point, divided by friction times the normal velocity. In test 6 they spin, friction 0.4
+and restitution 0.5. Where spheres slide all the time rigid bodies are enough. Below, theory is
+partial slip after Mindlin and Deresiewicz; finite elements of a steel sphere follow it in test 5,
+and so do runs with contact.tangential = "partial_slip"; single springs do not.
 """
 
 import itertools

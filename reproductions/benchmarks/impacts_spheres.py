@@ -2,8 +2,8 @@
 
 In test 7 two equal spheres with opposite spins hit each other: their surfaces do not slip, so that
 spins stay and nothing goes sideways. In test 8 a spinning sphere hits one that is five times as
-large and 125 000 times as heavy, stiffer (case A) or of the same stiffness (case B): that must give
-what a plane gives in test 6, from which the printed values are.
+large and 125 000 times as heavy, stiffer (case A) or of the same stiffness (case B): the result
+must equal test 6 with a plane, the source of the printed values.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """Homogeneous chain of the composite-chain source.
 
 15 elastic spheres of 4.76 mm, the first with 0.626 m/s. Speed: 5 diameters over the time between
-the peaks at contacts 5 and 10; force: the peak at contact 10. The source takes Nesterenko's formula
-for theory; the travelling wave of the discrete chain stands beside it.
+the peaks at contacts 5 and 10; force: the peak at contact 10. The source uses Nesterenko's formula
+as theory; it is compared with the travelling wave of the discrete chain.
 """
 
 import numpy as np

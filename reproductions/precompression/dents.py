@@ -1,10 +1,10 @@
 """Changes by a lasting dent.
 
 Each packing twice: dents kept (boundary.forget_gap of 0.1 diameters), and forgotten as soon as the
-undeformed spheres part (1e-9 diameters). The second is what LIGGGHTS, YADE and MercuryDPM do with
-laws that yield, and LAMMPS's own granular styles with the history of a contact: it ends where the
-distance exceeds the sum of the radii. Dents in rigid walls are kept in both. Rows that rattle move
-chaotically: sign and size of a change mean something there, its digits do not.
+undeformed spheres part (1e-9 diameters). The second is the treatment of laws that yield in
+LIGGGHTS, YADE and MercuryDPM, and of the contact history in LAMMPS's own granular styles: it ends
+where the distance exceeds the sum of the radii. Dents in rigid walls are kept in both. Rows that
+rattle move chaotically: sign and magnitude of a change are meaningful there, its digits are not.
 """
 
 import math

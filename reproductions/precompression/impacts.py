@@ -1,7 +1,7 @@
 """An impact at 5 m/s on packings under uniform pressure, with contacts that yield, and elastic.
 
-FCC packings of 16 x 16 x 8 brass spheres of 10 mm with free sides under uniform static pressure,
-which stays on. What the static load made yield is not counted.
+FCC packings of 16 x 16 x 8 brass spheres of 10 mm with free sides under constant, uniform static
+pressure. Yielding by the static load is not counted.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Spheres that were pressed before.
 
-Contacts that have dents from the start, of one force everywhere: they shall stay elastic up to that
-force.
+Contacts that have dents from the start, corresponding to a uniform force: they should stay elastic
+up to this force.
 """
 
 from itertools import groupby

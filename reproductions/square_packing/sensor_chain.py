@@ -1,8 +1,8 @@
 """A lighter sphere in a chain.
 
-Largest contact force of what comes back, over that of the incident wave, four contacts before the
-sphere, until waves from the far end can arrive. The source does not say which amplitude it took,
-nor where.
+Largest contact force of the reflected wave divided by the force of the incident wave, four contacts
+before the sphere, until waves from the far end can arrive. The source does not state the amplitude
+and position of its measurement.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Sensor spheres in a square packing.
 
-What lighter spheres with sensors change at the sensors, beside spheres alike: peak velocity, and
-its time. The source found no trend in its experiments with a chain.
+Change at the sensors by lighter spheres with sensors, compared with equal spheres: peak velocity,
+and its time. The source found no trend in its experiments with a chain.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Impacts on packings beside our second solver.
+"""Impacts on packings compared with our second solver.
 
 A network of contacts in numpy that shares no code with granwave: the reference impact with the
 contact normals of the start and a held last layer, and a packing of 12 x 12 x 8 in true geometry

@@ -2,7 +2,7 @@
 
 Beyond the source, whose contacts are elastic: sphere 20 of a pressed row is struck at 1 and 5 m/s,
 with contacts that yield and elastic ones. Grains that yield rattle behind the front: there the
-peaks of contacts tell little.
+peaks of contacts have little meaning.
 """
 
 from filter_row import FilterRow

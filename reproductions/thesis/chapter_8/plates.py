@@ -1,8 +1,8 @@
 """Switch: distance of the plates, and what the source does not state (thesis 8.1 and 8.4).
 
-Where the plates put the cylinders, and how wide these open the gaps; first peaks at sphere 21 with
-10 cylinders, open gaps and friction, with cylinders of other lengths, rigid plates, and plates
-15.95 and 16 mm apart.
+Positions of the cylinders between the plates, and widths of the opened gaps; first peaks at sphere
+21 with 10 cylinders, open gaps and friction, with cylinders of other lengths, rigid plates, and
+plates 15.95 and 16 mm apart.
 """
 
 import math
