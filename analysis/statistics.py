@@ -161,6 +161,6 @@ def crossing(x: Sequence[float], y: Sequence[float], level: float) -> float | No
 
 
 def _student(confidence: float, freedom: float) -> float:
-    from scipy.special import stdtrit  # takes longer to load than most commands need
+    from scipy.special import stdtrit  # imported on demand: slow to load
 
     return float(stdtrit(freedom, 0.5 + 0.5 * confidence))

@@ -448,7 +448,7 @@ def _digest(path: Path) -> str:
 
 def _has_case(path: Path) -> bool:
     """Return True if a ``result.h5`` can be opened and holds the case of granwave."""
-    import h5py  # takes longer to load than most commands need
+    import h5py  # imported on demand: slow to load
 
     try:
         with h5py.File(path, "r") as file:

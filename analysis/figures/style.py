@@ -258,7 +258,7 @@ def _needed_tables_only() -> Iterator[None]:
     which take longest. matplotlib has no setting for it, so the function by which fontTools loads a
     font is replaced meanwhile.
     """
-    from fontTools import subset  # takes longer to load than a figure to draw
+    from fontTools import subset  # imported on demand: slow to load
 
     load_font = subset.load_font
 

@@ -185,7 +185,7 @@ class GrainRow(Chain):
     """Record of the grains on the axis x = y = 0, and of the grains next to it; no history of
     a chain is required.
 
-    Grains and contacts of the row count from 1, along z: contact k joins grains k and k + 1.
+    Grains and contacts of the row are numbered from 1, along z: contact k joins grains k and k + 1.
 
     Attributes
     ----------

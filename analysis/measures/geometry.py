@@ -176,7 +176,7 @@ def nearest(points: Array, places: Array) -> tuple[Array, NDArray[np.int64]]:
     Points and positions are (n_points, 3) and (n_places, 3), m; with at least one position.
     """
     if len(points) * len(places) > _BY_TREE and len(places) > 1:
-        from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw
+        from scipy.spatial import cKDTree  # imported on demand: slow to load
 
         distance, row = cKDTree(places).query(points)
         return distance, row.astype(np.int64)

@@ -412,7 +412,7 @@ def space_time_transform(
     Raises
     ------
     ValueError
-        Times or positions are not even.
+        Times or positions are not uniform.
     """
     time = np.asarray(time, dtype=np.float64)
     place = np.asarray(place, dtype=np.float64)

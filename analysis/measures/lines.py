@@ -119,7 +119,7 @@ class LineRecord:
             np.max(values, initial=0.0)
         ):
             return None
-        from scipy.stats import shapiro, skew  # take longer to load than most commands need
+        from scipy.stats import shapiro, skew  # imported on demand: slow to load
 
         return Distribution(
             float(values.mean()),
@@ -246,7 +246,7 @@ def fit_decay(distance: ArrayLike, peak: ArrayLike) -> TwoRegionDecay | None:
         )
     best = min(candidates.tolist(), key=lambda border: misfit(border)[0])
     if len(candidates) > 1:
-        from scipy.optimize import minimize_scalar  # takes longer to load than most commands need
+        from scipy.optimize import minimize_scalar  # imported on demand: slow to load
 
         at = int(np.searchsorted(candidates, best))
         bounds = candidates[max(at - 1, 0)], candidates[min(at + 1, len(candidates) - 1)]

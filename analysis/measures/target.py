@@ -167,7 +167,7 @@ class Impactors:
         """Overlap on a fixed plane when all kinetic energy has become work of the contact, m."""
         energy = 0.5 * self.mass * self.velocity**2
 
-        from scipy.optimize import brentq  # takes longer to load than many a figure to draw
+        from scipy.optimize import brentq  # imported on demand: slow to load
 
         def missing(overlap: float) -> float:
             return float(self.law.loading_work(np.array([overlap]))[0]) - energy
@@ -289,7 +289,7 @@ def _pushed(load: DrivenLoad, target: Target, end_time: float) -> Reached:
             target.rates(state[:n], state[n:], float(load.at(np.array(now))) * load.way[2])
         )
 
-    from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
+    from scipy.integrate import solve_ivp  # imported on demand: slow to load
 
     found = solve_ivp(
         rates,
@@ -420,7 +420,7 @@ class _Collision:
 
 def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
     """Impact of spheres on the target, in phases between reversals of single spheres."""
-    from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
+    from scipy.integrate import solve_ivp  # imported on demand: slow to load
 
     collision = _Collision(groups, target)
     duration = min(group.duration for group in groups)

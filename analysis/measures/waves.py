@@ -398,7 +398,7 @@ def _layers_of(result: Result, diameter: float) -> tuple[Array, NDArray[np.int32
     for (positions,) in result.blocks("spheres/position"):
         depth = positions[:, 2] - top
         layer = layer_of[np.searchsorted(depths, depth)]
-        # in one order for all
+        # in a common order
         total = np.bincount(np.append(every, layer), np.append(total, depth)).astype(np.float64)
         n_spheres += np.bincount(layer, minlength=len(mean))
         parts.append(layer.astype(np.int32))

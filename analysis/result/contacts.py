@@ -219,7 +219,7 @@ def _near_pairs(
     boxsize: NDArray[np.float64] | None,
 ) -> NDArray[np.int64]:
     """Find the pairs of spheres that may touch: rows, (n_pairs, 2)."""
-    from scipy.spatial import cKDTree  # takes longer to load than small packings to analyse
+    from scipy.spatial import cKDTree  # imported on demand: slow to load
 
     large = np.flatnonzero(radii > _LARGE * np.median(radii))
     small = np.flatnonzero(radii <= _LARGE * np.median(radii))

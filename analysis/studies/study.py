@@ -153,7 +153,7 @@ class Picture:
         """Combine a matplotlib figure and its data."""
         from granwave.analysis.figures.style import (
             Drawing,
-        )  # the drawing library takes a second to load
+        )  # imported on demand: matplotlib takes a second to load
 
         if not isinstance(self.drawing, Drawing) and not callable(self.drawing):
             object.__setattr__(self, "drawing", Drawing(self.drawing, dict(data or {})))
@@ -206,7 +206,7 @@ def make_studies(
         Points that failed or were not run of the scans that name a study, as values of the keys
         that vary.
     """
-    from granwave.analysis.figures.style import style  # the drawing library takes a second to load
+    from granwave.analysis.figures.style import style  # loads matplotlib: imported on demand
 
     if not runs:
         return []
@@ -291,7 +291,7 @@ def draw_studies(found: Sequence[Study], directory: AnyPath) -> list[Path]:
     from granwave.analysis.figures.style import (
         FigureFolder,
         style,
-    )  # the drawing library takes a second to load
+    )  # imported on demand: matplotlib takes a second to load
 
     folder = FigureFolder(directory)
     with style():

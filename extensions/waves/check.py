@@ -32,7 +32,7 @@ def small_waves(assembly: Assembly) -> dict[str, Any] | None:
     case = assembly.case
     if case.precompression is None or not case.packing.rule.is_chain:
         return None
-    # takes longer to load than a plan to make
+    # imported on demand: slow to load
     from granwave.extensions.waves.spectra.band_structure import band_structure
 
     try:

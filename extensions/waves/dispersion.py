@@ -94,7 +94,7 @@ def transform_along(result: Result, structure: BandStructure) -> SpaceTime:
     MissingDataError
         The run of a chain has no history.
     ValueError
-        The positions along the line are not even.
+        The positions along the line are not uniform.
     """
     time, place, velocity = velocities_along(result, 0 if is_along_x(result.case) else 2)
     top = 1.2 * float(np.nanmax(structure.bands.frequency))

@@ -141,7 +141,7 @@ class SmallWaves:
             )
             folder = FigureFolder(results)
             if figures:
-                # the drawing library takes a second to load
+                # imported on demand: matplotlib takes a second to load
                 from granwave.extensions.waves import figures as drawing
 
                 with style():

@@ -248,7 +248,7 @@ def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
     Sites at the faces, which lack some of these spheres, are omitted. Returns an array (n, 3), m,
     in the order of z, y and x; empty if the lattice has no such holes.
     """
-    from scipy.spatial import KDTree  # takes longer to load than most commands need
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     distance, n_around = _HOLES[kind]
     spheres = lattice.positions(1, lattice.n_spheres) / lattice.diameter

@@ -39,7 +39,8 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.errors import Mismatch
 
 FITTED_POISSON_RATIO = 0.30
-_DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every Poisson's ratio
+# contact radii; the largest stress is above a depth of 0.7 for every Poisson's ratio
+_DEEPEST = 3.0
 
 
 def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
@@ -61,7 +62,7 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
     poisson_ratio
         Above -1, below 0.5.
     """
-    from scipy.optimize import minimize_scalar  # takes longer to load than most commands need
+    from scipy.optimize import minimize_scalar  # imported on demand: slow to load
 
     def stress(depth: float | np.ndarray) -> np.ndarray:
         zeta = np.maximum(depth, 1e-300)

@@ -21,7 +21,7 @@ AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
 #: Largest accepted error of the energy balance over the input, for all runs.
 BALANCE_TOLERANCE = 1e-5
-LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are some 1e-12 of the input
+LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are about 1e-12 of the input
 AUTO: Literal["auto"] = "auto"
 AUTO_FRAMES = 20  # snapshots of `run.frames = "auto"`, limited by the number of steps
 # number of snapshots for an animation: ten seconds at six frames per second
@@ -359,7 +359,7 @@ def _each_once(values: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def _colour_map(name: str) -> str:
-    from matplotlib import colormaps  # takes longer to load than most commands need
+    from matplotlib import colormaps  # imported on demand: slow to load
 
     if name not in colormaps:
         hint = schema.did_you_mean(name, colormaps, cutoff=0.5)

@@ -320,7 +320,7 @@ def _rigid_pair(assembly: Assembly, spheres: RestartSpheres) -> tuple[int, int] 
     """
     if spheres.contacts is None:
         return None
-    from scipy.spatial import cKDTree  # takes longer to load than most commands need
+    from scipy.spatial import cKDTree  # imported on demand: slow to load
 
     tree = cKDTree(spheres.position)
     near = tree.query_pairs(2 * float(spheres.radius.max()), output_type="ndarray")

@@ -334,7 +334,7 @@ def _earlier(assembly: Assembly) -> dict[str, dict[str, NDArray]]:
     path = earlier_result(assembly.case)
     assert path is not None  # needed only where dents are read from a file
     path.stat()  # raises FileNotFoundError, where h5py would raise another OSError
-    import h5py  # takes longer to load than most commands need
+    import h5py  # imported on demand: slow to load
 
     found: dict[str, dict[str, NDArray]] = {}
     with h5py.File(regular(path), "r") as file:

@@ -299,7 +299,7 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
     outside = index[((index < 0) | (index >= np.array(lattice.shape))).any(axis=1)]
     missing = np.stack(lattice.rule.site(*outside.T), axis=1)
     own = lattice.positions(1, lattice.n_spheres) / lattice.diameter
-    from scipy.spatial import KDTree  # takes longer to load than most commands need
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     border = missing
     vacant = own[~sites.present]

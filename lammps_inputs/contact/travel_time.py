@@ -134,7 +134,7 @@ def row_of(assembly: Assembly) -> WaveRow | None:
 
 def _stiffness(law: ContactLaw, force: float) -> float:
     """Stiffness of a contact for small motions under a force that has not been exceeded, N/m."""
-    from scipy.optimize import brentq  # takes longer to load than a check of a case
+    from scipy.optimize import brentq  # imported on demand: slow to load
 
     def miss(overlap: float) -> float:
         return float(law.loading_force(overlap)) - force

@@ -132,7 +132,7 @@ RECORD = {
     "displacement": "$(c_static_moved:%.9g)",
     "iterations": "${static_iterations}",
 }
-# of grains that each carry their weight, after a damped run: sum of the net forces over the weight
+# for grains that carry their own weight, after a damped run: sum of the net forces over the weight
 # of all, largest net force over the weight of its grain, number of grains that still roll
 RECORD_OF_WEIGHT = {
     "unbalanced": f"$(v_{UNBALANCED}:%.6g)",

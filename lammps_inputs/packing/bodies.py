@@ -190,7 +190,7 @@ def _touching(
     middle = at.mean(axis=0)
     if len(at) == 1:
         return middle + reach[0] * side
-    from scipy.optimize import least_squares  # takes longer to load than most commands need
+    from scipy.optimize import least_squares  # imported on demand: slow to load
 
     _, sizes, directions = np.linalg.svd(at - middle)
     spanned = directions[: len(sizes)][sizes > _TELLING * sizes[0]]

@@ -172,7 +172,7 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     slack
         Largest gap of touching grains, m.
     """
-    from scipy.spatial import KDTree  # takes longer to load than most commands need
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     radius = grains.diameter / 2
     reach = reaches(grains)

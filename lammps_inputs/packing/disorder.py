@@ -70,7 +70,7 @@ def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
     """
     place = _uniform(packing.seed, n, DIAMETERS)
     if packing.scatter_distribution == "normal":
-        from scipy.special import ndtr, ndtri  # takes longer to load than most commands need
+        from scipy.special import ndtr, ndtri  # imported on demand: slow to load
 
         least = ndtr(-_DEVIATIONS)
         most = ndtr(_DEVIATIONS)

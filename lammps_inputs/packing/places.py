@@ -209,7 +209,7 @@ def near_pairs(
     period
         Periods along x and y, m.
     """
-    from scipy.spatial import KDTree  # takes longer to load than most commands need
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     box = None
     if period is not None:

@@ -213,7 +213,7 @@ class Sites:
         large = np.flatnonzero(self.larger & self.present)
         if not large.size:
             return np.empty((0, 2), dtype=np.int64), np.empty(0)
-        from scipy.spatial import KDTree  # takes longer to load than most commands need
+        from scipy.spatial import KDTree  # imported on demand: slow to load
 
         centres = self.positions(1, len(self.present))
         tree = KDTree(centres[present])

@@ -195,7 +195,7 @@ def _closing(
     period: Period,
 ) -> NDArray[np.float64]:
     """Return the smallest displacements that close some gaps, to first order: (n, 3), m."""
-    # they take longer to load than most commands need
+    # imported on demand: slow to load
     from scipy.sparse import csr_array
     from scipy.sparse.linalg import lsqr
 

@@ -53,7 +53,7 @@ _PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the an
 _SPHERE = 750.0
 _PAIR = 155.0  # 135 measured, and 16 of the front of the wave since
 _ROUGH_PAIR = 60.0
-_SLIPPING_PAIR = 1500.0  # with partial slip in addition, all in contact
+_SLIPPING_PAIR = 1500.0  # additional memory with partial slip, all in contact
 _STATIC_STAGE = 2.0  # times the memory of a run without one
 # a sphere in the analysis of a part, with all contacts indented
 _ANALYSED_SPHERE = 550.0
@@ -78,13 +78,13 @@ _DENT = 110.0  # a pair that has touched, among the contacts at the end
 _FRAME_FORCE = 160.0  # a pair that has touched, among the contact forces of a snapshot
 # a pair among the forces after the static stage: in scratch files and result.h5
 _INITIAL_FORCE = 70.0
-# in scratch files of an analysis in parts
+# bytes in scratch files of an analysis in parts
 _SCRATCH_SPHERE = 56.0
 _SCRATCH_PAIR = 150.0
 # measured with friction, all yielded
 _CHECKPOINT_SPHERE = 250.0
 _CHECKPOINT_PAIR = 250.0  # 240 measured: the records of both spheres
-_CHECKPOINT_SLIPPING_PAIR = 630.0  # with partial slip in addition
+_CHECKPOINT_SLIPPING_PAIR = 630.0  # additional bytes with partial slip
 _ROW = 400.0  # a row of the ledger
 # disk space of a particle at an instant of a chain's history, in rows of the ledger
 _ROWS_PER_PARTICLE = 0.25

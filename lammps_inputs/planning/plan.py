@@ -208,7 +208,7 @@ def _note_gaps(assembly: Assembly) -> None:
     case = assembly.case
     if case.packing.grains is None or assembly.n_spheres < 2 or assembly.n_contacts:
         return
-    from scipy.spatial import KDTree  # takes longer to load than most plans
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     position = case.packing.grains.position
     radius = case.packing.grains.diameter / 2

@@ -228,7 +228,7 @@ def gives_sizes(quantities: Collection[str], options: FileOptions) -> bool:
 
 def _sources_of_volume(quantities: Collection[str]) -> tuple[str, ...]:
     """Return the quantities from which the volumes of spheres follow; empty without."""
-    if "length" in quantities:  # of cylinders
+    if "length" in quantities:  # cylinders
         return ()
     for names in _VOLUMES:
         if all(name in quantities for name in names):

@@ -33,7 +33,8 @@ _ATOMS = re.compile(r"^[ \t]*Atoms[ \t]*(?:#(.*))?$", re.MULTILINE)
 _VELOCITIES = re.compile(r"^[ \t]*Velocities\b.*$", re.MULTILINE)
 _STYLE_OF_UNITS = re.compile(r"units = (\w+)")
 _BOX = re.compile(r"^[ \t]*(\S+)[ \t]+(\S+)[ \t]+([xyz])lo[ \t]+[xyz]hi", re.MULTILINE)
-_EDGE = re.compile(r"^[ \t]*\S+[ \t]+\S+[ \t]+\S+[ \t]+avec\b", re.MULTILINE)  # of any direction
+# edge of a box, in any direction
+_EDGE = re.compile(r"^[ \t]*\S+[ \t]+\S+[ \t]+\S+[ \t]+avec\b", re.MULTILINE)
 _TILTS = re.compile(r"^(.*)[ \t]xy[ \t]+xz[ \t]+yz\b", re.MULTILINE)
 _PLACE = ["x", "y", "z"]
 _SPHERE = ["diameter", "density"]

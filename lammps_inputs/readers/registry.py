@@ -91,7 +91,7 @@ def _is_left_to_ase(source: GrainSource) -> bool:
     """
     if table.has_names(source):
         return False
-    from ase.io import formats  # takes longer to load than most commands need
+    from ase.io import formats  # imported on demand: slow to load
 
     try:
         return bool(formats.filetype(str(source.path), guess=False))

@@ -17,8 +17,9 @@ from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 
 _FARTHEST = 0.025  # mean diameters: where grains move farther, the static stage finds the balance
-_ROUNDS_OF_HARDENED = 50  # of the search in a bed that rearranges, each some seconds at most
-_MOST_GRAINS = 5000  # whose stiffness is factorised in a second or so
+# largest number of rounds of the search in a bed that rearranges, each several seconds at most
+_ROUNDS_OF_HARDENED = 50
+_MOST_GRAINS = 5000  # largest number of grains whose stiffness is factorised in about a second
 
 
 @kept_by_assembly

@@ -252,7 +252,7 @@ class Bodies:
         """Find pairs of grains with gaps up to ``gap``, m, and grains with gaps below ``wall_gap``
         to walls, by default the same.
         """
-        from scipy.spatial import KDTree  # takes longer to load than most commands need
+        from scipy.spatial import KDTree  # imported on demand: slow to load
 
         half_lengths = np.array(
             [0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes]

@@ -217,7 +217,7 @@ def _moved_to(bodies: Bodies, targets: dict[tuple[object, ...], float], largest:
     largest
         Largest overlap at the start, m.
     """
-    # scipy takes longer to load than most commands need
+    # imported on demand: scipy is slow to load
     from scipy.sparse.linalg import lsqr
 
     from granwave.lammps_inputs.statics.energy import EnergyProblem

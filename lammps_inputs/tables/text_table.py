@@ -266,7 +266,7 @@ def _hint_at_cells(layout: Layout, row: int, n_cells: int, expected: int) -> str
 
 def _frame(layout: Layout, rows: Sequence[str], n_columns: int) -> pd.DataFrame:
     """Return the cells of rows that have been checked."""
-    import pandas  # takes longer to load than most commands need
+    import pandas  # imported on demand: slow to load
 
     if not rows:
         return pandas.DataFrame({column: [] for column in range(n_columns)}, dtype=np.float64)

@@ -171,7 +171,7 @@ void FixWallGranHysteretic::min_setup(int)
   setup(0);
 }
 
-/* Spheres are about to be exchanged between processors, with the histories at the start of the minimization. */
+/* Prepare the exchange of spheres between processors, with the initial histories of the minimization. */
 void FixWallGranHysteretic::min_pre_exchange()
 {
   return_to_start();

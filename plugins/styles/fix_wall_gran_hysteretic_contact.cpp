@@ -138,7 +138,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   return contact;
 }
 
-/* Note the largest force of sphere i on the walls so far, and when the part of it passed that is an arrival. */
+/* Record the largest force of sphere i on the walls so far, and the time of arrival of the wave. */
 void FixWallGranHysteretic::note_largest_force(int i, double force, double now)
 {
   double *const state = array_atom[i];
@@ -149,7 +149,7 @@ void FixWallGranHysteretic::note_largest_force(int i, double force, double now)
   state[TIME_FIRST] = front.passed(force, ARRIVED);
 }
 
-/* Return true if sphere i touches one wall, is held by a neck, or has just parted. */
+/* Return true if sphere i touches one wall, is joined to it by a neck, or has just separated. */
 bool FixWallGranHysteretic::joins(int i, int which, double overlap)
 {
   return !(overlap <= ROUNDING * atom->radius[i]) || (has.cohesion && sticking(i, which)->active());    // also true for NaN
@@ -206,7 +206,7 @@ void FixWallGranHysteretic::advance_friction(int i, int which, double lever, con
                 has.damping ? &contact.damping : nullptr, step());
 }
 
-/* Force of one wall along itself on sphere i: of the spring and of the damping. */
+/* Tangential force of one wall on sphere i, by the spring and by damping. */
 void FixWallGranHysteretic::friction_force(int i, int which, double force[3])
 {
   std::copy_n(histories.spring(i, which).force, 3, force);
@@ -257,7 +257,7 @@ void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &
   for (int d = 0; d < 3; d++) atom->torque[i][d] += torque[d];
 }
 
-/* Update the columns of the energies that viscous forces, sliding, rolling and twisting took at both walls. */
+/* Update the columns of the energies dissipated by viscous forces, sliding, rolling and twisting at both walls. */
 void FixWallGranHysteretic::report_losses(int i)
 {
   double *const state = array_atom[i];
@@ -267,7 +267,7 @@ void FixWallGranHysteretic::report_losses(int i)
   if (resistance) state[FRICTION_LOSS] += resisted(i, 0)->loss() + resisted(i, 1)->loss();
 }
 
-/* End the contacts of a sphere that does not meet the walls any more. Its losses stay in the totals. */
+/* End the contacts of a sphere that no longer touches the walls. Its losses stay in the totals. */
 void FixWallGranHysteretic::part(int i)
 {
   near[i] = 0;

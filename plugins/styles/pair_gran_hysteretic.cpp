@@ -146,7 +146,7 @@ void PairGranHysteretic::init_style()
         : has.resistance ? "a resistance to rolling or twisting"
         : has.cohesion   ? "cohesion"
                          : "partial slip");
-  contacts.discard_turnings();    // a law may be another one
+  contacts.discard_turnings();    // the law may be different
   wanted.n = has.n;               // until a new list is built
   has = wanted;
   if (has_dashpot) masses.find(lmp);
@@ -210,7 +210,7 @@ void PairGranHysteretic::init_style()
   MPI_Allreduce(mine.data(), largest_radius.data(), laws.types() + 1, MPI_DOUBLE, MPI_MAX, world);
 }
 
-/* A line search tries positions that it does not keep, and each would leave its dent. */
+/* A line search evaluates trial positions, each of which would leave a dent. */
 void PairGranHysteretic::refuse_line_searches()
 {
   const std::string search = update->minimize_style;

@@ -69,7 +69,7 @@ class PairGranHysteretic : public Pair {
      dent on record by the owner of each sphere. Requires a current list (after setup or during a run). */
   void for_each_dent(const std::function<void(const Report &)> &);
 
-  /* Sums over the forgotten dents of an owned sphere that are not on record. */
+  /* Sums over forgotten dents of an owned sphere without a record. */
   granwave::ForgottenContacts forgotten(int i) const { return fix_history->history.forgotten(i); }
 
   // in pvector
@@ -144,7 +144,8 @@ class PairGranHysteretic : public Pair {
   {
     return laws.parameters(atom->type[i], atom->type[j], atom->radius[i], atom->radius[j]);
   }
-  granwave::ScaledLaw law_of(int i, const granwave::ContactRecord &record)    // of a forgotten contact of sphere i
+  // law of a forgotten contact of sphere i
+  granwave::ScaledLaw law_of(int i, const granwave::ContactRecord &record)
   {
     return laws.scaled(atom->type[i], record.partner_type, atom->radius[i], record.partner_radius);
   }

@@ -102,7 +102,7 @@ void PairGranHysteretic::require_room()
         nearest, 2.0 * reach);
 }
 
-/* Stop with an error if a sphere has grown beyond those that the neighbor lists reckon with. */
+/* Stop with an error if a sphere has grown beyond the radii assumed in the neighbor lists. */
 void PairGranHysteretic::require_largest_radii()
 {
   for (int i = 0; i < atom->nlocal; i++)
@@ -132,7 +132,7 @@ void PairGranHysteretic::check_displacements()
   }
 }
 
-/* Stop with an error if a sphere with contacts has got another ID. */
+/* Stop with an error if the ID of a sphere with contacts has changed. */
 void PairGranHysteretic::require_same_ids()
 {
   const ContactHistory &history = fix_history->history;

@@ -14,7 +14,7 @@ using namespace granwave;
 
 namespace {
 
-constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks are fetched meanwhile
+constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks are prefetched
 
 }    // namespace
 
@@ -95,7 +95,8 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
 
 /* ---------------------------------------------------------------------- cohesion */
 
-/* Overwrite force and contact circle of pairs with cohesion, whose surfaces touch, are held by a neck, or have just parted. */
+/* Overwrite force and contact circle of pairs with cohesion, whose surfaces touch, are joined by a neck, or have just
+   separated. */
 void PairGranHysteretic::compute_cohesion(Batch &batch)
 {
   ContactList &c = contacts;
@@ -116,7 +117,7 @@ void PairGranHysteretic::compute_cohesion(Batch &batch)
 
 /* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
 
-/* End the spring of a pair that has parted, and its viscous force. */
+/* End the spring and the viscous force of a pair that has separated. */
 void PairGranHysteretic::release_contact(int k)
 {
   ContactList &c = contacts;
@@ -388,7 +389,7 @@ void PairGranHysteretic::compute_forces(Tally what)
   compute_special(what);
 }
 
-/* In a minimization, begin with the histories at its start: of the positions it tries only the last ones leave dents. */
+/* In a minimization, begin with its initial histories: only the final positions leave dents. */
 void PairGranHysteretic::begin_evaluation()
 {
   if (update->whichflag != 2) contacts.start.kept = false;

@@ -15,7 +15,7 @@ void PairGranHysteretic::renew_ghosts()
   if (domain->triclinic) comm->forward_comm();
 }
 
-/* Replace the velocities of a batch, where there are pairs across the boundary of a box that flows. */
+/* Replace the velocities of a batch if there are pairs across the boundary of a deforming box. */
 void PairGranHysteretic::set_relative_velocities(Batch &b) const
 {
   for (int m = 0; m < b.size; m++) {

@@ -120,7 +120,8 @@ void PairGranHysteretic::compute_special(Tally what)
   if (batch.size > 0) compute_batch(what, true);
 }
 
-/* Put special pair k of row r into the batch, or end what ends when it does not touch. Returns true if it is in the batch. */
+/* Put special pair k of row r into the batch, or end its spring and forces if it does not touch. Returns true if it is in
+   the batch. */
 bool PairGranHysteretic::add_special(int r, int k)
 {
   ContactList &c = contacts;

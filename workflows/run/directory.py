@@ -70,7 +70,7 @@ class RunDirectory(ResultDirectory):
         """Read the record in result.h5, as of the analysis; None if there is none."""
         from granwave.analysis.result.reader import (
             Result,
-        )  # h5py takes longer to load than most commands need
+        )  # imported on demand: h5py is slow to load
 
         try:
             with Result(self) as result:

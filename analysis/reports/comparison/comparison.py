@@ -244,7 +244,7 @@ class Comparison:
             lacking = self.data(name).lacking
             reasons = [f"{run.name}: {why}" for run, why in lacking.items()]
             why = "; ".join(reasons) or (
-                "the runs do not differ in this quantity, or share no grains"
+                "the runs do not differ in this quantity, or have no common grains"
             )
             raise MissingDataError(f"comparison: figure {name} does not apply ({why})")
         return axes

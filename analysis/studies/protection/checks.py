@@ -15,8 +15,8 @@ from granwave.lammps_inputs.case.boundary import Boundary, Plate
 
 TEXT = (
     "A single elastic sphere on each bottom. Theory: Hertz's impact on a rigid wall; a plate after "
-    "a short impulse, or on a spring so stiff that it follows the force; what an impedance takes "
-    "from a force that it hardly changes."
+    "a short impulse, or on a spring so stiff that it follows the force; the energy that an "
+    "impedance absorbs from a nearly unchanged force."
 )
 _MICRO = 1e6
 _MILLI = 1e3

@@ -34,7 +34,7 @@ QUANTITIES: dict[str, tuple[str, str, float, str]] = {
     "peak_reduction": ("Peak reduction", "", 1.0, "HB"),
     "peak_reduction_per_kg": ("Reduction per mass", "1/kg", 1.0, "H"),
     "peak_reduction_per_m": ("Reduction per height", "1/m", 1.0, "H"),
-    "gain_per_kg": ("What a kilogram adds", "1/kg", 1.0, "H"),
+    "gain_per_kg": ("Gain per kilogram", "1/kg", 1.0, "H"),
     "ground_peak_force_N": ("Peak force on the ground", "N", 1.0, "B"),
     "ground_peak_reduction": ("Reduction on the ground", "", 1.0, "B"),
     "wall_impulse_Ns": ("Impulse", "mN s", 1e3, "HB"),

@@ -252,11 +252,11 @@ _INSIDE = -1e-6  # least coordinate along preferred directions inside the cone o
 _LAYERS = 1e3  # resolved depths in a diameter
 _IMPULSE = (
     "Granular: peak force against impulse. Points on their line, and exponents of 1 at every "
-    "depth, tell that force is proportional to impulse"
+    "depth, show that force is proportional to impulse"
 )
 _FRONT = (
-    "Granular: the front by layer. Below F_y the front is elastic; a mean that comes near the "
-    "largest force of its layer tells that it gets planar"
+    "Granular: the front by layer. Below F_y the front is elastic; a mean close to the largest "
+    "force of its layer shows that it becomes planar"
 )
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 

@@ -84,7 +84,7 @@ def tables(loadings: Sequence[SphereLoading]) -> Iterator[DocumentTable]:
         "Most, beyond",
         "Smallest unloading exponent",
         "Largest unloading exponent",
-        "Energy of yielding in the softer sphere",
+        "Plastic dissipation in the softer sphere",
     )
     columns = (TableColumn("Spheres", key=True), *numeric(*headings))
     yield table_of("Finite elements over the contact law, less 1", columns, map(_row, loadings))
@@ -131,8 +131,9 @@ def pictures(loadings: Sequence[SphereLoading]) -> Iterator[Picture]:
     label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements over law (%)", log="x")
     axes.legend(fontsize=6)
     caption = (
-        "Force of finite elements over that of the contact law, less 1, against overlap, on "
-        "loading. At zero they agree; above it the contact is stiffer than the law, below it softer"
+        "Force of finite elements divided by the force of the contact law, minus 1, against "
+        "overlap, on loading. Zero is agreement; above zero the contact is stiffer than the law, "
+        "below zero softer"
     )
     yield Picture("", caption, Drawing(figure, data))
 

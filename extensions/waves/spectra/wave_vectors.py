@@ -92,7 +92,7 @@ def zone(periods: Array) -> tuple[dict[str, Array], str]:
     """Return the special points of the Brillouin zone by name, (3,), rad/m, and the standard path
     by names.
     """
-    from ase.cell import Cell  # takes longer to load than most commands need
+    from ase.cell import Cell  # imported on demand: slow to load
 
     n = len(periods)
     reciprocal = np.zeros((3, 3))

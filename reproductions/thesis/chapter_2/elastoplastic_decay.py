@@ -24,9 +24,9 @@ from plastic_waves import (
 import granwave as gw
 
 FAR = 15  # first contact of the fits in the inverse regime
-# contacts up to which runs of one impulse are compared: collisions farther on are chaotic
+# largest contact at which runs with equal impulse are compared: collisions farther on are chaotic
 COLLAPSE = 15
-FITTED = 20  # last contact that the source's fit of the weakest load has
+FITTED = 20  # last contact of the source's fit for the weakest load
 MERGER = 21  # contact at which the first trailing wave of that load meets the leading one
 
 
