@@ -127,8 +127,9 @@ def write_trajectory(
         elements[name] = _create_element(group, name, start.n_spheres, n_chunk)
     steps: list[int] = []
     encode = partial(_encoded_block, start, scalars, source, n_chunk, origin)
+    batches: Iterable[Iterable[_Block]]
     if scratch is None:
-        batches = iter([_blocks(start, frames, source, steps)])
+        batches = [_blocks(start, frames, source, steps)]
     else:
         batches = _sorted_blocks(start, frames, source, steps, processes, scratch)
     for blocks in batches:

@@ -11,7 +11,7 @@ from granwave.lammps_inputs.planning.ranks import ROUGH, StepCosts, best_grid, m
 from granwave.workflows import library
 
 RANKS = [16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 10_000]
-SURFACE = StepCosts(rest=0.0, moving=0.0, ghost=1.0, message=0.0, total=0.0)
+SURFACE = StepCosts(rest=0.0, active=0.0, moving=0.0, ghost=1.0, message=0.0, total=0.0)
 SIZE = [232, 232, 186]  # 10 million spheres
 
 assembly = load_assembly(library.find("fcc-impact"), {"packing.size": SIZE})

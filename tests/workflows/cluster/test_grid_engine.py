@@ -29,6 +29,7 @@ time = 10
 memory = 200
 job_start = 2
 """
+PATIENCE = 600  # s for the end of a run: hosts may be busy
 SHORT = ["--set", "run.end_time=5e-5", "--set", "run.frames=2", "--no-figures"]
 LONG = [
     "--set", "packing.size=[14, 14, 8]", "--set", "run.end_time=1e-3",
@@ -57,7 +58,7 @@ def granwave(grid_engine, tmp_path, monkeypatch):  # noqa: F811
     def run(*words: str) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-P", "-m", "granwave.workflows", *words]
         return subprocess.run(
-            command, cwd=tmp_path, env=environment, text=True, capture_output=True, timeout=240
+            command, cwd=tmp_path, env=environment, text=True, capture_output=True, timeout=PATIENCE
         )
 
     yield run
@@ -79,7 +80,7 @@ def logs_in(folder: Path) -> str:
 def test_a_run_on_two_ranks(granwave, tmp_path):
     words = ["run", "fcc-small", "-o", "out", "--submit", "profile.toml", "--np", "2", *SHORT]
     (job,) = submitted(granwave(*words, "--json"))
-    wait_for(lambda: job not in scheduler("sge").queue(), 120)
+    wait_for(lambda: job not in scheduler("sge").queue(), PATIENCE)
     summary = tmp_path / "out" / "summary.json"
     assert summary.exists(), logs_in(tmp_path / "out.job")
     assert json.loads(summary.read_text())["n_ranks"] == 2
@@ -90,11 +91,11 @@ def test_a_chain_goes_on_after_a_killed_job(granwave, tmp_path):
     words = ["run", "fcc-small", "-o", "out", "--submit", "profile.toml", "--chain", "2", *LONG]
     first, _ = submitted(granwave(*words, "--json"))
     record = tmp_path / "out" / "run.json"
-    wait_for(lambda: record.exists() and json.loads(record.read_text()).get("checkpoint"), 120)
+    wait_for(lambda: record.exists() and json.loads(record.read_text()).get("checkpoint"), PATIENCE)
     queue = scheduler("sge")
     assert queue.queue() == {first: "running", str(int(first) + 1): "hqw"}
     queue.cancel([first])
-    wait_for(lambda: not queue.queue(), 240)
+    wait_for(lambda: not queue.queue(), PATIENCE)
     assert (tmp_path / "out" / "summary.json").exists(), logs_in(tmp_path / "out.job")
     assert "read_restart" in (tmp_path / "out" / "log.lammps").read_text()
 
