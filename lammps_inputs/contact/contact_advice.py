@@ -30,8 +30,10 @@ from granwave.lammps_inputs.packing.touching import (
     tolerance_of,
 )
 from granwave.lammps_inputs.packing_kind import TOUCHING
+from granwave.lammps_inputs.readers.columns import CLUMP
 
 _MOST_LAWS = 100  # pairs of the largest forces by their overlaps and radii, whose laws are asked
+_DEEP = 0.2  # overlap over a diameter that is hardly one of a contact
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,6 +64,8 @@ class ContactAdvice:
         True if the contacts of the case have friction, which only a damped search keeps.
     has_springs
         True if the case has their tangential springs.
+    relative_overlap
+        Largest overlap over the diameter of the smaller grain of the pair.
     """
 
     last_place: float
@@ -75,6 +79,7 @@ class ContactAdvice:
     largest_force: float | None
     has_friction: bool = False
     has_springs: bool = False
+    relative_overlap: float = 0.0
 
     @property
     def choices(self) -> list[str]:
@@ -107,7 +112,14 @@ class ContactAdvice:
     @property
     def remedy(self) -> str:
         """Remedy for overlaps, for a message."""
-        return f"move them apart, or choose {KEY}: {'; '.join(self.choices)}"
+        advice = f"move them apart, or choose {KEY}: {'; '.join(self.choices)}"
+        if self.relative_overlap < _DEEP:
+            return advice
+        return (
+            f"{advice}; an overlap of {100 * self.relative_overlap:.0f} % of a diameter is more than a "
+            f"contact: number the spheres of one body in a column {CLUMP}, and check that the sizes "
+            "have the unit of the positions, and that diameters are not read as radii"
+        )
 
 
 def advice_on(case: Case, grains: Grains, period: Period = None) -> ContactAdvice:
@@ -137,7 +149,16 @@ def advice_on(case: Case, grains: Grains, period: Period = None) -> ContactAdvic
         _largest_force(case, grains, overlapping),
         case.contact.friction > 0,
         packing.springs is not None,
+        _relative_overlap(grains, overlapping),
     )
+
+
+def _relative_overlap(grains: Grains, overlapping: GrainGaps) -> float:
+    """Return the largest overlap over the diameter of the smaller grain of its pair."""
+    if not len(overlapping):
+        return 0.0
+    smaller = grains.diameter[overlapping.pairs].min(axis=1)
+    return float((-overlapping.gap / smaller).max())
 
 
 def _largest_force(case: Case, grains: Grains, overlapping: GrainGaps) -> float | None:
