@@ -77,7 +77,7 @@ _OTHER_NAMES = {
     CLUMP: "clumpid clump_id id_multisphere f_id_multisphere multisphere_id body body_id",
     TYPE: (
         "types typelabel particletype atom_type type_id material_id mat_id matid indspecies "
-        "species phase"
+        "species phase phase_id"
     ),
     "mass": "m masses",
     "density": "rho",
@@ -111,6 +111,8 @@ def _all_names() -> dict[str, str]:
 
 
 _QUANTITY_OF_NAME = _all_names()
+_N_OF_MFIX = (6, 8)  # columns of the particles of MFiX, which have no names
+_COMPONENTS = ("u", "v", "w")  # of the velocity, if all three are there
 _BEFORE_NAME = re.compile(r"(?:q[0-9]+_)?(?:particle|grain|sphere|atom|body|ball)_")
 _LARGEST_ID = 2.0**63
 #: Quantities from which the volume of a grain follows, by preference; the second divides the first.
@@ -163,6 +165,20 @@ def counted_from_zero(heads: Sequence[str]) -> list[str]:
     return names
 
 
+def _velocities_of_components(heads: Sequence[str]) -> list[str]:
+    """Return heads with vx, vy and vz in place of u, v and w, if all of these are there."""
+    plain = [split_unit(head)[0].strip().lower() for head in heads]
+    if not all(name in plain for name in _COMPONENTS):
+        return list(heads)
+    names: list[str] = []
+    for head, name in zip(heads, plain, strict=True):
+        is_component = name in _COMPONENTS
+        unit = split_unit(head)[1] if is_component else ""
+        velocity = VELOCITIES[_COMPONENTS.index(name)] if is_component else head
+        names.append(f"{velocity} ({unit})" if unit else velocity)
+    return names
+
+
 def find_columns(
     table: TextTable, options: FileOptions, notes: list[str], *, repeated: bool = False
 ) -> dict[str, GrainColumn]:
@@ -182,7 +198,7 @@ def find_columns(
     """
     columns: dict[str, GrainColumn] = {}
     unknown: list[str] = []
-    names = counted_from_zero(table.heads)
+    names = _velocities_of_components(counted_from_zero(table.heads))
     for index, (head, name) in enumerate(zip(table.heads, names, strict=True)):
         if head.strip() in options.names.values():
             continue  # the user says what it is
@@ -335,12 +351,7 @@ def require_columns(
     """Raise ValueError unless a table has positions and, without a usual diameter, sizes."""
     place = f"line {table.head_line}"
     if not table.heads and not columns:
-        n_columns = table.frame.shape[1]
-        example = ["x", "y", "z", RADIUS][:n_columns]
-        raise ValueError(
-            f"{place}: found {n_columns} columns without names, expected a line of names, or "
-            f"packing.columns = {show(example)}"
-        )
+        raise ValueError(f"{place}: {_unnamed(table.frame.shape[1], options)}")
     if DIAMETER in columns and RADIUS in columns:
         head = show(columns[DIAMETER].head)
         raise ValueError(
@@ -359,6 +370,25 @@ def require_columns(
             f"{place}: found no column {name}, expected {', '.join(needed)}{more}; there are "
             f"{heads}, of which packing.columns can name it"
         )
+
+
+def _unnamed(n_columns: int, options: FileOptions) -> str:
+    """Return what a table without names lacks, with an example that fits its columns."""
+    usual = [*PLACE, RADIUS]
+    example = usual[:n_columns]
+    columns = show(example)
+    if n_columns > len(usual):
+        numbers = [f"{name} = {number}" for number, name in enumerate(example, start=1)]
+        columns = f"{{{', '.join(numbers)}}} (numbers of columns)"
+    more = ""
+    if n_columns < len(usual) and options.diameter is None:
+        more = " with packing.diameter for all grains"
+    if n_columns in _N_OF_MFIX:
+        more = ', or packing.format = "mfix" for particles of MFiX'
+    return (
+        f"found {n_columns} columns without names, expected a line of names, or "
+        f"packing.columns = {columns}{more}"
+    )
 
 
 def _is_in_voxels(unit: str, kind: str) -> bool:

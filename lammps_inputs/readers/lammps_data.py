@@ -48,8 +48,10 @@ _STYLES = {
 #: Columns that sub-styles of a hybrid add behind the places.
 _OF_HYBRID = {
     "sphere": _SPHERE,
+    "granular": _SPHERE,
     "atomic": [],
     "bond": ["mol"],
+    "bond/gran": ["mol"],  # of LIGGGHTS
     "angle": ["mol"],
     "molecular": ["mol"],
     "charge": ["q"],

@@ -64,7 +64,6 @@ _OTHER_KINDS = (
     OtherKind(_HEAD_OF_BINARY_DUMPS[0], "a binary dump of LAMMPS", _REMEDY_OF_DUMPS),
     OtherKind(_HEAD_OF_BINARY_DUMPS[1], "a binary dump of LAMMPS", _REMEDY_OF_DUMPS),
     OtherKind(b"ply\n", "a PLY file", "save a table of x, y, z and radius"),
-    OtherKind(b"LSMGeometry", "a geometry file of ESyS-Particle", _REMEDY_OF_ROWS),
     OtherKind(b"ball create", "commands of PFC", _REMEDY_OF_ROWS),
     OtherKind(b"$bdyty", "bodies of LMGC90", _REMEDY_OF_ROWS),
     OtherKind(b"! File BODIES", "bodies of LMGC90", _REMEDY_OF_ROWS),
@@ -78,9 +77,13 @@ _OTHER_KINDS = (
 )
 # signatures for which the first bytes are not sufficient
 _BOOST = re.compile(rb"<!DOCTYPE boost_serialization>")
+_BOOST_BINARY = re.compile(rb".{0,16}serialization::archive", re.DOTALL)
+_MUSEN = re.compile(rb"0 \d+ 1 1?[0-9] 5 .{0,40} 23 [0-9A-Z]{20} 24 ")
 _STL = re.compile(rb"solid\b.*\n\s*facet\s+normal", re.IGNORECASE)
 _PATTERNS = {
     _BOOST: OtherKind(b"", "a simulation of YADE (O.save)", "write it by yade.export.text"),
+    _BOOST_BINARY: OtherKind(b"", "a simulation of YADE (O.save)", "write it by yade.export.text"),
+    _MUSEN: OtherKind(b"", "a scene of MUSEN", _REMEDY_OF_ROWS),
     _STL: OtherKind(b"", "a surface (STL)", "name it in [[wall]], and the grains here"),
 }
 _HEAD = 1000  # bytes that are searched for such a pattern

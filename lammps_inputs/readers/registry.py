@@ -7,15 +7,18 @@ from typing import Protocol, cast
 
 from granwave.lammps_inputs.readers import (
     ase_files,
+    esys,
     h5md,
     lammps_data,
     lammps_dump,
     lammps_molecule,
     lammps_yaml,
     mercury,
+    mfix,
     table,
     vtk_files,
     xyz,
+    xyzd,
     yade,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
@@ -40,7 +43,10 @@ _READERS = (
     lammps_molecule,
     yade,
     mercury,
+    esys,
+    mfix,
     xyz,
+    xyzd,
     table,
     ase_files,
 )
