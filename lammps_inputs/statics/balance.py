@@ -17,7 +17,6 @@ from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 
 _FARTHEST = 0.025  # mean diameters: where grains move farther, the static stage finds the balance
-_ROUNDS_OF_HARDENED = 50  # of the search in a bed that rearranges, each some seconds at most
 _MOST_GRAINS = 5000  # whose stiffness is factorised in a second or so
 
 
@@ -41,14 +40,10 @@ def balanced_displacements(assembly: Assembly) -> NDArray[np.float64] | None:
     # they load scipy.sparse, which takes longer than most commands need
     from granwave.lammps_inputs.statics.energy import EnergyProblem
     from granwave.lammps_inputs.statics.relax import fall
-    from granwave.lammps_inputs.statics.stiffening import hardened_without_friction
 
     bodies = loaded_bodies(assembly).elastic()
     problem = EnergyProblem(bodies)
     farthest = _FARTHEST * bodies.spacing
-    if hardened_without_friction(assembly) > 1:
-        unknowns, _ = fall(problem, np.zeros(problem.n), farthest, rounds=_ROUNDS_OF_HARDENED)
-    else:
-        unknowns, _ = fall(problem, np.zeros(problem.n), farthest)
+    unknowns, _ = fall(problem, np.zeros(problem.n), farthest)
     position, _ = problem.state(unknowns)
     return np.asarray(position - bodies.position)
