@@ -29,11 +29,12 @@ from granwave.lammps_inputs.statics.energy import (
 )
 
 _SHRINK = 0.3  # smoothing / smoothing of the balance before
-_LEAST = 0.01  # smallest smoothing / overlap under the load
+_LEAST = 1e-4  # smallest smoothing / overlap under the load
 _ROUNDS = 60  # largest number of steps with a smoothing ...
 _ROUNDS_AT_END = 150  # ... and without
-_NEAR = 0.1  # net force / largest load on a grain, with a smoothing
-_BALANCED = 1e-9  # net force / largest contact force, at the end
+_NEAR = 0.03  # net force / largest load on a grain with the first smoothing; it shrinks with it ...
+_NEAREST = 1e-6  # ... down to this
+_BALANCED = 1e-7  # net force / largest contact force, at the end
 _LEAST_HOLDING = 1e-7  # smallest stiffness that holds the grains / mean stiffness
 _STIFFER = 4.0  # factor of its growth, and of its decay from step to step
 _MOST_HOLDINGS = 40  # largest number of factorisations in a step
@@ -52,11 +53,17 @@ def follow_smoothing(problem: EnergyProblem, x: Array, overlap: float) -> tuple[
     overlap
         Typical overlap of a contact under the load, m.
     """
+    load = float(np.abs(problem.bodies.dead_load).max(initial=0.0))
     smoothing = math.sqrt(overlap * _typical_gap(problem, x))
+    near = _NEAR
     while smoothing > _LEAST * overlap:
-        x, _ = _minimum(problem, x, smoothing)
+        x, _ = _minimum(problem, x, smoothing, near * load)
+        now = problem.at(x)
+        if is_balanced(now):
+            return x, now
         smoothing *= _SHRINK
-    return _minimum(problem, x, 0.0)
+        near = max(_SHRINK * near, _NEAREST)
+    return _minimum(problem, x)
 
 
 def largest_net_force(now: Evaluation) -> float:
@@ -75,10 +82,17 @@ def _typical_gap(problem: EnergyProblem, x: Array) -> float:
     return float(np.median(np.abs(overlap[: problem.n])))
 
 
-def _minimum(problem: EnergyProblem, x: Array, smoothing: float) -> tuple[Array, Evaluation]:
-    """Return the unknowns and the state near a minimum of the energy with a smoothing."""
+def _minimum(
+    problem: EnergyProblem, x: Array, smoothing: float = 0.0, near: float = 0.0
+) -> tuple[Array, Evaluation]:
+    """Return the unknowns and the state near a minimum of the energy with a smoothing, m.
+
+    Parameters
+    ----------
+    near
+        Net force at which the search ends, N; without a smoothing it ends in balance.
+    """
     now = problem.at(x, smoothing)
-    near = _NEAR * float(np.abs(problem.bodies.dead_load).max(initial=0.0))
     holding = 0.0
     for _ in range(_ROUNDS if smoothing else _ROUNDS_AT_END):
         if largest_net_force(now) <= near if smoothing else is_balanced(now):
