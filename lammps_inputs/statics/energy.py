@@ -93,15 +93,23 @@ class EnergyProblem:
         x[: self.n_motions] = (deformed - self.bodies.position)[self.free]
         return x
 
-    def at(self, x: Array) -> Evaluation:
-        """Evaluate the energy."""
+    def at(self, x: Array, smoothing: float = 0.0) -> Evaluation:
+        """Evaluate the energy.
+
+        Parameters
+        ----------
+        smoothing
+            Overlap of contacts that just touch, m, see `granwave.lammps_inputs.statics.smoothed`.
+        """
         bodies = self.bodies.with_walls_in(x[self.n_of_grains :])
         position, periods = self.state(x)
         contacts = bodies.near(position, periods, MARGIN * bodies.spacing)
         values = np.zeros((3, len(contacts)))
+        overlap, growth = smoothed_overlaps(contacts.overlap, smoothing)
         for law, rows, scale in bodies.laws_of(contacts):
-            values[:, rows] = law.evaluate(contacts.overlap[rows], scale)
+            values[:, rows] = law.evaluate(overlap[rows], scale)
         force, slope, work = values
+        slope = slope * growth
         stretch = self.stretch(contacts, contacts.normal, walls=True)
         energy = float(work.sum()) - float((bodies.dead_load * (position - bodies.position)).sum())
         gradient = -(stretch.T @ force)
@@ -177,6 +185,28 @@ class EnergyProblem:
         return sparse.coo_array(
             (-normal[kept], (row, number[kept])), shape=(len(grain), self.n)
         ).tocsr()
+
+
+def smoothed_overlaps(overlap: Array, smoothing: float) -> tuple[Array, Array]:
+    """Return overlaps that are positive in open contacts too, and their slopes: (n,), m and 1.
+
+    The overlap a follows from the overlap d of the geometry by a (a - d) = s^2: it is s in a
+    contact that just touches, d in one that is closed by much more, and s^2/|d| in one that is open
+    by much more.
+
+    Parameters
+    ----------
+    smoothing
+        The length s, m; 0 leaves the overlaps as they are.
+    """
+    if not smoothing:
+        return overlap, np.ones_like(overlap)
+    root = np.hypot(overlap, 2 * smoothing)
+    open_ones = overlap < 0
+    positive = np.where(
+        open_ones, 2 * smoothing**2 / (root + np.abs(overlap)), (overlap + root) / 2
+    )
+    return positive, positive / root
 
 
 def factorised(matrix: sparse.sparray) -> Any:

@@ -29,7 +29,6 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
-from granwave.lammps_inputs.statics.stiffening import SETTLE_AS_RUN, hardened_without_friction
 from granwave.workflows.run.lammps_engine import Engine
 
 _LOG = logging.getLogger("granwave")
@@ -187,7 +186,7 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
     if not case.seeks_balance:
         return found
-    advice = SETTLE_AS_RUN if hardened_without_friction(assembly) > 1 else _advice(case)
+    advice = _advice(case)
     moved = found["displacement"] / case.packing.diameter
     limit = largest_move(assembly) / case.packing.diameter
     if not moved <= limit:
