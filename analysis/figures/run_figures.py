@@ -161,6 +161,8 @@ _PLANES = {
 }
 
 
+#: Ends of the names of figures whose plane does not depend on ``figures.plane``.
+FIXED_PLANES = ("_principal", "_orthogonal")
 #: Figures of the core that take long.
 _LONG = ("wave_front", "directions")
 #: Figures of the core that repeat others of some runs.

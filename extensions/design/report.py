@@ -67,8 +67,8 @@ _TOLD = (
 _OF_OTHER_DESIGNS = ("neighbour", "moved")  # checks that compare with another design
 _GRAMS = 1e3  # in a kilogram
 _CAPTIONS = {
-    "packing": "The best design: section of its packing through the impact, with the largest "
-    "force on each sphere",
+    "packing": "The best design: its packing, with a quarter cut away at the impact, and the peak "
+    "contact force of each sphere",
     "convergence": "Objective of each design in the order of the search (excluding pruned and "
     "failed designs); best value so far; expected best value of random designs, from the "
     "model of the search",
@@ -146,13 +146,17 @@ def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figur
         )
         blocks.append(Note(f"{text}end is design {last['number']}: {value}."))
     blocks += [
-        Note(f"{one['text'][:1].upper()}{one['text'][1:]}.", "note")
-        for one in best["guards"]
-        if one["warning"]
+        Note(f"{_sentence_case(one['text'])}.", "note") for one in best["guards"] if one["warning"]
     ]
     if "packing" in drawn:
         blocks.append(Gallery((drawn["packing"],)))
     return blocks
+
+
+def _sentence_case(text: str) -> str:
+    """Return a text with a capital at its start, unless it begins with a key."""
+    is_key = "." in text.partition(" ")[0]
+    return text if is_key else f"{text[:1].upper()}{text[1:]}"
 
 
 def answer_of(found: Mapping[str, Any], directory: Path) -> str:
@@ -307,7 +311,7 @@ def _cost(found: Mapping[str, Any]) -> DocumentTable:
         for name, version in found["versions"].items()
         if name in ("granwave", "lammps", "python")
     ]
-    return text_table("Cost and versions", ("", ""), rows)
+    return text_table("Cost and versions", ("Item", "Value"), rows)
 
 
 # ---------------------------------------------------------------------- figures

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.measures.dynamic_force import dynamic_peak_forces
 from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, both_decays
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
@@ -24,6 +25,7 @@ from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 FORMS = ("kinetic", "elastic", "dissipated")  # of energy, in the order of their panels
+_STATIC_LOAD = "precompression"  # beginning of its keys
 _LEAST_SHARE = 1e-4  # of the largest peak force: layers that a wave reached
 
 
@@ -37,7 +39,7 @@ class SampledCurve:
 
 @dataclass(frozen=True, eq=False)
 class PeaksByDepth:
-    """Peak forces of the spheres of each layer that the load reached.
+    """Peak forces of the spheres of each layer that the load reached, above their static forces.
 
     Attributes
     ----------
@@ -82,6 +84,22 @@ def force_at_bottom(run: ComparedRun) -> SampledCurve:
         return SampledCurve(record.time, record.force)
 
 
+def has_static_load(run: ComparedRun) -> bool:
+    """Return True if the case of a run has a static load."""
+    return any(key.startswith(_STATIC_LOAD) for key in run.run.case)
+
+
+def static_force_at_bottom(run: ComparedRun) -> float:
+    """Return the force on the bottom before the impact, N; 0 without a static load."""
+    if not has_static_load(run):
+        return 0.0
+    try:
+        force = force_at_bottom(run).y
+    except LackingError:
+        return 0.0
+    return float(force[0]) if len(force) else 0.0
+
+
 def energy_shares(run: ComparedRun) -> dict[str, SampledCurve]:
     """Return the forms of energy over the final input, in time: s, 1."""
     try:
@@ -115,7 +133,7 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
     """Return the peak forces of the layers of a run."""
     with run.opened() as result:
         mean, layer = _layers_below(result)
-        force = result["spheres/peak_force"]
+        force = dynamic_peak_forces(result)
         decays = both_decays(result)
         largest = np.array([force[layer == n].max() for n in range(len(mean))])
         median = np.array([np.median(force[layer == n]) for n in range(len(mean))])

@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from granwave.analysis.document.model import named
 from granwave.analysis.figures.series import (
     COLOURS,
     against_time,
@@ -20,7 +21,7 @@ from granwave.analysis.figures.series import (
     panels,
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
-from granwave.analysis.formatting.numbers import interval
+from granwave.analysis.formatting.numbers import interval, quantity_in
 from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
@@ -33,7 +34,9 @@ from granwave.analysis.reports.comparison.curves import (
     force_at_bottom,
     front,
     growth,
+    has_static_load,
     peaks_by_depth,
+    static_force_at_bottom,
 )
 from granwave.analysis.reports.comparison.fields import (
     MOST_PANELS,
@@ -69,6 +72,8 @@ _THIN = 0.9  # points
 _NOTHING = 1e-9  # of the input: energy that is rounding
 _POINTS_OF_FIT = 30
 _ROOM_ABOVE = 1.06  # upper end of a linear axis over the largest value
+_HIDES = 30.0  # largest over smallest peak from which on a linear axis hides the smallest
+_BELOW = 1e-2  # lowest force of a logarithmic axis over the smallest peak
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
 
 
@@ -227,9 +232,25 @@ def draw_bottom_force(
     columns |= _measured_lines(axes, measured, _MICRO, scale)
     label(axes, "Time (µs)", f"Force on the bottom ({unit})")
     _end_of_time(axes, [float(curve.x[-1]) for curve in curves.values()])
-    axes.axhline(0, color="black", linewidth=0.4, zorder=0)
+    _show_small_forces(axes, [scale * float(curve.y.max()) for curve in curves.values()])
     _legend(figure)
     return Drawing(figure, columns)
+
+
+def _show_small_forces(axes: Axes, peaks: Sequence[float]) -> None:
+    """Make the vertical axis logarithmic where a linear one would hide the lowest peak.
+
+    Parameters
+    ----------
+    peaks
+        Largest force of each run, in the unit of the axis: (n_runs,).
+    """
+    present = [peak for peak in peaks if peak > 0]
+    if not present or max(present) < _HIDES * min(present):
+        axes.axhline(0, color="black", linewidth=0.4, zorder=0)
+        return
+    axes.set_yscale("log")
+    axes.set_ylim(min(present) * _BELOW, 2 * max(present))
 
 
 def draw_energies(
@@ -295,7 +316,8 @@ def draw_peaks(
             f"{name}_median_N": one.median,
         }
     columns |= _measured_lines(left, measured, _MILLI, 1.0)
-    label(left, "Depth (mm)", "Peak force (N)")
+    is_dynamic = any(has_static_load(run) for run in peaks)
+    label(left, "Depth (mm)", "Peak dynamic force (N)" if is_dynamic else "Peak force (N)")
     _log_if_wide(left)
     for right in others:
         left.set_title("largest of the layer")
@@ -422,6 +444,35 @@ def draw_fronts(
     return Drawing(figure, columns)
 
 
+def static_notes(curves: Mapping[ComparedRun, Any]) -> str:
+    """Return the static forces on the bottom in a sentence; empty without a static load."""
+    forces = {run.name: static_force_at_bottom(run) for run in curves}
+    parts = [f"{quantity_in(force, 'N')} ({name})" for name, force in forces.items() if force]
+    if not parts:
+        return ""
+    return f"The forces are total; before the impact, static: {', '.join(parts)}."
+
+
+def dynamic_notes(curves: Mapping[ComparedRun, Any]) -> str:
+    """Return a sentence on forces that are drawn above the static ones; empty without a static
+    load.
+    """
+    names = [run.name for run in curves if has_static_load(run)]
+    if not names:
+        return ""
+    return f"Forces above the static force of each contact: {named(names, len(names))}."
+
+
+def _peak_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the sentences below the peak forces against depth."""
+    return " ".join(filter(None, [dynamic_notes(peaks), decay_notes(peaks)]))
+
+
+def _difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
+    """Return the sentences below the difference of the peak forces."""
+    return " ".join(filter(None, [dynamic_notes(fields), difference_notes(fields)]))
+
+
 def speed_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
     """Return the speeds of the fronts in a sentence, of runs that have one."""
     speeds = [(run.name, run.run.number("wave_speed_m_s")) for run in curves]
@@ -457,11 +508,11 @@ def _itself(curve: SampledCurve) -> SampledCurve:
 FIGURES: dict[str, ComparisonFigure] = {
     "bottom_force": ComparisonFigure(
         "Force on the bottom against time", force_at_bottom, draw_bottom_force,
-        units=("s", "N"), curve=_itself,
+        units=("s", "N"), notes=static_notes, curve=_itself,
     ),
     "peak_force_depth": ComparisonFigure(
         "Peak force against depth: largest and median sphere of each layer", peaks_by_depth,
-        draw_peaks, units=("m", "N"), notes=decay_notes, curve=_largest,
+        draw_peaks, units=("m", "N"), notes=_peak_notes, curve=_largest,
     ),
     "energies": ComparisonFigure(
         "Kinetic, elastic and dissipated energy against time, relative to the input", energy_shares,
@@ -482,10 +533,10 @@ FIGURES: dict[str, ComparisonFigure] = {
     "peak_force_field": ComparisonFigure(
         "Peak force on the lattice plane below the impact in which spheres touch, on a common "
         "colour scale", force_field,
-        draw_field_panels, most=MOST_PANELS,
+        draw_field_panels, notes=dynamic_notes, most=MOST_PANELS,
     ),
     "peak_force_difference": ComparisonFigure(
         "Difference of the peak force of corresponding grains", force_field,
-        draw_field_difference, notes=difference_notes, most=MOST_PANELS,
+        draw_field_difference, notes=_difference_notes, most=MOST_PANELS,
     ),
 }  # fmt: skip

@@ -211,6 +211,8 @@ def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> s
     is_none = value == 0 and key in _NONE_AT_ZERO
     if value is None or value == "" or is_none:
         return missing
+    if isinstance(value, str) and "\n" in value:
+        return f"table of {len(value.splitlines()) - 1} rows"
     if isinstance(value, list | tuple) and all(isinstance(part, int) for part in value):
         return size_text(value)
     unit = unit_in_cases(key, [case])
@@ -239,7 +241,11 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     keys = keys[:_MOST_KEYS]
     texts: list[str] = []
     for run in runs:
-        parts = [value_text(key, run.case, missing="") for key in keys]
+        parts = [
+            value_text(key, run.case, missing="")
+            for key in keys
+            if "\n" not in str(run.case.get(key))  # no table of grains
+        ]
         in_name = re.split(_BETWEEN_WORDS, run.label)
         said = [part for part in parts if 0 < len(part) <= _LONGEST_VALUE and part not in in_name]
         texts.append(", ".join(said))
