@@ -26,7 +26,7 @@ from granwave.analysis.result.reader import Result
 _LEAST_FIT = 4  # layers of a fit of the decay
 _TOP = 0.5  # diameters below the struck sphere, above which layers are left out of the fit
 _DEGREES = 2  # constants of the fit
-_BEFORE_END = 1 - 1e-9  # of the end of a run: a force that is largest later may still rise
+BEFORE_END = 1 - 1e-9  # of the end of a run: a force that is largest later may still rise
 
 
 @dataclass(frozen=True)
@@ -197,7 +197,7 @@ def both_decays(result: Result) -> tuple[ForceDecay, PowerDecay] | None:
     np.maximum.at(force, layer, dynamic_peak_forces(result))
     below = mean > _TOP * diameter
     below[-1] = False
-    fitted = below & (force > 0) & ~_still_rising(result, layer, force)
+    fitted = below & (force > 0) & ~still_rising(result, layer, force)
     if np.count_nonzero(fitted) < _LEAST_FIT:
         return None
     exponential = exponential_of_depth(mean[fitted], force[fitted])
@@ -215,7 +215,7 @@ def _line(x: Array, y: Array) -> FittedLine:
     return FittedLine(slope, error, start, math.sqrt(squares / len(x)))
 
 
-def _still_rising(result: Result, layer: NDArray[np.int64], force: Array) -> NDArray[np.bool_]:
+def still_rising(result: Result, layer: NDArray[np.int64], force: Array) -> NDArray[np.bool_]:
     """Return True for layers whose largest force was reached at the end of the run: (n_layers,).
 
     Parameters
@@ -225,7 +225,7 @@ def _still_rising(result: Result, layer: NDArray[np.int64], force: Array) -> NDA
     force
         Largest force of each layer, dynamic under a static load: (n_layers,), N.
     """
-    last = _BEFORE_END * float(result["energy/time"][-1])
+    last = BEFORE_END * float(result["energy/time"][-1])
     rising = np.zeros(len(force), dtype=bool)
     for i, j, peak, when in dynamic_contact_peaks(result):
         for ends in (i, j):

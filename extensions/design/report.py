@@ -165,23 +165,44 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     place = directory / best["directory"]
     case = by_key(read_toml(place / CASE_FILE))
     summary = ResultDirectory(place).summary()
-    values = []
-    for name, value in best["objective"].items():
-        ends = best.get("spread", {}).get(name)
-        spread = f" ({show(ends[0])} to {show(ends[1])} in {best['runs']} runs)" if ends else ""
-        checked = range_under_checks(best, name)
-        under = f" ({checked})" if checked else ""
-        values.append(f"{_quantity_of(name, value)}{spread}{under}")
+    runs = best.get("runs", 1)
+    values = [_value_with_range(found, name) for name in best["objective"]]
     reduction = summary.get("peak_reduction")
     less = f", {reduction:.3g} times lower than without the packing" if reduction else ""
+    if less and runs > 1:
+        less += " in the first run"
     more = ", ".join(
         f"{key} {show(value)}"
         for key, value in best["variables"].items()
         if not key.startswith(_TOLD)
     )
     made = setting_of(case) + (f", with {more}" if more else "")
+    if runs > 1:
+        made += f" (first of {runs} runs)"
     where = f"{quantity_in(1000 * best['mass_kg'], 'g')}, {quantity_in(best['height_m'], 'm')} high"
     return f"{made}: {' and '.join(values)}{less}, {where}."
+
+
+def _value_with_range(found: Mapping[str, Any], name: str) -> str:
+    """Return an objective of the best design with its range in the runs and in the checks."""
+    best = found["best"]
+    ranges: list[str] = []
+    ends = best.get("spread", {}).get(name)
+    if ends:
+        low, high = (_value_of(name, end) for end in ends)
+        statistic = _statistic(found)
+        of_runs = f"{statistic} of " if statistic else ""
+        ranges.append(f"{of_runs}{low} to {high} in {best['runs']} runs")
+    if checked := range_under_checks(best, name):
+        ranges.append(checked)
+    listed = f" ({'; '.join(ranges)})" if ranges else ""
+    return f"{_quantity_of(name, best['objective'][name])}{listed}"
+
+
+def _statistic(found: Mapping[str, Any]) -> str:
+    """Return the statistic of several runs in words; empty for searches of 1.0."""
+    statistic = found.get("statistic", "")
+    return statistic if isinstance(statistic, str) else f"{statistic:g} quantile"
 
 
 def ranking_of(found: Mapping[str, Any]) -> str:
@@ -196,10 +217,7 @@ def ranking_of(found: Mapping[str, Any]) -> str:
             "Designs are ranked by one run each; only the best was checked by further runs. With "
             "[uncertainty] they are ranked by several runs each."
         )
-    statistic = found["statistic"]
-    if not isinstance(statistic, str):
-        statistic = f"{statistic:g} quantile"
-    return f"Designs are ranked by the {statistic} of {runs} runs each."
+    return f"Designs are ranked by the {_statistic(found)} of {runs} runs each."
 
 
 def range_under_checks(best: Mapping[str, Any], name: str) -> str:

@@ -13,7 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.measures.dynamic_force import dynamic_peak_forces
-from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, both_decays
+from granwave.analysis.measures.force_decay import (
+    ForceDecay,
+    PowerDecay,
+    both_decays,
+    still_rising,
+)
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
 from granwave.analysis.measures.signals import Array
@@ -25,6 +30,7 @@ from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 FORMS = ("kinetic", "elastic", "dissipated")  # of energy, in the order of their panels
+_LEAST_LAYERS = 2  # of a curve
 _STATIC_LOAD = "precompression"  # beginning of its keys
 _LEAST_SHARE = 1e-4  # of the largest peak force: layers that a wave reached
 
@@ -50,12 +56,15 @@ class PeaksByDepth:
     decays
         Fits of the largest by an exponential and by a power of the depth; None with fewer than
         four layers below the impacted one.
+    n_rising
+        Number of layers that are left out, since their force still rises at the end.
     """
 
     depth: Array
     largest: Array
     median: Array
     decays: tuple[ForceDecay, PowerDecay] | None
+    n_rising: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,12 +146,17 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
         decays = both_decays(result)
         largest = np.array([force[layer == n].max() for n in range(len(mean))])
         median = np.array([np.median(force[layer == n]) for n in range(len(mean))])
+        rising = still_rising(result, layer, largest) & (largest > 0)
     if len(mean) < 2 or not largest.any():
         raise LackingError("no force reaches two layers")
     shown = largest > _LEAST_SHARE * largest.max()
+    if np.count_nonzero(shown & ~rising) >= _LEAST_LAYERS:
+        shown &= ~rising
+    else:
+        rising[:] = False
     depth = mean[shown]
     largest = largest[shown]
-    return PeaksByDepth(depth, largest, median[shown], decays)
+    return PeaksByDepth(depth, largest, median[shown], decays, int(np.count_nonzero(rising)))
 
 
 def dissipation_by_depth(run: ComparedRun) -> SampledCurve:

@@ -69,6 +69,7 @@ _HANDLE = 0.45  # width of its line and gaps, inches
 _ROW = 0.15  # height of a row of a legend, inches
 _FREE_ROWS = 2  # rows of a legend for which a figure has room
 _THIN = 0.9  # points
+_MOST_MARKED = 40  # points of a curve with markers
 _NOTHING = 1e-9  # of the input: energy that is rounding
 _POINTS_OF_FIT = 30
 _ROOM_ABOVE = 1.06  # upper end of a linear axis over the largest value
@@ -166,6 +167,11 @@ def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
         }
         for run in runs
     }
+
+
+def _markers(places: Array) -> dict[str, Any]:
+    """Return the markers of a curve; none for many points, which would hide its line."""
+    return {"marker": ".", "markersize": 4} if len(places) <= _MOST_MARKED else {}
 
 
 def _legend(figure: MatplotlibFigure) -> None:
@@ -300,10 +306,10 @@ def draw_peaks(
     for run, look in _styles(list(peaks)).items():
         one = peaks[run]
         depth = one.depth * _MILLI
-        left.plot(depth, one.largest, marker=".", markersize=4, **look)
+        left.plot(depth, one.largest, **_markers(depth), **look)
         for right in others:
             is_loaded = one.median > 0
-            right.plot(depth[is_loaded], one.median[is_loaded], marker=".", markersize=4, **look)
+            right.plot(depth[is_loaded], one.median[is_loaded], **_markers(depth), **look)
         if run in fits:
             decay = fits[run]
             ends = np.linspace(decay.first, decay.last, _POINTS_OF_FIT)
@@ -391,7 +397,7 @@ def draw_dissipation(
     for run, look in _styles(list(curves)).items():
         curve = curves[run]
         shown = curve.y > 0
-        axes.plot(curve.x[shown] * _MILLI, curve.y[shown], marker=".", markersize=4, **look)
+        axes.plot(curve.x[shown] * _MILLI, curve.y[shown], **_markers(curve.x), **look)
         name = column_name(run.label)
         columns |= {f"{name}_depth_m": curve.x, f"{name}_dissipated_over_input": curve.y}
     label(axes, "Depth (mm)", "Dissipation of the layer / input", log="y")
@@ -433,7 +439,7 @@ def draw_fronts(
     columns: dict[str, Array] = {}
     for run, look in _styles(list(curves)).items():
         curve = curves[run]
-        axes.plot(curve.x * _MILLI, curve.y * _MICRO, marker=".", markersize=4, **look)
+        axes.plot(curve.x * _MILLI, curve.y * _MICRO, **_markers(curve.x), **look)
         name = column_name(run.label)
         columns |= {f"{name}_depth_m": curve.x, f"{name}_arrival_s": curve.y}
     columns |= _measured_lines(axes, measured, _MILLI, _MICRO)
@@ -465,7 +471,15 @@ def dynamic_notes(curves: Mapping[ComparedRun, Any]) -> str:
 
 def _peak_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return the sentences below the peak forces against depth."""
-    return " ".join(filter(None, [dynamic_notes(peaks), decay_notes(peaks)]))
+    return " ".join(filter(None, [dynamic_notes(peaks), decay_notes(peaks), _rising_notes(peaks)]))
+
+
+def _rising_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on layers that are left out; empty if there are none."""
+    parts = [f"{one.n_rising} ({run.name})" for run, one in peaks.items() if one.n_rising]
+    if not parts:
+        return ""
+    return f"Without layers whose force still rises at the end: {', '.join(parts)}."
 
 
 def _difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:

@@ -13,6 +13,7 @@ from granwave.analysis.reports.comparison.comparison import compare_runs
 from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
     force_at_bottom,
+    peaks_by_depth,
     static_force_at_bottom,
 )
 from granwave.analysis.reports.comparison.figures import draw_bottom_force
@@ -128,3 +129,19 @@ def test_a_run_without_force_in_the_measured_range(tmp_path):
 def test_a_table_of_grains_is_counted():
     grains = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.01,0.01\n"
     assert value_text("packing.grains", {"packing.grains": grains}) == "table of 2 rows"
+
+
+def test_replaced_beads_in_words():
+    replaced = [{"index": [20], "material": {"name": "aluminium"}}, {"index": 3, "diameter": 0.006}]
+    text = value_text("replace", {"replace": replaced})
+    assert text == "aluminium at 20, 6 mm at 3"
+
+
+def test_layers_that_the_wave_has_just_reached_are_left_out(tmp_path):
+    """The head of the front would span decades of the axis."""
+    changes = {"packing.size": 60, "run.end_time": 4e-4}
+    run_case(load_case("elastic-impact", changes), tmp_path / "short", figures=False)
+    inputs = read_inputs([tmp_path / "short"], tmp_path)
+    peaks = peaks_by_depth(compared_runs(list(inputs.results()))[0])
+    assert peaks.n_rising > 0
+    assert peaks.largest.min() > 0.5 * peaks.largest.max()
