@@ -27,6 +27,7 @@ from granwave.analysis.figures.style import (
 )
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures import waves
+from granwave.analysis.measures.dynamic_force import has_static_forces
 from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, force_decay
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import (
@@ -201,6 +202,9 @@ def peak_force_depth(result: Result) -> Drawing | None:
     """Draw the decay of the peak force: largest of each layer with the law that is fitted to it, a
     marker for each layer of contacts along the preferred directions, and bars over the range of
     these directions.
+
+    Under a static load also the largest dynamic force of each layer, above the static one; the law
+    is then fitted to it.
     """
     depth, force = peak_force_by_depth(result)
     if (
@@ -215,9 +219,14 @@ def peak_force_depth(result: Result) -> Drawing | None:
     figure, axes = panels(2.4)
     if n_rays > 1 and n_contacts > 1:
         _mark_directions(axes, middle * _MILLI, along.peak_force / scale)
-    axes.plot(
-        depth * _MILLI, force / scale, "-", color=BLUE, label="largest of the layer", zorder=1
-    )
+    is_pressed = has_static_forces(result)
+    layer = "largest of the layer"
+    total = f"{layer}, with the static force" if is_pressed else layer
+    axes.plot(depth * _MILLI, force / scale, "-", color=BLUE, label=total, zorder=1)
+    _, dynamic = peak_force_by_depth(result, dynamic=True)
+    if is_pressed:
+        above = f"{layer}, dynamic"
+        axes.plot(depth * _MILLI, dynamic / scale, "-.", color=GREEN, label=above, zorder=1)
     decay = force_decay(result)
     if decay is not None:
         _draw_decay(axes, decay, scale)
@@ -228,6 +237,8 @@ def peak_force_depth(result: Result) -> Drawing | None:
         f"layer_peak_{name}": force / scale,
         "contact_depth_m": middle,
     }
+    if is_pressed:
+        columns[f"layer_dynamic_{name}"] = dynamic / scale
     if decay is not None:
         columns |= _columns_of_decay(decay)
     columns |= {

@@ -41,6 +41,7 @@ from granwave.analysis.measures.driven import (
     amplitude_sweep_of,
     transmission_of,
 )
+from granwave.analysis.measures.force_decay import BEFORE_END
 from granwave.analysis.measures.fronts import AXIS, LineMotion, line_motions
 from granwave.analysis.measures.lines import LineRecord, lines_of, sensor_forces
 from granwave.analysis.result.reader import Result
@@ -150,7 +151,9 @@ def force_histories(result: Result) -> Drawing | None:
 
 
 def along_chain(result: Result) -> Drawing | None:
-    """Draw peak force and dissipated energy of every contact along the chain."""
+    """Draw peak force and dissipated energy of every contact along the chain; without the peak
+    force of contacts whose force still rises at the end.
+    """
     if "chain" not in result:
         return None
     peak = result.along_chain("peak_force")
@@ -159,7 +162,11 @@ def along_chain(result: Result) -> Drawing | None:
         return None
     number = np.arange(1, len(peak) + 1)
     scale, unit = _unit(peak)
-    curves = [(peak * scale, f"Peak force ({unit})")]
+    has_risen = result.along_chain("time_peak") < BEFORE_END * float(result["energy/time"][-1])
+    drawn = peak * scale
+    if np.any(has_risen & (peak > 0)):
+        drawn = np.where(has_risen, drawn, 0.0)
+    curves = [(drawn, f"Peak force ({unit})")]
     if np.any(lost > 0):
         energy, name = energy_unit(float(lost.max()))
         curves.append((lost * energy, f"Dissipated ({name})"))

@@ -9,14 +9,19 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.legends import uncover_curves_of
 from granwave.lammps_inputs.errors import InputError
 
 _OTHER_LINE = "--"  # line style of another run
+_OTHER_MARKER = "x"  # marker of its points that no line joins
 _OTHER_ALPHA = 0.7
+_FONT = 8  # font size of legends, points
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
@@ -156,16 +161,18 @@ def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: s
         if _is_second(axes, panels):
             second.append(axes)
             continue
-        curves = [line for line in other.lines if line.get_transform() == other.transData]
-        for curve in curves:
-            _add_curve(axes, curve, name)
+        curves = _curves_of(other)
+        for curve, label in curves:
+            _add_curve(axes, curve, label, name)
         if curves:
             axes.set_xlim(_widened(axes.get_xlim(), other.get_xlim()))
             axes.set_ylim(_widened(axes.get_ylim(), other.get_ylim()))
             if len(curves) == 1:
                 _name_curve(axes.lines[0], own)
-            if axes.get_legend() is not None or len(curves) == 1:
-                axes.legend()
+            legend = axes.get_legend()
+            if legend is not None or len(curves) == 1:
+                axes.legend(fontsize=_size_of(legend))
+                uncover_curves_of(axes)
         number += len(curves)
     for axes in second:
         axes.remove()
@@ -182,18 +189,42 @@ def _is_second(axes: Axes, panels: Sequence[Axes]) -> bool:
     )
 
 
+def _curves_of(axes: Axes) -> list[tuple[Line2D, str]]:
+    """Return the curves of axes with their labels; of error bars the points without the bars."""
+    labels: dict[Line2D, str] = {}
+    ends: list[Line2D] = []
+    for container in axes.containers:
+        if isinstance(container, ErrorbarContainer):
+            points, caps, _ = container.lines
+            ends += caps
+            if points is not None:
+                labels[points] = str(container.get_label())
+    return [
+        (line, labels.get(line, str(line.get_label())))
+        for line in axes.lines
+        if line.get_transform() == axes.transData and line not in ends
+    ]
+
+
+def _size_of(legend: Legend | None) -> float:
+    """Return the size of the text of a legend, points."""
+    return _FONT if legend is None else float(legend.get_texts()[0].get_fontsize())
+
+
 def _name_curve(curve: Line2D, name: str) -> None:
     """Give a curve without a name its name in legends."""
     if str(curve.get_label()).startswith("_"):
         curve.set_label(name)
 
 
-def _add_curve(axes: Axes, curve: Line2D, name: str) -> None:
-    """Draw a curve of another run."""
-    label = str(curve.get_label())
+def _add_curve(axes: Axes, curve: Line2D, label: str, name: str) -> None:
+    """Draw a curve of another run; points that no line joins stay points."""
+    is_joined = curve.get_linestyle() not in ("None", "none", "", " ")
     axes.plot(
         *curve.get_data(),
-        linestyle=_OTHER_LINE,
+        linestyle=_OTHER_LINE if is_joined else "none",
+        marker="" if is_joined else _OTHER_MARKER,
+        markersize=curve.get_markersize(),
         color=curve.get_color(),
         alpha=_OTHER_ALPHA,
         label=name if label.startswith("_") else f"{label}, {name}",

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granwave.analysis.measures.dynamic_force import dynamic_peak_forces
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import energy_of_spheres
@@ -138,14 +139,20 @@ def rays(result: Result) -> Rays:
     return Rays(directions, table[: there[-1] + 1 if there.size else 0])
 
 
-def peak_force_by_depth(result: Result) -> tuple[Array, Array]:
+def peak_force_by_depth(result: Result, *, dynamic: bool = False) -> tuple[Array, Array]:
     """Depth below the impacted sphere, m, and largest peak force of a contact, N, of each layer:
     (n_layers,) each.
+
+    Parameters
+    ----------
+    dynamic
+        True for the largest rise above the static force of each contact.
     """
     depth = result["spheres/position"][:, 2] - result.origin[2]
     mean, layer = layers(depth, result["spheres/radius"], result.case.packing.diameter)
     force = np.zeros(len(mean))
-    np.maximum.at(force, layer, result["spheres/peak_force"])
+    peaks = dynamic_peak_forces(result) if dynamic else result["spheres/peak_force"]
+    np.maximum.at(force, layer, peaks)
     return mean, force
 
 

@@ -31,6 +31,7 @@ from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.summary_table import SummaryRow, explanation, lines, rows_of, summary_rows
 from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.result_kinds import ResultKind
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY_FILE
@@ -434,7 +435,7 @@ class Run(Values):
         InputError
             The axes do not suit the panels, or plane or depths are wrong.
         """
-        from granwave.analysis.figures.run_figures import run_figures
+        from granwave.analysis.figures.run_figures import FIXED_PLANES, run_figures
         from granwave.analysis.figures.series import draw_axes, no_figure
         from granwave.analysis.figures.user_axes import add_curves, plots_of
 
@@ -442,6 +443,12 @@ class Run(Values):
             raise no_figure(self.name, name, ())
         if name not in run_figures():
             raise no_figure(self.name, name, run_figures())
+        if plane is not None and name.endswith(FIXED_PLANES):
+            start = name.rpartition("_")[0]
+            raise InputError(
+                f"plane: found for the figure {name}, which has a plane of its own; use "
+                f"{start}_section"
+            )
         figure = run_figures()[name]
         into: list[Axes] = []
         if ax is not None:

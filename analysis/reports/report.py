@@ -61,6 +61,7 @@ def text_of(name: str) -> str:
 
 
 _ACROSS = 12  # most columns of a table on a page of paper
+_BREAK = re.compile(r"(_|\.(?!\d))")  # of a key, after which a line may break
 _MOST_KEYS = 4  # key columns that are repeated in its parts
 
 
@@ -113,9 +114,9 @@ def heading(name: str, *, paper: bool = False) -> Markup:
 
 
 def breakable(name: str) -> Markup:
-    """Allow line breaks after dots and underscores of a key."""
+    """Allow line breaks after dots and underscores of a key, but not within numbers."""
     text = str(escape(name))
-    return Markup(text.replace(".", ".<wbr>").replace("_", "_<wbr>"))
+    return Markup(_BREAK.sub(r"\1<wbr>", text))
 
 
 def parts(table: DocumentTable) -> list[DocumentTable]:
@@ -296,7 +297,8 @@ def write_report(
         named, faults = find_studies(studies, Path())
         errors += [f"--study: {fault}" for fault in faults]
         try:
-            inputs = read_inputs(directories, output.parent, {*study_files, *named})
+            files = {*study_files, *named}
+            inputs = read_inputs(directories, output.parent, files, skip_unfinished=True)
         except InputError as error:
             errors += error.items
         if errors:

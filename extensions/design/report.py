@@ -67,8 +67,8 @@ _TOLD = (
 _OF_OTHER_DESIGNS = ("neighbour", "moved")  # checks that compare with another design
 _GRAMS = 1e3  # in a kilogram
 _CAPTIONS = {
-    "packing": "The best design: section of its packing through the impact, with the largest "
-    "force on each sphere",
+    "packing": "The best design: its packing, with a quarter cut away at the impact, and the peak "
+    "contact force of each sphere",
     "convergence": "Objective of each design in the order of the search (excluding pruned and "
     "failed designs); best value so far; expected best value of random designs, from the "
     "model of the search",
@@ -144,13 +144,17 @@ def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figur
         )
         blocks.append(Note(f"{text}end is design {last['number']}: {value}."))
     blocks += [
-        Note(f"{one['text'][:1].upper()}{one['text'][1:]}.", "note")
-        for one in best["guards"]
-        if one["warning"]
+        Note(f"{_sentence_case(one['text'])}.", "note") for one in best["guards"] if one["warning"]
     ]
     if "packing" in drawn:
         blocks.append(Gallery((drawn["packing"],)))
     return blocks
+
+
+def _sentence_case(text: str) -> str:
+    """Return a text with a capital at its start, unless it begins with a key."""
+    is_key = "." in text.partition(" ")[0]
+    return text if is_key else f"{text[:1].upper()}{text[1:]}"
 
 
 def answer_of(found: Mapping[str, Any], directory: Path) -> str:
@@ -159,23 +163,44 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     place = directory / best["directory"]
     case = by_key(read_toml(place / CASE_FILE))
     summary = ResultDirectory(place).summary()
-    values = []
-    for name, value in best["objective"].items():
-        ends = best.get("spread", {}).get(name)
-        spread = f" ({show(ends[0])} to {show(ends[1])} in {best['runs']} runs)" if ends else ""
-        checked = range_under_checks(best, name)
-        under = f" ({checked})" if checked else ""
-        values.append(f"{_quantity_of(name, value)}{spread}{under}")
+    runs = best.get("runs", 1)
+    values = [_value_with_range(found, name) for name in best["objective"]]
     reduction = summary.get("peak_reduction")
     less = f", {reduction:.3g} times lower than without the packing" if reduction else ""
+    if less and runs > 1:
+        less += " in the first run"
     more = ", ".join(
         f"{key} {show(value)}"
         for key, value in best["variables"].items()
         if not key.startswith(_TOLD)
     )
     made = setting_of(case) + (f", with {more}" if more else "")
+    if runs > 1:
+        made += f" (first of {runs} runs)"
     where = f"{quantity_in(1000 * best['mass_kg'], 'g')}, {quantity_in(best['height_m'], 'm')} high"
     return f"{made}: {' and '.join(values)}{less}, {where}."
+
+
+def _value_with_range(found: Mapping[str, Any], name: str) -> str:
+    """Return an objective of the best design with its range in the runs and in the checks."""
+    best = found["best"]
+    ranges: list[str] = []
+    ends = best.get("spread", {}).get(name)
+    if ends:
+        low, high = (_value_of(name, end) for end in ends)
+        statistic = _statistic(found)
+        of_runs = f"{statistic} of " if statistic else ""
+        ranges.append(f"{of_runs}{low} to {high} in {best['runs']} runs")
+    if checked := range_under_checks(best, name):
+        ranges.append(checked)
+    listed = f" ({'; '.join(ranges)})" if ranges else ""
+    return f"{_quantity_of(name, best['objective'][name])}{listed}"
+
+
+def _statistic(found: Mapping[str, Any]) -> str:
+    """Return the statistic of several runs in words; empty for searches of 1.0."""
+    statistic = found.get("statistic", "")
+    return statistic if isinstance(statistic, str) else f"{statistic:g} quantile"
 
 
 def ranking_of(found: Mapping[str, Any]) -> str:
@@ -190,10 +215,7 @@ def ranking_of(found: Mapping[str, Any]) -> str:
             "Designs are ranked by one run each; only the best was checked by further runs. With "
             "[uncertainty] they are ranked by several runs each."
         )
-    statistic = found["statistic"]
-    if not isinstance(statistic, str):
-        statistic = f"{statistic:g} quantile"
-    return f"Designs are ranked by the {statistic} of {runs} runs each."
+    return f"Designs are ranked by the {_statistic(found)} of {runs} runs each."
 
 
 def range_under_checks(best: Mapping[str, Any], name: str) -> str:
@@ -305,7 +327,7 @@ def _cost(found: Mapping[str, Any]) -> DocumentTable:
         for name, version in found["versions"].items()
         if name in ("granwave", "lammps", "python")
     ]
-    return text_table("Cost and versions", ("", ""), rows)
+    return text_table("Cost and versions", ("Item", "Value"), rows)
 
 
 # ---------------------------------------------------------------------- figures

@@ -25,7 +25,7 @@ from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.figures import FIGURES
-from granwave.analysis.reports.comparison.measured import Deviation, relative_text
+from granwave.analysis.reports.comparison.measured import NEGLIGIBLE, Deviation, relative_text
 from granwave.analysis.reports.comparison.subjects import (
     MOST_SIDE_BY_SIDE,
     ComparedRun,
@@ -184,7 +184,7 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
         for run, difference in comparison.deviations(name).items():
             cells: tuple[str, ...] = (_NO_RANGE, *_NO_CELLS)
             if difference is not None:
-                cells = misfit_cells(difference, units)
+                cells = misfit_cells(difference, units, curve.peak)
             rows.append((run.name, *cells))
         for run, why in comparison.data(name).lacking.items():
             rows.append((run.name, why, *_NO_CELLS))
@@ -192,14 +192,21 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
     return blocks
 
 
-def misfit_cells(difference: Deviation, units: tuple[str, str]) -> tuple[str, ...]:
+def misfit_cells(
+    difference: Deviation, units: tuple[str, str], measured_peak: float
+) -> tuple[str, ...]:
     """Return the difference from a measured curve in words, below the `MISFIT_HEADS`."""
     x_unit, y_unit = units
+    peak = quantity_in(difference.peak, y_unit)
+    place = quantity_in(difference.peak_at, x_unit)
+    if abs(difference.peak) < NEGLIGIBLE * measured_peak:
+        peak = "0"
+        place = ""
     return (
         quantity_in(difference.rms, y_unit),
         relative_text(difference.relative_rms).removesuffix(" of"),
-        quantity_in(difference.peak, y_unit),
-        quantity_in(difference.peak_at, x_unit),
+        peak,
+        place,
         _peak_text(difference.peak_difference),
         str(difference.n_points),
     )

@@ -16,7 +16,7 @@ from granwave.analysis.reports.comparison.subjects import (
     is_physical,
     value_text,
 )
-from granwave.analysis.reports.setting import differing
+from granwave.analysis.reports.setting import differing, setting_of
 from granwave.lammps_inputs.errors import GranwaveError
 
 _SAME = 1e-12  # relative tolerance of equal diameters
@@ -79,9 +79,12 @@ def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
 
 
 def _kind_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
-    """Return a row with the kinds of the runs, where they differ."""
+    """Return rows with the kinds and the settings of the runs, where the kinds differ."""
     nouns = tuple(run.run.kind.noun for run in runs)
-    return [Difference("kind of run", nouns)] if len(set(nouns)) > 1 else []
+    if len(set(nouns)) < 2:
+        return []
+    settings = tuple(setting_of(run.run.case) if run.run.case else NOT_RECORDED for run in runs)
+    return [Difference("kind of run", nouns), Difference("setting", settings)]
 
 
 def _key_row(key: str, runs: Sequence[ComparedRun], *, is_numerical: bool = False) -> Difference:

@@ -11,6 +11,7 @@ from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
+from granwave.analysis.reports.comparison.definitions import definition_notes
 from granwave.analysis.reports.comparison.figures import FIGURES, FigureData, read_figure
 from granwave.analysis.reports.comparison.measured import (
     Deviation,
@@ -288,13 +289,17 @@ class Comparison:
 
     @property
     def notes(self) -> list[str]:
-        """Sentences on runs that are omitted, that ended early, or that no figure shows."""
+        """Sentences on runs that are omitted, ended early, or that no figure shows, and on values
+        that runs define differently or that a boundary limits.
+        """
         early = [f"{run.name} ({run.unfinished})" for run in self.runs if run.unfinished]
         notes = [f"Left out: {message}." for message in self.left_out]
         if early:
             listed = ", ".join(early)
             notes.append(f"Unfinished, compared up to the last output: {listed}.")
         notes += self._unlike_ends()
+        if len(self.runs) >= _LEAST_RUNS:
+            notes += definition_notes(self.runs)
         for name, curve in self.measured.items():
             notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
         return notes + self._undrawn()

@@ -35,6 +35,7 @@ UNITS: dict[str, dict[str, int]] = {
 _JOINED = re.compile(r"(.+)_([a-zA-Zµμ]+)")  # ``time_us``
 _SPELLINGS = {"µs": "us", "μs": "us"}
 _LEAST_POINTS = 2
+NEGLIGIBLE = 1e-4  # fraction of the measured peak below which a value counts as zero
 _TIMES = 10.0  # ratio above which a difference is given as a factor
 _MOST_LISTED = 4  # runs that a sentence lists
 
@@ -202,6 +203,8 @@ def closest_sentence(
     own = f"{quantity_in(closest.peak, y_unit)} at {quantity_in(closest.peak_at, x_unit)}"
     other = f"{quantity_in(measured.peak, y_unit)} at {quantity_in(measured.peak_at, x_unit)}"
     peaks = f"its peak in the measured range is {own}, the measured peak {other}"
+    if abs(closest.peak) < NEGLIGIBLE * measured.peak:
+        peaks = f"it is zero in the measured range, the measured peak is {other}"
     if alone:
         return f"{name} differs from {measured.source} by {rms}; {peaks}."
     return f"Closest to {measured.source} is {name}, with a difference of {rms}; {peaks}."

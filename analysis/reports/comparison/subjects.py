@@ -26,6 +26,9 @@ MOST_CURVES = 12  # runs in a figure of curves
 _NO_PHYSICS = ("run.", "output.", "figures.", "sensor")  # keys that labels omit
 _MATERIAL = "material.name"
 _NONE_AT_ZERO = ("contact.initial_overlap",)  # keys whose value 0 means that the feature is absent
+_REPLACED = "replace"  # key of replaced grains ...
+_DIAMETER = "diameter"
+_INDEX = "index"  # ... and of their ids
 _OF_MATERIAL = "material."
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
@@ -210,6 +213,10 @@ def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> s
     is_none = value == 0 and key in _NONE_AT_ZERO
     if value is None or value == "" or is_none:
         return missing
+    if isinstance(value, str) and "\n" in value:
+        return f"table of {len(value.splitlines()) - 1} rows"
+    if key == _REPLACED and isinstance(value, list):
+        return ", ".join(_replacement(table) for table in value)
     if isinstance(value, list | tuple) and all(isinstance(part, int) for part in value):
         return size_text(value)
     unit = unit_in_cases(key, [case])
@@ -218,6 +225,17 @@ def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> s
     if isinstance(value, float | int) and unit:
         return _with_unit(value, unit)
     return as_label(value)
+
+
+def _replacement(table: Mapping[str, Any]) -> str:
+    """Return an entry of ``[[replace]]`` in words: ``aluminium at 3, 4``."""
+    changes = [
+        quantity_in(value, "m") if name == _DIAMETER else as_label(value)
+        for name, value in table.items()
+        if name != _INDEX
+    ]
+    places = ", ".join(map(str, np.atleast_1d(table.get(_INDEX, []))))
+    return f"{', '.join(changes)} at {places}"
 
 
 def _with_unit(value: float, unit: str) -> str:
@@ -238,7 +256,11 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     keys = keys[:_MOST_KEYS]
     texts: list[str] = []
     for run in runs:
-        parts = [value_text(key, run.case, missing="") for key in keys]
+        parts = [
+            value_text(key, run.case, missing="")
+            for key in keys
+            if "\n" not in str(run.case.get(key))  # no table of grains
+        ]
         in_name = re.split(_BETWEEN_WORDS, run.label)
         said = [part for part in parts if 0 < len(part) <= _LONGEST_VALUE and part not in in_name]
         texts.append(", ".join(said))

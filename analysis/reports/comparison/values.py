@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, unit_of_value
@@ -32,6 +32,14 @@ _OF_ONE_KIND = (
     "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "peak_force_N",
     "impactor_velocity_m_s",
 )  # fmt: skip
+#: Values that are left out where they equal another value in every run.
+_REPEATED = {
+    "ground_peak_force_N": "wall_peak_force_N",
+    "target_peak_force_N": "wall_peak_force_N",
+    "peak_force_with_walls_N": "peak_force_N",
+    "plastic_fraction": "dissipated_fraction",
+    "ground_peak_reduction": "peak_reduction",
+}
 #: Beginnings of the names of similar values; a sentence has only one of each.
 _FAMILIES = (
     ("plastic_fraction", "dissipated_fraction"),
@@ -115,14 +123,25 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
     """Return the values of the runs: the requested values, or all results, the most different
     first.
 
-    Values that are zero in every run are omitted, unless they are requested by name.
+    Values that are zero in every run, or repeat another value, such as the force on the ground
+    below a bottom at rest, are omitted unless they are requested by name.
     """
     asked = list(names)
     values = [_value(name, runs) for name in asked or _outcomes(runs)]
     if asked:
         return values
-    shown = [value for value in values if len(value.numbers) > 1 and not value.is_zero]
+    by_name = {value.name: value.values for value in values}
+    shown = [
+        value
+        for value in values
+        if len(value.numbers) > 1 and not value.is_zero and not _repeats(value, by_name)
+    ]
     return sorted(shown, key=_rank)
+
+
+def _repeats(value: ComparedValue, by_name: Mapping[str, tuple[float | None, ...]]) -> bool:
+    """Return True for a value that equals the value that it may repeat in every run."""
+    return by_name.get(_REPEATED.get(value.name, "")) == value.values
 
 
 def unknown_values(

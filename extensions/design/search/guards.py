@@ -16,6 +16,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from granwave.analysis.document.model import label_of, unit_of_value
+from granwave.analysis.formatting.numbers import in_any_unit
 from granwave.extensions.design.files import DESIGN_OUTCOME
 from granwave.extensions.design.search.points import Points, names
 from granwave.extensions.design.search.problem import (
@@ -42,6 +44,7 @@ from granwave.workflows.run.progress import Progress
 Tables = dict[str, Any]
 NOTABLE = 0.05  # relative change of an objective that the report names first
 FALLEN = 0.1  # fraction of the peak to which the force on a target falls once the impact has passed
+_UNCHANGED = 5e-4  # relative change that a percentage with one digit does not show
 _STILL = 0.05  # fraction of the impulse that is allowed in the last tenth of a run
 _MOVING = 0.3  # fraction of the energy that is allowed to be kinetic at the end
 _TOLERANCE = 5e-4  # scatter of diameters divided by the diameter
@@ -195,8 +198,17 @@ def _compared(
         if isinstance(old, int | float) and isinstance(new, int | float) and old:
             changes[objective.name] = new / old - 1
     return changes, ", ".join(
-        f"{name} {after[name]:.4g} ({100 * change:+.1f} %)" for name, change in changes.items()
+        _changed_value(name, after[name], change) for name, change in changes.items()
     )
+
+
+def _changed_value(name: str, value: float, change: float) -> str:
+    """Return an objective with its unit and its relative change, in words."""
+    label = label_of(name)
+    text = f"{label[:1].lower()}{label[1:]} {in_any_unit(value, unit_of_value(name))}"
+    if abs(change) < _UNCHANGED:
+        return f"{text} (unchanged)"
+    return f"{text} ({100 * change:+.1f} %)"
 
 
 def finding_of(

@@ -268,7 +268,7 @@ def plot_of(
     times = (_MICRO * instants.times).tolist()
     camera = _camera(result, place)
     plot = k3d.plot(
-        axes=[r"\text{x}", r"\text{y}", r"\text{depth}"],
+        axes=[r"\text{x}", r"\text{y}", r"\text{depth}\qquad\quad"],
         camera_auto_fit=False,
         camera_fov=_FIELD_OF_VIEW,
         colorbar_object_id=0,
