@@ -11,6 +11,7 @@ import math
 from crystal import OURS, SOURCE, Crystal, by_name, not_kept
 from matplotlib.figure import Figure
 from motion import Motion, later_peak
+from relaxation import is_of_equation
 
 import granwave as gw
 
@@ -28,7 +29,7 @@ def measured(runs):
     """Crystals with records of all grains, with walls and with free sides; and the wide crystals;
     by name.
     """
-    crystals = [Crystal(run) for run in runs]
+    crystals = [Crystal(run) for run in runs if not is_of_equation(run.case)]
     whole = [one for one in crystals if "all" in one.lines]
     wide = [one for one in crystals if one.count >= WIDE]
     return [

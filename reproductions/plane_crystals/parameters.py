@@ -12,6 +12,7 @@ import numpy as np
 from crystal import NAMES, OURS, SOURCE, Crystal, not_kept
 from matplotlib.figure import Figure
 from motion import later_peak
+from relaxation import is_of_equation
 
 import granwave as gw
 
@@ -52,7 +53,7 @@ def measured(runs):
     """Values and crystals by the changed parameter and the name of the crystal; and the crystals
     impacted by a cylinder.
     """
-    crystals = [Crystal(run) for run in runs]
+    crystals = [Crystal(run) for run in runs if not is_of_equation(run.case)]
     series = {}
     for one in crystals:
         if (

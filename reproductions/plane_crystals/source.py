@@ -7,32 +7,18 @@ a camera. What follows from its printed formulas is worked out here; its figures
 
 import numpy as np
 from crystal import OURS, SOURCE, not_kept
+from relaxation import LONG, MEGA, TERMS, secant
 from scipy.optimize import brentq
 
 import granwave as gw
 from granwave.measures import Chain
 
-# MPa and ms, equation 7; the source says seconds
-LONG = 15.7
-TERMS = ((253.1, 2.64), (1320.4, 0.55))
 MODULI = (150.0, 530.0, 740.0, 480.0)  # MPa, of contacts 1 to 4
 EVENT = 6.0  # ms, the longest duration that the source gives for its experiment
 INSTANTS = 4001
 FRAMES = 9  # steps of a rise; the history is exact for any number
 STRAIN = 0.01
 MILLI = 1e3  # from s
-MEGA = 1e6  # from MPa
-
-
-def relaxed(time, scale=1.0):
-    """Relaxation modulus of equation 7, MPa, at a time in ms; its time constants times ``scale``."""
-    return LONG + sum(size * np.exp(-time / (scale * tau)) for size, tau in TERMS)
-
-
-def secant(rise, scale=1.0):
-    """Stress over strain, MPa, of a strain that has risen linearly for a time in ms."""
-    terms = ((size, scale * tau) for size, tau in TERMS)
-    return LONG + sum(size * tau / rise * -np.expm1(-rise / tau) for size, tau in terms)
 
 
 def rise_of(modulus):

@@ -89,7 +89,7 @@ def rows(group):
                  where=f"{SOURCE}, Fig. 4 to 7", remark="Not a test: the source does not print how wide its crystals "
                  f"are. {count} a row was inferred from these layers, which it then explains.")
     yield gw.Row(f"Depth of region 1 over the width, {crystal}", "", 1.0, slope, theory=group.law, digits=2,
-                 where=f"{SOURCE}, conclusions",
+                 where=f"{SOURCE}, 3, Fig. 6e",
                  remark="Theory: where the signals of both top corners meet on the middle line.")
     yield gw.Row(f"Decay of the peak speed in region 1, {crystal}", "1/m", decay, alpha, f"{SOURCE}, Fig. 7", digits=2,
                  remark="In the wide crystal, by one exponential; plate and loss are not printed: the size alone "

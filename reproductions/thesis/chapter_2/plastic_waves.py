@@ -67,6 +67,10 @@ class PlasticWave(Chain):
         """Contact at which the leading wave stops decreasing, because a trailing wave meets it."""
         return int(np.flatnonzero(np.diff(self.leading) > 0)[0]) + 1
 
+    def pressed_more(self, contact):
+        """Largest force of a contact over the leading wave's peak there, less 1."""
+        return self.largest[contact - 1] / self.leading[contact - 1] - 1
+
     def decay(self, first, last):
         """Decay of the logarithm of the leading wave's peak, per contact."""
         return math.log(self.leading[first - 1] / self.leading[last - 1]) / (last - first)
