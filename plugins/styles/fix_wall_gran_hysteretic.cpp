@@ -21,54 +21,9 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
                "Illegal fix {}: expected xplane|yplane|zplane LO HI, tube RADIUS, region ID FACE or mesh FILE ANGLE PATCH, "
                "a law and its constants",
                STYLE);
-  std::fill_n(plane, 2, INFINITE);
-  plane[0] = -INFINITE;
-  int used_words = 6;
-  if (std::strcmp(arg[3], "tube") == 0) {
-    used_words = 5;
-    curved = std::make_unique<Tube>(positive_number(lmp, STYLE, "radius of the tube", arg[4]));
-  } else if (std::strcmp(arg[3], "region") == 0) {
-    try {
-      curved = std::make_unique<RegionWall>(lmp, arg[4], arg[5]);
-    } catch (const std::invalid_argument &fault) {
-      error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
-    }
-  } else if (std::strcmp(arg[3], "mesh") == 0) {
-    used_words = 7;
-    try {
-      const double angle = utils::numeric(FLERR, arg[5], false, lmp);
-      curved = std::make_unique<MeshWall>(arg[4], angle, utils::inumeric(FLERR, arg[6], false, lmp));
-    } catch (const std::invalid_argument &fault) {
-      error->all(FLERR, "Illegal fix {} mesh {}: {}", STYLE, arg[4], fault.what());
-    }
-  } else {
-    axis = arg[3][0] - 'x';
-    if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
-      error->all(FLERR, "Illegal fix {}: expected xplane, yplane, zplane, tube, region or mesh, found {}", STYLE, arg[3]);
-    for (int side = 0; side < 2; side++)
-      if (std::strcmp(arg[4 + side], "NULL") != 0) plane[side] = utils::numeric(FLERR, arg[4 + side], false, lmp);
-    if (!(plane[0] < plane[1])) error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
-  }
-  std::vector<std::string> words(arg + used_words, arg + narg);
+  std::vector<std::string> words(arg + read_wall(arg), arg + narg);
   try {
-    if (const auto at = std::find(words.begin(), words.end(), "support"); at != words.end()) {
-      std::size_t used = 0;
-      support = std::make_unique<Support>(std::vector<std::string>(at + 1, words.end()), used);
-      words.erase(at, at + 1 + used);
-      if (curved) throw std::invalid_argument(std::string("support moves a plane, found a ") + curved->kind());
-      if (std::isfinite(plane[0]) && std::isfinite(plane[1]))
-        throw std::invalid_argument("support moves one plane, found two: use a fix for each");
-      if (!std::isfinite(plane[0]) && !std::isfinite(plane[1]))
-        throw std::invalid_argument("support moves a plane, found none");
-      moving = std::isfinite(plane[0]) ? 0 : 1;
-    }
-    if (const auto at = std::find(words.begin(), words.end(), "line"); at != words.end()) {
-      const std::string kind = at + 1 == words.end() ? "" : at[1];
-      if (kind != "half-space" && kind != "plane-strain")
-        throw std::invalid_argument("line must be half-space or plane-strain, found '" + kind + "'");
-      plane_strain = kind == "plane-strain";
-      words.erase(at, at + 2);
-    }
+    read_support(words);
     const LawArguments args = parse_law(words);
     body = args.first;
     wall = args.second.value_or(Material{INFINITE, 0.0, INFINITE});
@@ -107,6 +62,63 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
   atom->add_callback(Atom::GROW);
   atom->add_callback(Atom::RESTART);
   for (int i = 0; i < atom->nlocal; i++) FixWallGranHysteretic::set_arrays(i);
+}
+
+/* Read where the wall is. Returns the number of words before the law. */
+int FixWallGranHysteretic::read_wall(char **arg)
+{
+  std::fill_n(plane, 2, INFINITE);
+  plane[0] = -INFINITE;
+  int used_words = 6;
+  if (std::strcmp(arg[3], "tube") == 0) {
+    used_words = 5;
+    curved = std::make_unique<Tube>(positive_number(lmp, STYLE, "radius of the tube", arg[4]));
+  } else if (std::strcmp(arg[3], "region") == 0) {
+    try {
+      curved = std::make_unique<RegionWall>(lmp, arg[4], arg[5]);
+    } catch (const std::invalid_argument &fault) {
+      error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
+    }
+  } else if (std::strcmp(arg[3], "mesh") == 0) {
+    used_words = 7;
+    try {
+      const double angle = utils::numeric(FLERR, arg[5], false, lmp);
+      curved = std::make_unique<MeshWall>(arg[4], angle, utils::inumeric(FLERR, arg[6], false, lmp));
+    } catch (const std::invalid_argument &fault) {
+      error->all(FLERR, "Illegal fix {} mesh {}: {}", STYLE, arg[4], fault.what());
+    }
+  } else {
+    axis = arg[3][0] - 'x';
+    if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
+      error->all(FLERR, "Illegal fix {}: expected xplane, yplane, zplane, tube, region or mesh, found {}", STYLE, arg[3]);
+    for (int side = 0; side < 2; side++)
+      if (std::strcmp(arg[4 + side], "NULL") != 0) plane[side] = utils::numeric(FLERR, arg[4 + side], false, lmp);
+    if (!(plane[0] < plane[1])) error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
+  }
+  return used_words;
+}
+
+/* Read the support of the wall and the contact of cylinders with it, and remove these words from those of the law. */
+void FixWallGranHysteretic::read_support(std::vector<std::string> &words)
+{
+  if (const auto at = std::find(words.begin(), words.end(), "support"); at != words.end()) {
+    std::size_t used = 0;
+    support = std::make_unique<Support>(std::vector<std::string>(at + 1, words.end()), used);
+    words.erase(at, at + 1 + used);
+    if (curved) throw std::invalid_argument(std::string("support moves a plane, found a ") + curved->kind());
+    if (std::isfinite(plane[0]) && std::isfinite(plane[1]))
+      throw std::invalid_argument("support moves one plane, found two: use a fix for each");
+    if (!std::isfinite(plane[0]) && !std::isfinite(plane[1]))
+      throw std::invalid_argument("support moves a plane, found none");
+    moving = std::isfinite(plane[0]) ? 0 : 1;
+  }
+  if (const auto at = std::find(words.begin(), words.end(), "line"); at != words.end()) {
+    const std::string kind = at + 1 == words.end() ? "" : at[1];
+    if (kind != "half-space" && kind != "plane-strain")
+      throw std::invalid_argument("line must be half-space or plane-strain, found '" + kind + "'");
+    plane_strain = kind == "plane-strain";
+    words.erase(at, at + 2);
+  }
 }
 
 int FixWallGranHysteretic::setmask()

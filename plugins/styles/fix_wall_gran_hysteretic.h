@@ -128,6 +128,8 @@ class FixWallGranHysteretic : public Fix {
     double damping;      // coefficient of damping along the surface; below 0: a run is continued, or there is none
   };
 
+  int read_wall(char **arg);
+  void read_support(std::vector<std::string> &words);
   void list_spheres();
   bool meets_walls(int i) const;
   void part(int i);

@@ -121,6 +121,30 @@ void PairGranHysteretic::init_style()
   refuse_respa(lmp, "Pair style gran/hysteretic");
   if (update->whichflag == 2) refuse_line_searches();
 
+  const int n_extra = find_memory();
+  if (has_dashpot) masses.find(lmp);
+  if (has_dashpot) require_mechanical_units(lmp, "Pair style gran/hysteretic with a dashpot");
+  radii_vary = radii_may_change(lmp);
+  if (has.friction && (!atom->omega_flag || !atom->torque_flag))
+    error->all(FLERR,
+               "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
+  sends_velocities = (has.friction || has.loss || has.cohesion || has_rate) && comm->ghost_velocity == 0;
+  if (sends_velocities) ghosts.start(lmp, has.friction);
+
+  neighbor->add_request(this);
+
+  if (!fix_history) create_history(n_extra);
+  fix_history->history.extend({n_extra, has.friction, has.dents});
+
+  require_bodies();
+  laws.begin_run(FixGranCylinder::find(lmp));
+  geometry.begin_run(fix_history, find_initial_places());
+  find_largest_radii();
+}
+
+/* Find what the contacts of all laws remember, and which laws need velocities and masses. Returns the doubles of a block. */
+int PairGranHysteretic::find_memory()
+{
   ContactMemory wanted = has;
   has_dashpot = false;
   int n_extra = 0;
@@ -149,42 +173,38 @@ void PairGranHysteretic::init_style()
   contacts.discard_turnings();    // the law may be different
   wanted.n = has.n;               // until a new list is built
   has = wanted;
-  if (has_dashpot) masses.find(lmp);
-  if (has_dashpot) require_mechanical_units(lmp, "Pair style gran/hysteretic with a dashpot");
-  radii_vary = radii_may_change(lmp);
-  if (has.friction && (!atom->omega_flag || !atom->torque_flag))
+  return n_extra;
+}
+
+/* Create the fix that stores the contacts with their spheres; from a restart file it has those of the file. */
+void PairGranHysteretic::create_history(int n_extra)
+{
+  if (modify->get_fix_by_id(FixGranHystereticHistory::ID))
+    error->all(FLERR, "Only one pair style gran/hysteretic can be in use: give its laws by pair of types instead");
+  fix_history = dynamic_cast<FixGranHystereticHistory *>(
+      modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
+  fix_history->publish_contacts = [this] { publish_contacts(); };
+  fix_history->suspend_contacts = [this] { contacts.suspend(fix_history->history); };
+  fix_history->hand_over_contacts = [this](int i) { contacts.hand_over(fix_history->history, i); };
+  fix_history->return_to_start = [this] { contacts.return_to_start(); };
+  fix_history->lose_contacts = [this] {
+    fix_history = nullptr;
+    contacts.valid = false;
+    lost_contacts = true;
+  };
+  fix_history->agree_on_layout();
+  if (from_restart && !fix_history->restart_reset)
+    error->all(FLERR, "The restart file is damaged: it contains no contacts of pair style gran/hysteretic");
+  if (const int kept = fix_history->history.layout().n_extra;
+      (has.resistance || has.cohesion || has.slip || has.damping || has.prony) && kept > 0 && kept != n_extra)
     error->all(FLERR,
-               "Pair style gran/hysteretic with friction requires atom attributes omega and torque (atom_style sphere)");
-  sends_velocities = (has.friction || has.loss || has.cohesion || has_rate) && comm->ghost_velocity == 0;
-  if (sends_velocities) ghosts.start(lmp, has.friction);
+               "Restart file contains pair style gran/hysteretic with another loss, another cohesion, other resistances "
+               "to rolling and twisting or another tangential model: give them again as in the file");
+}
 
-  neighbor->add_request(this);
-
-  if (!fix_history) {
-    if (modify->get_fix_by_id(FixGranHystereticHistory::ID))
-      error->all(FLERR, "Only one pair style gran/hysteretic can be in use: give its laws by pair of types instead");
-    fix_history = dynamic_cast<FixGranHystereticHistory *>(
-        modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
-    fix_history->publish_contacts = [this] { publish_contacts(); };
-    fix_history->suspend_contacts = [this] { contacts.suspend(fix_history->history); };
-    fix_history->hand_over_contacts = [this](int i) { contacts.hand_over(fix_history->history, i); };
-    fix_history->return_to_start = [this] { contacts.return_to_start(); };
-    fix_history->lose_contacts = [this] {
-      fix_history = nullptr;
-      contacts.valid = false;
-      lost_contacts = true;
-    };
-    fix_history->agree_on_layout();
-    if (from_restart && !fix_history->restart_reset)
-      error->all(FLERR, "The restart file is damaged: it contains no contacts of pair style gran/hysteretic");
-    if (const int kept = fix_history->history.layout().n_extra;
-        (has.resistance || has.cohesion || has.slip || has.damping || has.prony) && kept > 0 && kept != n_extra)
-      error->all(FLERR,
-                 "Restart file contains pair style gran/hysteretic with another loss, another cohesion, other resistances "
-                 "to rolling and twisting or another tangential model: give them again as in the file");
-  }
-  fix_history->history.extend({n_extra, has.friction, has.dents});
-
+/* Stop with an error if an atom has no radius or mass. */
+void PairGranHysteretic::require_bodies()
+{
   for (int i = 0; i < atom->nlocal; i++) {
     if (!(atom->radius[i] >= 0.0))
       error->one(FLERR,
@@ -194,11 +214,11 @@ void PairGranHysteretic::init_style()
       error->one(FLERR, "Pair style gran/hysteretic: atom {} has the mass {:g}, expected a mass above 0", atom->tag[i],
                  atom->rmass[i]);
   }
+}
 
-  laws.begin_run(FixGranCylinder::find(lmp));
-  geometry.begin_run(fix_history, find_initial_places());
-
-  // the largest radius of each type determines the cutoff
+/* Find the largest radius of each type, also of spheres to be inserted: it determines the cutoff. */
+void PairGranHysteretic::find_largest_radii()
+{
   std::vector<double> mine(laws.types() + 1, 0.0);
   for (int i = 0; i < atom->nlocal; i++) mine[atom->type[i]] = std::max(mine[atom->type[i]], atom->radius[i]);
   for (auto *fix : modify->get_fix_list())    // spheres to be inserted

@@ -137,6 +137,10 @@ class PairGranHysteretic : public Pair {
   // settings and laws
   void allocate();
   void refuse_line_searches();
+  int find_memory();
+  void create_history(int n_extra);
+  void require_bodies();
+  void find_largest_radii();
   int find_initial_places();
   double init_shape(int itype, int jtype);
   void set_parameters();
@@ -182,8 +186,8 @@ class PairGranHysteretic : public Pair {
   void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
   void compute_tangential(Batch &);
-  void advance_friction(Batch &);
-  void add_damping(Batch &);
+  bool advance_friction(Batch &);
+  bool add_damping(Batch &);
   void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);
   void tally(const Batch &, Tally);
   double approach(const Batch &, int m) const;

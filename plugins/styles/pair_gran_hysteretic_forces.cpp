@@ -205,14 +205,15 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
   if (geometry.flows()) set_relative_velocities(batch);
   if (step.advances) batch.advance_forces_and_torques(step.dt);
   else batch.compute_forces_and_torques();
-  if (has.slip || has.damping) advance_friction(batch);
+  bool changed = (has.slip || has.damping) && advance_friction(batch);
   if (step.advances) batch.write(c.spring.data());
-  if (has.damping) add_damping(batch);
+  if (has.damping && add_damping(batch)) changed = true;
+  if (changed) batch.compute_forces_and_torques();
 }
 
 /* Replace the tangential forces of the pairs with partial slip by those of their rows of springs, and of the pairs with damping along
-   the surface by those of springs that slide earlier or later. */
-void PairGranHysteretic::advance_friction(Batch &batch)
+   the surface by those of springs that slide earlier or later. Returns true if there are any. */
+bool PairGranHysteretic::advance_friction(Batch &batch)
 {
   bool any = false;
   for (int m = 0; m < batch.size; m++) {
@@ -235,11 +236,11 @@ void PairGranHysteretic::advance_friction(Batch &batch)
     batch.compliance[m] = spring.compliance;
     batch.loss[m] = spring.loss;
   }
-  if (any) batch.compute_forces_and_torques();
+  return any;
 }
 
-/* Add the damping along the surface to the tangential forces. */
-void PairGranHysteretic::add_damping(Batch &batch)
+/* Add the damping along the surface to the tangential forces. Returns true if there is any. */
+bool PairGranHysteretic::add_damping(Batch &batch)
 {
   bool any = false;
   for (int m = 0; m < batch.size; m++) {
@@ -248,7 +249,7 @@ void PairGranHysteretic::add_damping(Batch &batch)
     const DampingHistory history = has.damping_of(contacts.block(batch.k[m]));
     for (int d = 0; d < 3; d++) batch.tangential[d][m] += history.force()[d];
   }
-  if (any) batch.compute_forces_and_torques();
+  return any;
 }
 
 /* Advance the resistances of touching pairs to rolling and twisting, and compute their torques. */
