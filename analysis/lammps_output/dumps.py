@@ -3,7 +3,8 @@ file.
 
 A dump is one file of all ranks or several files, each of some ranks, and the files of resumed
 runs. All values are float64: overlaps of micrometres in a packing of a metre exceed single
-precision. Snapshots are read one at a time; with ``at_once`` in frames of at most so many rows. All readers raise
+precision. Snapshots are read one at a time; with ``at_once`` in frames of at most so many rows. All
+readers raise
 
 MissingOutputError
     There is no such file, or the file of a rank is missing.
@@ -98,7 +99,7 @@ def read_frames(
 
 
 def frames_path(directory: AnyPath) -> Path:
-    """Return the path of the dump of snapshots, binary or text, with "%" if it has several files."""
+    """Return the path of the dump of snapshots, binary or text; "%" stands for several files."""
     return _present(
         ResultDirectory.at(directory),
         [form for name in files.FRAMES_FILES.values() for form in (name, of_each_rank(name))],
@@ -432,7 +433,7 @@ def _pieces(
 
 
 def _of_all_parts(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
-    """Iterate over the snapshots of a dump in several files, the rows of one file after the other."""
+    """Iterate over the snapshots of a dump in several files, with the rows of each in turn."""
     readers = [
         (binary_frames if path.suffix == BINARY else text_frames)(path, at_once) for path in paths
     ]
@@ -475,8 +476,8 @@ def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
     if missing := sorted(set(range(expected)) - found):
         more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
         raise MissingOutputError(
-            f"{parts[missing[0]]} is missing{more}: {path.name} has {expected} parts; copy it back, "
-            f"or {AGAIN}"
+            f"{parts[missing[0]]} is missing{more}: {path.name} has {expected} parts; copy it "
+            f"back, or {AGAIN}"
         )
     return parts
 
