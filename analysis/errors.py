@@ -1,6 +1,4 @@
-"""Errors of the analysis; messages state what was found, what was expected and how to correct
-it.
-"""
+"""Errors of the analysis; messages state the found value, the expected value and the remedy."""
 
 from __future__ import annotations
 

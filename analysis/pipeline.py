@@ -65,7 +65,7 @@ def analyse(
         True for a bar on a terminal or in a notebook; or a function, called with the name of each
         part before it is made.
     figures
-        Draw those that the case asks for, and make its other files, such as an animation. Of
+        Draw the figures requested in the case, and make its other files, such as an animation. Of
         packings with more spheres than `MOST_DRAWN` only figures of the run in time are drawn.
     at_once
         Largest number of spheres in memory; larger packings are analysed in parts. The values do
@@ -78,14 +78,14 @@ def analyse(
     Returns
     -------
     dict
-        What summary.json holds.
+        Content of summary.json.
 
     Raises
     ------
     MissingOutputError
         It is not the directory of a run, or the run did not leave a file that is needed.
     OutputFormatError
-        A file is damaged, or is not what the run wrote.
+        A file is damaged, or differs from the file that the run wrote.
     InputError
         case.toml or data.granwave was changed after the run, or there are files of such names that
         granwave did not write.
@@ -141,7 +141,7 @@ def _analyse(
     try:
         results.check_deck()
     except InputError:
-        list(read_data(directory))  # damage of it has a message of its own, with the line
+        list(read_data(directory))  # a damaged file has a message of its own, with the line
         raise
     check_unchanged(results, processes)
     with helpers(number_expected(deck.case.figures) if figures else 0) as others:
@@ -151,7 +151,7 @@ def _analyse(
         summary = summarise(results, at_once=at_once, assembly=assembly, processes=processes)
         results.note_files([RESULT_FILE, SUMMARY_FILE])
         if figures:
-            # the drawing library takes longer to load than many a small run to compute
+            # loading matplotlib takes longer than computing many a small run
             from granwave.analysis.figures.run_figures import draw_figures
 
             with Result(results, assembly=assembly) as result:

@@ -1,8 +1,8 @@
 """Product of a run: a file besides its figures, such as an animation, requested by ``[figures]``
 of its case.
 
-Extensions make them; which files a case asks for says
-`granwave.lammps_inputs.case.run.Figures.products`.
+Extensions make them; `granwave.lammps_inputs.case.run.Figures.products` lists the files that a case
+requests.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Product:
     Attributes
     ----------
     key
-        Key of ``[figures]`` that asks for it.
+        Key of ``[figures]`` that requests it.
     make
         Function of the directory of a run and of the name of the file there that writes it.
     packages

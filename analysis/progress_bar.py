@@ -32,6 +32,6 @@ def progress_bar(shown: bool, **options: Any) -> tqdm:
         )  # loads asyncio, which the command line does not need
 
         return bar_of_notebooks(**options)
-    from tqdm import tqdm  # not at the top: most commands show no bar
+    from tqdm import tqdm  # not at the top: most commands show no progress bar
 
     return tqdm(disable=None if shown and sys.stderr is not None else True, **options)

@@ -1,9 +1,9 @@
 """The quantities of ``summary.json``, each once: its name there, in reports and at the terminal,
 and where it is shown.
 
-A new one is an entry of ``ENTRIES``, and its name in those of the lists below that are to show it.
-It is computed in `granwave.analysis.summary`. Extensions have entries of their own, which say where
-they are shown, see `Extension`.
+A new value is an entry of ``ENTRIES``; its name is added to the lists below that show it.
+It is computed in `granwave.analysis.summary`. Entries of extensions state where they are shown, see
+`Extension`.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ SHARES = (
     50,
     90,
     99,
-)  # per cent of the energy dissipated by yielding: those that sizes of the plastic zone hold
+)  # percentages of the plastic dissipation for which sizes of the plastic zone are computed
 
-#: Unit by the end of a name; the first that fits counts.
+#: Unit by the end of a name; the first match counts.
 UNITS = {
     "_m_s2": "m/s^2", "_m_s": "m/s", "_N_per_m": "N/m", "_Hz": "Hz", "_per_kg": "1/kg",
     "_per_m": "1/m", "_per_s": "1/s", "_kg": "kg", "_m3": "m^3",
@@ -34,19 +34,20 @@ UNITS = {
 class Quantity:
     """A value of ``summary.json``; omitted fields follow from its name."""
 
-    name: str  # its key; of a family of keys with * for what differs
-    label: str = ""  # its name in reports; else the words of the key
-    meaning: str = ""  # a sentence for reports, where the label does not tell
-    # its name at the terminal, which rows that follow each other may share; else the label
+    name: str  # key; families of keys have * in place of the part that differs
+    label: str = ""  # name in reports; by default the words of the key
+    meaning: str = ""  # a sentence for reports, where the label is not sufficient
+    # name at the terminal, which consecutive rows may share; by default the label
     short: str = ""
-    digits: str = ""  # format of the number at the terminal; of counts and words the value as it is
-    phrase: str = ""  # words around the number at the terminal; else the unit follows
-    axis: str = ""  # title, without the unit, of an axis of figures of scans
-    symbol: str = ""  # and its symbol (LaTeX)
-    note: str = ""  # a sentence for the reference, of a value whose label is enough in a report
-    # of an extension: value of REPORT_COLUMNS that it follows in reports; empty: it is in none
+    digits: str = ""  # format of the number at the terminal; empty for counts and words
+    phrase: str = ""  # words around the number at the terminal; by default the unit follows
+    axis: str = ""  # title of an axis in figures of scans, without the unit
+    symbol: str = ""  # LaTeX symbol for the axis
+    note: str = ""  # a sentence for the reference, for values whose label is sufficient in a report
+    # for extensions: value of REPORT_COLUMNS that it follows in reports; empty: not in reports
     after: str = ""
-    # of an extension: it has a column at the end of a scan, and figures whose names begin so
+    # for extensions: whether it has a column at the end of a scan; beginning of the names of its
+    # figures
     scan_column: bool = False
     scan_figure: str = ""
 
@@ -228,8 +229,8 @@ ENTRIES = (
              "of a load, relative to its largest value; 0 if the chain has a single state at every "
              "amplitude.", digits=".2g"),
     Quantity("unsteady_part", "Unsteady part",
-             "Part of the motion at frequencies other than the load frequency and its second and "
-             "third harmonics, of the loaded or the last bead, whichever is larger.", digits=".2g"),
+             "Fraction of the motion at frequencies other than the load frequency and its second "
+             "and third harmonics, of the loaded or last bead, whichever is larger.", digits=".2g"),
     Quantity("deck_changed", "Input files changed by hand",
              "Values in case.toml may differ from the values of the run.",
              short="deck changed by hand"),
@@ -478,8 +479,8 @@ REPORT_COLUMNS = (
 
 @cache
 def report_columns() -> tuple[str, ...]:
-    """Return the columns of the tables of results in reports, as far as there are values; those of
-    extensions stand ``after`` others.
+    """Return the columns of the tables of results in reports, as far as there are values; values of
+    extensions follow the entry ``after``.
     """
     columns = list(REPORT_COLUMNS)
     for entry in entries():
@@ -519,7 +520,8 @@ def scan_columns() -> tuple[Quantity, ...]:
     return (*SCAN_COLUMNS, *(entry for entry in entries() if entry.scan_column))
 
 
-#: Quantities that figures of scans show, by what names of figures begin with, see `scan_figures`.
+#: Quantities in figures of scans, with the beginnings of the names of the figures, see
+#: `scan_figures`.
 SCAN_FIGURES = {
     "peak_reduction": "peak_reduction", "restitution": "restitution",
     "transmission": "transmission", "dissipated_fraction": "dissipated_fraction",

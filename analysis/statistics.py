@@ -124,8 +124,8 @@ def differ_significantly(
     """Test if two means differ significantly, by Welch's test; None if the spread of one is
     unknown.
 
-    Means whose intervals do not overlap always differ significantly; those with a small overlap
-    may, too.
+    Means whose intervals do not overlap always differ significantly; means with a small overlap may
+    differ significantly too.
     """
     if not (math.isfinite(first.half_width) and math.isfinite(second.half_width)):
         return None
@@ -161,6 +161,6 @@ def crossing(x: Sequence[float], y: Sequence[float], level: float) -> float | No
 
 
 def _student(confidence: float, freedom: float) -> float:
-    from scipy.special import stdtrit  # takes longer to load than most commands need
+    from scipy.special import stdtrit  # imported on demand: slow to load
 
     return float(stdtrit(freedom, 0.5 + 0.5 * confidence))

@@ -1,6 +1,6 @@
-"""The numbers that sum a run up: ``summary.json``, SI units, null where a value does not apply.
+"""Summary of a run: ``summary.json``, SI units, null where a value does not apply.
 
-What they are called, and where they are shown: `granwave.analysis.quantities`.
+Their names, and where they are shown: `granwave.analysis.quantities`.
 """
 
 from __future__ import annotations
@@ -49,10 +49,11 @@ from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 logger = logging.getLogger(__name__)
 
 Summary = dict[str, Any]
-_ROUNDING = 1e-12  # of the input
+_ROUNDING = 1e-12  # fraction of the input
 _ENERGIES = ("kinetic", "elastic", "dissipated", "rotational", "dissipated_wall")
 _DISSIPATED = ("plastic", "friction", "viscous", "holder")
-_RESISTED = ("rolling", "twisting", "adhesion")  # where contacts resist these, or cohere
+# for contacts with resistance to rolling or twisting, or with cohesion
+_RESISTED = ("rolling", "twisting", "adhesion")
 _CONTACT_COLUMNS = (
     "peak_overlap",
     "peak_force",
@@ -62,8 +63,8 @@ _CONTACT_COLUMNS = (
     "yielded",
     "dissipated_energy",
 )
-_OTHER_LOSSES = ("friction_energy", "viscous_energy")  # of contacts, as far as there are any
-_TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
+_OTHER_LOSSES = ("friction_energy", "viscous_energy")  # losses of contacts, where present
+_TOUCH = 1e-6  # fraction of the input stored in contacts: bodies that store less have separated
 
 
 def summarise(
@@ -87,7 +88,7 @@ def summarise(
     Returns
     -------
     dict
-        What summary.json holds.
+        Content of summary.json.
 
     Raises
     ------
@@ -169,8 +170,8 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
 
 
 def check_value_names() -> None:
-    """Check that no two values of summary.json have the same name, as far as extensions say which
-    they add; to be called before a run.
+    """Check that no two values of summary.json have the same name, as far as extensions declare
+    their values; to be called before a run.
 
     Raises
     ------
@@ -198,7 +199,7 @@ def _added_values(result: Result, own: Summary) -> Summary:
             found = dict(summary_values(result))
             json.dumps(plain(found), allow_nan=False)
             values[extension] = found
-        except Exception as error:  # of anyone's package; it costs no other value
+        except Exception as error:  # an error in someone's extension; the other values are computed
             reason = f"{type(error).__name__}: {error}"
             logger.warning("values of the extension %s are omitted: %s", extension, reason)
     added = joined("value of summary.json", dict.fromkeys(own), values)
@@ -211,12 +212,12 @@ def _last(result: Result, name: str, default: float | None = None) -> float | No
 
 
 def restitution(result: Result) -> float | None:
-    """Coefficient of restitution of a single collision: of two free spheres, or of one and the
+    """Coefficient of restitution of a single collision: of two free spheres, or of a sphere and the
     bottom wall.
 
-    Of two equal spheres of which one rests, the impacted one keeps (1 - e)/2 of its velocity; from
-    a wall it returns with
-    -e, of an oblique impact with the normal part. None for every other packing, and as long as the bodies touch.
+    For two equal spheres, one at rest, the impactor keeps (1 - e)/2 of its velocity; from a wall it
+    rebounds with -e times its velocity, in an oblique impact with -e times the normal component.
+    None for every other packing, and as long as the bodies touch.
     """
     case = result.case
     boundary = result.case.boundary
@@ -257,7 +258,7 @@ def _energies(result: Result) -> Summary:
     }
     final["plastic"] = (
         0.0 if abs(plastic) < _ROUNDING * given else plastic
-    )  # what is left of a difference
+    )  # remainder of a difference
     shares = {name: final[name] for name in ("dissipated", *lost, "absorbed")}
     return {
         "energy_input_J": given,
@@ -288,7 +289,9 @@ def _transmission(result: Result) -> Summary:
 
 
 def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
-    """Return numbers of contacts, and the largest force and overlap; a large table is shared out."""
+    """Return numbers of contacts, and the largest force and overlap; a large table is divided among
+    processes.
+    """
     n_rows = len(result.file["contacts/i"])
     size = result.at_once
     if n_rows <= size:
@@ -406,7 +409,7 @@ def _walls(result: Result) -> Summary:
         largest = float((force - force[0]).max())
         return without / largest if largest > 0 and without else None
 
-    # while the force still rises at the end no peak is known
+    # no peak is known while the force still rises at the end
     reduction = (
         reduced(peak, found.force)
         if found and found.force.argmax() < len(found.force) - 1
@@ -435,7 +438,7 @@ def _walls(result: Result) -> Summary:
         "target_peak_displacement_m": None if moved is None else float(np.abs(moved).max()),
         "energy_target_J": _last(
             result, "energy/target", 0.0 if "walls/bottom" in result else None
-        ),  # 0: it is fixed
+        ),  # 0: the target is fixed
         "support_energy_J": _last(result, "energy/support"),
         "support_lost_J": _last(result, "energy/support_lost"),
         "unprotected_peak_force_N": peak,
@@ -463,7 +466,7 @@ def _mass_and_height(result: Result) -> tuple[float, float]:
         masses += part["spheres/mass"][inside].tolist()
     return math.fsum(masses), float(
         bottom - top
-    )  # the same to the last digit however the packing is parted
+    )  # the same to the last digit for any division of the packing
 
 
 def _sensors(result: Result) -> Summary:

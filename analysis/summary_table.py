@@ -17,12 +17,12 @@ _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zo
 _GROWING = {
     "plastic_zone_depth_m": "depth",
     "plastic_zone_radius_m": "radius",
-}  # as `zone_growing` calls them
+}  # names as `zone_growing` returns them
 
 
 class SummaryRow(NamedTuple):
-    """A row: label (empty: that of the row before), value as text, and the keys of summary.json
-    that it shows.
+    """A row: label (empty: the label of the row before), value as text, and the keys of
+    summary.json that it shows.
     """
 
     label: str
@@ -37,7 +37,9 @@ def lines(rows: Sequence[tuple[str, str]]) -> str:
 
 
 def rows_of(reference: str) -> Sequence[Quantity]:
-    """Return the quantities of a reference, as of `ResultKind.rows`; those of a run without one."""
+    """Return the quantities of a reference, as in `ResultKind.rows`; by default the quantities of a
+    run.
+    """
     rows: Sequence[Quantity] = load(reference) if reference else RUN_ROWS
     return rows
 

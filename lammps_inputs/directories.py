@@ -46,7 +46,7 @@ def results_directory(name: str | Path) -> Path:
         is_file = there.exists() and not there.is_dir()
         with contextlib.suppress(FileNotFoundError):
             path.lstat()
-    except (OSError, RuntimeError, ValueError) as error:  # too long, links in a circle, a NUL
+    except (OSError, RuntimeError, ValueError) as error:  # too long, circular links, a NUL
         reason = getattr(error, "strerror", None) or error
         raise InputError(f"{path}: {reason}; choose another directory with directory=...") from None
     if is_file:
@@ -54,7 +54,7 @@ def results_directory(name: str | Path) -> Path:
             f"{path}: is a file, expected a directory; choose another with directory=..."
         )
     places = {Path(there.anchor): "the root directory"}
-    with contextlib.suppress(RuntimeError, OSError):  # a user without a home
+    with contextlib.suppress(RuntimeError, OSError):  # a user without a home directory
         places[Path.home().resolve()] = "your home directory"
     if there in places:
         raise InputError(

@@ -7,8 +7,8 @@ import warnings
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-_MOST_ERRORS = 100  # lines of one error
-_MOST_OF_TABLE = 5  # errors of one table of measurements
+_MOST_ERRORS = 100  # most lines of one error
+_MOST_OF_TABLE = 5  # most errors of one table of measurements
 SHOWN_CHARACTERS = 60
 
 
@@ -18,16 +18,16 @@ class GranwaveError(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Mismatch:
-    """Value that is not valid: what was found, what is valid, and how to correct it.
+    """Value that is not valid: the found value, the valid values, and the remedy.
 
     Attributes
     ----------
     found
-        The value, as in a file, or what there is in its place.
+        The value, as in a file, or a description of the actual content.
     expected
         Valid values; empty if the remedy says it all.
     remedy
-        What to do, if that does not follow from the expected values.
+        Remedy, if it does not follow from the expected values.
     """
 
     found: str
@@ -71,7 +71,7 @@ class InputFault:
 
     @property
     def message(self) -> str:
-        """The fault without its place."""
+        """The fault without its location."""
         return self.sentence or str(Mismatch(self.found, self.expected, self.remedy))
 
     @property
@@ -118,13 +118,13 @@ class InputError(GranwaveError, ValueError):
     Parameters
     ----------
     faults
-        The faults, or sentences. Of very many the first are kept, and a line with the number of
+        The faults, or sentences. Of very many faults only the first are kept, with the number of
         the others.
 
     Attributes
     ----------
     items
-        The faults: file, key, what was found, what was expected, how to correct it.
+        The faults: file, key, found value, expected values, remedy.
     """
 
     def __init__(self, faults: str | InputFault | Iterable[str | InputFault]) -> None:

@@ -1,9 +1,9 @@
 """Extensions: features outside the core, by entry points of the group ``granwave.extensions``.
 
-An entry point names one `Extension`, an object that lists its additions. The core goes
-through these objects and knows no extension by its name; granwave's own extensions are registered
-in the same way as anyone's. What an extension adds is given by references, "MODULE:NAME", which
-are loaded when they are needed: a command starts without the modules of all others.
+An entry point names one `Extension`, an object that lists its additions. The core iterates over
+these objects and refers to no extension by name; granwave's own extensions are registered in the
+same way as external ones. Additions are given by references, "MODULE:NAME", which are loaded on
+demand: a command starts without the modules of the others.
 
 The environment variable ``GRANWAVE_WITHOUT`` leaves extensions out, by names with commas between
 them; ``all`` leaves out all.
@@ -79,8 +79,8 @@ class Extension:
         Reference: sequence of `granwave.lammps_inputs.result_kinds.ResultKind`, one for each kind
         of directories of results that it writes.
     case_keys
-        Reference: mapping of dotted keys of its cases to `granwave.analysis.formatting.values.Naming`,
-        their labels and units.
+        Reference: mapping of dotted keys of its cases to
+        `granwave.analysis.formatting.values.Naming`, their labels and units.
     quantities
         Reference: sequence of `granwave.analysis.quantities.Quantity`: values that it writes.
     summary
@@ -89,10 +89,10 @@ class Extension:
     figures
         Figures of a run: reference to a `granwave.analysis.figures.run_figures.RunFigure` by name.
     figures_on_request
-        Names of those of ``figures`` that are drawn only where they, or all, are asked for.
+        Names of ``figures`` that are drawn only by name or with all figures.
     products
-        Files that a run leaves besides figures, as ``[figures]`` of its case asks: reference to a
-        sequence of `granwave.analysis.products.Product`.
+        Files of a run in addition to figures, requested in ``[figures]`` of its case: reference to
+        a sequence of `granwave.analysis.products.Product`.
     exports
         Formats of ``granwave export``: reference to a
         `granwave.analysis.exports.formats.ExportFormat` by name of the format.
@@ -102,7 +102,7 @@ class Extension:
         Studies that every report and suite makes of all its runs, by name: module, likewise.
     report
         Reference: sequence of `granwave.analysis.reports.kinds.ReportKind`, one for each kind of
-        results that a report shows in its own way.
+        results with its own part of a report.
     case_kinds
         Reference: sequence of `granwave.workflows.solvers.CaseKind`: cases that are not of
         spheres.
@@ -112,8 +112,8 @@ class Extension:
     commands
         Reference: sequence of `granwave.workflows.cli.commands.Command`.
     check
-        Reference: function of an assembly that returns what ``granwave check`` shows in addition
-        to the plan, a `granwave.workflows.check_part.CheckPart`.
+        Reference: function of an assembly that returns additional output of ``granwave check``, a
+        `granwave.workflows.check_part.CheckPart`.
     python
         Names of ``import granwave``: reference to a function or class by name.
     """
@@ -168,13 +168,14 @@ def extensions() -> tuple[Extension, ...]:
 def left_out() -> tuple[Extension, ...]:
     """Return the extensions that are installed but not among `extensions`, for messages.
 
-    Those that cannot be loaded are passed over.
+    Extensions that cannot be loaded are skipped.
     """
     names = {extension.name for extension in extensions()}
     others = []
     for point in _points():
         if point.name not in names:
-            with contextlib.suppress(Exception):  # of anyone's package, which nobody asked for
+            # an error in someone's extension that was not requested
+            with contextlib.suppress(Exception):
                 others.append(point.load())
     return tuple(extension for extension in others if isinstance(extension, Extension))
 
@@ -187,7 +188,7 @@ def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
     field
         Name of a field that refers to a sequence, such as ``commands``.
     is_it
-        Function that returns True for an entry that is asked for.
+        Function that returns True for a requested entry.
     """
     for extension, entry in entries_left_out(field):
         if is_it(entry):
@@ -238,7 +239,7 @@ def _points() -> tuple[EntryPoint, ...]:
 def _load(point: EntryPoint) -> Extension | None:
     try:
         extension = point.load()
-    except Exception as error:  # of anyone's package; granwave goes on without it
+    except Exception as error:  # an error in someone's extension; granwave continues without it
         reason = f"{type(error).__name__}: {error}"
     else:
         if isinstance(extension, Extension):
@@ -297,7 +298,7 @@ def _loaded(extension: Extension, field: str, reference: str) -> Any:
         return load(reference)
     except ModuleNotFoundError as error:
         reason = missing_package(error) or str(error)
-    except Exception as error:  # of anyone's package
+    except Exception as error:  # an error in someone's extension
         reason = f"{type(error).__name__}: {error}"
     raise InputError(
         f"extension {extension.name}: {field} {reference} cannot be loaded: {reason}; fix it, or "
@@ -336,12 +337,12 @@ def _by_key(field: str, key: str) -> dict[str, dict[str, Any]]:
 def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:
     """Return entries of the core and those that extensions add, in the order of lists.
 
-    An entry whose ``after`` is the name of another stands behind that one, others at the end.
+    An entry whose ``after`` is the name of another follows this entry; others are at the end.
 
     Parameters
     ----------
     own
-        Entries of the core, which have a ``name``, as those of extensions.
+        Entries of the core, which have a ``name``, like entries of extensions.
     field
         Name of a field that refers to a sequence of entries, such as ``commands``.
 
@@ -387,7 +388,7 @@ def joined(
     Raises
     ------
     InputError
-        Two entries have the same name; the message says whose they are.
+        Two entries have the same name; the message names the extensions.
     """
     table = dict(own)
     owners = dict.fromkeys(own, "granwave itself")

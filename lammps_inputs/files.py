@@ -2,9 +2,9 @@
 paths; free memory.
 
 Rows of CSV are read with the numbers of their lines; a # outside quotes begins a comment. Paths
-that cases and scans name are made absolute as soon as they are read: one in a file is relative to
-the folder of that file (`read_toml`), one in ``--set`` or in a Python mapping to the working
-directory (`parse_overrides`, `case_from_dict`). Code that opens the file need not know.
+that cases and scans name are made absolute as soon as they are read: in a file it is relative to
+the folder of the file (`read_toml`), in ``--set`` or in a Python mapping to the working directory
+(`parse_overrides`, `case_from_dict`). Code that opens the file need not know.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def discard(scratch: Path) -> None:
     HDF5 crashes at the end of the program if the disk is too full to write the rest of an open
     file.
     """
-    with contextlib.suppress(OSError):  # an earlier error is the one to report
+    with contextlib.suppress(OSError):  # the earlier error is reported
         os.truncate(scratch, 0)
         scratch.unlink()
 
@@ -80,13 +80,13 @@ def scratch_files(path: Path) -> Iterator[Callable[[], Path]]:
 def naming(path: Path) -> Iterator[None]:
     """Add this file to system errors that name no file, such as a full disk.
 
-    Errors that a library raises in their place (HDF5, PIL) are converted, too.
+    Other errors raised by libraries (HDF5, PIL) are also converted.
     """
     try:
         yield
     except OSError as error:
         number = error.errno or _number_in(str(error))
-        scratch = f".{path.name}.{os.getpid()}"  # of `replacing`
+        scratch = f".{path.name}.{os.getpid()}"  # scratch file of `replacing`
         if number is None or (
             error.filename is not None and Path(os.fsdecode(error.filename)).name != scratch
         ):
@@ -121,7 +121,9 @@ def replace_bytes(path: Path, content: bytes) -> None:
 
 
 def is_special(path: Path) -> bool:
-    """Return True for a pipe, a socket or a device, also through a link; opening it may never end."""
+    """Return True for a pipe, a socket or a device, also through a link; opening it may never
+    end.
+    """
     try:
         mode = path.stat().st_mode
     except (OSError, ValueError):
@@ -143,7 +145,7 @@ def regular(path: Path) -> Path:
 
 
 def read_regular(path: Path) -> bytes:
-    """Read a whole file; reject pipes and devices, which may never end.
+    """Read a complete file; reject pipes and devices, which may never end.
 
     Raises
     ------
@@ -154,7 +156,7 @@ def read_regular(path: Path) -> bytes:
 
 
 def read_text(path: Path, decode: Callable[[bytes], str] | None = None) -> str:
-    """Read a whole file as UTF-8, or by another decoder; reject pipes and devices.
+    """Read a complete file as UTF-8, or by another decoder; reject pipes and devices.
 
     Raises
     ------
@@ -191,8 +193,8 @@ def read_user_text(
     hint: Callable[[Path], str] = lambda _: "",
     decode: Callable[[bytes], str] | None = None,
 ) -> str:
-    """Read a text file that a user named; raise InputError. ``hint`` returns more words about a
-    missing one, ``decode`` the text of bytes that may be no UTF-8.
+    """Read a text file that a user named; raise InputError. ``hint`` returns additional text for a
+    missing file, ``decode`` the text of bytes that may not be UTF-8.
     """
     try:
         return read_text(path, decode)
@@ -238,7 +240,7 @@ def checksum(path: Path, size: int | None = None, *, after: tuple[int, int] = (0
     return _checksum(path, now.st_size if size is None else size, after, state)
 
 
-@functools.lru_cache(maxsize=1024)  # each file is read once, as long as it stays the same
+@functools.lru_cache(maxsize=1024)  # each file is read once while it is unchanged
 def _checksum(path: Path, end: int, after: tuple[int, int], _state: tuple[int, ...]) -> int:
     place, found = after
     with regular(path).open("rb") as file:
@@ -299,7 +301,7 @@ _NUMBER = re.compile(
 )
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of what spreadsheets compute
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of formulas in spreadsheets
 
 
 def read_number(word: str) -> float:
@@ -328,8 +330,8 @@ def csv_cell(word: str) -> str:
 
 
 def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
-    """Write rows as CSV; text that a spreadsheet would take for a formula gets an apostrophe before
-    it.
+    """Write rows as CSV; text that a spreadsheet would interpret as a formula is preceded by an
+    apostrophe.
     """
 
     def plain_text(cell: object) -> object:
@@ -362,7 +364,7 @@ def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:
     directory
         Folder that relative paths start from.
     key
-        Key of ``value``; empty for a whole file.
+        Key of ``value``; empty for a complete file.
     """
     return _with_paths(value, key, lambda path: os.path.realpath(directory / path))
 

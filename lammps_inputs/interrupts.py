@@ -11,8 +11,8 @@ from typing import Any, Self
 
 
 def stop_signals() -> list[signal.Signals]:
-    """Return the signals that ask a program to stop: Ctrl-C, SIGTERM, and SIGHUP, of a terminal that
-    is closed, unless nohup ignores it.
+    """Return the signals that ask a program to stop: Ctrl-C, SIGTERM, and SIGHUP, of a terminal
+    that is closed, unless nohup ignores it.
     """
     hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
     return [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hangs_up else [])]
@@ -28,13 +28,13 @@ class Interrupts:
     """
 
     def __init__(self, on_signal: Callable[[], object] = lambda: None) -> None:
-        self.numbers: list[int] = []  # of the signals that came
+        self.numbers: list[int] = []  # numbers of the received signals
         self._on_signal = on_signal
         self._before: dict[int, Any] = {}
 
     @property
     def count(self) -> int:
-        """Number of signals that came."""
+        """Number of received signals."""
         return len(self.numbers)
 
     def __enter__(self) -> Self:

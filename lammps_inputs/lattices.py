@@ -13,7 +13,7 @@ Rows of a crystal in x-z alternate between n and n - 1 grains, so that both side
 all have n; the long ones begin at x = 0, the short ones (or every second row of n) half a pitch
 further.
 
-No array over the whole packing is stored, so that a lattice of any size takes no memory.
+No array over the packing is stored, so that a lattice of any size needs no memory.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ from granwave.lammps_inputs.packing_kind import (
     simple_site,
 )
 
-_MOST_COUNTED = 12  # layers of which contacts are counted one by one
+_MOST_COUNTED = 12  # layers whose contacts are counted one by one
 _BATCH = 1_000_000  # sites processed at once
-_IMAGE = 8.0  # period along y of a periodic crystal in x-z, diameters: its images are far apart
+_IMAGE = 8.0  # period along y of a periodic crystal in x-z, diameters: its images do not interact
 ROWS = ("long", "short", "equal")  # choices of `packing.top_row`
-FILE = "file"  # the kind of packings whose grains are at places of their own
-RESTART = "restart"  # the same, of a restart file of LAMMPS, from which their contacts go on
+FILE = "file"  # kind of packings with user-defined positions
+RESTART = "restart"  # kind of packings from a restart file of LAMMPS, whose contacts are continued
 
 
 _X = (1.0, 0.0, 0.0)
@@ -61,7 +61,7 @@ _CLOSE_PACKED = (
     0.0,
     1 / 3,
     math.sqrt(8) / 3,
-)  # down the plane of fcc that holds two preferred directions
+)  # downwards in the plane of fcc that contains two preferred directions
 _HCP_ROWS = 0.4  # includes the rows of odd layers, at a distance of sqrt(3)/6 from the plane
 
 _HEXAGONAL_PITCH = (1.0, math.sqrt(3) / 2)
@@ -167,7 +167,7 @@ _FREE = PackingKind(
 
 @cache
 def lattice_kinds() -> dict[str, PackingKind]:
-    """Return the lattices by name: those of the core, then those of extensions.
+    """Return the lattices by name: lattices of the core, then lattices of extensions.
 
     Raises
     ------
@@ -216,10 +216,10 @@ class Lattice:
     periodic
         True if the packing is periodic along x and y.
     top_row
-        Struck row of a crystal in x-z: ``long`` (nx grains) or ``short`` (nx - 1); ``equal``: all
+        Impacted row of a crystal in x-z: ``long`` (nx grains) or ``short`` (nx - 1); ``equal``: all
         rows have nx.
     overlap
-        Overlap of neighbours, m: with cohesion that at which contacts bear no force.
+        Overlap of neighbours, m: with cohesion the overlap at zero contact force.
     """
 
     kind: str
@@ -285,7 +285,8 @@ class Lattice:
     def n_contacts(self) -> int:
         """Number of touching pairs, counted without listing them."""
         period = self.rule.layer_period
-        if self.n_layers > _MOST_COUNTED + 2 * period:  # each further period of layers adds as many
+        # each further period of layers adds the same number
+        if self.n_layers > _MOST_COUNTED + 2 * period:
             few = _MOST_COUNTED + (self.n_layers - _MOST_COUNTED) % period
             sizes = ((*self.size[:-1], count) for count in (few, few + period))
             first, second = (dataclasses.replace(self, size=size).n_contacts for size in sizes)
@@ -352,7 +353,9 @@ class Lattice:
         return sorted(int(other) for other, exists in shifted if exists)
 
     def at_sides(self, ids: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Return True for the spheres at the ends of rows and layers that are not periodic: (n,)."""
+        """Return True for the spheres at the ends of rows and layers that are not periodic:
+        (n,).
+        """
         nx, ny, _ = self.shape
         i, j, k = self._indices(ids - 1)
         ends = [
@@ -373,7 +376,7 @@ class Lattice:
 
     @property
     def _start(self) -> int:
-        """Layer of the stacking that is struck: that of short rows begins half a pitch further."""
+        """Impacted layer of the stacking: a layer of short rows is shifted by half a pitch."""
         return int(self.top_row == "short")
 
     def _row(self, k: Any) -> Any:
@@ -408,7 +411,7 @@ class Lattice:
     def _shifted(
         self, i: NDArray, j: NDArray, k: NDArray, offset: Offset
     ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Return the ids of the spheres an offset away, and where there are any."""
+        """Return the ids of the spheres an offset away, and whether they exist."""
         _, ny, nz = self.shape
         i = i + offset[0]
         j = j + offset[1]

@@ -1,7 +1,7 @@
 """Loading of a case file: read, check, warn, with the assembly that the checks made; and reading of
 the case of a finished run, which is parsed and no more.
 
-What a finished run holds was checked before it ran. Its case is neither checked again nor compared
+The case of a finished run was checked before it ran. Its case is neither checked again nor compared
 with the memory, the cores or the disk of this machine: a result opens wherever it is copied to.
 """
 
@@ -21,11 +21,7 @@ from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.found_contacts import with_contacts
 from granwave.lammps_inputs.packing.places import centred
-from granwave.lammps_inputs.statics.stiffening import (
-    hardened_without_friction,
-    note_without_friction,
-    stiffened_bed,
-)
+from granwave.lammps_inputs.statics.stiffening import rearranged_bed, stiffened_bed
 
 
 def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
@@ -88,13 +84,10 @@ def assembly_from_dict(
     errors.report(parts["name"])
     parts["striker"] = centred(parts["striker"], parts["packing"], parts["boundary"])
     assembly = _checked(Case(**parts), errors)
-    stiffened = stiffened_bed(assembly)
+    stiffened = stiffened_bed(assembly) or rearranged_bed(assembly)
     if stiffened is not None:
         errors.notes.append(stiffened.note)
         assembly = _checked(stiffened.case_of(assembly.case), errors)
-    elif (ratio := hardened_without_friction(assembly)) > 1:
-        errors.notes.append(note_without_friction(ratio))
-        errors.report(assembly.case.name)
     warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
     return assembly
 
@@ -123,7 +116,7 @@ def stored_case(data: Mapping[str, Any], source: str | Path = "case") -> Case:
     Raises
     ------
     InputError
-        The mapping is not that of a case, as of a damaged file; the message lists all faults.
+        The mapping is not a case, for example from a damaged file; the message lists all faults.
     """
     errors = ErrorList(str(source))
     parts = parse_case(data, source, errors, stored=True)

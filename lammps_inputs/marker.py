@@ -15,7 +15,7 @@ from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replacing
 
-State = tuple[int, int, int] | None  # of a marker on the disk: inode, size, time; None without one
+State = tuple[int, int, int] | None  # inode, size and time of a marker on disk; None without one
 
 
 @dataclasses.dataclass
@@ -32,10 +32,10 @@ class Marker:
         Text of case.toml at the start of the run; empty if there is none.
     files
         Sizes in bytes by name relative to the directory; None for files whose size was not noted. A
-        name that ends in "/" is a directory of results with a marker of its own; one with "%"
-        stands for the files of all ranks.
+        name that ends in "/" is a directory of results with a separate marker; a name with "%"
+        means the files of all ranks.
     digests
-        Digests of the files of the deck as granwave wrote them, by name.
+        Digests of the LAMMPS input files as granwave wrote them, by name.
     sums
         CRC-32 of finished files by name, as their sizes in ``files``.
     format
@@ -65,7 +65,7 @@ class Marker:
         with replacing(path) as scratch:
             text = json.dumps(dataclasses.asdict(self), indent=1) + "\n"
             scratch.write_text(text, encoding="utf-8")
-            return state(scratch)  # it keeps inode and time under its new name
+            return state(scratch)  # inode and time remain the same under the new name
 
 
 def state(path: Path) -> State:
@@ -83,7 +83,7 @@ def read_marker(path: Path) -> Marker:
     Raises
     ------
     InputError
-        A later version wrote it, in a format that this one does not know.
+        A later version wrote it, in a format unknown to this version.
     """
     content = None if path.is_symlink() else read_json(path)
     if content is None:
@@ -104,7 +104,7 @@ def read_marker(path: Path) -> Marker:
 
 
 def _is_inside(name: str) -> bool:
-    """Return True for a name that leads to no place outside of the directory."""
+    """Return True for a name that does not lead outside the directory."""
     path = PurePosixPath(name)
     return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
 

@@ -1,8 +1,9 @@
-"""Files of granwave in a directory, which it may overwrite, remove and move; all others stay.
+"""Files of granwave in a directory, which it may overwrite, remove and move; all other files are
+left unchanged.
 
 The marker of the directory (`granwave.lammps_inputs.marker`) lists them. A file that it does not
-list is never overwritten, moved or deleted, even with ``--force``; without a marker nothing is
-granwave's. A folder is removed only when it is empty, and links are not followed.
+list is never overwritten, moved or deleted, even with ``--force``; without a marker no file belongs
+to granwave. A folder is removed only when it is empty, and links are not followed.
 """
 
 from __future__ import annotations
@@ -42,11 +43,11 @@ _SCRATCH = re.compile(
 class OwnFiles(os.PathLike[str]):
     """Files of granwave in a directory, by its marker.
 
-    The marker is read when it is first asked for, and again only after another process has replaced
-    it, which a look at the file tells; it is written, atomically, with every change. So any number
-    of processes may read, and a process may keep the object while others write; two that change
-    the marker at the same moment lose the entries of one of them, which the lock of
-    `ResultDirectory` prevents. Only the first rank of a run reads and changes it.
+    The marker is read on first access, and again only after another process has replaced the file;
+    it is written, atomically, with every change. Any number of processes may read, and a process
+    may keep the object while others write; if two processes changed the marker at the same time,
+    the entries of one would be lost, which the lock of `ResultDirectory` prevents. Only the first
+    rank of a run reads and changes it.
 
     It serves as a path: ``open(directory / "run.json")``.
 
@@ -59,7 +60,7 @@ class OwnFiles(os.PathLike[str]):
     def __init__(self, path: AnyPath) -> None:
         self.path = Path(path)
         self._marker: Marker | None = None
-        self._state: State = None  # of `_marker`
+        self._state: State = None  # state of `_marker`
 
     @classmethod
     def at(cls, place: AnyPath) -> Self:
@@ -91,7 +92,7 @@ class OwnFiles(os.PathLike[str]):
         Raises
         ------
         InputError
-            A later version wrote there, in a format that this one does not know; or a file of
+            A later version wrote there, in a format unknown to this version; or a file of
             results is a pipe or a device.
         """
         path = self.path / run_directory.MARKER
@@ -134,7 +135,7 @@ class OwnFiles(os.PathLike[str]):
         if errors:
             raise InputError(errors)
 
-    # ------------------------------------------------------------------ own files and others
+    # ------------------------------------------------------------------ own files and other files
 
     def claim(
         self, names: Iterable[str], *, kind: str | None = None, case: str | None = None
@@ -182,8 +183,8 @@ class OwnFiles(os.PathLike[str]):
             )
 
     def foreign(self, names: Iterable[str]) -> list[str]:
-        """Return those of ``names``, or obstacles to them, that granwave did not write; folders may
-        be shared.
+        """Return the files among ``names``, or obstacles to them, that granwave did not write;
+        folders may be shared.
         """
         own = self._own_names()
         foreign: list[str] = []
@@ -233,7 +234,7 @@ class OwnFiles(os.PathLike[str]):
         return path if os.path.lexists(path) and not self._obstacle(name) else None
 
     def output_names(self) -> list[str]:
-        """Return the names of the files that LAMMPS writes to dumps/ for the deck.
+        """Return the names of the files that LAMMPS writes to dumps/.
 
         If each rank writes its own file, the existing files; without any, the name with
         "%".
@@ -246,8 +247,8 @@ class OwnFiles(os.PathLike[str]):
         return list(dict.fromkeys(files))
 
     def result_names(self) -> list[str]:
-        """Return the names of the results that are there, without the files that a scan keeps
-        next to the run of a point.
+        """Return the names of the existing results, without the files that a scan keeps next to the
+        run of a point.
         """
         names = [name for name in self.marker.files if name not in run_directory.POINT_FILES]
         return [name for name in names if self._is_there(name)]
@@ -257,7 +258,9 @@ class OwnFiles(os.PathLike[str]):
 
     @property
     def kind(self) -> ResultKind:
-        """Kind of the results, by the marker, or else by the files in the directory."""
+        """Kind of the results, according to the marker, or otherwise to the files in the
+        directory.
+        """
         return kind_in(self.path, self.marker.kind)
 
     def refuse_other_kind(self, kind: str) -> None:
@@ -346,7 +349,7 @@ class OwnFiles(os.PathLike[str]):
         try:
             self._move(old, names)
         except OSError:
-            with contextlib.suppress(OSError):  # empty where the disk is full
+            with contextlib.suppress(OSError):  # the marker is empty if the disk is full
                 old.path.rmdir()
             raise
         return str(old)
@@ -413,7 +416,7 @@ class OwnFiles(os.PathLike[str]):
         return path
 
     def refuse_immovable(self) -> None:
-        """Raise InputError if results that are there cannot be moved into NAME.old."""
+        """Raise InputError if existing results cannot be moved into NAME.old."""
         place = self.path.resolve()
         if not place.exists():
             return

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 TOUCHING = 1e-6  # spheres touch if the gap between them is at most this many diameters
-# touching spheres are nearer than this in (i, j, k)
+# differences in (i, j, k) of touching spheres are at most this
 _REACH = (
     range(-3, 4),
     range(-2, 3),
@@ -21,7 +21,7 @@ _REACH = (
 _FAR = 6  # a multiple of all periods, large enough to keep stepped indices positive
 _IN_HEXAGONAL_LAYER = 6  # neighbours
 _CLOSE_PACKED_COORDINATION = 12
-_ALONG = 1e-9  # component of a contact direction from which on it has a part along an axis
+_ALONG = 1e-9  # component of a contact direction that counts as non-zero
 
 Site = Callable[[NDArray, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
 Offset = tuple[int, int, int]
@@ -53,7 +53,7 @@ class SectionPlane:
 
 @dataclasses.dataclass(frozen=True)
 class PowerLaw:
-    """A length that grows with a power of the energy put in: factor, diameters, and power."""
+    """A length proportional to a power of the energy input: factor, diameters, and power."""
 
     factor: float
     power: float
@@ -85,7 +85,7 @@ class PackingKind:
     """One kind of packing, given by its sites in diameters; all other properties follow from its
     axes and contacts.
 
-    Nothing outside compares names of kinds: what differs between kinds is an attribute here.
+    Nothing outside compares names of kinds: differences between kinds are attributes here.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@ Result = TypeVar("Result")
 
 
 class Processes:
-    """This process alone.
+    """Only this process.
 
     Attributes
     ----------

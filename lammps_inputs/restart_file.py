@@ -2,13 +2,13 @@
 
 The end of such a file is, for each process that wrote it, a flag, the number of its values, and the
 values: records of atoms, one after the other, and then a mark. The record of a sphere (``atom_style
-sphere``) begins with its own length, position, id, type, mask, image, velocity, radius, mass and
-angular velocity; what fixes keep of it follows, one after the other, each behind its own length.
-Integers have the bits of doubles. The names and styles of these fixes stand before the spheres.
+sphere``) begins with its length, position, id, type, mask, image, velocity, radius, mass and
+angular velocity; the states of fixes follow, each preceded by its length. Integers have the bits of
+doubles. The names and styles of these fixes precede the spheres.
 
-Each state of a fix of ours has a head (plugins/styles/restart_state.h). That of the pair style has
-one record for each contact of the sphere (laws/contact_history.h), that of a wall the reported
-values, and what the contacts with the lower and the upper wall remember
+Each state of a fix of ours has a head (plugins/styles/restart_state.h). The state of the pair style
+has a record for each contact of the sphere (laws/contact_history.h), the state of a wall has the
+reported values and the history of the contacts with the lower and the upper wall
 (styles/fix_wall_gran_hysteretic.h).
 """
 
@@ -44,12 +44,13 @@ NO_CLUMPS = (
     "are not clumps, settle the bed without neigh_modify exclude"
 )
 
-# fixes with states of atoms: they stand in a list at most so far before the history of contacts
+# fixes with states of atoms: they are in a list that begins at most this far before the history of
+# contacts
 _HISTORY = ("GRAN_HYSTERETIC_HISTORY", "gran/hysteretic/history")
 _WALL = "wall/gran/hysteretic"
 _OTHER_WALLS = "wall/"
-_PROPERTIES = "property/atom"  # its state of a sphere: its own length, and the values
-_LARGEST_NUMBER = 2**31 - 1  # of a body: larger ones are the bits of a double
+_PROPERTIES = "property/atom"  # state of a sphere: its length, and the values
+_LARGEST_NUMBER = 2**31 - 1  # largest number of a body: larger values are the bits of a double
 _MOST_FIXES = 64
 _LONGEST_NAME = 256
 _FARTHEST = _MOST_FIXES * _LONGEST_NAME
@@ -58,7 +59,7 @@ _FARTHEST = _MOST_FIXES * _LONGEST_NAME
 _HEAD = 7
 _COUNT = 0
 _BLOCK = 3
-_PARTS = 4  # of a block behind the doubles of the law; format 12 has both or none
+_PARTS = 4  # parts of a block after the doubles of the law; format 12 has both or neither
 _BOTH = 1
 _WITH_SPRING = 2
 _WITH_DENTS = 3
@@ -71,7 +72,7 @@ _LIVE = 3
 _PEAK = 4
 _RECORD = 10
 _SPRING = 5  # force, compliance, loss
-_STRETCH = 4  # of these: force and compliance
+_STRETCH = 4  # words of a stretch: force and compliance
 _DENTS = 2
 # state of a sphere in a wall: reported values, times of a front, two sides of seven values
 _OVERLAP = 0
@@ -89,14 +90,14 @@ class RestartContacts:
     Attributes
     ----------
     pairs
-        Ids, the lower one first: (n_contacts, 2).
+        Ids, the lower id first: (n_contacts, 2).
     peak
         Largest overlaps so far: (n_contacts,), m.
     spring
         Force of the tangential spring on the first sphere, N, and its compliance, m/N:
         (n_contacts, 4).
     block
-        What laws, losses and resistances remember: (n_contacts, n_block).
+        History of laws, losses and resistances: (n_contacts, n_block).
     """
 
     pairs: NDArray[np.int64]
@@ -116,17 +117,17 @@ class RestartWall:
     ids
         Ids of the spheres with a dent there: (n,).
     touching
-        True for those that touch it: (n,).
+        True for spheres that touch it: (n,).
     overlap
-        Overlaps, of a sphere that touches both walls the larger one: (n,), m.
+        Overlaps; the larger one for a sphere that touches both walls: (n,), m.
     peak
         Largest overlaps so far: (n,), m.
     place
-        Where they were reached, along the wall: (n, 2), m.
+        Positions of the largest overlaps along the wall: (n, 2), m.
     side
         0 for the lower wall, 1 for the upper one.
     rest
-        What springs, losses and resistances at both walls remember: (n, n_rest).
+        History of springs, losses and resistances at both walls: (n, n_rest).
     """
 
     fix: str
@@ -173,8 +174,8 @@ class RestartSpheres:
     other_walls
         IDs and styles of fixes of walls whose states are not known.
     bodies
-        Numbers of bodies, positive integers that spheres share (``fix property/atom mol``); 0 for a
-        sphere by itself: (n,).
+        Numbers of bodies, positive integers common to the spheres of a body (``fix property/atom
+        mol``); 0 for single spheres: (n,).
     """
 
     position: NDArray[np.float64]

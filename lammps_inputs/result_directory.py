@@ -3,8 +3,8 @@ run.
 
 A directory that holds results is rejected by default. ``--resume`` continues them if they are of
 the same case, ``--force`` moves them into a directory NAME.old next to it. Files that granwave did
-not write stay where they are, see `granwave.lammps_inputs.own_files`. Changes are a case.toml or
-deck that was edited, and output that was cut, damaged or replaced.
+not write stay where they are, see `granwave.lammps_inputs.own_files`. Changes are edits of
+case.toml or the LAMMPS input, and output that was truncated, damaged or replaced.
 """
 
 from __future__ import annotations
@@ -48,15 +48,15 @@ _OF_AN_ANALYSIS = (run_directory.RESULT_FILE, run_directory.SUMMARY_FILE)
 
 
 class ResultDirectory(OwnFiles):
-    """Directory of a run, a scan or other results, opened once by a command and handed down.
+    """Directory of a run, a scan or other results, opened once by a command and passed on.
 
-    Everything that is known of the directory is asked of this object: its files and those of
-    others, the case that was run, changes since, and the lock. Its names of files are in
+    This object provides all information on the directory: its own files and other files, the case
+    that was run, later changes, and the lock. Its names of files are in
     `granwave.lammps_inputs.run_directory`.
 
     Whoever writes holds the lock (`lock`): a run, a scan, an analysis, a fit; all ranks of a run
-    count as one, of which the first opens the marker. The points of a scan have directories and
-    locks of their own, in the processes of its workers. Whoever reads needs no lock.
+    count as one; the first rank opens the marker. The points of a scan have separate directories
+    and locks, in the processes of its workers. Whoever reads needs no lock.
     """
 
     def __init__(self, path: AnyPath) -> None:
@@ -101,7 +101,7 @@ class ResultDirectory(OwnFiles):
         self._lock = None
         with contextlib.suppress(OSError):
             for path in self._made:
-                path.rmdir()  # succeeds only if still empty
+                path.rmdir()  # succeeds only if the folder is still empty
 
     def busy(self) -> bool:
         """Return True if another process has locked the directory."""
@@ -199,7 +199,7 @@ class ResultDirectory(OwnFiles):
             )
 
     def make_room(self, *, force: bool, names: Collection[str] | None = None) -> str:
-        """Take results out of the directory: by ``force`` they are moved into NAME.old, else
+        """Take results out of the directory: with ``force`` they are moved into NAME.old, otherwise
         removed. ``names`` are those of `clear`.
 
         Returns
@@ -223,7 +223,7 @@ class ResultDirectory(OwnFiles):
         """
         try:
             return tomllib.loads(self.marker.case) or None
-        except ValueError:  # a marker that somebody edited
+        except ValueError:  # a marker that was edited by hand
             return None
 
     def check_case(self) -> None:
@@ -370,7 +370,7 @@ class ResultDirectory(OwnFiles):
         ]
 
     def check_deck(self) -> None:
-        """Warn if the deck was edited by hand before LAMMPS was run on it.
+        """Warn if the LAMMPS input was edited by hand before LAMMPS was run.
 
         Raises
         ------
@@ -412,7 +412,7 @@ class ResultDirectory(OwnFiles):
 
 def case_digest(tables: Mapping[str, Any]) -> str:
     """Return a digest of the tables of a case that decide its results."""
-    # name, derived values, and what is drawn
+    # name, derived values, and selection of figures
     other = ("name", "resolved", run_directory.FIGURES_TABLE)
     deciding = {name: table for name, table in tables.items() if name not in other}
     digest = hashlib.sha256(json.dumps(deciding, sort_keys=True).encode()).hexdigest()
@@ -448,7 +448,7 @@ def _digest(path: Path) -> str:
 
 def _has_case(path: Path) -> bool:
     """Return True if a ``result.h5`` can be opened and holds the case of granwave."""
-    import h5py  # takes longer to load than most commands need
+    import h5py  # imported on demand: slow to load
 
     try:
         with h5py.File(path, "r") as file:

@@ -1,5 +1,5 @@
-"""Kinds of results: what a directory of results holds, by its marker, or by its files where it has
-no marker.
+"""Kinds of results: the content of a directory of results, from its marker, or from its files
+without a marker.
 
 The kinds of the core are here; extensions add further kinds, see `Extension`. A
 marker may name a kind that no extension here has; such a directory is neither read nor overwritten.
@@ -18,7 +18,7 @@ from granwave.lammps_inputs.extensions import WITHOUT, entries_left_out, joined,
 
 
 def _nowhere(_: Path) -> bool:
-    """Return False: a kind that only the marker tells."""
+    """Return False: a kind that only the marker identifies."""
     return False
 
 
@@ -31,26 +31,26 @@ class ResultKind:
     name
         Name in the marker.
     content
-        Description of what such a directory holds, as ``a run``: results of different content
-        share no directory. Empty for files that may lie in a directory with any results.
+        Description of the content, such as ``a run``: results of different content need different
+        directories. Empty for files that may lie in a directory with any results.
     files
         Names of files that are opened for reading where they are there.
     is_in
-        Function that returns True for a directory with such results, asked where the marker does
-        not say what the directory holds.
+        Function that returns True for a directory with such results, used if the marker does not
+        identify the content.
     no_run
         End of the message of a command that expects a run of spheres; usually from ``content``.
     remedy
-        Advice where a result was changed; ``{}`` stands for the directory.
+        Advice for a changed result, with ``{}`` for the directory.
     loader
         Reference "MODULE:NAME" of the function that `granwave.load` opens the directory with;
         empty: as a run.
     rows
         Reference of the quantities that the terminal shows of a summary; empty: those of a run.
     body
-        Noun of what was run, in messages on its plastic zone.
+        Noun for the body, in messages on its plastic zone.
     of_spheres
-        True for a run of spheres, and for what is not known to be anything else.
+        True for a run of spheres, and for unidentified content.
     installed
         False for a kind that no extension here has.
     """

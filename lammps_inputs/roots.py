@@ -1,8 +1,8 @@
-"""Zero of a function of one variable by Brent's method, without scipy.optimize, which takes longer
-to load than to use.
+"""Zero of a function of one variable by Brent's method, without scipy.optimize, which takes long to
+load.
 
 R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4; step by step as
-`scipy.optimize.brentq`, so that both find the same number.
+`scipy.optimize.brentq`, so that both give the same number.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def brentq(
     low, high
         Bounds.
     xtol, rtol
-        Absolute and relative tolerance of the place.
+        Absolute and relative tolerance of the position.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def brentq(
     RuntimeError
         It was not found in 100 steps.
     """
-    # the place is the best so far
+    # the position is the best so far
     earlier = float(low)
     place = float(high)
     value_earlier = function(earlier)
@@ -46,7 +46,7 @@ def brentq(
         raise ValueError(
             f"expected different signs, found {value_earlier:g} at {low:g} and {value:g} at {high:g}"
         )
-    # a place on the other side of the zero; the last two steps
+    # a position on the other side of the zero; the last two steps
     across = value_across = before = step = 0.0
     for _ in range(_MOST_STEPS):
         if value_earlier != 0 and value != 0 and (value_earlier < 0) != (value < 0):

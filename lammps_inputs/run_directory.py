@@ -12,10 +12,10 @@ from pathlib import Path, PurePosixPath
 
 MARKER = ".granwave"
 LOCK_FILE = ".granwave-lock"
-#: Of all results; it grows when earlier versions could not read what is written.
+#: Format of all results; it is increased when earlier versions cannot read the files.
 FORMAT = 1
 
-# Of a run: deck, output of LAMMPS, and results of the analysis.
+# Files of a run: LAMMPS input script, output of LAMMPS, and results of the analysis.
 CASE_FILE = "case.toml"
 DATA_FILE = "data.granwave"
 SCRIPT_FILE = "in.granwave"
@@ -24,23 +24,24 @@ LOAD_FILE = "load.txt"  # points of a load given as a table
 DEAD_LOAD_FILE = "preload_{}.txt"  # dead loads along x, y or z
 # displacements along x, y or z by which grains start near their balance
 START_FILE = "start_{}.txt"
-BED_FILE = "bed.txt"  # contacts of a settled bed that a run goes on from
+BED_FILE = "bed.txt"  # contacts of a settled bed from which a run continues
 MESH_FILE = "wall{}.stl"  # surface of triangles of an entry of [[wall]]
 LOG_FILE = "log.lammps"
 RECORD_FILE = "run.json"
 RESULT_FILE = "result.h5"
 SUMMARY_FILE = "summary.json"
-CHECKPOINT_FILE = "checkpoint-{}.restart"  # with the step
+CHECKPOINT_FILE = "checkpoint-{}.restart"  # name of a checkpoint, with the step
 FIGURES_DIRECTORY = "figures"
 EXPORT_DIRECTORY = "export"
-FIGURES_TABLE = "figures"  # of case.toml; it changes no result, and may be edited after a run
+# table of case.toml that does not affect results, and may be edited after a run
+FIGURES_TABLE = "figures"
 FIGURE_SUFFIXES = (".png", ".pdf", ".csv")  # raster image, vector image, data
-NOT_DRAWN_SUFFIX = ".txt"  # of the reason why a figure could not be drawn
+NOT_DRAWN_SUFFIX = ".txt"  # suffix of the file with the reason why a figure could not be drawn
 MORE_FIGURE_SUFFIXES = (
     ".svg",
     NOT_DRAWN_SUFFIX,
-)  # of vector images that are asked for, and in place of all
-# page to turn and cut the packing; film, with its form
+)  # requested vector images, and in place of all figures
+# page to rotate and cut the packing; animation, with its format
 VIEW_FILE = "view.html"
 FILM_FILE = "film.{}"
 
@@ -49,25 +50,25 @@ DUMPS = "dumps"
 ENERGY_FILE = "energy.txt"
 WALLS_FILE = "walls.txt"
 PROBES_FILE = "probes.txt"
-FRAMES_FILES = {"binary": "spheres.bin", "text": "spheres.dump"}  # by `output.dump_format`
+FRAMES_FILES = {"binary": "spheres.bin", "text": "spheres.dump"}  # file by `output.dump_format`
 FRAMES_RESUMED = {
     "binary": "spheres-{}.bin",
     "text": "spheres-{}.dump",
-}  # with the step that it was resumed from
+}  # log of a resumed run, with the step from which it was resumed
 HISTORY_FILE = "history.dump"
 FORCES_FILE = "forces.dump"
 LINES_FILE = "lines.dump"
 FRAME_FORCES_FILE = "contact_forces.dump"  # contact forces of every snapshot
-# with the name of the wall's fix
+# dump of a wall, with the name of the wall's fix
 CONTACTS_FILE = "contacts.dump"
 WALL_CONTACTS_FILE = "wall_{}.dump"
 COUNT_FILE = "contacts.txt"  # number of contacts, where the dump has several files
-RANK = "%"  # in the name of a dump, stands for the number of a file of several ranks
+RANK = "%"  # part of the name of a dump that stands for the number of a file of several ranks
 MOST_PARTS = 64  # files of a checkpoint, and of dumps where the number of nodes is not known
 STATIC_STAGE_FILE = "prestage.txt"
 STATIC_FILE = "static.lmp"
-# forces of contacts after the static stage: of pairs, of walls by the name of the fix, and the
-# number of pairs
+# contact forces after the static stage: of pairs, of walls by the name of the fix, and the number
+# of pairs
 INITIAL_FORCES_FILE = "initial_forces.dump"
 INITIAL_WALL_FORCES_FILE = "initial_forces_{}.dump"
 INITIAL_COUNT_FILE = "initial_forces.txt"  # where the dump has several files
@@ -81,7 +82,7 @@ SCAN_TABLE = "scan.csv"
 SCAN_DATA = "scan.h5"
 SCAN_MEANS = "scan_mean.csv"
 SCAN_REPORT = "report.html"
-STUDY_ROWS = "study_rows.csv"  # of a scan or suite: what its studies compare
+STUDY_ROWS = "study_rows.csv"  # rows that the studies of a scan or suite compare
 POINTS = "points"
 UNFINISHED = "unfinished"
 SCAN_WORK = ".scan"  # batches, marks and logs of the engine
@@ -135,7 +136,7 @@ def newer_format(found: object, version: object) -> str:
     Parameters
     ----------
     found
-        Format of the results, a number or its digits; anything else counts as none.
+        Format of the results, a number or its digits; other values count as no format.
     version
         Version of granwave that wrote them.
     """

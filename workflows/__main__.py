@@ -6,7 +6,7 @@ import os
 import sys
 
 if __name__ == "__main__" and not sys.flags.safe_path:
-    del sys.path[0]  # the working directory, whose files may be named as modules are
+    del sys.path[0]  # remove the working directory, whose files may have the names of modules
 
 
 def run() -> int:
@@ -25,12 +25,12 @@ if __name__ == "__main__":
     from granwave.workflows.run import mpi
 
     if mpi.launched():
-        # `python -m mpi4py` takes any exit status but 0 for a crash and aborts with a message of
+        # `python -m mpi4py` treats any non-zero exit status as a crash and aborts with a message of
         # its own
         mpi.leave(status)
     if status == 130:
-        # Python would end by a signal if the error has passed code that was made of a string, as of
-        # dataclasses
+        # Python would end by a signal if the error has passed through code generated from text, as
+        # in dataclasses
         from granwave.lammps_inputs.streams import flush
         from granwave.workflows.run.leftovers import remove_own
 

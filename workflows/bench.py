@@ -33,20 +33,21 @@ from granwave.workflows.run.lammps_engine import Engine, open_engine
 from granwave.workflows.run.launchers import of_this_machine
 from granwave.workflows.run.leftovers import scratch_directory
 
-STUDY = TIMED = "fcc-impact"  # reference study: its packing, and the one that is run as a whole
+STUDY = TIMED = "fcc-impact"  # reference study: its packing, and its complete run
 SIZES = ([24, 24, 18], [72, 72, 30], [160, 160, 78])
 # timed, and run before them
 STEPS = 100
 WARM = 20
 IMPACT_TIME = 3e-4  # s after impact at which the styles are compared
 STUDY_PARTS = ("start", "steps", "analysis", "figures")
-_MOST_RUNS = 3  # of the reference study; each takes half a minute
+_MOST_RUNS = 3  # most runs of the reference study; each takes half a minute
 # m/s, below first yield of two brass spheres; until contacts have formed
 _RATTLE = 0.02
 _RATTLE_STEPS = 200
-_ROUNDING = 1e-9  # of the diameter: overlaps at rest
+_ROUNDING = 1e-9  # overlap of spheres at rest over the diameter
 _BYTES_OF_GHOST = 24  # a position; friction adds velocity and spin, 48
 _STATE = ("x", "v", "omega")
+_TITLES = {"struck": "impact", "rattling": "rattling"}  # of the states in which styles are timed
 _MEMORY = re.compile(
     r"(?m)^Per MPI rank memory allocation[^=]*= [^|]*\| *(\S+)"
 )  # the mean of all ranks, MB
@@ -91,11 +92,11 @@ def bench(
     Parameters
     ----------
     parts
-        Some of styles, sizes, ranks and study, and of the others.
+        Parts to measure: styles, sizes, ranks, study, and ``others``.
     repeats
         Number of timings of each.
     others
-        Functions that measure further parts, by name.
+        Functions for further parts, by name.
     """
     cores = len(os.sched_getaffinity(0))
     results: dict[str, Any] = {"cores": cores, "repeats": repeats, "load_before": os.getloadavg()}
@@ -122,7 +123,9 @@ def bench(
 
 
 def triad(megabytes: int = 256, repeats: int = 5) -> float:
-    """Measure the memory bandwidth of one core, GB/s: a = b + s c on arrays larger than the caches."""
+    """Measure the memory bandwidth of one core, GB/s: a = b + s c on arrays larger than the
+    caches.
+    """
     n = megabytes * 2**20 // 8
     a = np.empty(n)
     b = np.ones(n)
@@ -143,8 +146,8 @@ def compare_styles(repeats: int) -> dict[str, Any]:
     """Time all styles on the reference packing: under impact, with mostly unloaded contacts,
     and rattling, with mostly loaded contacts.
 
-    They run in one process, interleaved, and from the same states: positions and velocities are
-    restored before each timing. Ratios are formed within a repeat, so that both timings see the
+    They run interleaved in one process, from the same states: positions and velocities are
+    restored before each timing. Ratios are computed within a repeat, so that both timings have the
     same load of the machine.
 
     Returns
@@ -152,7 +155,7 @@ def compare_styles(repeats: int) -> dict[str, Any]:
     dict
         ``n_spheres``, and under ``struck`` and ``rattling``: ``loaded_contacts_per_sphere``, and
         ``table`` with rates and memory of each style, and its ratios to `BASELINE` and to pair
-        style granular, with friction to those with friction.
+        style granular, with friction in both or in neither.
     """
     assembly = load_assembly(library.find(STUDY))
     case = assembly.case
@@ -172,7 +175,7 @@ def compare_styles(repeats: int) -> dict[str, Any]:
         ours = engines[OURS]
         print(f"{n} spheres, FCC, brass, {repeats} x {STEPS} steps of each style")
         ours.commands(f"run {round(IMPACT_TIME / auto_timestep(assembly))} post no")
-        for name in ("struck", "rattling"):
+        for name, title in _TITLES.items():
             if name == "rattling":
                 rattle(ours, seed=0)
             order = np.argsort(ours.lammps.numpy.extract_atom("id"))
@@ -182,7 +185,7 @@ def compare_styles(repeats: int) -> dict[str, Any]:
             pairs = cKDTree(state[0]).query_pairs(
                 (1 - _ROUNDING) * case.packing.diameter, output_type="ndarray"
             )
-            print(f"\n{name}, {len(pairs) / n:.2f} loaded contacts a sphere:")
+            print(f"\n{title}, {len(pairs) / n:.2f} loaded contacts per sphere:")
             rates: dict[str, list[float]] = {style: [] for style in engines}
             for _ in range(repeats):
                 for style, engine in engines.items():
@@ -226,8 +229,8 @@ def coefficients(case: Case, lines: str, gap: float, youngs_modulus: float) -> s
 
 
 def script(assembly: Assembly, data: Path, lines: str, motion: str) -> str:
-    """Return the LAMMPS commands of a struck packing under a pair style, of which the commands and
-    the integrating fix are given.
+    """Return the LAMMPS commands of an impacted packing, given the commands of the pair style and
+    the integrating fix.
     """
     case = assembly.case
     gap = 0.1 * case.packing.diameter
@@ -298,7 +301,7 @@ def time_rattling(size: list[int], repeats: int) -> dict[str, Any]:
     dict
         ``n_spheres``, ``n_ranks``, ``rates`` (sphere-steps per second of all ranks together, one
         value a repeat), and ``ghosts``, the largest number of copies of its neighbours' spheres
-        that a rank gets in each step.
+        that a rank receives in each step.
     """
     comm = mpi.world()
     assembly = load_assembly(library.find(STUDY), {"packing.size": size})
@@ -322,14 +325,15 @@ def compare_sizes(repeats: int) -> list[dict[str, Any]]:
         found.append(timing := time_rattling(size, repeats))
         cost = 1e9 / statistics.median(timing["rates"])
         print(
-            f"{timing['n_spheres']:>10} spheres{spread(timing['rates'], 1e6):>22} M/s   {cost:6.1f} ns a sphere-step"
+            f"{timing['n_spheres']:>10} spheres {spread(timing['rates'], 1e6):>24} M/s"
+            f"   {cost:6.1f} ns per sphere-step"
         )
     return found
 
 
 def compare_ranks(repeats: int) -> dict[str, list[dict[str, Any]]]:
-    """Time one rank and two: the same packing (strong scaling), and as many spheres on each rank
-    (weak scaling).
+    """Time one rank and two ranks: the same packing (strong scaling), and the same number of
+    spheres on each rank (weak scaling).
     """
     longer = [SIZES[1][0], SIZES[1][1], 2 * SIZES[1][2]]
     one, two, weak = (
@@ -338,7 +342,8 @@ def compare_ranks(repeats: int) -> dict[str, list[dict[str, Any]]]:
     found = {"strong": [one, two], "weak": [one, weak]}
     for name, timings in found.items():
         print(
-            f"\n{name} scaling, all spheres rattling (each rank's share of the speed of one rank; 1 is ideal):"
+            f"\n{name} scaling, all spheres rattling (efficiency: speed of each rank, relative to a"
+            " single rank):"
         )
         for timing in timings:
             n_ranks = timing["n_ranks"]
@@ -347,7 +352,7 @@ def compare_ranks(repeats: int) -> dict[str, list[dict[str, Any]]]:
             exchanged = _BYTES_OF_GHOST * timing["ghosts"]
             print(
                 f"{timing['n_spheres']:>10} spheres on {n_ranks} ranks  {spread(rates, 1e6):>22} M/s"
-                f"   efficiency {efficiency:.2f}   {exchanged / 1e3:.0f} kB a rank and step"
+                f"   efficiency {efficiency:.2f}   {exchanged / 1e3:.0f} kB per rank and step"
             )
     return found
 
@@ -388,8 +393,9 @@ def time_study(repeats: int, ranks: int) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``ranks``, ``n_steps``, and lists of wall times, s: ``start`` (program, packing, deck,
-        set-up of LAMMPS), ``steps``, ``analysis`` (with the start of the program) and ``figures``.
+        ``ranks``, ``n_steps``, and lists of wall times, s: ``start`` (program, packing, input
+        script, set-up of LAMMPS), ``steps``, ``analysis`` (with the start of the program) and
+        ``figures``.
     """
     print(f"\nreference study ({TIMED}) on {ranks} ranks, wall time of its parts, s:")
     times: dict[str, list[float]] = {part: [] for part in STUDY_PARTS}

@@ -1,6 +1,6 @@
 """Cost of new lists of pairs, for our style and LAMMPS's own: ``granwave bench --parts lists``.
 
-Times are those of the processor: lists are built where spheres move, and other work on the machine
+Times are processor times: lists are built where spheres move, and other work on the machine
 would count twice in a difference of wall times.
 """
 
@@ -22,23 +22,23 @@ from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
 from granwave.workflows.run.leftovers import scratch_directory
 
-STEPS = 20  # with a new list in each, and as many without
+STEPS = 20  # steps with a new list in each, and without
 SHEAR_STEPS = 400
 SHEAR_WARM = 100
 SHEAR_CELLS = 16  # cubic cells along each edge of the sheared box
 SHEAR_RATE = 50.0  # 1/s
-_SPACING = 1.02  # of the sheared spheres, in diameters
+_SPACING = 1.02  # spacing of the sheared spheres, diameters
 _GAP = 0.03  # diameters, beyond which contacts are forgotten
 _SKIN = 0.05  # diameters
 _SOFT = 1e8  # Pa, and a timestep to match, so that a list lasts some ten steps
 _TIMESTEP = 2e-6  # s
-_SPEED = 0.5  # m/s, of the sheared spheres at the start, at most
+_SPEED = 0.5  # largest initial speed of the sheared spheres, m/s
 _RARELY = "neigh_modify delay 0 every 1000000 check no"
 _ALWAYS = "neigh_modify delay 0 every 1 check no"
-POUR_SPHERES = 500  # fix pour needs minutes to find places for 1000
+POUR_SPHERES = 500  # fix pour needs minutes to find positions for 1000 spheres
 POUR_STEPS = 15000
-_POUR_WIDTH = 12.0  # diameters, of the periodic box
-_POUR_LOWEST = 3.0  # diameters, of the region that the spheres start in
+_POUR_WIDTH = 12.0  # diameters, size of the periodic box
+_POUR_LOWEST = 3.0  # diameters, size of the region in which the spheres start
 _POUR_HIGHEST = 30.0  # diameters
 _POUR_TIMESTEP = 2e-5  # s
 _POUR_SOFT = 1e7  # Pa
@@ -107,7 +107,7 @@ def _new_lists(repeats: int) -> dict[str, Any]:
             for style, engine in engines.items():
                 without = _processor_time(engine, _RARELY, STEPS)
                 times[style].append((_processor_time(engine, _ALWAYS, STEPS) - without) / STEPS)
-    return _report(f"new lists of {n} rattling spheres, friction 0.3", n, times, "ms a list")
+    return _report(f"new lists of {n} rattling spheres, friction 0.3", n, times, "ms per list")
 
 
 def _sheared(repeats: int) -> dict[str, Any]:
@@ -123,7 +123,7 @@ def _sheared(repeats: int) -> dict[str, Any]:
 
     times, lists = _times_of_runs(start, SHEAR_STEPS, repeats)
     title = f"steps of {n} sheared spheres, friction 0.3"
-    return _report(title, n, times, "ms a step", lists)
+    return _report(title, n, times, "ms per step", lists)
 
 
 def _poured(repeats: int) -> dict[str, Any]:
@@ -136,7 +136,7 @@ def _poured(repeats: int) -> dict[str, Any]:
 
     times, lists = _times_of_runs(start, POUR_STEPS, repeats)
     title = f"steps of {POUR_SPHERES} poured spheres, friction 0.3"
-    return _report(title, POUR_SPHERES, times, "ms a step", lists)
+    return _report(title, POUR_SPHERES, times, "ms per step", lists)
 
 
 def _times_of_runs(

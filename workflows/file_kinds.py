@@ -1,4 +1,4 @@
-"""Kinds of files that users write: cases, scans, profiles of clusters, those of extensions."""
+"""Kinds of files that users write: cases, scans, profiles of clusters, and files of extensions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class FileKind:
         `granwave.workflows.solvers.solver_of` recognises, and for files that no command takes for
         a case.
     noun
-        Noun with its article, for messages: "a scan". Cases have that of their `CaseKind`.
+        Noun with its article, for messages: "a scan". Cases have the name of their `CaseKind`.
     command
         Words between ``granwave`` and the name of the file in the command that reads it.
     check
@@ -107,7 +107,7 @@ def other_than_a_case(tables: Mapping[str, Any]) -> FileKind | None:
     InputError
         The kind is known to an extension that is omitted.
     """
-    for kind in reversed(file_kinds()):  # those of extensions first: their files may vary keys too
+    for kind in reversed(file_kinds()):  # kinds of extensions first: their files may vary keys too
         if kind.is_of(tables):
             return kind
     if owner := owner_left_out("file_kinds", lambda kind: kind.is_of(tables)):

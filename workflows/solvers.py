@@ -1,4 +1,4 @@
-"""Solvers by kind of case: LAMMPS for packings, others for the cases of extensions."""
+"""Solvers by kind of case: LAMMPS for packings, other programs for the cases of extensions."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class CaseKind:
     noun
         Noun with its article, for messages: "a granular case".
     tables
-        Tables by which a case of this kind is recognised: it has one of them.
+        Tables by which a case of this kind is recognised: a case has one of these tables.
     file_kind
         Name of the `granwave.workflows.file_kinds.FileKind` that lists their keys.
     parts
@@ -75,14 +75,14 @@ class CaseKind:
     stored
         Function that makes the case of a run that was made, as `stored_case`.
     assemble
-        Function that makes of a case what `size` and `cost` take: all bodies of a packing; other
-        cases may be that themselves.
+        Function that converts a case to the argument of `size` and `cost`: all bodies of a packing;
+        other cases may be that themselves.
     size
         Function that returns the number of parts.
     cost
         Function that returns the cost on a number of ranks, with figures or without.
     check
-        Function that raises InputError if files that a case names are not what it needs.
+        Function that raises InputError if files named in a case are unsuitable.
     afford
         Function of a case, its cost and the directory of its results or None that raises
         InputError if this machine lacks the memory or the disk space.
@@ -97,8 +97,8 @@ class CaseKind:
     modules
         Modules that a process loads once for many runs.
     check_part
-        Function of an assembled case that returns what ``granwave check`` shows of it in addition
-        to its size and cost; None: nothing.
+        Function of an assembled case that returns the additional output of ``granwave check``;
+        None: none.
     """
 
     verb: str
@@ -131,7 +131,7 @@ class CaseKind:
 
 
 def case_kinds() -> tuple[CaseKind, ...]:
-    """Return all kinds of cases, that of packings first."""
+    """Return all kinds of cases, packings first."""
     return (GRANULAR, *_of_extensions())
 
 
@@ -140,7 +140,7 @@ def _of_extensions() -> Iterator[CaseKind]:
 
 
 def case_commands() -> tuple[str, ...]:
-    """Return the commands that run cases, that of packings first."""
+    """Return the commands that run cases, the command for packings first."""
     return tuple(dict.fromkeys(kind.verb for kind in case_kinds()))
 
 

@@ -31,13 +31,13 @@ _LARGEST_TITLE = 20  # rows that may be above the names of the columns
 
 
 def read_curve_rows(path: Path) -> list[Row]:
-    """Read the rows of a curve, of which the first has the names of the columns with their units,
-    such as ``displacement_mm``; other names are as they are written.
+    """Read the rows of a curve; the first has the names of the columns with their units, such as
+    ``displacement_mm``; other names are unchanged.
 
     Raises
     ------
     InputError
-        The file cannot be read, is no text, or has a line that cannot be taken apart.
+        The file cannot be read, is not text, or has a line that cannot be parsed.
     """
     rows = _rows_from_names(read_layout(path), path)
     if not rows:
@@ -46,7 +46,7 @@ def read_curve_rows(path: Path) -> list[Row]:
     units = _units_below(rows)
     names = [_name_with_unit(head, unit) for head, unit in zip(heads, units, strict=True)]
     if any(names.count(name) > 1 for name in names if name not in heads):
-        names = [head.strip() for head in heads]  # two columns could be meant
+        names = [head.strip() for head in heads]  # two columns match
     return [(line, names), *rows[1 + int(any(units)) :]]
 
 
@@ -58,7 +58,7 @@ def _rows_from_names(layout: Layout, path: Path) -> list[Row]:
             words = [
                 _quantity(head.partition("_")[0]) or _quantity(head) for head in below.cells(0)
             ]
-        except ValueError:  # no row of a CSV file, which is refused where it is read
+        except ValueError:  # rows that are not CSV are rejected by the reader
             continue
         if "force" in words and not set(words).isdisjoint(_LENGTHS):
             return rows_of(below, path)

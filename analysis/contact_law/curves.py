@@ -3,7 +3,7 @@ figures.
 
 A collision of effective mass m loads the contact until the work of loading W(a_max) equals m v^2 /
 2; all of it is returned but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs give the
-same, see test_curves.py.
+same curves, see test_curves.py.
 
 Measured force-overlap curves, read from CSV, with the branch and the largest overlap of every row.
 
@@ -33,18 +33,18 @@ from granwave.lammps_inputs.errors import InputError, first_errors
 from granwave.lammps_inputs.files import read_number
 
 _LOG = logging.getLogger("granwave")
-_TURNS = (0.25, 0.5, 0.75, 1.0)  # overlaps at which unloading starts over the largest one
+_TURNS = (0.25, 0.5, 0.75, 1.0)  # overlap at the start of unloading over the largest overlap
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
 _POINTS = 400
-_COLUMNS_ABOVE = 2  # of the legend
+_COLUMNS_ABOVE = 2  # columns of the legend
 _JUMP = 0.2  # step of a measured overlap over its range beyond which rows may be out of order,
 _FAR = 20.0  # if it is so many times the median step, too
 _MAX_OVERLAP = 200.0
 _UNIT_WITHOUT_YIELD = 1e-4  # unit of overlaps over R* for laws without alpha_y
 _MICRO = 1e6  # micrometres in a metre
 _LINES = ((BLUE, "-"), (ORANGE, "--"), (GREEN, ":"), (PURPLE, "-."))
-_STEPS = 2000  # of a collision whose yield strength follows the rate
-_SLOWEST = 0.3  # overlap of the slowest impact over that at first yield
+_STEPS = 2000  # steps of a collision with a yield strength that depends on the rate
+_SLOWEST = 0.3  # overlap of the slowest impact over the overlap at first yield
 
 Table = dict[str, NDArray]
 
@@ -57,8 +57,8 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
     max_overlap
         Largest overlap, in units of alpha_y; of 1e-4 R* for materials without a yield strength.
     velocity
-        Velocity of approach and of separation, m/s, of which the yield strength of some materials
-        depends; 0: slow.
+        Velocity of approach and of separation, m/s, on which the yield strength of some materials
+        depends; 0: quasi-static.
 
     Returns
     -------
@@ -66,8 +66,7 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
         ``branch`` (loading, then unloading_N and reloading_N for each of four turning points),
         ``overlap_m``, ``force_N``, ``overlap_normalised`` (by alpha_y), ``force_normalised`` (by
         F_y); the last two are NaN for materials without a yield strength. ``force_error_N``, the
-        error bar that the law states for itself, if it states one of slow contacts; NaN beyond its
-        range.
+        error bar of the law, if it has one for slow contacts; NaN beyond its range.
 
     Raises
     ------
@@ -203,7 +202,7 @@ def law_drawing(
     limit = 0.2 * law.effective_radius * _MICRO
     if law.entry.fitted and overlap.max() > limit:
         axes.axvline(limit, color=GREY, linestyle=":", label=r"0.2 $R^*$, end of the fit")
-    # the axes above leave no room for a legend in between
+    # there is no room for a legend between the axes above
     legend_outside(figure, _COLUMNS_ABOVE, title=f"{title}, {law.name}" if title else law.name)
     return Drawing(figure, table)
 
@@ -248,8 +247,8 @@ def restitution(
     mass
         Effective mass of the two bodies, kg.
     max_overlap
-        Overlap of the fastest impact over that at first yield; for the elasto-plastic law at most
-        0.2 R*, the limit of its fit.
+        Overlap of the fastest impact over the overlap at first yield; for the elasto-plastic law at
+        most 0.2 R*, the limit of its fit.
     """
     check_forces(law)
     largest = max_overlap * law.yield_overlap
@@ -453,7 +452,7 @@ def curve_of(
 
 
 def _warn_of_jumps(overlap: Array, source: str) -> None:
-    """Log a warning of a curve without branches whose rows are not in the order of measurement."""
+    """Warn of a curve without branches whose rows are not in the order of measurement."""
     steps = np.abs(np.diff(overlap))
     if not steps.size:
         return

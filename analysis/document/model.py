@@ -5,11 +5,11 @@ The content is built once (`granwave.analysis.reports.outline`); HTML, Markdown 
 writers of this model. All texts are plain: a writer escapes what its format needs.
 
 Cells and columns have names, units and numbers as text of a summary or a case, without clutter.
-Clutter are columns and rows without a value, and digits that are nothing but rounding.
+Clutter means columns and rows without a value, and digits that are only rounding.
 
 A number is rounding where it is below 1e-12 of the scale of its quantity, or below 1e-100. The
-scale is the largest number of the same unit that belongs to the same run (its energies, say); where
-it is the only one of its unit, or has none, the largest of all runs.
+scale is the largest number with the same unit in the same run (its energies, for example); where a
+number is the only one with its unit, or has no unit, the scale is the largest number of all runs.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ class Cell:
     Attributes
     ----------
     text
-        What is shown.
+        Text that is shown.
     value
-        What rows are sorted by; None sorts last.
+        Value by which rows are sorted; None comes last.
     meaning
         A sentence that explains it, shown on hover.
     """
@@ -85,14 +85,14 @@ class TableColumn:
 
 @dataclasses.dataclass(frozen=True)
 class DocumentTable:
-    """Rows of cells, as many in each as there are columns.
+    """Rows of cells, one cell for each column.
 
     Attributes
     ----------
     captioned
         False: the heading above says enough.
     by_row
-        Each row is a quantity of its own; else each column is.
+        True if each row is a quantity, False if each column is.
     footnotes
         Remarks below the table, each with its mark.
     """
@@ -131,7 +131,7 @@ class Figure:
     inches
         Width that it was drawn for; 0 where that is not known.
     csv
-        The same numbers as a table, to be kept in the page; empty where they are too many.
+        Table of the drawn numbers, stored in the page; empty if there are too many.
     """
 
     name: str
@@ -145,7 +145,7 @@ class Figure:
 
     @property
     def wide(self) -> bool:
-        """Drawn for more than a column, as panels side by side are; it takes a row of its own."""
+        """True for a figure wider than a column, such as panels side by side, which fills a row."""
         return self.inches > _COLUMN if self.inches else self.size[0] > 2 * self.size[1]
 
 
@@ -159,8 +159,7 @@ class Gallery:
 
 @dataclasses.dataclass(frozen=True)
 class Note:
-    """A sentence: one that must not be overlooked, the answer (``lead``), or with no tone a plain
-    paragraph.
+    """A sentence: an important one, the answer (``lead``), or without a tone a plain paragraph.
 
     ``section`` is where to read on.
     """
@@ -174,7 +173,7 @@ class Note:
 
 @dataclasses.dataclass(frozen=True)
 class Beside:
-    """A picture and a table side by side; one after the other where there is no room."""
+    """A figure and a table side by side; one below the other on narrow pages."""
 
     gallery: Gallery
     table: DocumentTable
@@ -186,7 +185,7 @@ Part = DocumentTable | Gallery | Note | Beside
 
 @dataclasses.dataclass(frozen=True)
 class Group:
-    """Blocks under a heading of their own; folded where the format can fold."""
+    """Blocks under a heading; folded if the format supports it."""
 
     title: str
     blocks: tuple[Part, ...]
@@ -217,7 +216,7 @@ class Badge:
 
 @dataclasses.dataclass(frozen=True)
 class Report:
-    """A whole report."""
+    """A complete report."""
 
     title: str
     lead: str
@@ -378,9 +377,7 @@ def value_cell(value: Any, **more: Any) -> Cell:
 
 
 def spread_cell(mean: float | None, half_width: float | None) -> Cell:
-    """Cell of a mean with its interval or deviation, where there is one, and only significant
-    digits.
-    """
+    """Cell of a mean with its interval or deviation, if known, with significant digits only."""
     if mean is None or not half_width or not math.isfinite(half_width):
         return value_cell(mean)
     return Cell(interval(mean, half_width), mean)
@@ -392,7 +389,7 @@ def is_number(value: Any) -> bool:
 
 
 def significant(value: float, digits: int) -> str:
-    """A number with so many significant digits."""
+    """A number with a given number of significant digits."""
     return _float(value, digits)
 
 
@@ -445,7 +442,7 @@ def _without_rounding(table: DocumentTable) -> list[list[Cell]]:
         of_units = [n for n, column in enumerate(table.columns) if column.heading == _UNIT]
         units = [row[of_units[0]].text if of_units else "" for row in rows]
         sizes = sizes.T
-    scales = np.empty_like(sizes)  # by run and quantity
+    scales = np.empty_like(sizes)  # scale of each run and quantity
     for unit in set(units):
         alike = np.array([one == unit for one in units])
         of_a_run = unit != "" and alike.sum() > 1

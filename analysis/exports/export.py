@@ -1,6 +1,6 @@
 """Export of a run or a scan to the formats of ParaView, pandas, xarray and OVITO.
 
-Files are written to a scratch directory, and moved into place when all are complete.
+Files are written to a scratch directory, and moved to their final location when all are complete.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def export(
 ) -> list[Path]:
     """Export a run or a scan; files of an earlier export to the same format are replaced.
 
-    Files are moved into place after all of them are complete.
+    Files are moved to their final location after all are complete.
 
     Parameters
     ----------
@@ -107,14 +107,14 @@ def export(
         results_directory(output)
         return _export(directory, to, Path(output), tuple(only))
     placed = _export(directory, to, directory / EXPORT_DIRECTORY, tuple(only))
-    # so that --force moves it with the results
+    # the files are moved with the results by --force
     ResultDirectory(directory).claim([f"{EXPORT_DIRECTORY}/"])
     return placed
 
 
 def _some(chosen: ExportFormat, directory: Path, output: Path, only: tuple[str, ...]) -> list[Path]:
     """Export parts of a run; raise InputError if it has none of them."""
-    assert chosen.some is not None  # a format with parts has it
+    assert chosen.some is not None  # this format has parts
     placed = chosen.some(directory, output, only)
     if not placed:
         raise InputError(f"--only: {', '.join(only)}: this run contains no such data")

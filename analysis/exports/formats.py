@@ -1,6 +1,6 @@
 """Format of ``granwave export``: a description of its files, and the functions that write them.
 
-Files are written to a scratch directory, and moved into place when all are complete.
+Files are written to a scratch directory, and moved to their final location when all are complete.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import discard, naming
 from granwave.lammps_inputs.result_directory import ResultDirectory
 
-NOTHING = r"(?!)"  # pattern of no file
+NOTHING = r"(?!)"  # pattern that matches no file
 
 PathOf = Callable[[str], Path]
 
@@ -77,7 +77,7 @@ def of_result(
             try:
                 write(result, path_of)
             except OSError as error:
-                if error.errno is not None or "errno" in str(error):  # an error of writing
+                if error.errno is not None or "errno" in str(error):  # error while writing
                     raise
                 raise InputError(result.damaged(error)) from None
         return placed
@@ -113,7 +113,8 @@ def staged(output: Path, outdated: str = NOTHING) -> Iterator[tuple[PathOf, list
     Yields
     ------
     function, list
-        Scratch path for a file of a name; and the paths of the files, once they are in place.
+        Function that returns the scratch path for the name of a file; and the final paths of the
+        files, filled in at the end.
 
     Raises
     ------
@@ -148,7 +149,7 @@ def staged(output: Path, outdated: str = NOTHING) -> Iterator[tuple[PathOf, list
                 placed.append(output / name)
             own = [name for name in results.marker.files if name not in names]
             results.clear([name for name in own if re.fullmatch(outdated, name)])
-    except OSError as error:  # one that names no file is of the last begun
+    except OSError as error:  # an error without a file name belongs to the last file begun
         if error.filename == str(output) and names:
             error.filename = str(output / names[-1])
         elif error.filename is not None:

@@ -161,7 +161,7 @@ def column_name(name: str, unit: str) -> str:
 
 
 def place_of_column(column: str) -> int:
-    """Sort key that puts the columns that name a row first."""
+    """Return a sort key with which the columns that identify a row come first."""
     return _FIRST.index(column) if column in _FIRST else len(_FIRST)
 
 
@@ -370,7 +370,7 @@ def _add(
     if values.dtype == bool:
         values = values.astype(np.int8)
         kind = np.int8
-        extra["dtype"] = "bool"  # for xarray, which converts it back
+        extra["dtype"] = "bool"  # xarray converts it back
     elif values.dtype.kind in "OU":
         values = values.astype(object)
         kind = h5py.string_dtype()

@@ -15,9 +15,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.style import BLANK, DISSIPATION_MAP, FORCE_MAP
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.result.reader import Result
 
-DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
+DISSIPATION_LIMITS = (1e-6, 1e-1)  # range of dissipation over input
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _EDGE_OF_BLANK = "#c4c4c4"
 
@@ -59,12 +60,14 @@ class Colouring:
 def force_scale(result: Result) -> tuple[float, str, str]:
     """Return the unit of forces in figures, N, the label of the ratio, and its name in CSV files.
 
-    The unit is F_y if contacts can yield, else the largest peak force of the run.
+    The unit is F_y if contacts can yield, else the largest peak force of the run, whose value is in
+    the label.
     """
     if result.has_yield_force:
         return result.law.yield_force, r"$F/F_\mathrm{y}$", "force_over_yield_force"
     largest = float(np.max(result["contacts/peak_force"], initial=0.0)) or 1.0
-    return largest, r"$F/F_\mathrm{max}$", "force_over_largest_force"
+    label = rf"$F/F_\mathrm{{max}}$, $F_\mathrm{{max}}$ = {quantity_in(largest, 'N')}"
+    return largest, label, "force_over_largest_force"
 
 
 def peak_force_colouring(result: Result, decades: float | None = None) -> Colouring:

@@ -44,19 +44,19 @@ _KILO = 1e-3  # kilonewtons in a newton
 _MANY_NEWTON = 1e3  # forces from which on they are in kN
 _POINTS = 72.0  # points in an inch
 _THICKEST = 0.4  # width of the thickest line, diameters
-_LEAST_THICKEST = 2.0  # points: its least width on paper ...
-_MOST_THICKEST = 9.0  # ... and its largest
-_TALL = 2.0  # height / width of a section above which it is drawn lying
-_LONGEST = 30.0  # diameters of a section that is drawn lying
-_SHOWN = 0.05  # of the largest force: the window holds the contacts that carry more
+_LEAST_THICKEST = 2.0  # smallest width of the thickest line, points
+_MOST_THICKEST = 9.0  # largest width of the thickest line, points
+_TALL = 2.0  # height / width of a section above which it is drawn horizontally
+_LONGEST = 30.0  # length of a section that is drawn horizontally, diameters
+_SHOWN = 0.05  # fraction of the largest force: the window shows the contacts that carry more
 _LINE = "black"
-_MOST_VECTORS = 20_000  # lines and discs beyond which the PDF holds them as a picture
+_MOST_VECTORS = 20_000  # lines and discs above which the PDF has a raster image
 _TALLEST = 8.0  # inches
-_LOWEST = 0.4  # inches: height of a panel, at least
-_BESIDE = 0.5  # diameters from the plane of a packing without planes of its own
-_ROOM = 0.6  # inches beside the panels, for labels
-_ABOVE = 0.3  # inches above a panel, for its title
-_BELOW = 0.55  # inches below the panels
+_LOWEST = 0.4  # smallest height of a panel, inches
+_BESIDE = 0.5  # distance from the plane of a packing without planes of its own, diameters
+_ROOM = 0.6  # room for labels next to the panels, inches
+_ABOVE = 0.3  # room for the title above a panel, inches
+_BELOW = 0.55  # room below the panels, inches
 
 Vectors = NDArray[np.float64]
 Window = tuple[float, float, float, float]  # left, right, top, bottom, mm
@@ -66,7 +66,7 @@ def contact_network(result: Result) -> Drawing | None:
     """Draw contacts as lines as thick as their force, with a panel for each state: at rest, at an
     instant, and the largest force of each contact.
 
-    The plane is the one of the case, or the principal one, or y = 0 through the impact.
+    The plane is the plane of the case, or the principal plane, or y = 0 through the impact.
     """
     cut = _cut(result)
     if not len(cut.index):
@@ -109,7 +109,7 @@ def contact_network(result: Result) -> Drawing | None:
         columns |= _columns_of_network(state, ends[: len(state.force)])
     if is_lying:
         for axes in stack:
-            axes.set_yticks([])  # there is little room for them
+            axes.set_yticks([])  # there is little room for these labels
     else:
         figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     stack[-1].set_xlabel(across_title(cut.plane))
@@ -123,7 +123,7 @@ def _height(window: Window) -> float:
 
 
 def _lying(cut: SpheresOnPlane) -> SpheresOnPlane:
-    """Return a section with its depth from left to right, as of a chain."""
+    """Return a section with its depth from left to right, as for a chain."""
     plane = replace(
         cut.plane,
         across=cut.plane.down,
@@ -149,7 +149,7 @@ def _cut(result: Result) -> SpheresOnPlane:
 
 
 def _loaded(result: Result, cut: SpheresOnPlane, states: list[ContactForces]) -> NDArray[np.bool_]:
-    """Return True for the spheres of a section with a contact that is seen: (n,)."""
+    """Return True for the spheres of a section with a visible contact: (n,)."""
     loaded = np.zeros(result.n_spheres, dtype=bool)
     for state in states:
         seen = state.force >= _SHOWN * state.force.max()
@@ -216,14 +216,14 @@ def _columns_of_network(state: ContactForces, ends: Vectors) -> dict[str, ArrayL
 
 
 _STYLES = {STATIC: (GREEN, "s"), INSTANT: (ORANGE, "^"), PEAK: (BLUE, "o")}
-_LINES = {STATIC: ":", INSTANT: "-.", PEAK: "--"}  # of the mean of forces that are alike
-_FEWEST = 10  # contacts of a distribution
+_LINES = {STATIC: ":", INSTANT: "-.", PEAK: "--"}  # line styles of the mean of nearly equal forces
+_FEWEST = 10  # fewest contacts of a distribution
 _FEWEST_BINS = 5
 _MOST_BINS = 60
-_TAIL_FROM = 1.0  # of the mean force: where the fitted tail begins
+_TAIL_FROM = 1.0  # start of the fitted tail over the mean force
 _WIDE = 20.0  # largest force / mean above which the axis of the forces is logarithmic
-_ALIKE = 0.06  # standard deviation / mean, up to which forces are alike, and have no distribution
-_NOT_SMALL = 0.5  # of the mean: smallest force from which on bins begin with it
+_ALIKE = 0.06  # standard deviation / mean of nearly equal forces, which have no distribution
+_NOT_SMALL = 0.5  # smallest force over the mean, above which bins begin with it
 _CURVE = 200  # points of a fitted tail
 _BEYOND = 3.0  # ratio of the limits of the axis to the densities
 
@@ -232,8 +232,8 @@ def force_distribution(result: Result) -> Drawing | None:
     """Draw the distribution of the contact forces, relative to their mean, with exponential tails.
 
     The forces are those at rest, at the instant of the largest elastic energy, and the largest of
-    each contact, as far as the run has them, from ten contacts on. Forces that are alike are a band
-    over their range.
+    each contact, as far as the run has them, from ten contacts on. Nearly equal forces are drawn as
+    a band over their range.
     """
     states = [state for state in contact_forces(result) if len(state.force) >= _FEWEST]
     if not states:
@@ -265,7 +265,7 @@ def _is_alike(state: ContactForces) -> bool:
 
 
 def _draw_alike_forces(axes: Axes, state: ContactForces) -> dict[str, ArrayLike]:
-    """Draw the range of the forces of contacts that carry nearly the same; return its data."""
+    """Draw the range of the forces of contacts with nearly equal forces; return its data."""
     colour, _ = _STYLES[state.name]
     mean = float(state.force.mean())
     low = float(state.force.min())
@@ -284,7 +284,7 @@ def _draw_alike_forces(axes: Axes, state: ContactForces) -> dict[str, ArrayLike]
 
 
 def _say_that_all_are_alike(axes: Axes) -> None:
-    """Say in axes without a distribution that there is none."""
+    """Show in empty axes that there is no distribution."""
     axes.set(xlim=(0, 2), ylim=(0, 1), yticks=[])
     axes.text(
         0.5,
@@ -320,7 +320,7 @@ def _draw_distribution(
 
 
 def _widen(axes: Axes, density: Vectors) -> None:
-    """Let the axis of the densities hold these too; fitted tails may leave it."""
+    """Include these densities in the range of the axis; fitted tails may leave it."""
     low = float(density.min()) / _BEYOND
     high = float(density.max()) * _BEYOND
     if axes.get_autoscaley_on():

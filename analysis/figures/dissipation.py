@@ -1,4 +1,4 @@
-"""Figures of where energy is lost: by sphere, by depth, in the plastic zone, by direction."""
+"""Figures of dissipation in space: by sphere, by depth, in the plastic zone, by direction."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ from granwave.analysis.figures.style import (
 )
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures import waves
+from granwave.analysis.measures.dynamic_force import has_static_forces
 from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, force_decay
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import (
@@ -103,7 +104,7 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
     """
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
-    in_plane = result.assembly.grains_called == CYLINDERS  # of one length
+    in_plane = result.assembly.grains_called == CYLINDERS  # cylinders of equal length
     volumes = (2 * result["spheres/radius"] / result.case.packing.diameter) ** (
         2 if in_plane else 3
     )
@@ -201,6 +202,9 @@ def peak_force_depth(result: Result) -> Drawing | None:
     """Draw the decay of the peak force: largest of each layer with the law that is fitted to it, a
     marker for each layer of contacts along the preferred directions, and bars over the range of
     these directions.
+
+    Under a static load also the largest dynamic force of each layer, above the static one; the law
+    is then fitted to it.
     """
     depth, force = peak_force_by_depth(result)
     if (
@@ -215,9 +219,14 @@ def peak_force_depth(result: Result) -> Drawing | None:
     figure, axes = panels(2.4)
     if n_rays > 1 and n_contacts > 1:
         _mark_directions(axes, middle * _MILLI, along.peak_force / scale)
-    axes.plot(
-        depth * _MILLI, force / scale, "-", color=BLUE, label="largest of the layer", zorder=1
-    )
+    is_pressed = has_static_forces(result)
+    layer = "largest of the layer"
+    total = f"{layer}, with the static force" if is_pressed else layer
+    axes.plot(depth * _MILLI, force / scale, "-", color=BLUE, label=total, zorder=1)
+    _, dynamic = peak_force_by_depth(result, dynamic=True)
+    if is_pressed:
+        above = f"{layer}, dynamic"
+        axes.plot(depth * _MILLI, dynamic / scale, "-.", color=GREEN, label=above, zorder=1)
     decay = force_decay(result)
     if decay is not None:
         _draw_decay(axes, decay, scale)
@@ -228,6 +237,8 @@ def peak_force_depth(result: Result) -> Drawing | None:
         f"layer_peak_{name}": force / scale,
         "contact_depth_m": middle,
     }
+    if is_pressed:
+        columns[f"layer_dynamic_{name}"] = dynamic / scale
     if decay is not None:
         columns |= _columns_of_decay(decay)
     columns |= {
@@ -301,8 +312,8 @@ def _mark_directions(axes: Axes, depth: Array, force: Array) -> None:
     )
 
 
-_LEAST = 1e-5  # smallest share of the energy in the figure
-_NOTHING = 1e-12  # share of the energy that is due to rounding
+_LEAST = 1e-5  # smallest fraction of the energy in the figure
+_NOTHING = 1e-12  # fraction of the energy that is due to rounding
 _STYLES = {
     "depth": (BLUE, "-", "o", BOTTOM),
     "radius": (ORANGE, "--", "s", SIDES),
@@ -371,7 +382,7 @@ def draw_zone_size(
         sizes = [extent_holding(values, energy, percent / 100) for percent in SHARES]
         left = [1 - percent / 100 for percent in SHARES]
         axes.plot(np.array(sizes) / diameter, left, marker, color=colour, markersize=4)
-        beyond = np.flatnonzero(outside > _LEAST)  # none if all the energy is at distance 0
+        beyond = np.flatnonzero(outside > _LEAST)  # all energy is at distance 0
         reach = max(
             reach,
             float(place[beyond[-1] + 1 :].min(initial=place[-1])) if beyond.size else diameter / 2,
@@ -420,7 +431,7 @@ def _outside(distance: Array, energy: Array) -> tuple[Array, Array]:
 
 _LEAST_SPHERES = 8
 _TITLE_HEIGHT = 0.7  # inches
-_LEAST_OF_EVEN = 0.1  # share over that of an even spread at the dark end of the scale
+_LEAST_OF_EVEN = 0.1  # fraction relative to isotropic, at the dark end of the scale
 
 
 def directions(result: Result) -> Drawing | None:

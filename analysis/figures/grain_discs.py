@@ -36,7 +36,7 @@ def draw_discs(
     """
     faces, edges = disc_colours(values, colouring)
     if ringed is not None:
-        edges[ringed] = to_rgba("black")  # on the bright end of the scale, where such spheres are
+        edges[ringed] = to_rgba("black")  # colour at the bright end of the scale
     widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(radius), 0.2)
     discs, *_ = _add_grains(axes, cut, radius, sticks, faces, edges, widths)
     return discs

@@ -78,16 +78,16 @@ _LOST_OTHERWISE = {
     "viscous losses": "viscous", "holder": "holder", "support's damper": "support_lost",
     "absorbed": "absorbed",
 }  # fmt: skip
-_ROUNDING = 1e-9  # of the input: yielding of laws that cannot yield, left by subtraction
+_ROUNDING = 1e-9  # fraction of the input: yield energy, as a difference, of laws that cannot yield
 _EDGE = 0.3  # width of the lines between areas, points
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
-_FAR_APART = 10.0  # largest over smallest peak force from which on their axis is logarithmic
+_FAR_APART = 10.0  # largest over smallest peak force above which their axis is logarithmic
 _IN_PANEL = 4  # sensors in a panel
 # figure of probes
 _MOST_IN_LEGEND = 10  # largest number of curves with a legend
-_COLUMNS = 2  # of a legend above all panels
+_COLUMNS = 2  # columns of a legend above all panels
 _ERRORS_SHOWN = 1e4  # largest over smallest error on the axis of the energies
-_LEAST = 1e-3  # of the tolerance: where the axis of the error begins
+_LEAST = 1e-3  # start of the axis of the error over the tolerance
 
 
 def energies(result: Result) -> Drawing | None:
@@ -141,7 +141,7 @@ def energies(result: Result) -> Drawing | None:
 def _limits_of_error(residual: NDArray[np.float64]) -> dict[str, Any]:
     """Return the limits of the axis of errors, which single small ones do not widen."""
     largest = float(residual.max(initial=0.0))
-    if not 0 < largest < math.inf:  # no finite error that a logarithmic axis shows
+    if not 0 < largest < math.inf:  # a logarithmic axis shows only positive, finite errors
         return {}
     shown = residual[residual > largest / _ERRORS_SHOWN]
     return {"ylim": (float(shown.min()) / 2, 2 * largest)}
@@ -196,9 +196,7 @@ def bottom_force(result: Result) -> Drawing | None:
     impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
     figure, axes = panels(2.3)
     against_time(axes, time, force, linewidth=0.8)
-    axes.update_datalim(
-        [(0.0, 0.0)]
-    )  # so that a force that hardly changes does not lie on the frame
+    axes.update_datalim([(0.0, 0.0)])  # a nearly constant force is not drawn on the frame
     axes.autoscale_view(scalex=False)
     axes.set_ylabel("Force on the bottom (N)", color=BLUE)
     beside = axes.twinx()
@@ -209,8 +207,8 @@ def bottom_force(result: Result) -> Drawing | None:
 
 
 def impactor_velocity(result: Result) -> Drawing | None:
-    """Draw the velocity of the struck, or loaded, sphere along the impact direction; None if it is
-    zero throughout.
+    """Draw the velocity of the impacted, or loaded, sphere along the impact direction; None if it
+    is always zero.
     """
     time = result["energy/time"]
     velocity = result["energy/struck_velocity"]
@@ -328,7 +326,7 @@ def target(result: Result) -> Drawing | None:
 
     The axis of the forces is logarithmic where their peaks differ by more than a decade. The
     impulse is in the figure of the force on the bottom. None if the bottom does not move and there
-    is no such force: the force on the bottom has a figure of its own.
+    is no such force: the force on the bottom has a separate figure.
     """
     arrival = reached(result)
     if arrival is None or not np.any(arrival.force):

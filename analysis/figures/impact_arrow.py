@@ -1,4 +1,4 @@
-"""Arrow that shows where and along which direction the load acts, in pictures of a packing."""
+"""Arrow that shows the position and direction of the load in images of a packing."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 
 _SEEN = 0.1  # length of a unit vector as seen, below which it points at the viewer or away
-_LENGTH = 1.3  # of the arrow, in diameters
-_GAP = 0.1  # between its tip and the sphere, in diameters
+_LENGTH = 1.3  # length of the arrow, diameters
+_GAP = 0.1  # gap between the tip and the sphere, diameters
 _LOOK = {"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0}
-_DOT = 1.5  # points: end of an arrow that is seen from its tip or its tail
+_DOT = 1.5  # size of the symbol of an arrow that is seen end-on, points
 _CIRCLE = 5.0  # points: around it
 
 Vector = NDArray[np.float64]
@@ -23,7 +23,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ImpactArrow:
-    """Place and direction of a load.
+    """Position and direction of a load.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ def impact_arrow(result: Result) -> ImpactArrow:
     rows = result.rows(np.array(list(moving), dtype=np.int64))
     place = masses @ result["spheres/position"][rows] / masses.sum()
     length = float(np.linalg.norm(momentum))
-    if length == 0:  # bodies that fly at each other
+    if length == 0:  # bodies that move towards each other
         return ImpactArrow(place, np.array([0.0, 0.0, 1.0]))
     return ImpactArrow(place, momentum / length)
 

@@ -18,7 +18,7 @@ _CORNERS = ("upper right", "upper left", "lower left", "lower right")
 _OTHER_PLACES = ("center right", "center left", "lower center", "upper center")
 _MARGIN = 2.0  # margin around a legend, points
 _POINTS = 72.0  # points in an inch
-_ABOVE = (0.5, 1.0)  # position of a legend that does not fit inside the axes, of the axes
+_ABOVE = (0.5, 1.0)  # position of a legend that does not fit inside the axes, in axes coordinates
 _COLUMNS_ABOVE = 3
 
 
@@ -30,15 +30,19 @@ def uncover_curves(figure: Figure) -> bool:
     bool
         True if a legend was moved above its axes, so that the layout has to be computed again.
     """
-    moved_above = False
-    for axes in figure.axes:
-        legend = axes.get_legend()
-        if legend is None or _is_outside(axes, legend) or not covers_curve(axes, legend):
-            continue
-        if not _moves_within(axes, legend):
-            _put_above(axes, legend)
-            moved_above = True
-    return moved_above
+    moved = [uncover_curves_of(axes) for axes in figure.axes]
+    return any(moved)
+
+
+def uncover_curves_of(axes: Axes) -> bool:
+    """Move the legend of axes as `uncover_curves` does; True if it was moved above."""
+    legend = axes.get_legend()
+    if legend is None or _is_outside(axes, legend) or not covers_curve(axes, legend):
+        return False
+    if _moves_within(axes, legend):
+        return False
+    _put_above(axes, legend)
+    return True
 
 
 def covers_curve(axes: Axes, legend: Legend) -> bool:
@@ -99,8 +103,13 @@ def _moves_within(axes: Axes, legend: Legend) -> bool:
 def _put_above(axes: Axes, legend: Legend) -> None:
     """Replace a legend by one above its axes, in as many columns as have room."""
     entries = [text.get_text() for text in legend.get_texts()]
+    of_axes, labels = axes.get_legend_handles_labels()
+    drawn = dict(zip(labels, of_axes, strict=True))
+    handles: Any = [  # those of the legend lack the markers of error bars
+        drawn.get(entry, handle)
+        for entry, handle in zip(entries, legend.legend_handles, strict=True)
+    ]
     for columns in range(min(_COLUMNS_ABOVE, len(entries)), 0, -1):
-        handles: Any = legend.legend_handles
         above = axes.legend(
             handles,
             entries,

@@ -35,12 +35,12 @@ _PALE = "#d9d9d9"
 _COLOURS = (_PALE, BLUE, YELLOW, GREEN, PURPLE, ORANGE)
 _SUFFIXES = (".png", ".pdf")
 _EDGE_WIDTH = 0.3  # points
-_MARGIN = 0.03  # of the larger width, around the grains
-_NARROW = 0.15  # width of a view / largest extent, below which it has two ticks at most
-_COLUMNS = 4  # of the legend
+_MARGIN = 0.03  # margin around the grains over the larger width
+_NARROW = 0.15  # width of a view / largest extent, below which an axis has two ticks at most
+_COLUMNS = 4  # columns of the legend
 _TALLEST = 2.0  # height over width of a view, beyond which the figure is no taller
 
-#: Horizontal and vertical axis of a view, the axis along which one looks, and its title.
+#: Horizontal and vertical axis of a view, direction of view, and title.
 _VIEWS = ((0, 2, 1, "from the side"), (0, 1, 2, "from above"))
 
 
@@ -61,7 +61,7 @@ def write_packing(assembly: Assembly, path: Path) -> Path:
 
 
 def packing_drawing(assembly: Assembly) -> Drawing:
-    """Draw the grains of a packing from the side and from above; those in front hide others."""
+    """Draw the grains of a packing from the side and from above; grains in front hide others."""
     position = assembly.positions()
     diameter = assembly.sphere_diameters()
     names = _materials(assembly)
@@ -86,7 +86,7 @@ def packing_drawing(assembly: Assembly) -> Drawing:
 
 
 def _draw_legend(figure: Figure, axes: Axes, names: list[str]) -> None:
-    """Draw the colours of materials, of several, above the views."""
+    """Draw the legend of materials above the views, if there are several."""
     if len(names) < 2:
         return
     for number, name in enumerate(names):

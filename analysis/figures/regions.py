@@ -30,15 +30,15 @@ _MILLI = 1e3  # millimetres in a metre
 _KILO = 1e-3  # kilonewtons in a newton
 _LARGE = 1e4  # N from which on forces are in kN
 _FEW = 60  # instants up to which each has a mark
-_LIGHT = 0.85  # of the colour map: last depth
+_LIGHT = 0.85  # part of the colour map: last depth
 _DEPTH_MAP = "viridis"
 _REGION_MAP = "Blues"
-_PALEST = 0.3  # of the colour map of regions: farthest from the load
+_PALEST = 0.3  # part of the colour map of regions: farthest from the load
 _DARKEST = 0.95  # nearest to it
 _OTHER_COLOURS = {DISSIPATED: ORANGE, WALLS: GREY, OTHERS: "#d9d9d9", "plate": "#3a3a3a"}
 _HATCHES = {DISSIPATED: "////", WALLS: "....", "rotation": "xxxx", "support": "----"}
 _EDGE = 0.5  # points: white lines between regions
-_COLUMNS = 2  # of the legend of regions
+_COLUMNS = 2  # columns of the legend of regions
 _LONG = 24  # characters of a name, beyond which the legend has one column
 
 
@@ -122,7 +122,7 @@ def energy_by_region(result: Result) -> Drawing | None:
 
 
 def _draw_areas(axes: Axes, time: Any, parts: list[tuple[str, Any]], regions: list[str]) -> None:
-    """Draw shares one above the other; regions are the darker the nearer they are to the load."""
+    """Draw fractions above each other; regions are darker nearer to the load."""
     low = np.zeros(len(time))
     for name, share in parts:
         colour: Any = _OTHER_COLOURS.get(name, GREY)
@@ -137,5 +137,5 @@ def _draw_areas(axes: Axes, time: Any, parts: list[tuple[str, Any]], regions: li
 
 
 def _columns(names: list[str]) -> list[tuple[str, str]]:
-    """Return names of regions with those of their columns."""
+    """Return the names of the regions that columns belong to."""
     return [(name, name.replace(",", "").replace(" ", "_").replace("-", "_")) for name in names]

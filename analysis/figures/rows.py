@@ -41,6 +41,7 @@ from granwave.analysis.measures.driven import (
     amplitude_sweep_of,
     transmission_of,
 )
+from granwave.analysis.measures.force_decay import BEFORE_END
 from granwave.analysis.measures.fronts import AXIS, LineMotion, line_motions
 from granwave.analysis.measures.lines import LineRecord, lines_of, sensor_forces
 from granwave.analysis.result.reader import Result
@@ -52,10 +53,10 @@ _MOST_CURVES = 5
 _DECADES = 3.0  # decades of force in the map
 _LINEAR = 30.0  # largest dynamic force / force up to which the scale of the map is linear
 _MOST_COLUMNS = 2000  # largest number of columns of a map
-_AFTER = 2.0  # times the last arrival: where the diagram of a line ends
+_AFTER = 2.0  # end of the diagram of a line over the last arrival
 _FEWEST_TIMES = 8  # instants of a diagram of a line
 _DECADES_OF_SPEED = 3.0  # decades of speed in the diagram of a line
-_EDGE = [withStroke(linewidth=2.2, foreground="white")]  # seen on dark and bright colours
+_EDGE = [withStroke(linewidth=2.2, foreground="white")]  # visible on dark and bright colours
 _ARRIVALS: dict[str, Any] = {
     "color": "black", "markersize": 2.6, "markeredgecolor": "white", "markeredgewidth": 0.4,
 }  # fmt: skip
@@ -150,7 +151,9 @@ def force_histories(result: Result) -> Drawing | None:
 
 
 def along_chain(result: Result) -> Drawing | None:
-    """Draw peak force and dissipated energy of every contact along the chain."""
+    """Draw peak force and dissipated energy of every contact along the chain; without the peak
+    force of contacts whose force still rises at the end.
+    """
     if "chain" not in result:
         return None
     peak = result.along_chain("peak_force")
@@ -159,7 +162,11 @@ def along_chain(result: Result) -> Drawing | None:
         return None
     number = np.arange(1, len(peak) + 1)
     scale, unit = _unit(peak)
-    curves = [(peak * scale, f"Peak force ({unit})")]
+    has_risen = result.along_chain("time_peak") < BEFORE_END * float(result["energy/time"][-1])
+    drawn = peak * scale
+    if np.any(has_risen & (peak > 0)):
+        drawn = np.where(has_risen, drawn, 0.0)
+    curves = [(drawn, f"Peak force ({unit})")]
     if np.any(lost > 0):
         energy, name = energy_unit(float(lost.max()))
         curves.append((lost * energy, f"Dissipated ({name})"))
@@ -252,7 +259,7 @@ def _name(result: Result, contact: int) -> str:
 
 
 def _name_of_body(result: Result, number: int) -> str:
-    """Return the number of a bead, S with its number for a striker, or ``bar``."""
+    """Return the number of a bead, ``S`` with its number for a striker, or ``bar``."""
     n_beads = result.assembly.lattice.n_spheres
     if number <= n_beads:
         return str(number)

@@ -37,14 +37,14 @@ class RunFigure:
     function
         Function that draws it from a result, or returns None if it does not apply.
     look
-        What to look for in it: the rest of its caption in reports.
+        Feature to look for: the rest of its caption in reports.
     shares_work_with
-        Names of other figures that are drawn in the same process, since they share the work.
+        Names of other figures that are drawn in the same process because they share computations.
     takes_long
         True if it takes so long that it is drawn first.
     adds
-        Function that returns False for a result of which it repeats other figures: it is then
-        drawn only where it is asked for.
+        Function that returns False for a result of which it repeats other figures: it is then drawn
+        only on request.
     """
 
     caption: str
@@ -118,7 +118,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("force_histories", rows.force_histories, "Forces of individual contacts",
      "Equal successive pulses are a steady wave; pulses that become lower and longer lose energy."),
     ("along_chain", rows.along_chain, "Peak force and dissipation along the chain",
-     "Constant values show a wave without decay; decreasing values show its decay."),
+     "Constant values show a wave without decay; decreasing values show its decay. Contacts whose "
+     "force still rises at the end are not drawn."),
     ("bead_velocities", rows.bead_velocities, "Velocities along the chain",
      "Each curve is the whole chain at one instant: the front moves to the right, and its height "
      "shows the decay."),
@@ -161,6 +162,8 @@ _PLANES = {
 }
 
 
+#: Ends of the names of figures whose plane does not depend on ``figures.plane``.
+FIXED_PLANES = ("_principal", "_orthogonal")
 #: Figures of the core that take long.
 _LONG = ("wave_front", "directions")
 #: Figures of the core that repeat others of some runs.
@@ -194,7 +197,7 @@ def _added(reference: str) -> RunFigure:
     """Return a figure of an extension; one that cannot be loaded fails when it is drawn."""
     try:
         figure: RunFigure = load(reference)
-    except Exception as error:  # of anyone's package; it costs no other figure
+    except Exception as error:  # an error in someone's extension; the other figures are drawn
         return RunFigure(f"{reference}, which cannot be loaded", partial(_fail, error), "")
     return figure
 
@@ -229,8 +232,8 @@ def draw_figures(
     progress
         Function called with the name of each figure before it is drawn.
     names
-        Names of the figures to draw; by default those that the options ask for, and those that are
-        there already. Where the options name figures, others are removed.
+        Names of the figures to draw; by default the figures requested by the options, and the
+        existing figures. Where the options name figures, others are removed.
     helpers
         Processes that draw next to this one, started before; by default as many as there are cores,
         up to four.
@@ -326,7 +329,7 @@ def work(
     Parameters
     ----------
     requests, outcomes
-        Pipes: lists of numbers of figures come in; success and files of each figure go out.
+        Pipes: it reads lists of numbers of figures, and writes success and files of each figure.
     directory
         Directory of the run.
     names
@@ -346,13 +349,13 @@ def work(
                     outcome = True, draw(names[number])
                 except Exception:
                     outcome = False, None
-                # what gave warnings is drawn again where they are seen
+                # figures with warnings are drawn again where warnings are visible
                 pickle.dump((False, None) if notes.buffer else outcome, outcomes)
                 outcomes.flush()
 
 
 if __name__ == "__main__":
-    gc.freeze()  # modules stay to the end; collections need not look at them
+    gc.freeze()  # modules remain until the end; the garbage collector can skip them
     pipe = sys.stdout.buffer
     sys.stdout = sys.stderr
     work(sys.stdin.buffer, pipe, *pickle.load(sys.stdin.buffer))

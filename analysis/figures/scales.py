@@ -27,7 +27,7 @@ from matplotlib.ticker import (
 from numpy.typing import NDArray
 
 _IN_MICROSECONDS = "(µs)"  # end of the title of an axis of times
-_LONG = 5e3  # µs, times beyond it are shown in ms
+_LONG = 5e3  # µs, later times are shown in ms
 _MILLI = 1e-3  # milliseconds in a microsecond
 _WIDE = 10.0  # largest / smallest value above which an axis is logarithmic
 _MANY = 1e4  # largest / smallest value above which ticks are at powers of ten only ...
@@ -47,7 +47,8 @@ _WITHIN_DECADES: tuple[tuple[tuple[float, ...], int], ...] = (((1.0, 2.0, 5.0), 
 _POWERS = tuple(((1.0,), every) for every in (1, 2, 3, 5, 10, 20))
 _ENOUGH = 3  # number of labels at powers of ten that makes other labels unnecessary
 _CHARACTER = 0.6  # width of a character in a label, font sizes
-_SUPERSCRIPT = 0.42  # width of a superscript, font sizes
+# most intervals of such an axis: labels are next to each other along x, above each other along y
+_SUPERSCRIPT = 0.42
 _GAP = 0.5  # gap between labels, font sizes
 _LINE = 1.15  # height of a line, font sizes
 _MOST_TICKS = 30  # largest number of ticks of an axis
@@ -69,7 +70,8 @@ class PowersOfTen(LogFormatterSciNotation):
     """
 
     plain = False  # numbers such as 0.2 in place of powers
-    factors: tuple[float, ...] | None = None  # of powers of ten that are labelled; None: the usual
+    # labelled multiples of powers of ten; None: the default
+    factors: tuple[float, ...] | None = None
     every = 1  # number of decades from one label to the next
 
     def set_locs(self, locs: Any = None) -> None:
@@ -86,8 +88,8 @@ class PowersOfTen(LogFormatterSciNotation):
         self.factors, self.every = self._choose(axis, low, high)
 
     def _choose(self, axis: Any, low: float, high: float) -> tuple[tuple[float, ...], int]:
-        """Return the first choice whose labels have room, the last if none has; of axes over some
-        decades powers only.
+        """Return the first choice whose labels have room, the last if none has; axes over several
+        decades have powers only.
         """
         powers = labelled_values(low, high, (1.0,))
         choices = _POWERS if len(powers) >= _ENOUGH else (*_WITHIN_DECADES, *_POWERS)
@@ -174,7 +176,7 @@ def _length(axis: Any) -> float:
 
 
 def plain_powers(figure: Figure) -> None:
-    """Give logarithmic axes the labels of `PowersOfTen` in place of the usual labels.
+    """Replace the default labels of logarithmic axes by the labels of `PowersOfTen`.
 
     Axes over many decades have ticks at powers only.
     """
@@ -185,7 +187,7 @@ def plain_powers(figure: Figure) -> None:
     for axes in axes_and_children:
         if isinstance(axes, SecondaryAxis):
             secondary: Any = axes
-            secondary._set_lims()  # else it has the limits of its axis only when it is drawn
+            secondary._set_lims()  # otherwise the limits are set only when the axis is drawn
         axis_list += [axes.xaxis, axes.yaxis]
     for axis in axis_list:
         if type(axis.get_major_locator()) is LogLocator:
@@ -195,7 +197,8 @@ def plain_powers(figure: Figure) -> None:
             (axis.get_minor_formatter(), axis.set_minor_formatter),
         ):
             if type(usual) is LogFormatterSciNotation:
-                scale: Any = usual  # base and the range of symlog axes have no public names
+                # matplotlib has no public names for base and range of symlog axes
+                scale: Any = usual
                 change(
                     PowersOfTen(
                         scale._base, scale.labelOnlyBase, scale.minor_thresholds, scale._linthresh
@@ -235,7 +238,7 @@ def _place_ticks(axis: Axis) -> None:
     if high >= many * low:
         axis.set_minor_locator(NullLocator())
     locator: Any = axis.get_major_locator()
-    locator.set_params(numticks=_MOST_TICKS)  # by default a few, of any decades
+    locator.set_params(numticks=_MOST_TICKS)  # the default is a few, of any decades
 
 
 def least_span(figure: Figure) -> None:
@@ -320,8 +323,8 @@ def spread_scales(axes: Axes, places: Iterable[float]) -> str:
     Returns
     -------
     str
-        Words for the title of the axis of positions, if it is not linear; empty otherwise. Its
-        line is then broken between 0 and the first place.
+        Words for the title of the axis of positions, if it is not linear; empty otherwise. Its line
+        is then broken between 0 and the first position.
     """
     places = sorted(set(places))
     positive = [place for place in places if place > 0]

@@ -44,11 +44,11 @@ from granwave.analysis.result.reader import Result
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
 _TALL = 2.5  # height / width of a packing above which all snapshots are in a row ...
-_BROAD = 0.6  # ... and below which they are one below the other
+_BROAD = 0.6  # ... and below which they are in a column
 _AROUND_ARROW = 0.3  # distance of the load's arrow from the edge of a section, diameters
 _BEHIND = 0.75  # largest distance of the plane behind a section, diameters
 _SAME_PLANE = 0.05  # distance of centres in one plane, diameters
-_PALE = 0.55  # strength of the colours of spheres behind a section
+_PALE = 0.55  # opacity of the colours of spheres behind a section
 
 
 def peak_force_section(result: Result, name: str) -> Drawing | None:
@@ -152,7 +152,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     Parameters
     ----------
     name
-        Name of the plane: principal, orthogonal, or section, the one of the case.
+        Name of the plane: principal, orthogonal, or section (the plane of the case).
     colourings
         Quantities, with titles if there are several.
     """
@@ -233,7 +233,7 @@ def across_title(plane: Plane) -> str:
 def draw_impact(
     axes: Axes, result: Result, cut: SpheresOnPlane, window: tuple[float, float, float, float]
 ) -> None:
-    """Draw the arrow of the load in a section, and widen its window to show the whole of it."""
+    """Draw the arrow of the load in a section, and widen its window to show the complete arrow."""
     arrow = impact_arrow(result)
     plane = np.stack([cut.plane.across, cut.plane.down])
     place = plane @ (arrow.place - result.origin) * _MILLI
@@ -294,7 +294,7 @@ def window_around(
     half = max(float(np.abs(cut.across[shown]).max()), 4 * diameter) + margin
     left = float(cut.across.min()) - diameter
     right = float(cut.across.max()) + diameter
-    if left < -half - margin:  # else a narrow rest would be cut off
+    if left < -half - margin:  # a narrow remainder would be cut off
         left = -half
     if right > half + margin:
         right = half

@@ -1,7 +1,7 @@
 """Parts that figures share: panels and their labels, curves against time, legends above, names of
 columns.
 
-Figures are handed over to pyplot, to be changed and shown by the user.
+Figures are registered with pyplot, so that the user can change and show them.
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ from granwave.analysis.figures.style import (
 from granwave.analysis.figures.user_axes import drawing_into, match_text, plots_of, user_figure
 
 _MICRO = 1e6  # in a second
-_MOST_POINTS = 20_000  # of a curve; the CSV file has all
+_MOST_POINTS = 20_000  # most points of a curve; the CSV file has all
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 MARKS = "os^Dv"
-#: Lines in turn, which tell curves apart where colours cannot be seen.
+#: Line styles in turn, which distinguish curves in grey prints.
 LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 _ENERGIES = ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ"))
 _VELOCITIES = ((1.0, "m/s"), (1e3, "mm/s"), (1e6, "µm/s"))
-_LEAST_VELOCITY = 0.01  # in m/s: tenths are usual there
+_LEAST_VELOCITY = 0.01  # in m/s: tenths are common there
 
 
 def energy_unit(largest: float) -> tuple[float, str]:
@@ -180,7 +180,7 @@ def draw_axes(
     width
         As in `granwave.analysis.figures.style.style`.
     into
-        Axes of the user, one for each panel, which take the place of those of a new figure.
+        Axes of the user, one for each panel, used instead of a new figure.
 
     Returns
     -------

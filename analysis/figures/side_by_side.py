@@ -1,12 +1,12 @@
 """Drawing of the figures of a run in several processes.
 
-Helpers are programs of their own, not copies of this process, which may hold threads, MPI and open
+Helpers are separate programs, not copies of this process, which may have threads, MPI and open
 files. They load the drawing library, which takes most of a second, while the run is analysed. Then
-they and this process take fractions of the figures, the longest first, so that all end at about the
-same time: a thread for each helper hands it one share after the other. Only this process writes
-files, in the order of the figures, from the output of the helpers. A figure that fails in a
-helper, or gives a warning there, is drawn again here, so that errors and warnings do not depend
-on the number of processes.
+they and this process take batches of figures, the longest first, so that all end at about the same
+time: a thread for each helper passes it one batch after another. Only this process writes files,
+in the order of the figures, from the output of the helpers. A figure that fails in a helper, or
+gives a warning there, is drawn again here, so that errors and warnings do not depend on the number
+of processes.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from granwave.lammps_inputs.files import available_memory
 
 # environment variable: largest number of processes that draw
 PROCESSES = "GRANWAVE_FIGURE_PROCESSES"
-_USUAL_FIGURES = 6  # that are drawn by default
-_SHARE = 0.5  # of all figures that apply to a run
-_MOST_PROCESSES = 4  # with more, loading the drawing library costs more than they gain
-_LEAST_FIGURES = 4  # for each process
-_MEMORY = 0.5e9  # bytes for each helper: 0.4 with 155 520 spheres
+_USUAL_FIGURES = 6  # figures that are drawn by default
+_SHARE = 0.5  # fraction of all figures that apply to a run
+_MOST_PROCESSES = 4  # with more processes, loading matplotlib takes longer than they save
+_LEAST_FIGURES = 4  # fewest figures for each process
+_MEMORY = 0.5e9  # bytes per helper: 0.4 with 155 520 spheres
 _HELPER = "granwave.analysis.figures.run_figures"
 
-Contents = Mapping[str, bytes]  # of the files of a figure, by suffix
+Contents = Mapping[str, bytes]  # contents of the files of a figure, by suffix
 Outcome = Contents | None  # None: the figure does not apply
 
 
@@ -56,7 +56,7 @@ def helpers(n_figures: int) -> Iterator[Helpers]:
     """
     started = Helpers()
     try:
-        with contextlib.suppress(OSError):  # with fewer helpers this process draws more
+        with contextlib.suppress(OSError):  # with fewer helpers this process draws more figures
             for _ in range(_processes(n_figures) - 1):
                 started.start()
         yield started
@@ -82,7 +82,8 @@ class Helpers:
 
     def __init__(self) -> None:
         self._processes: list[subprocess.Popen[bytes]] = []
-        self._threads: ThreadPoolExecutor | None = None  # one for each helper; None before drawing
+        # one thread for each helper; None before drawing
+        self._threads: ThreadPoolExecutor | None = None
 
     def start(self) -> None:
         """Start a helper."""
@@ -92,7 +93,7 @@ class Helpers:
             "stderr": subprocess.DEVNULL,
         }
         command = [sys.executable, "-P", "-m", _HELPER]
-        # a new session: Ctrl-C reaches this process alone, which then ends its helpers
+        # a new session: Ctrl-C reaches this process only, which then ends its helpers
         self._processes.append(subprocess.Popen(command, start_new_session=True, **pipes))
 
     def end(self) -> None:
@@ -100,7 +101,7 @@ class Helpers:
         for process in self._processes:
             process.kill()
         if self._threads is not None:
-            self._threads.shutdown(cancel_futures=True)  # the pipes ended with the helpers
+            self._threads.shutdown(cancel_futures=True)  # the helpers have closed their pipes
         for process in self._processes:
             process.communicate()
 
@@ -138,7 +139,7 @@ class Helpers:
                 pickle.dump(request, process.stdin)  # type: ignore[arg-type]
             idle.put(process)
         waiting: dict[Future[Any], Sequence[int]] = {}
-        future_of: dict[int, Future[Any]] = {}  # by the number of a figure
+        future_of: dict[int, Future[Any]] = {}  # futures by the number of a figure
         for share in shares or [[number] for number in range(len(names))]:
             future = self._threads.submit(_drawn_beside, idle, share)
             waiting[future] = share
@@ -156,14 +157,14 @@ class Helpers:
             yield outcome if succeeded else draw(name)
 
     def _take(self, waiting: dict[Future[Any], Sequence[int]]) -> Sequence[int]:
-        """Take a fraction for this process that no helper has begun; empty if there is none."""
+        """Take a batch that no helper has begun; empty if there is none."""
         return next((waiting.pop(future) for future in list(waiting) if future.cancel()), ())
 
 
 def _drawn_beside(
     idle: SimpleQueue[subprocess.Popen[bytes]], share: Sequence[int]
 ) -> dict[int, tuple[bool, Outcome]]:
-    """Let an idle helper draw a fraction; return the success and outcome of each figure by number.
+    """Let an idle helper draw a batch; return the success and outcome of each figure by number.
 
     If the helper dies, no figure has succeeded.
     """
@@ -180,7 +181,7 @@ def _drawn_beside(
 
 
 def _attempt(draw: Callable[[str], Outcome], name: str) -> tuple[bool, Outcome]:
-    """Draw a figure; if it fails, it is drawn again in its turn, and the error is raised then."""
+    """Draw a figure; a figure that fails is drawn again later, and its error is raised then."""
     try:
         return True, draw(name)
     except Exception:

@@ -45,10 +45,10 @@ logger = logging.getLogger(__name__)
 WIDTH = 3.4  # inches, one column of a journal
 _INCH = 0.0254  # m
 RESOLUTION = 300  # dots per inch
-# of PNG files: finds runs of equal pixels, which figures are full of; the usual settings take twice
-# as long
+# compression of PNG files by runs of equal pixels, which are frequent in figures; the default
+# settings take twice as long
 _COMPRESSION: dict[str, Any] = {"compress_level": 3, "compress_type": zlib.Z_RLE}
-_MAKER = "granwave"  # program name in the metadata of pictures
+_MAKER = "granwave"  # program name in the metadata of images
 _METADATA: dict[str, dict[str, Any]] = {
     "pdf": {"CreationDate": None, "Creator": _MAKER},
     "svg": {"Date": None, "Creator": _MAKER},
@@ -56,7 +56,7 @@ _METADATA: dict[str, dict[str, Any]] = {
 OWN_PICTURES = {
     ".png": rb"tEXtSoftware\x00granwave",
     ".pdf": rb"/Creator \(granwave\)",
-}  # its form in the files
+}  # values in the files
 
 # Okabe and Ito's colours, which colour-blind readers can distinguish
 BLUE = "#0072B2"
@@ -67,7 +67,7 @@ SKY = "#56B4E9"
 GREY = "#767676"
 YELLOW = "#F0C000"  # for areas, too pale for lines
 FORCE_MAP = "viridis"
-BOTH_SIDES_MAP = "RdBu_r"  # of values above and below zero
+BOTH_SIDES_MAP = "RdBu_r"  # colour map of values above and below zero
 DISSIPATION_MAP = "inferno"
 DENT_MAP = "cividis"
 BLANK = "#dcdcdc"  # spheres without a value
@@ -93,10 +93,10 @@ STYLE: dict[Any, Any] = {
     "axes.formatter.limits": (-4, 5),
     "savefig.dpi": RESOLUTION,
     "pdf.fonttype": 42,
-    # read for PDF too: else characters such as powers of ten come as a second font
+    # also read for PDF: otherwise characters such as superscripts add a second font
     "ps.fonttype": 42,
     "svg.fonttype": "none",
-    "svg.hashsalt": "granwave",  # the same file for the same figure
+    "svg.hashsalt": "granwave",  # identical files for identical figures
 }
 
 Columns = Mapping[str, ArrayLike]
@@ -138,8 +138,8 @@ class NotDrawn:
 
 
 def attempt(what: str, draw: Callable[[], Made]) -> Made | NotDrawn:
-    """Draw a figure; if that fails, warn and return the reason, so that the others are drawn all
-    the same.
+    """Draw a figure; if this fails, warn and return the reason, so that the other figures are still
+    drawn.
     """
     try:
         return draw()
@@ -150,7 +150,7 @@ def attempt(what: str, draw: Callable[[], Made]) -> Made | NotDrawn:
 def not_made(what: str, error: Exception) -> NotDrawn:
     """Warn of a figure or file that could not be made, and return it with the reason.
 
-    Damaged files, full disks and lack of memory concern everything else too, and are raised.
+    Damaged files, full disks and lack of memory affect all figures, and are raised.
     """
     if isinstance(error, GranwaveError | OSError | MemoryError):
         raise error
@@ -161,15 +161,15 @@ def not_made(what: str, error: Exception) -> NotDrawn:
     return not_drawn
 
 
-_scale: ContextVar[float] = ContextVar("scale", default=1.0)  # of the size of figures
+_scale: ContextVar[float] = ContextVar("scale", default=1.0)  # scale of the size of figures
 
 
 @contextmanager
 def style(width: float | None = None) -> Iterator[None]:
     """Apply `STYLE` within a ``with`` block, without changing global settings.
 
-    All else is as matplotlib brings it: settings files of the user or the working directory change
-    no figure.
+    All other settings are matplotlib's defaults: settings files of the user or the working
+    directory change no figure.
 
     Parameters
     ----------
@@ -254,19 +254,18 @@ _NEEDED = frozenset(
 
 @contextmanager
 def _needed_tables_only() -> Iterator[None]:
-    """Embed fonts without tables for shaping and naming text: no reader of a PDF needs them, and
-    they take longest.
-
-    matplotlib has no setting for it; so the function by which fontTools loads a font is replaced
-    meanwhile.
+    """Embed fonts without tables for shaping and naming text, which no reader of a PDF needs and
+    which take longest. matplotlib has no setting for it, so the function by which fontTools loads a
+    font is replaced meanwhile.
     """
-    from fontTools import subset  # takes longer to load than a figure to draw
+    from fontTools import subset  # imported on demand: slow to load
 
     load_font = subset.load_font
 
     def load(*arguments: Any, **options: Any) -> Any:
         font = load_font(*arguments, **options)
-        if "glyf" in font:  # others, as those with PostScript outlines, stay as they are
+        # other fonts, such as fonts with PostScript outlines, are embedded completely
+        if "glyf" in font:
             for table in set(font.keys()) - _NEEDED:
                 del font[table]
         return font
@@ -308,9 +307,7 @@ def lay_out(figure: Figure, resolution: float) -> None:
         long_times_in_ms(figure)
         for axes in figure.axes:
             for artist in (axes.patch, *axes.spines.values()):
-                artist.set_in_layout(
-                    False
-                )  # they lie within the axes, which the layout asks for anyway
+                artist.set_in_layout(False)  # inside the axes, which the layout leaves free anyway
         figure.dpi = resolution
         engine.execute(figure)
         if break_long_titles(figure):
@@ -366,8 +363,8 @@ class FigureFolder:
     ) -> None:
         """Save a drawing as `save` does; if it is None, remove the earlier one of this name.
 
-        If granwave did not write an existing file of this name, warn and do not save. In place of a
-        figure that could not be drawn its reason is saved.
+        If granwave did not write an existing file of this name, warn and do not save. If a figure
+        could not be drawn, the reason is saved instead.
         """
         self.draw(lambda: drawing, name, formats=formats)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-_MATHEMATICS = "$"  # begins and ends a formula, which is never broken
+_MATHEMATICS = "$"  # delimiter of formulas, which are never broken
 
 
 def break_long_titles(figure: Figure) -> bool:

@@ -1,4 +1,4 @@
-"""Figures in axes of the user, and curves of another run over those of a figure."""
+"""Figures in axes of the user, and curves of another run drawn over a figure."""
 
 from __future__ import annotations
 
@@ -9,19 +9,25 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.legends import uncover_curves_of
 from granwave.lammps_inputs.errors import InputError
 
-_OTHER_LINE = "--"  # of the curves of another run
+_OTHER_LINE = "--"  # line style of another run
+_OTHER_MARKER = "x"  # marker of its points that no line joins
 _OTHER_ALPHA = 0.7
+_FONT = 8  # font size of legends, points
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
 class UserFigure:
-    """Figure whose panels are axes of the user; all else is asked of the figure of these axes.
+    """Figure whose panels are axes of the user; other attributes are those of the figure of these
+    axes.
 
     Parameters
     ----------
@@ -42,7 +48,7 @@ class UserFigure:
 
     @property
     def axes(self) -> list[Axes]:
-        """Axes of the panels, and those that the drawing added, such as of colour bars."""
+        """Axes of the panels, and axes added by the drawing, such as colour bars."""
         return [axes for axes in self._figure.axes if axes not in self._before]
 
     def subplots(
@@ -107,7 +113,7 @@ def drawing_into(panels: Sequence[Axes]) -> Iterator[UserFigure]:
 
 
 def plots_of(figure: Figure | UserFigure) -> list[Axes]:
-    """Return the axes of a figure without those of colour bars."""
+    """Return the axes of a figure without its colour bars."""
     return [axes for axes in figure.axes if axes.get_label() != _COLOUR_BAR]
 
 
@@ -131,7 +137,7 @@ def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
 
 
 def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:
-    """Draw the curves of the panels of another run over those of a run, dashed.
+    """Draw the curves of another run, dashed, over the panels of a run.
 
     Second axes, such as of the impulse over the force, are removed.
 
@@ -155,16 +161,18 @@ def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: s
         if _is_second(axes, panels):
             second.append(axes)
             continue
-        curves = [line for line in other.lines if line.get_transform() == other.transData]
-        for curve in curves:
-            _add_curve(axes, curve, name)
+        curves = _curves_of(other)
+        for curve, label in curves:
+            _add_curve(axes, curve, label, name)
         if curves:
             axes.set_xlim(_widened(axes.get_xlim(), other.get_xlim()))
             axes.set_ylim(_widened(axes.get_ylim(), other.get_ylim()))
             if len(curves) == 1:
                 _name_curve(axes.lines[0], own)
-            if axes.get_legend() is not None or len(curves) == 1:
-                axes.legend()
+            legend = axes.get_legend()
+            if legend is not None or len(curves) == 1:
+                axes.legend(fontsize=_size_of(legend))
+                uncover_curves_of(axes)
         number += len(curves)
     for axes in second:
         axes.remove()
@@ -181,18 +189,42 @@ def _is_second(axes: Axes, panels: Sequence[Axes]) -> bool:
     )
 
 
+def _curves_of(axes: Axes) -> list[tuple[Line2D, str]]:
+    """Return the curves of axes with their labels; of error bars the points without the bars."""
+    labels: dict[Line2D, str] = {}
+    ends: list[Line2D] = []
+    for container in axes.containers:
+        if isinstance(container, ErrorbarContainer):
+            points, caps, _ = container.lines
+            ends += caps
+            if points is not None:
+                labels[points] = str(container.get_label())
+    return [
+        (line, labels.get(line, str(line.get_label())))
+        for line in axes.lines
+        if line.get_transform() == axes.transData and line not in ends
+    ]
+
+
+def _size_of(legend: Legend | None) -> float:
+    """Return the size of the text of a legend, points."""
+    return _FONT if legend is None else float(legend.get_texts()[0].get_fontsize())
+
+
 def _name_curve(curve: Line2D, name: str) -> None:
     """Give a curve without a name its name in legends."""
     if str(curve.get_label()).startswith("_"):
         curve.set_label(name)
 
 
-def _add_curve(axes: Axes, curve: Line2D, name: str) -> None:
-    """Draw a curve of another run."""
-    label = str(curve.get_label())
+def _add_curve(axes: Axes, curve: Line2D, label: str, name: str) -> None:
+    """Draw a curve of another run; points that no line joins stay points."""
+    is_joined = curve.get_linestyle() not in ("None", "none", "", " ")
     axes.plot(
         *curve.get_data(),
-        linestyle=_OTHER_LINE,
+        linestyle=_OTHER_LINE if is_joined else "none",
+        marker="" if is_joined else _OTHER_MARKER,
+        markersize=curve.get_markersize(),
         color=curve.get_color(),
         alpha=_OTHER_ALPHA,
         label=name if label.startswith("_") else f"{label}, {name}",

@@ -14,9 +14,9 @@ _MOST = 8  # largest number of digits of a mean
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _VOLUMES = ((1.0, "m³"), (1e-6, "cm³"), (1e-9, "mm³"))
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-_LONG_TIME = 5e-3  # s, instants beyond it are in ms
-_WHOLE = 100.0  # µs from which on they are whole
-_ALMOST = 0.9995  # of a unit: rounded to four digits, the unit
+_LONG_TIME = 5e-3  # s, later instants are in ms
+_WHOLE = 100.0  # µs above which values are whole
+_ALMOST = 0.9995  # fraction of a unit that rounds to the unit with four digits
 
 
 def number(value: float) -> str:
@@ -44,7 +44,7 @@ def interval(mean: float, half_width: float) -> str:
     Parameters
     ----------
     half_width
-        Half-width, positive; it gets two digits, and the mean as many decimals.
+        Half-width, positive; it has two digits, and the mean has equally many decimals.
     """
     power = max(_power(mean, 12), _power(half_width, 2))
     last = _power(half_width, 2) - 1

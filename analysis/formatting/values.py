@@ -32,7 +32,7 @@ class Naming:
     Attributes
     ----------
     si
-        SI unit of a key of an extension's cases; that of other keys is in the schema of the case.
+        SI unit of a key of an extension's cases; units of other keys are in the schema of the case.
     """
 
     label: str

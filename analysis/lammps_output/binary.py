@@ -18,16 +18,16 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, DAMAGED, WHOLE, CutShortError, Frame
 
-BINARY = ".bin"  # suffix by which LAMMPS is told to write a binary dump
+BINARY = ".bin"  # suffix that makes LAMMPS write a binary dump
 _MAGIC = b"DUMPCUSTOM"
 _ENDIAN = 1
 _REVISION = 2
-_LONGEST_TEXT = 1 << 20  # bytes of the names of columns, far more than any dump has
-_AHEAD = 4096  # bytes that are read at once of a header
+_LONGEST_TEXT = 1 << 20  # most bytes of the names of columns
+_AHEAD = 4096  # bytes of a header that are read at a time
 
 
 class _Bytes:
-    """Bytes of a binary dump, from ``place`` on in snapshot ``number``.
+    """Bytes of a binary dump, from ``place`` on, in snapshot ``number``.
 
     The file is open only while some are read, so that the dumps of thousands of ranks can be read
     side by side.
@@ -65,7 +65,7 @@ class _Bytes:
         return n
 
     def where(self) -> str:
-        """Return the file and the place in it."""
+        """Return the file and the position in it."""
         return f"{self.path}: byte {self.place} (snapshot {self.number})"
 
     def damaged(self, fault: str) -> OutputFormatError:
@@ -80,7 +80,7 @@ class BinaryRows:
     Attributes
     ----------
     pieces
-        Place of the first and number of the values of each piece.
+        Position of the first value, and number of values, of each piece.
     """
 
     path: Path

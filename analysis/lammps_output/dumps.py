@@ -3,8 +3,8 @@ file.
 
 A dump is one file of all ranks or several files, each of some ranks, and the files of resumed
 runs. All values are float64: overlaps of micrometres in a packing of a metre exceed single
-precision. Snapshots are read one at a time; with ``at_once`` in frames of at most so many rows. All
-readers raise
+precision. Snapshots are read one at a time; with ``at_once`` in frames of at most this many rows.
+All readers raise
 
 MissingOutputError
     There is no such file, or the file of a rank is missing.
@@ -58,9 +58,9 @@ SPHERE_COLUMNS = tuple(name for name in columns.names(columns.SNAPSHOT) if name 
 CONTACT_COLUMNS = columns.names(columns.CONTACTS)
 WALL_COLUMNS = columns.names(columns.WALL_CONTACTS)
 DATA_COLUMNS = ("id", "type", "diameter", "density", "x", "y", "z")
-_PART_NUMBER = re.compile(r"\.\d+(?=\.\w+$)")  # of the rank, in the name of a file
+_PART_NUMBER = re.compile(r"\.\d+(?=\.\w+$)")  # number of the rank, in the name of a file
 
-_ROW_BYTES = 128  # of a contact in a dump, about
+_ROW_BYTES = 128  # approximate size of a contact in a dump
 
 log = logging.getLogger(__name__)
 
@@ -71,16 +71,16 @@ def read_frames(
     """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`,
     rows sorted by id.
 
-    Rows in several files are joined. The snapshots of resumed runs follow in files of their own. If
-    a step was written twice (resumed run), the first is used. With ``at_once`` only the rows of a
-    frame are sorted; rows of a snapshot come as LAMMPS writes them: sorted in one file, as the
-    ranks hold them in several files.
+    Rows in several files are joined. The snapshots of resumed runs follow in separate files. If a
+    step was written twice (resumed run), the first is used. With ``at_once`` only the rows of a
+    frame are sorted; rows of a snapshot stay in the order in which LAMMPS wrote them: sorted in one
+    file, as the ranks hold them in several files.
 
     Parameters
     ----------
     partial
-        True to skip a truncated last snapshot, of a killed run for instance, with a warning; else
-        it is an error.
+        True to skip a truncated last snapshot, for instance of a killed run, with a warning;
+        otherwise it is an error.
     unread
         True to leave reading and sorting to the caller, `Frame.read` and `Frame.sorted_by`, where
         the dump is binary.
@@ -184,12 +184,12 @@ class ContactDump:
         yield frame.with_rows(frame.values[:0])
 
     def unread(self, at_once: int) -> tuple[Frame, Iterator[Frame], int]:
-        """Return a frame without rows, the rows in pieces of about so many that any process can
+        """Return a frame without rows, the rows in pieces of about this size that any process can
         read, and their number.
 
         Where fewer or more are found, `frames` raises the error of the damaged file.
         """
-        like = next(self.frames(1))  # its header and its columns are checked
+        like = next(self.frames(1))  # checks header and columns
         paths = self.paths
         begin, expected = after_header(paths[0])
         if RANK in self.path.name:
@@ -209,8 +209,8 @@ class ContactDump:
 
 
 def contacts_at_end(directory: AnyPath) -> ContactDump:
-    """Return the contacts at the end of the run (``dumps/contacts.dump``); a forgotten dent is a
-    row of its own.
+    """Return the contacts at the end of the run (``dumps/contacts.dump``); a forgotten dent has a
+    separate row.
 
     Columns `CONTACT_COLUMNS` and, as far as recorded, tangential_force, elastic_tangential,
     friction (dissipation) and initial (initial dent): overlaps in m, forces in N, energies in J,
@@ -246,7 +246,8 @@ def read_wall_contacts(directory: AnyPath, *, after_static_stage: bool = False) 
     name; none: empty.
 
     Columns id, `WALL_COLUMNS` and, as far as recorded, tangential_force, friction and initial. Only
-    dumps of the deck count, if it lists them; a plane has NAME, and NAME_2 for a further material.
+    dumps listed in the input script count, if it lists any; a plane has NAME, and NAME_2 for a
+    further material.
 
     Parameters
     ----------
@@ -278,7 +279,7 @@ def read_wall_contacts(directory: AnyPath, *, after_static_stage: bool = False) 
 
 
 def refuse_ids(path: Path, strange: NDArray[np.float64]) -> None:
-    """Raise OutputFormatError if a dump names particles that the data file does not hold."""
+    """Raise OutputFormatError if a dump contains particles that the data file lacks."""
     if len(strange):
         raise OutputFormatError(
             f"{path}: found a contact of particle {strange.min():.0f}, which data.granwave does "
@@ -490,7 +491,7 @@ def _missing_dump(directory: Path, path: Path) -> MissingOutputError:
 
 
 def _present(results: ResultDirectory, names: list[str]) -> Path:
-    """Return which of these dumps there is."""
+    """Return the dumps among these that exist."""
     folder = results / DUMPS
     own = results.output_names()
     there = [

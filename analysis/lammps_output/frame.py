@@ -25,8 +25,9 @@ AGAIN = "run the case again with force=True"
 DAMAGED = f"the file is damaged, {AGAIN}"
 CUT = f"the file is truncated, {AGAIN}"
 WHOLE = ("step", "id", "type", "i", "j")  # columns of integers
-_COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the header of a snapshot
-_BLOCK = 1 << 20  # bytes that are read at once where lines are counted
+# number of atoms in the header of a snapshot
+_COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}
+_BLOCK = 1 << 20  # bytes that are read at a time to count lines
 
 
 def read_rows(
@@ -110,7 +111,7 @@ class Frame:
     columns
         Names of the columns.
     values
-        Rows: (n_rows, n_columns); or the place of rows that were not read yet, see `read`.
+        Rows: (n_rows, n_columns); or the position of rows that were not read yet, see `read`.
     more
         True if further rows of the snapshot follow in another frame.
     """
@@ -171,7 +172,7 @@ class Frame:
 
 
 def joined(frames: Iterable[Frame]) -> Iterator[Frame]:
-    """Join the rows of each snapshot that come in several frames."""
+    """Join the frames of each snapshot."""
     parts: list[NDArray[np.float64]] = []
     for frame in (frame.read() for frame in frames):
         parts.append(frame.values)
@@ -235,7 +236,7 @@ def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
     Parameters
     ----------
     at_once
-        Largest number of rows in a frame; None: a frame holds a whole snapshot.
+        Largest number of rows in a frame; None: a frame contains a complete snapshot.
 
     Raises
     ------
@@ -268,7 +269,8 @@ def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> 
     """Iterate over the rows of a file without headers, as all parts of a dump of contacts are but
     the first.
 
-    Box and columns come from ``like``, a frame of the file with a header; else as `text_frames`.
+    Box and columns are taken from ``like``, a frame of the file with a header; otherwise as
+    `text_frames`.
     """
     with Lines(path) as lines:
         while rows := lines.take(at_once):
@@ -284,7 +286,7 @@ class TextRows:
     path: Path
     begin: int
     end: int
-    note: str = " (snapshot 0)"  # after the place in messages
+    note: str = " (snapshot 0)"  # follows the position in messages
 
     def read(self, columns: Sequence[str]) -> NDArray[np.float64]:
         """Read and check the values: (n_rows, n_columns)."""
@@ -322,7 +324,7 @@ def after_header(path: Path) -> tuple[int, int]:
 def text_rows(
     path: Path, begin: int, n_bytes: int, end: int | None = None, **note: str
 ) -> Iterator[TextRows]:
-    """Iterate over the rows of a text file between two bytes, in pieces of about so many bytes,
+    """Iterate over the rows of a text file between two bytes, in pieces of about this many bytes,
     unread.
     """
     end = path.stat().st_size if end is None else end
@@ -335,8 +337,8 @@ def text_rows(
 
 
 def data_rows(path: Path, n_bytes: int) -> list[TextRows]:
-    """Return the rows of the section Atoms of a data file in pieces of about so many bytes; empty
-    if it was cut.
+    """Return the rows of the section Atoms of a data file in pieces of about this many bytes; empty
+    if it was truncated.
     """
     with open(path, "rb") as file:
         while not (line := file.readline()).startswith(b"Atoms"):

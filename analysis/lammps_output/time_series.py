@@ -98,7 +98,7 @@ def read_table(directory: str | Path, name: str) -> Table:
         for number, line in enumerate(file, start=1):
             if line.startswith("#"):
                 names = line[1:].split()
-            elif line.endswith("\n"):  # otherwise the last line was cut
+            elif line.endswith("\n"):  # otherwise the last line is incomplete
                 rows.append(line)
                 lines.append(number)
     if not rows or not names:
@@ -151,7 +151,8 @@ def check_complete(directory: Path, assembly: Assembly, schedule: Schedule) -> N
     case = assembly.case
     every = schedule.ledger_every
     last = int(read_energy(directory)["step"][-1])
-    recorded = read_record(directory).get("n_steps")  # None for a deck that was run by hand
+    # None for an input script that was run by hand
+    recorded = read_record(directory).get("n_steps")
     if recorded is not None and last < recorded - every:
         raise OutputFormatError(
             f"{dumps / files.ENERGY_FILE} ends at step {last}, the run at step {recorded}: {CUT}"

@@ -28,7 +28,7 @@ from granwave.lammps_inputs.contact.law import (
 )
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
-_ON_AXIS = 1e-6  # of a diameter
+_ON_AXIS = 1e-6  # distance over a diameter, of grains on the axis
 _PROBE = re.compile(r"contact_(\d+)_(\d+)_force")
 
 
@@ -140,7 +140,7 @@ class Chain:
 
     @property
     def place(self) -> Array:
-        """Place of the contacts along the chain at the start, the centre of bead 1 at 0:
+        """Initial positions of the contacts along the chain, with the centre of bead 1 at 0:
         (n_contacts,), m.
         """
         return self.array("chain/contact_position")
@@ -175,7 +175,7 @@ class Chain:
             return sensor_forces(result)
 
     def contact_between(self, bead: int) -> int:
-        """Place, in the arrays of the history, of the contact between this bead and the next."""
+        """Index, in the arrays of the history, of the contact between this bead and the next."""
         i = self.array("chain/contact_i")
         j = self.array("chain/contact_j")
         return int(np.flatnonzero((i == bead) & (j == bead + 1))[0])
@@ -185,7 +185,7 @@ class GrainRow(Chain):
     """Record of the grains on the axis x = y = 0, and of the grains next to it; no history of
     a chain is required.
 
-    Grains and contacts of the row count from 1, along z: contact k joins grains k and k + 1.
+    Grains and contacts of the row are numbered from 1, along z: contact k joins grains k and k + 1.
 
     Attributes
     ----------
@@ -204,7 +204,7 @@ class GrainRow(Chain):
 
     @property
     def struck(self) -> int:
-        """Number of the first grain that is struck."""
+        """Number of the first impacted grain."""
         return self._number[(self.load.index or (int(self.ids[0]),))[0]]
 
     def of_contacts(self, name: str) -> Array:

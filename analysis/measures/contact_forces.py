@@ -1,9 +1,9 @@
 """Forces of all contacts of a run: at rest, at an instant, and the largest of each; and the tail of
 their distribution.
 
-The instant is the one with the largest elastic energy, of the snapshots where
-``output.contact_forces`` was on, or of the record of a chain. Contacts that carry less than 1e-4 of
-the largest force do not count: grains that touch overlap by the rounding of their coordinates.
+The instant has the largest elastic energy among the snapshots with ``output.contact_forces``, or in
+the record of a chain. Contacts that carry less than 1e-4 of the largest force do not count: grains
+that touch overlap by the rounding of their coordinates.
 
 Beyond a threshold x0 an exponential tail is exp(-b (x - x0)). Of n independent values beyond it
 the decay is b = (n - 1) / sum(x - x0), without bias, with the standard error b / sqrt(n - 2).
@@ -32,8 +32,8 @@ STATIC = "static"
 INSTANT = "instant"
 PEAK = "peak"
 
-_LEAST = 1e-4  # of the largest force: contacts that carry less do not count
-_FEWEST_IN_TAIL = 10  # values that a tail is fitted to
+_LEAST = 1e-4  # fraction of the largest force: contacts that carry less do not count
+_FEWEST_IN_TAIL = 10  # fewest values of a fitted tail
 _LARGEST_DEVIATION = 1.308  # Stephens's limit at a level of 1 %
 
 Ids = NDArray[np.int64]
@@ -42,7 +42,7 @@ Blocks = Iterable[tuple[NDArray, ...]]  # ids i and j, and forces, N
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class ContactForces:
-    """Forces of the contacts between grains that carry one.
+    """Forces of the loaded contacts between grains.
 
     Attributes
     ----------

@@ -3,8 +3,8 @@
 A plane across the axis of depth parts the grains by the positions of their centres at the start.
 The force through it is the sum of the forces along z on the grains below it from those above it:
 the momentum gained by the grains below, and the force on the bottom. In a chain it is the force of
-one contact, recorded at the instants of the history; in other packings the forces of all contacts
-are needed at the snapshots, as ``output.contact_forces`` records them.
+one contact, recorded at the instants of the history; in other packings it requires the forces of
+all contacts at the snapshots, recorded with ``output.contact_forces``.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class ForceAtDepth:
     Attributes
     ----------
     depth
-        Depth below the centre of the impacted grain, m; of a chain that of the contact.
+        Depth below the centre of the impacted grain, m; in a chain the depth of the contact.
     time
         Instants: (n_times,), s.
     force
@@ -55,7 +55,7 @@ def forces_at_depths(result: Result, depths: Sequence[float] | None = None) -> l
         ``run.result`` of a run as `granwave.load` gives it.
     depths
         Depths below the centre of the impacted grain, m; by default up to five between layers.
-        Those with grains on one side only are omitted.
+        Depths with grains on one side only are omitted.
     """
     if "chain" in result:
         return _of_chain(result, depths)

@@ -1,22 +1,22 @@
 """Rows of grains under a load that oscillates, or that pushes them once or twice.
 
 Transmission of a harmonic load: the velocity of every sphere is fitted by a constant and a sine and
-cosine of its frequency over the last whole periods, at most half of the run; what the fit leaves
-tells how far from steady the motion is.
+cosine of its frequency over the last whole periods, at most half of the run; the residual of the
+fit measures the deviation from a steady motion.
 
 Transmission of a burst, a sweep or noise: the ratio of spectra of the velocities of two spheres
 over the whole run, at frequencies where the spectrum of the first exceeds a fraction of its largest
 value. With noise it is the cross spectrum over the power spectrum, averaged over neighbouring
 frequencies (Bendat and Piersol, Random Data, 1986).
 
-Answer to an amplitude that rises and falls at one frequency: the signals are fitted, in windows of
-whole periods of the load, by sines of its frequency and of twice, three times and half of it. A
-linear row answers in proportion, in the load's frequency alone. Where the branches of rising and of
-falling amplitude part, there are two states at one load; where half of the frequency appears, the
+Response to an amplitude that rises and falls at one frequency: the signals are fitted, in windows
+of whole periods of the load, by sines of its frequency, its double, its triple and its half. A
+linear chain responds proportionally, at the load's frequency only. Where the branches of rising and
+falling amplitude separate, there are two states at one load; where half the frequency appears, the
 period has doubled.
 
-Mean power that a harmonic load puts in and that leaves at absorbing ends: slopes of energies of the
-ledger against time, by least squares over the last half of the run, so that what goes to and fro
+Mean power input of a harmonic load, and mean power absorbed at absorbing ends: slopes of energies
+of the ledger against time, by least squares over the last half of the run, so that energy exchanged
 within a period does not count.
 """
 
@@ -41,18 +41,20 @@ from granwave.lammps_inputs.checks.loads import (
 )
 from granwave.lammps_inputs.contact.travel_time import MeasuredRow, measured_row
 
-STEADY = 0.02  # part of the motion that a steady fit may leave
-_DENSE = 8  # instants in a period from which on its second and third harmonic are fitted too
-_HEARD = 0.05  # of the largest value of the spectrum, below which a frequency does not count
-_FADING = 0.1  # part of the record, its end, that is tapered
+STEADY = 0.02  # fraction of the motion that a steady fit may leave
+_DENSE = 8  # instants per period above which the second and third harmonics are fitted too
+# fraction of the largest value of the spectrum, below which a frequency does not count
+_HEARD = 0.05
+_FADING = 0.1  # fraction of the record, at its end, that is tapered
 _AVERAGED = 9  # frequencies over which spectra of noise are averaged
 
-MULTIPLES = (1.0, 2.0, 3.0, 0.5)  # of the load's frequency
+MULTIPLES = (1.0, 2.0, 3.0, 0.5)  # multiples of the load's frequency
 _COMPARED = 33  # loads at which the branches are compared
-_FEWEST_INSTANTS = 8  # instants that a slope is fitted to
+_FEWEST_INSTANTS = 8  # instants of a fit of a slope
 _ENDS = ("energy/absorbed", "energy/support_lost")
-_ARRIVED = 0.2  # of the largest force
-# of the time between the pushes, after its arrival: what comes later is of the second pulse
+_ARRIVED = 0.2  # fraction of the largest force
+# fraction of the time between the pushes, after the first arrival: later signals belong to the
+# second pulse
 _SHARE = 0.75
 
 
@@ -61,10 +63,8 @@ class SteadyMotion:
     """Amplitudes along a row under a harmonic load."""
 
     frequency: float  # Hz
-    velocity: NDArray[
-        np.complex128
-    ]  # complex amplitudes of the spheres, in their order: (n_spheres,), m/s
-    left: Array  # residual of the fit relative to the signal, root mean squares: (n_spheres,)
+    velocity: NDArray[np.complex128]  # complex amplitudes of the spheres: (n_spheres,), m/s
+    left: Array  # residual of the fit over the signal, both as root mean squares: (n_spheres,)
     row: MeasuredRow  # the spheres
 
     @property
@@ -102,7 +102,7 @@ class Spectrum:
     """Transmission from the loaded sphere to the last one against frequency."""
 
     frequency: Array  # frequencies of the load: (n,), Hz
-    ratio: NDArray[np.complex128]  # of the velocities: (n,)
+    ratio: NDArray[np.complex128]  # ratio of the velocities: (n,)
     first: int  # ids of both spheres
     last: int
 
@@ -250,7 +250,9 @@ class AmplitudeSweep:
 
     @property
     def apart(self) -> float:
-        """Largest difference of the last sphere's branches at one load, over its largest amplitude."""
+        """Largest difference between the branches of the last sphere at one load, over its largest
+        amplitude.
+        """
         answer = self.last[MULTIPLES.index(1.0)]
         both = [(self.load[chosen], answer[chosen]) for chosen in (self.rising, ~self.rising)]
         there = np.linspace(
@@ -267,7 +269,7 @@ def fitted_amplitudes(time: Array, signals: Array, frequency: float) -> Array:
     """Fit sines at `MULTIPLES` of a frequency: (n_multiples, n_signals), from (n_times,) and
     (n_times, n_signals).
 
-    Their amplitudes may change linearly in time; those in the middle are returned.
+    Their amplitudes may change linearly in time; the amplitudes in the middle are returned.
     """
     sines = _sines(2 * np.pi * frequency * time, MULTIPLES)
     since = (time - time.mean()) / (time[-1] - time[0])
@@ -295,9 +297,7 @@ def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
     whole = load.lasts
     length = WINDOW_PERIODS / frequency
     n = int(min(whole, time[-1]) / length * (1 + 1e-9))
-    if (
-        n < LEAST_WINDOWS or n * length < 0.75 * whole
-    ):  # of a run that was ended before the load fell
+    if n < LEAST_WINDOWS or n * length < 0.75 * whole:  # the run ended before the load fell
         return None
     middles = (np.arange(n) + 0.5) * length
     fits = []

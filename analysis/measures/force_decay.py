@@ -1,12 +1,12 @@
 """Decay of the peak force with depth: exponential, and a power of the depth.
 
-Both are lines of least squares through the logarithms of the forces, each with the same weight:
+Both are least-squares lines through the logarithms of the forces, with equal weights:
 
-    F = F_0 exp(-z/L)          rate 1/L, of waves that lose the same share in every layer
+    F = F_0 exp(-z/L)          rate 1/L, of waves that lose the same fraction in every layer
     F = F_D (z/D)^-n           exponent n, of waves that spread without a scale
 
-Standard errors are those of the slopes. They tell the scatter of the layers about the line, which
-is no noise: forces that follow neither law have a large one.
+Standard errors are those of the slopes. They measure the scatter of the layers about the line,
+which is systematic: forces that follow neither law have a large one.
 """
 
 from __future__ import annotations
@@ -18,14 +18,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granwave.analysis.measures.dynamic_force import dynamic_contact_peaks, dynamic_peak_forces
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 
 _LEAST_FIT = 4  # layers of a fit of the decay
-_TOP = 0.5  # diameters below the struck sphere, above which layers are left out of the fit
-_DEGREES = 2  # constants of the fit
-_BEFORE_END = 1 - 1e-9  # of the end of a run: a force that is largest later may still rise
+_TOP = 0.5  # diameters below the impacted sphere, above which layers are left out of the fit
+_DEGREES = 2  # number of constants of the fit
+BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may still rise
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class PowerDecay:
     exponent, error
         The exponent and its standard error.
     force
-        Of the fit at a depth of one diameter, N.
+        Force of the fit at a depth of one diameter, N.
     diameter
         m.
     misfit
@@ -162,7 +163,7 @@ def exponential_of_depth(depth: ArrayLike, force: ArrayLike) -> ForceDecay:
 
 
 def force_decay(result: Result) -> ForceDecay | PowerDecay | None:
-    """Fit the largest peak force of each layer against depth, by an exponential and by a power;
+    """Fit the largest peak force of each layer against depth by an exponential and by a power law;
     return the fit with the smaller misfit, or None for fewer than four layers; see `both_decays`.
     """
     fits = both_decays(result)
@@ -177,6 +178,7 @@ def both_decays(result: Result) -> tuple[ForceDecay, PowerDecay] | None:
 
     Omitted are the impacted layer, which shares its largest contact with the next, the deepest
     layer, which the bottom holds or leaves free, and layers whose force still rises at the end.
+    Under a static load the forces are dynamic: above the static force of each contact.
 
     Parameters
     ----------
@@ -192,10 +194,10 @@ def both_decays(result: Result) -> tuple[ForceDecay, PowerDecay] | None:
     diameter = result.case.packing.diameter
     mean, layer = layers(depth, result["spheres/radius"], diameter)
     force = np.zeros(len(mean))
-    np.maximum.at(force, layer, result["spheres/peak_force"])
+    np.maximum.at(force, layer, dynamic_peak_forces(result))
     below = mean > _TOP * diameter
     below[-1] = False
-    fitted = below & (force > 0) & ~_still_rising(result, layer, force)
+    fitted = below & (force > 0) & ~still_rising(result, layer, force)
     if np.count_nonzero(fitted) < _LEAST_FIT:
         return None
     exponential = exponential_of_depth(mean[fitted], force[fitted])
@@ -213,7 +215,7 @@ def _line(x: Array, y: Array) -> FittedLine:
     return FittedLine(slope, error, start, math.sqrt(squares / len(x)))
 
 
-def _still_rising(result: Result, layer: NDArray[np.int64], force: Array) -> NDArray[np.bool_]:
+def still_rising(result: Result, layer: NDArray[np.int64], force: Array) -> NDArray[np.bool_]:
     """Return True for layers whose largest force was reached at the end of the run: (n_layers,).
 
     Parameters
@@ -221,12 +223,11 @@ def _still_rising(result: Result, layer: NDArray[np.int64], force: Array) -> NDA
     layer
         Layer of each sphere: (n_spheres,).
     force
-        Largest force of each layer: (n_layers,), N.
+        Largest force of each layer, dynamic under a static load: (n_layers,), N.
     """
-    last = _BEFORE_END * float(result["energy/time"][-1])
+    last = BEFORE_END * float(result["energy/time"][-1])
     rising = np.zeros(len(force), dtype=bool)
-    names = ("i", "j", "peak_force", "time_peak")
-    for i, j, peak, when in result.blocks(*(f"contacts/{name}" for name in names)):
+    for i, j, peak, when in dynamic_contact_peaks(result):
         for ends in (i, j):
             there = layer[result.rows(ends)]
             rising[there[(peak >= force[there]) & (when >= last)]] = True

@@ -1,15 +1,15 @@
 """Motion of lines of grains against position and time, with the arrivals of the wave and a straight
 line through them.
 
-Lines are the beads of a chain, or the grains of a packing that are nearest to the axis of the load,
-one from each layer; and the straight lines of grains ``[[line]]`` of the case. The wave arrives at
-a grain as contacts record it (see `granwave.analysis.measures.waves`), in a chain under static load
-once the speed of the bead first passes 10 % of its largest, at a grain of a ``[[line]]`` as in
+Lines are the beads of a chain, or in a packing the grain of each layer that is nearest to the axis
+of the load; and the straight lines of grains ``[[line]]`` of the case. The wave arrives at a grain
+as contacts record it (see `granwave.analysis.measures.waves`), in a chain under static load once
+the speed of the bead first passes 10 % of its largest, at a grain of a ``[[line]]`` as in
 `granwave.analysis.measures.lines`.
 
-The line through the arrivals is a least-squares fit of place against time. Along the load it goes
-through the arrivals that `granwave.analysis.measures.waves.wave_speed` takes: the deeper half,
-without the five uppermost grains; along a ``[[line]]`` through all.
+The line through the arrivals is a least-squares fit of position against time. Along the load it
+uses the arrivals of `granwave.analysis.measures.waves.wave_speed`: the deeper half, without the
+five uppermost grains; along a ``[[line]]`` through all.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 
 AXIS = "axis"  # name of the line along the load
-_BESIDE = 1.0  # diameters from the axis of the load, at most
-_VERTICAL = 1 - 1e-9  # of a unit vector along z
-_FEWEST = 2  # grains of a line
-_RISEN = 0.01  # of the largest speed of all: slower grains were not reached
+_BESIDE = 1.0  # largest distance from the axis of the load, diameters
+_VERTICAL = 1 - 1e-9  # z component of a vertical unit vector
+_FEWEST = 2  # fewest grains of a line
+_RISEN = 0.01  # fraction of the largest speed of all: slower grains were not reached
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class Front:
     Attributes
     ----------
     time, place
-        Arrivals that it is fitted to: (n,), s and m.
+        Arrivals of the fit: (n,), s and m.
     """
 
     time: Array
@@ -52,7 +52,7 @@ class Front:
 
     @property
     def speed(self) -> float:
-        """Slope of place against time, m/s; 0 where the times are equal."""
+        """Slope of position against time, m/s; 0 where the times are equal."""
         late = self.time - self.time.mean()
         if not late.any():
             return 0.0

@@ -1,9 +1,9 @@
 """Planes, directions, layers and nearest positions in packings.
 
-Planes and directions belong to the perfect packing. Spheres are found on them by place, within a
-tolerance, so that scattered diameters, settled positions and missing spheres do no harm.
+Planes and directions belong to the perfect packing. Spheres on the planes are selected by position,
+within a tolerance, so that scattered diameters, settled positions and missing spheres are allowed.
 
-fcc, struck along [111]: three <110> directions OA, OB, OC go down into the packing, and the largest
+fcc, impact along [111]: three <110> directions OA, OB, OC go down into the packing, and the largest
 forces run along them. The principal plane OAB is the close-packed plane that holds two of them; it
 is inclined by 70.5 degrees. The orthogonal plane OCD holds the third and the impact axis OD; it is
 vertical and a mirror plane.
@@ -81,7 +81,7 @@ def planes(kind: str) -> tuple[Plane, ...]:
 
 def section(plane: Plane, positions: Array, origin: Array, diameter: float) -> SpheresOnPlane:
     """The spheres at ``positions`` (n_spheres, 3), m, that lie on a plane; ``origin``: centre of
-    the impacted one.
+    the impacted sphere.
     """
     offset = positions - origin
     middle = np.zeros(3) if plane.through is None else plane.through - origin
@@ -95,8 +95,8 @@ def section(plane: Plane, positions: Array, origin: Array, diameter: float) -> S
 def own_plane(
     normal: Sequence[float], through: Sequence[float] | None, tolerance: float = 0.5
 ) -> Plane:
-    """Return a plane of any direction, named section; depth goes downwards in it, or y in a
-    horizontal one.
+    """Return a plane of any direction, named section; depth is downwards in it; in a horizontal
+    plane the second axis is y.
 
     Parameters
     ----------
@@ -141,8 +141,7 @@ def preferred_directions(kind: str) -> Array:
 def layers(depth: Array, radii: Array, diameter: float) -> tuple[Array, NDArray[np.int64]]:
     """The layers in which spheres lie, found by the gaps between their depths.
 
-    Where there are no gaps, as in a packing that has settled a lot, slices half a diameter thick
-    stand for layers.
+    Without gaps, as in a disordered bed, layers are slices with a thickness of half a diameter.
 
     Parameters
     ----------
@@ -174,10 +173,10 @@ def nearest(points: Array, places: Array) -> tuple[Array, NDArray[np.int64]]:
     """Return the distance from each point to its nearest position, m, and the row of that position:
     (n_points,) each.
 
-    Points and positions are (n_points, 3) and (n_places, 3), m; there is one place at least.
+    Points and positions are (n_points, 3) and (n_places, 3), m; with at least one position.
     """
     if len(points) * len(places) > _BY_TREE and len(places) > 1:
-        from scipy.spatial import cKDTree  # takes longer to load than many a figure to draw
+        from scipy.spatial import cKDTree  # imported on demand: slow to load
 
         distance, row = cKDTree(places).query(points)
         return distance, row.astype(np.int64)

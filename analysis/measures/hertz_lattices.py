@@ -1,6 +1,6 @@
 """Closed forms and waves of lines of Hertz contacts, loose and under a static force.
 
-Hertz's chain of like beads has no length or force of its own, so every result is a curve in the
+Hertz's chain of identical beads has no intrinsic length or force, so every result is a curve in the
 units E* R*^2 (force), tau = sqrt(pi rho R*^2/(4 E*)) (time) and R* (length).
 
 A line under a static force, chain or stack of lattice layers, has bodies of mass m at a spacing h,
@@ -17,8 +17,8 @@ Hertz's k,
 
     c0 = 0.93146 (4 E^2 F0/(a^2 rho^3 (1 - nu^2)^2))^(1/6),    0.93146 = sqrt(9/pi) 3^(-1/3) 4^(-1/6)
 
-(Nesterenko's). The travelling wave of the lattice with the largest force f = F_m/F0 goes from c0
-for f -> 1 to about sqrt(8/15) f^(1/6) c0, the speed in an uncompressed chain.
+(Nesterenko's). The travelling wave of the lattice with the largest force f = F_m/F0 increases from
+c0 for f -> 1 to about sqrt(8/15) f^(1/6) c0, the speed in an uncompressed chain.
 
 An impact of velocity v on the first of a half-infinite line makes the velocities (with J of Bessel,
 omega^2 = K/m)
@@ -186,7 +186,8 @@ def solitary_wave(
     Raises
     ------
     InputError
-        There is no such preset; a value is not above 0; or not one of force and speed is given.
+        There is no such preset; a value is not above 0; or neither or both of force and speed are
+        given.
     """
     if isinstance(material, str):
         material = preset(material)
@@ -199,7 +200,7 @@ def solitary_wave(
     of_one_newton = discrete_speed() * _NESTERENKO
     of_one_newton *= (2 * plane_modulus / (diameter * material.density**1.5)) ** (1 / 3)
     if force is None:
-        assert speed is not None  # it is what is given
+        assert speed is not None  # the static force is given
         force = (speed / of_one_newton) ** 6
     speed = of_one_newton * force ** (1 / 6)
     overlap = (3 * force / (plane_modulus * math.sqrt(diameter))) ** (2 / 3)
@@ -214,7 +215,8 @@ def _bead_velocity() -> tuple[Array, Array]:
     """
     x, wave, _ = _discrete_wave()
     per_diameter = round(1 / (x[1] - x[0]))
-    rate = np.gradient(wave, x)  # of the overlap ahead of a bead: the difference of two velocities
+    # rate of the overlap ahead of a bead: the difference of two velocities
+    rate = np.gradient(wave, x)
     velocity = np.zeros_like(wave)
     for k in range(2 * _REACH):
         shift = k * per_diameter + per_diameter // 2
@@ -259,7 +261,7 @@ class PrecompressedLine:
     Attributes
     ----------
     force, overlap
-        Of each contact that bears the load, N and m.
+        Force and overlap of each loaded contact, N and m.
     spacing
         Of beads or layers before they were loaded, m: speeds are those over the positions that the
         spheres had then.
@@ -326,7 +328,7 @@ def lattice_speed(ratio: Array) -> Array:
     """Speed over c0 of the travelling wave of the precompressed Hertz lattice itself, from F_m/F0
     up to some 1e5.
 
-    Beyond, it goes with the power 1/6.
+    Beyond, the exponent is 1/6.
     """
     known, speed = _lattice_waves()
     x = np.log(ratio)
@@ -361,18 +363,24 @@ def _travelling(speed: float) -> float:
 
 
 def crest_times(n: NDArray[np.int64]) -> Array:
-    """2 omega t of the first crest of the velocity of body n of a struck line, from 1: (n_bodies,)."""
+    """2 omega t of the first crest of the velocity of body n, from 1, after an impact on the line:
+    (n_bodies,).
+    """
     return np.array([_crest(2 * int(one) - 1) for one in n])
 
 
 def crest_speed(line: PrecompressedLine, n: NDArray[np.int64]) -> float:
-    """Mean speed of the crest of the forces over contacts n, rising, of a struck line, m/s."""
+    """Mean speed of the crest of the forces over contacts n, rising, after an impact on the line,
+    m/s.
+    """
     times = [_crest(2 * int(one)) for one in n]
     return 2 * line.speed / float(np.polyfit(n, times, 1)[0])
 
 
 def crest_force(n: NDArray[np.int64]) -> Array:
-    """Largest force at contact n, from 1, of a struck line, over v sqrt(K m): (n_contacts,)."""
+    """Largest force at contact n, from 1, after an impact on the line, over v sqrt(K m):
+    (n_contacts,).
+    """
     return np.array(
         [4 * one * jv(2 * one, tau) / tau for one, tau in ((int(k), _crest(2 * int(k))) for k in n)]
     )

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from granwave.analysis.measures.dynamic_force import dynamic_peak_forces
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result.reader import Result
 
-_ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
+_ON_RAY = 0.25  # largest distance of a sphere from its position on a ray, diameters
 
 
 def ranked(dissipated: Array) -> NDArray[np.int64]:
@@ -55,10 +56,10 @@ def cumulated(
 class ZoneGrowth:
     """The plastic zone in time; every array (n_times,)."""
 
-    time: Array  # when the zone grew, s
+    time: Array  # time of the growth of the zone, s
     contacts: NDArray[np.int64]  # yielded so far
     spheres: NDArray[np.int64]
-    depth: Array  # of the deepest plastic centre below the struck one, m
+    depth: Array  # depth of the deepest plastic centre below the impacted sphere, m
     radius: Array  # largest distance of a plastic centre from the impact axis, m
 
 
@@ -105,7 +106,7 @@ class Rays:
         """Largest less smallest peak force over the largest, contact by contact where all exist:
         (n,).
 
-        Symmetry makes it 0 when one sphere is struck.
+        By symmetry it is 0 if one sphere is impacted.
         """
         complete = self.peak_force[~np.isnan(self.peak_force).any(axis=1)]
         largest = complete.max(axis=1, initial=0.0)
@@ -117,8 +118,8 @@ class Rays:
 def rays(result: Result) -> Rays:
     """Peak force of every contact along each preferred direction, from the impacted sphere on.
 
-    Each sphere of a ray is the nearest one to its place in a perfect packing, within a quarter of a
-    diameter. Grains of a file have no such directions: there is no ray.
+    Each sphere of a ray is the sphere nearest to the position in a perfect packing, within a
+    quarter of a diameter. Grains of a file have no such directions: there is no ray.
     """
     directions = preferred_directions(result.case.packing.kind)
     if not len(directions):
@@ -138,14 +139,20 @@ def rays(result: Result) -> Rays:
     return Rays(directions, table[: there[-1] + 1 if there.size else 0])
 
 
-def peak_force_by_depth(result: Result) -> tuple[Array, Array]:
-    """Depth below the impacted one, m, and largest peak force of a contact, N, of each layer:
+def peak_force_by_depth(result: Result, *, dynamic: bool = False) -> tuple[Array, Array]:
+    """Depth below the impacted sphere, m, and largest peak force of a contact, N, of each layer:
     (n_layers,) each.
+
+    Parameters
+    ----------
+    dynamic
+        True for the largest rise above the static force of each contact.
     """
     depth = result["spheres/position"][:, 2] - result.origin[2]
     mean, layer = layers(depth, result["spheres/radius"], result.case.packing.diameter)
     force = np.zeros(len(mean))
-    np.maximum.at(force, layer, result["spheres/peak_force"])
+    peaks = dynamic_peak_forces(result) if dynamic else result["spheres/peak_force"]
+    np.maximum.at(force, layer, peaks)
     return mean, force
 
 
@@ -172,7 +179,9 @@ class Involved:
         return float(self.fraction[enough]), float(self.volume[enough])
 
     def enough(self, share: float) -> int:
-        """Last place of the least material that did a fraction of the dissipation."""
+        """Index of the last element of the least material that contains a fraction of the
+        dissipation.
+        """
         return int(np.searchsorted(self.fraction, share * self.fraction[-1]))
 
 
@@ -196,9 +205,10 @@ def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[s
     Returns
     -------
     dict
-        Shares at each snapshot, (n_frames,), by the name of the region. Further entries are ``other
-        spheres``, outside all regions; ``walls``, the elastic energy of contacts with walls; and
-        ``dissipated``. In an impact, all entries together are the input if regions share no sphere.
+        Fractions at each snapshot, (n_frames,), by the name of the region. Further entries are
+        ``other spheres``, outside all regions; ``walls``, the elastic energy of contacts with
+        walls; and ``dissipated``. In an impact, the sum of all entries is the input if the regions
+        do not overlap.
     """
     energy = (
         np.stack([energy_of_spheres(result, frame) for frame in range(result.n_frames)])
@@ -217,7 +227,7 @@ def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[s
     return found
 
 
-_CONSTANTS = 3  # of the quadratic law
+_CONSTANTS = 3  # number of constants of the quadratic law
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,7 +240,7 @@ class QuadraticLaw:
         D0, D1, D2 and their standard deviations: (3,); the deviations are NaN if three points were
         fitted, which the law then meets exactly.
     misfit
-        Largest |law / dissipation - 1| of what was fitted.
+        Largest |law / dissipation - 1| of the fitted points.
     lowest
         Smallest velocity that was fitted.
     """

@@ -1,12 +1,12 @@
 """Waves along lines of grains: velocities, pulses, crests, and the space-time transform.
 
 A line is the beads of a chain, or the layers or columns of a packing. Snapshots are taken at whole
-timesteps, so that their times are not quite even; velocities are interpolated between them at even
-times (cubic splines).
+timesteps, so that their times are not exactly uniform; velocities are interpolated between them at
+even times (cubic splines).
 
 Waves under a static force are compared with `granwave.analysis.measures.hertz_lattices`: in the
-units of the static state (speeds over c0, forces over F0, velocities over omega alpha0) every line
-of like Hertz contacts is one curve.
+units of the static state (speeds over c0, forces over F0, velocities over omega alpha0) results of
+all lines of identical Hertz contacts lie on one curve.
 
 The space-time transform shows the distribution of the energy of a line in (k, omega): the
 velocities v(x_n, t) of grains at even positions x_n = n h are tapered in space and time (Hann) and
@@ -39,30 +39,31 @@ from granwave.analysis.result.reader import Result
 
 LENGTH = (
     math.pi * math.sqrt(10) / 2
-)  # diameters, of the solitary wave in the long-wave approximation: 4.97
+)  # length of the solitary wave in the long-wave approximation (4.97), diameters
 MEASURES = (
     "fit of acceleration",
     "fit of velocity",
     "half maximum of acceleration",
     "half maximum of velocity",
 )
-_FINE = 4  # points between two snapshots
-_GONE = 1e-3  # of its peak: the incident wave has passed
-_BACK = 0.8  # part of the wave's way to the far end and back that is waited for
-_LARGEST = 3 * math.sqrt(3) / 16  # of cos^3 sin
-_FIRST_LAYER = 3  # from which on crests are followed
+_FINE = 4  # interpolated points between two snapshots
+_GONE = 1e-3  # fraction of its peak below which the incident wave has passed
+_BACK = 0.8  # fraction of the wave's way to the far end and back
+_LARGEST = 3 * math.sqrt(3) / 16  # largest value of cos^3 sin
+_FIRST_LAYER = 3  # first layer in which crests are followed
 _FEWEST = 3  # layers
 _BEFORE_END = 3  # layers left out at the bottom
-_BEFORE_SIDES = 0.8  # of half the width: how deep a wave is followed in a packing with free sides
-_FINE_CRESTS = 10  # points put between two snapshots
-_EVEN_STEPS = 1e-6  # of the step, by which places and times may miss an even grid
+# depth over half the width to which a wave is followed in a packing with free sides
+_BEFORE_SIDES = 0.8
+_FINE_CRESTS = 10  # interpolated points between two snapshots
+_EVEN_STEPS = 1e-6  # tolerance of positions and times on an even grid, over the step
 
 
 def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array]:
     """Return even times (n_times,), s, positions at the start (n,), m, and velocities (n_times, n),
     m/s, along an axis.
 
-    Of the beads of a chain, else of the layers of a packing (axis 2) or of its columns across x
+    Motion of the beads of a chain, or of the layers of a packing (axis 2) or its columns across x
     (axis 0): the means of their spheres.
 
     Raises
@@ -104,8 +105,8 @@ def _means(result: Result, axis: int) -> tuple[Array, Array]:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Peaks:
-    """The pulse at the spheres of a chain, impacted one first; every array (n_spheres,), NaN where
-    it did not pass.
+    """The pulse at the spheres of a chain, impacted sphere first; every array (n_spheres,), NaN
+    where it did not pass.
 
     Attributes
     ----------
@@ -272,7 +273,7 @@ def reflection(time: ArrayLike, force: ArrayLike, place: int, beyond: int) -> fl
     time, force
         (n_times,), s, and of the contacts, (n_times, n_contacts), N.
     place
-        The contact, from 0.
+        Index of the contact, from 0.
     beyond
         Contacts that there must be beyond it.
     """
@@ -284,7 +285,7 @@ def reflection(time: ArrayLike, force: ArrayLike, place: int, beyond: int) -> fl
     (here, peak), (early, _), (far, _) = (
         first_peak(time, force[:, k], floor=0.5) for k in (place, 1, n - 1)
     )
-    period = (here - early) / (place - 1)  # from contact to contact
+    period = (here - early) / (place - 1)  # time from contact to contact
     gone = np.flatnonzero((time > here) & (force[:, place] < _GONE * peak))
     until = far + _BACK * (n - place) * period
     if not len(gone) or time[-1] < until:
@@ -297,10 +298,10 @@ def speed_along_layers(result: Result, line: PrecompressedLine) -> float:
     """c0 along the stacking of a packing, m/s; NaN where the run has too few layers, or is too
     short.
 
-    The mean velocity of a layer of a periodic packing obeys the line of layers exactly as long as
-    everything is linear, whichever spheres of the top layer were struck; in a packing with free
-    sides until the wave is back from them. The times of its crests then give omega, and the speed
-    of long waves.
+    The mean velocity of a layer of a periodic packing obeys the linear chain of layers exactly as
+    long as the motion is linear, for any choice of impacted spheres in the top layer; in a packing
+    with free sides until the reflection from the sides arrives. The times of its crests then give
+    omega, and the speed of long waves.
 
     Parameters
     ----------
@@ -331,7 +332,8 @@ def _crests(time: Array, mean: Array) -> tuple[NDArray[np.int64], Array]:
 
 
 def long_wave_speed(line: PrecompressedLine, numbers: NDArray[np.int64], times: ArrayLike) -> float:
-    """c0 by the times of the velocity crests in a linear line, struck at its first body, m/s.
+    """c0 from the times of the velocity crests in a linear chain, after an impact on its first
+    body, m/s.
 
     Parameters
     ----------
@@ -397,7 +399,7 @@ def space_time_transform(
     time
         Even instants: (n_times,), s.
     place
-        Even positions along the line: (n_places,), m.
+        Uniform positions along the line: (n_places,), m.
     velocity
         (n_times, n_places), m/s.
     k
@@ -410,7 +412,7 @@ def space_time_transform(
     Raises
     ------
     ValueError
-        Times or positions are not even.
+        Times or positions are not uniform.
     """
     time = np.asarray(time, dtype=np.float64)
     place = np.asarray(place, dtype=np.float64)

@@ -1,7 +1,7 @@
 """Lines of grains of a run: front speed, decay, distribution of the largest speeds; and its
 sensors.
 
-Decay of a peak along a line: a continuous, piecewise linear fit of its logarithm, and the point
+Decay of a peak along a line: a continuous, piecewise linear fit of its logarithm, and the position
 where two lines diverge.
 
 ln(peak) = c - a1 x up to the border b, and on with the slope -a2 beyond it. For each border the
@@ -29,12 +29,12 @@ from granwave.lammps_inputs.packing.motion import left_out
 
 Arrays = dict[str, Array]
 
-_BESIDE = 0.5  # diameters, of a straight line
-_FEWEST_VALUES = 3  # that a test of normality takes
+_BESIDE = 0.5  # tolerance of a straight line, diameters
+_FEWEST_VALUES = 3  # fewest values of a test of normality
 
-_LEAST = 2  # points on each side of the border
-_TRIALS = 60  # borders tried in each interval before the best is refined
-PARTED = 0.03  # of the peak speed: from there on two crystals differ
+_LEAST = 2  # points on each side of the interface
+_TRIALS = 60  # interfaces tried in each interval before the best is refined
+PARTED = 0.03  # fraction of the peak speed above which two crystals differ
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,7 +75,7 @@ class LineRecord:
     lateral_force
         N.
     left_out
-        Grains at the end that the fit of the decay leaves out.
+        Grains at the end that are excluded from the fit of the decay.
     straight
         True for a straight line; other sets of grains have no front speed and no decay.
     """
@@ -93,7 +93,7 @@ class LineRecord:
 
     @property
     def fitted(self) -> slice:
-        """Grains that the fit of the decay takes."""
+        """Grains in the fit of the decay."""
         return slice(0, max(len(self.distance) - self.left_out, 0))
 
     @property
@@ -119,7 +119,7 @@ class LineRecord:
             np.max(values, initial=0.0)
         ):
             return None
-        from scipy.stats import shapiro, skew  # take longer to load than most commands need
+        from scipy.stats import shapiro, skew  # imported on demand: slow to load
 
         return Distribution(
             float(values.mean()),
@@ -202,7 +202,7 @@ class TwoRegionDecay:
     border
         Where the second begins, m.
     single
-        Rate of one straight line through all points, 1/m.
+        Rate of a single straight line through all points, 1/m.
     points
         Number of points.
     """
@@ -246,7 +246,7 @@ def fit_decay(distance: ArrayLike, peak: ArrayLike) -> TwoRegionDecay | None:
         )
     best = min(candidates.tolist(), key=lambda border: misfit(border)[0])
     if len(candidates) > 1:
-        from scipy.optimize import minimize_scalar  # takes longer to load than most commands need
+        from scipy.optimize import minimize_scalar  # imported on demand: slow to load
 
         at = int(np.searchsorted(candidates, best))
         bounds = candidates[max(at - 1, 0)], candidates[min(at + 1, len(candidates) - 1)]
@@ -266,8 +266,8 @@ def parted_at(
     Parameters
     ----------
     distance, peak, wide
-        Distances, m, and peaks of the same grains in either crystal, m/s: (n,); grains that lack a
-        peak do not count.
+        Distances, m, and peaks of the corresponding grains in both crystals, m/s: (n,); grains
+        without a peak do not count.
     """
     distance = np.asarray(distance, dtype=np.float64)
     peak = np.asarray(peak, dtype=np.float64)

@@ -1,8 +1,8 @@
 """Regions of a packing, and the energy in each of them against time.
 
-Regions are the strikers, and the grains of the packing by what parts them: groups of a file of
-grains, stretches of a chain of one material and diameter, or else equal parts along the load.
-Strikers, walls and the dissipated energy have fractions of their own.
+Regions are the strikers, and parts of the packing: groups of a file of grains, stretches of a chain
+with one material and diameter, or equal parts along the load. Strikers, walls and the dissipated
+energy have separate fractions.
 
 Under a static load the elastic energy of a region is no part of the input, which is measured from
 the static state; there a fraction is of the kinetic energy only.
@@ -25,11 +25,11 @@ from granwave.lammps_inputs.contact.law import pair_contact
 from granwave.lammps_inputs.packing.assembly import Assembly
 
 _MILLI = 1e3  # millimetres in a metre
-_PARTS = 4  # along the load, where nothing else parts the grains
-_MOST_STRETCHES = 6  # of a chain; more are joined by their material and diameter
+_PARTS = 4  # equal parts along the load, of a packing without groups
+_MOST_STRETCHES = 6  # most stretches of a chain; more are joined by material and diameter
 _FEWEST_TIMES = 3
-_SAME_INSTANT = 1e-9  # of the end time, between instants that are equal
-_DOWN = 0.9  # of a unit vector along z: a load that goes down
+_SAME_INSTANT = 1e-9  # tolerance of equal instants, over the end time
+_DOWN = 0.9  # z component of a unit vector, above which a load goes down
 OTHERS = "other spheres"
 WALLS = "walls"
 DISSIPATED = "dissipated"

@@ -96,7 +96,7 @@ def decay_rate(x: ArrayLike, y: ArrayLike) -> float:
     Parameters
     ----------
     x, y
-        Place, and what decays: (n_points,).
+        Position, and the decaying quantity: (n_points,).
     """
     x = np.asarray(x)
     y = np.asarray(y)
@@ -142,7 +142,7 @@ def power(x: ArrayLike, y: ArrayLike) -> Power:
         raise ValueError(
             f"found {np.count_nonzero(chosen)} points, expected two or more for a power law"
         )
-    from scipy import stats  # takes longer to load than most commands need
+    from scipy import stats  # imported on demand: slow to load
 
     fit = stats.linregress(np.log(x[chosen]), np.log(y[chosen]))
     n = int(np.count_nonzero(chosen))
@@ -178,7 +178,7 @@ def decay(x: ArrayLike, y: ArrayLike) -> ExponentialDecay | None:
     y = np.asarray(y, dtype=np.float64)
     if len(x) < _FEWEST_FITTED:
         return None
-    from scipy.optimize import curve_fit  # takes longer to load than most commands need
+    from scipy.optimize import curve_fit  # imported on demand: slow to load
 
     start = (float(y[-1]), float(y[0] - y[-1]) * np.e, float(x[-1] - x[0]) / 3)
     try:

@@ -1,8 +1,8 @@
 """Force and motion of the target, the bottom of a packing, and the same impact directly on it,
 without the packing.
 
-The ground carries the target: the force on it comes out of the last spring or damper, and equals
-the force on the target if this does not move.
+The ground carries the target: the force on it is transmitted by the last spring or damper, and
+equals the force on the target if the target is fixed.
 
 Without the packing the impacted spheres, side by side, hit the target: a rigid plane, a plane of a
 material, or a plane that moves on a support or a bar (`granwave.lammps_inputs.case.boundary`). Each
@@ -12,9 +12,9 @@ are local, so that spheres interact by the motion of the plane only:
     m x'' = -F(x - u)        sphere, x from where it touches
     m_0 u'' = sum F + k (u_1 - u_0), ..., m_n u_n'' = k (u_(n-1) - u_n) - K u_n - C u_n'      plane and support
 
-On a plane that does not move the peak force is the force at the overlap where W(alpha) = m v^2/2,
-and the course of equal spheres follows from the energies: m x'^2/2 is what the work of loading, or
-the elastic energy, still lacks. A force as load acts on the target itself.
+On a fixed plane the peak force is the force at the overlap where W(alpha) = m v^2/2,
+and the course of equal spheres follows from the energies: m x'^2/2 is the total energy minus the
+work of loading, or minus the elastic energy. A force as load acts on the target itself.
 """
 
 from __future__ import annotations
@@ -40,12 +40,12 @@ from granwave.lammps_inputs.packing.walls import footprint_radius
 if TYPE_CHECKING:  # loads h5py, which `granwave check` does without
     from granwave.analysis.result.reader import Result
 
-ARRIVED = 0.01  # of the largest force that the impact brings to the bottom
-_NOISE = 1e-6  # of the force from before the impact: how exact a static stage is
-_TOLERANCE = 1e-8  # of the integration, relative
-_IN_CONTACT = 200  # steps at least, while a collision with a plane at rest would last
-_AFTER = 1000  # at least, of what comes after
-_MOST_PHASES = 200  # of loading and unloading
+ARRIVED = 0.01  # fraction of the largest dynamic force on the bottom
+_NOISE = 1e-6  # fraction of the initial force: precision of a static stage
+_TOLERANCE = 1e-8  # relative tolerance of the integration
+_IN_CONTACT = 200  # fewest steps during a collision with a plane at rest
+_AFTER = 1000  # fewest steps after the collision
+_MOST_PHASES = 200  # most phases of loading and unloading
 
 Event = Callable[[float, Array], float]
 
@@ -55,11 +55,13 @@ class Reached:
     """Record of the target; every array (n_times,)."""
 
     time: Array  # s
-    force: Array  # of the packing, or of what hits it without one, on the target, N
+    force: Array  # force on the target from the packing, or from the impactor without a packing, N
     ground_force: (
         Array | None
-    )  # of the target on the ground, N; None for a bar at a chain's end: it is not recorded
-    # outward from its place before the impact, m; None where it does not move
+        # force of the target on the ground, N; None for a bar at a chain's end, where it is not
+        # recorded
+    )
+    # outward displacement since the impact, m; None for a fixed target
     displacement: Array | None = None
 
     @property
@@ -109,16 +111,16 @@ def reached(result: Result) -> Reached | None:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Target:
-    """Support of the plane: a row of masses joined by springs, the plane first, the last one tied
-    to the ground.
+    """Support of the plane: a chain of masses joined by springs, the plane first, with a spring
+    from the last mass to the ground.
     """
 
-    material: Material | None  # of the surface; None: rigid
-    # of the nodes, (n,), kg; none of a plane that does not move; a single 0 of a surface without
-    # mass
+    material: Material | None  # material of the surface; None: rigid
+    # masses of the nodes, (n,), kg; empty for a fixed plane; a single 0 for a surface without mass
     mass: Array
-    stiffness: float = 0.0  # of the springs between them, N/m
-    ground_stiffness: float = 0.0  # of what ties the last one to the ground, N/m
+    stiffness: float = 0.0  # stiffness of the springs between the nodes, N/m
+    # stiffness of the spring between the last node and the ground, N/m
+    ground_stiffness: float = 0.0
     ground_damping: float = 0.0  # N s/m
 
     @property
@@ -156,18 +158,16 @@ class Impactors:
     """Equal spheres that hit the target side by side."""
 
     count: int
-    mass: float  # of one, kg
-    velocity: float  # normal to the target, m/s
-    law: ContactLaw  # of one with the target's surface
+    mass: float  # mass of one sphere, kg
+    velocity: float  # speed normal to the target, m/s
+    law: ContactLaw  # law of the contact of a sphere with the target's surface
 
     @cached_property
     def largest_overlap(self) -> float:
-        """Overlap on a plane that does not move when all of the energy has become work of the
-        contact, m.
-        """
+        """Overlap on a fixed plane when all kinetic energy has become work of the contact, m."""
         energy = 0.5 * self.mass * self.velocity**2
 
-        from scipy.optimize import brentq  # takes longer to load than many a figure to draw
+        from scipy.optimize import brentq  # imported on demand: slow to load
 
         def missing(overlap: float) -> float:
             return float(self.law.loading_work(np.array([overlap]))[0]) - energy
@@ -179,7 +179,7 @@ class Impactors:
 
     @property
     def duration(self) -> float:
-        """About how long a collision with a plane that does not move takes, s."""
+        """Approximate duration of a collision with a fixed plane, s."""
         return 3 * self.largest_overlap / self.velocity
 
 
@@ -225,7 +225,7 @@ def unprotected(assembly: Assembly, end_time: float) -> Reached | None:
 def target_of(assembly: Assembly) -> Target | None:
     """Target of a packing: the plane below it, the bar at a chain's end, or a rigid base.
 
-    A last layer that is held in place stands for a rigid base. None if there is nothing below.
+    A last layer that is held in place represents a rigid base. None if there is nothing below.
     """
     boundary = assembly.case.boundary
     support = boundary.bottom_support
@@ -274,7 +274,7 @@ def impactors_of(assembly: Assembly, material: Material | None) -> list[Impactor
 
 
 def _pushed(load: DrivenLoad, target: Target, end_time: float) -> Reached:
-    """A force on the target itself, as far as it acts down."""
+    """Return the downward component of a force on the target."""
     end = min(end_time, load.lasts + target.settles)
     time = np.linspace(0.0, end, _AFTER + 1)
     turns = [one for one, _ in load.table or ()] + [load.lasts / 2]
@@ -289,7 +289,7 @@ def _pushed(load: DrivenLoad, target: Target, end_time: float) -> Reached:
             target.rates(state[:n], state[n:], float(load.at(np.array(now))) * load.way[2])
         )
 
-    from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
+    from scipy.integrate import solve_ivp  # imported on demand: slow to load
 
     found = solve_ivp(
         rates,
@@ -305,7 +305,7 @@ def _pushed(load: DrivenLoad, target: Target, end_time: float) -> Reached:
 
 
 def _rebound(group: Impactors) -> Reached:
-    """Equal spheres that hit a plane that does not move, until they leave it.
+    """Equal spheres that hit a fixed plane, until they leave it.
 
     Overlaps are deepest - way s^2 with s in equal steps: the speed is in proportion to s where the
     spheres turn round.
@@ -414,13 +414,13 @@ class _Collision:
         return _event(rate, direction)
 
     def contact(self, direction: int) -> Event:
-        """The last sphere leaves the plane (-1), or a first one meets it (+1)."""
+        """The last sphere leaves the plane (-1), or a first sphere touches it (+1)."""
         return _event(lambda _, state: float(self.overlaps(state).max()), direction)
 
 
 def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
     """Impact of spheres on the target, in phases between reversals of single spheres."""
-    from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
+    from scipy.integrate import solve_ivp  # imported on demand: slow to load
 
     collision = _Collision(groups, target)
     duration = min(group.duration for group in groups)
@@ -480,7 +480,7 @@ def _longest_step(target: Target, duration: float, *, in_contact: bool) -> float
 
 
 def _event(function: Callable[[float, Array], float], direction: int) -> Event:
-    """An event that ends a phase when the function passes zero in this direction."""
+    """Return an event that ends a phase when the function passes zero in this direction."""
     event: Any = function
     event.terminal = True
     event.direction = direction

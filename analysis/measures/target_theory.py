@@ -10,9 +10,9 @@ A mass M on a spring k, omega = sqrt(k/M): a short impulse J moves it by J/(M om
 by F/k.
 
 Shock spectrum of a force: displacement of a plate on a spring under it, against the plate's period.
-A plate much slower than the force only feels its impulse and moves by J/(M omega); one much faster
-follows it and moves by F/k. In between it is an oscillator under the force on a wall that is held
-in place.
+A plate with a period much longer than the force responds to the impulse and moves by J/(M omega); a
+plate with a much shorter period follows the force and moves by F/k. In between it is an oscillator
+under the force on a fixed wall.
 """
 
 from __future__ import annotations
@@ -32,12 +32,13 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.packing.assembly import assemble
 
-_POINTS = 2000  # of Hertz's force in time
+_POINTS = 2000  # points of Hertz's force in time
 
-# periods at which the limits hold, over the peak's width and the time the impulse takes
+# ratios of the period at which the limits hold, to the width of the peak and to the duration of the
+# impulse
 _FAST = 0.25
 _SLOW = 10.0
-_MOST_OF_IT = 0.9  # of the impulse: the time that it takes is that of this part, from its middle
+_MOST_OF_IT = 0.9  # fraction of the impulse, around its middle, that defines its duration
 
 
 @dataclasses.dataclass(frozen=True)
@@ -58,7 +59,7 @@ class HertzImpact:
 
     @classmethod
     def of(cls, case: Case) -> HertzImpact:
-        """The impact of a case's first sphere on its bottom, held in place."""
+        """The impact of a case's first sphere on its bottom, which is fixed."""
         law = flat_contact(assemble(case), 1, case.boundary.bottom_material)
         stiffness = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
         return cls(
@@ -100,12 +101,12 @@ class HertzImpact:
         """Time (s) and force (N), evenly spaced in time: (n,) each."""
         share = (
             np.sin(np.linspace(0, np.pi / 2, _POINTS)) ** 2
-        )  # of the largest overlap; dense at both ends
+        )  # fractions of the largest overlap; dense at both ends
         slowness = 1 / np.sqrt(np.maximum(1 - share**2.5, 1e-300))
         steps = np.diff(share) * (slowness[1:] + slowness[:-1]) / 2
         steps[-1] = np.sqrt(
             np.diff(share)[-1] * 4 / 2.5
-        )  # the integral to the turning point, where it is singular
+        )  # the integral up to the turning point, where the integrand is singular
         time = np.concatenate([[0.0], np.cumsum(steps)]) * self.overlap / self.velocity
         force = self.stiffness * (share * self.overlap) ** 1.5
         even = np.linspace(0, 2 * time[-1], 2 * _POINTS)
@@ -116,7 +117,9 @@ class HertzImpact:
         )
 
     def energy_into(self, spring: float, damping: float) -> float:
-        """Work on a spring (N/m; 0: none) and damper (N s/m) without mass that hardly give way, J."""
+        """Work on a spring (N/m; 0: none) and damper (N s/m) without mass and with negligible
+        motion, J.
+        """
         if not spring:
             return self.square / damping
         time, force = self.history()

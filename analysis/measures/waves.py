@@ -20,23 +20,24 @@ from granwave.analysis.measures.target import reached
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 
-AXIS_ANGLE = 15.0  # degrees around a direction of contacts that count as along it
-LAYER_BINS = 72  # of 5 degrees
-# of the half sphere: cells in the angle to the impact axis, and around it
+AXIS_ANGLE = 15.0  # degrees around the direction of a contact that belong to it
+LAYER_BINS = 72  # bins of 5 degrees
+# cells of the half sphere: in the angle to the impact axis, and around it
 RINGS = 8
 PER_RING = 24
-_ONE_LAYER = 0.1  # diameters that the spheres of a layer may lie above each other
-# share of the energy at the outermost spheres from which on the wave has reached them
+_ONE_LAYER = 0.1  # largest vertical distance of spheres of a layer, diameters
+# fraction of the energy at the outermost spheres above which the wave has reached them
 _REACHED = 0.02
 
-# layers, the struck one among them, in which the wave takes its shape
+# layers, including the impacted one, in which the wave takes its shape
 _LEAD = 5
-_FEWEST_LAYERS = 4  # that a wave speed is taken from
-_STRUCK_LAYER = 0.1  # diameters that the mean of the struck layer may be above the struck sphere
-# of the largest force of all: a contact that carries less was not reached by the wave
+_FEWEST_LAYERS = 4  # fewest layers for a wave speed
+# largest height of the mean of the impacted layer above the impacted sphere, diameters
+_STRUCK_LAYER = 0.1
+# fraction of the largest force of all: the wave did not reach contacts that carry less
 _REACHES = 1e-4
 _SAME_TIME = 1e-9  # relative
-_RISEN = 0.01  # of the largest rise anywhere: a contact that rose by less was not reached
+_RISEN = 0.01  # fraction of the largest rise anywhere: the wave did not reach contacts with less
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -49,7 +50,7 @@ class Spread:
         Fraction of the total in each cell: (LAYER_BINS,) from -180 degrees on, or (RINGS,
         PER_RING).
     along
-        Share within `AXIS_ANGLE` of the directions of contacts, to which an even spread would give
+        Fraction within `AXIS_ANGLE` of the directions of contacts; an isotropic distribution has
         ``even``.
     even
         Part of all directions within that angle.
@@ -66,7 +67,7 @@ class Spread:
 
 
 def struck_rows(result: Result) -> NDArray[np.int64]:
-    """Rows of the spheres of the packing that are struck: by strikers, or by the load."""
+    """Rows of the impacted spheres of the packing: by strikers, or by the load."""
     case = result.case
     n = result.assembly.lattice.n_spheres
     if case.striker:
@@ -79,8 +80,8 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
 
 
 def directions(result: Result) -> Array:
-    """Unit vectors from the nearest impacted sphere to each sphere: (n_spheres, 3); NaN for struck
-    ones and strikers.
+    """Unit vectors from the nearest impacted sphere to each sphere: (n_spheres, 3); NaN for
+    impacted spheres and strikers.
 
     Parameters
     ----------
@@ -110,8 +111,8 @@ def spread(result: Result, values: ArrayLike) -> Spread | None:
     Returns
     -------
     Spread or None
-        Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, the fraction
-        in an even distribution; ``cells`` by direction. None if impacted spheres hold all.
+        Fraction ``along`` the directions of contacts, within 15 degrees; ``even``, the fraction in
+        an isotropic distribution; ``cells`` by direction. None if impacted spheres hold all.
     """
     values = np.asarray(values, dtype=np.float64)
     vectors = directions(result)
@@ -131,14 +132,14 @@ def spread(result: Result, values: ArrayLike) -> Spread | None:
     angle = np.rad2deg(np.arctan2(vectors[:, 1], vectors[:, 0]))
     around = np.floor((angle + 180) / 360 * per_ring + 0.5 + 1e-9).astype(
         int
-    )  # a bin lies around each multiple of it
+    )  # a bin is centred on each multiple of this angle
     cells = (
         np.bincount(ring * per_ring + around % per_ring, weights, minlength=rings * per_ring)
         / total
     )
     even = (
         cap / np.pi if flat else 1 - np.cos(cap)
-    )  # of one direction: caps apart from each other, of a half sphere
+    )  # solid angle of a direction: separate caps of a half sphere
     return Spread(cells if flat else cells.reshape(rings, per_ring), along, float(len(axes) * even))
 
 
@@ -168,7 +169,7 @@ def energy_of_spheres(result: Result, frame: int) -> Array:
 
 
 def travelling_frame(result: Result) -> int:
-    """Number of the last snapshot before the wave reaches sides or bottom, or else of the first
+    """Number of the last snapshot before the wave reaches sides or bottom; otherwise of the first
     after the start.
 
     Parameters
@@ -203,7 +204,7 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
             limit = (sign * packing[:, axis]).max()
             if (
                 sign * struck[:, axis]
-            ).max() < limit - edge:  # the struck side is no end of the wave's way
+            ).max() < limit - edge:  # the impacted side is not an end of the wave's way
                 found |= inside & (sign * positions[:, axis] > limit - edge)
     return found
 
@@ -213,13 +214,13 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
 
     The front is at a layer when the force of a contact there first passes 10 % of the largest
     force of that contact. The slope is a least-squares fit to the deeper half of the layers that
-    were reached, without the five uppermost ones, where the wave takes its shape. The echo of the
-    bottom does not disturb it, as it does the times of peak forces. The first force at all is no
-    measure: ahead of a wave in Hertzian contacts the overlap falls faster than exponentially, so
-    that the rounding of the coordinates decides when it is first above zero. On a chain of Hertz
-    contacts the speed is within 2 % of the solitary wave's 0.6802 (2E / (D rho^1.5 (1 -
-    nu^2)))^(1/3) F^(1/6). Where the wave gets weaker it also gets slower and longer, and its front
-    is faster than its peak.
+    were reached, without the five uppermost layers, where the wave develops its shape. The
+    reflection from the bottom does not affect it, unlike the times of peak forces. The first force
+    at all is no measure: ahead of a wave in Hertzian contacts the overlap falls faster than
+    exponentially, so that the rounding of the coordinates decides when it is first above zero. On a
+    chain of Hertz contacts the speed is within 2 % of the solitary wave's 0.6802 (2E / (D rho^1.5
+    (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker it also becomes slower and longer, and
+    its front is faster than its peak.
 
     Parameters
     ----------
@@ -270,13 +271,13 @@ def wave_speed_of(result: Result) -> float | None:
     the end of the run. For weak waves in a chain of Hertz contacts this speed is 3 % above the
     speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
 
-    None for loads that keep oscillating: the largest force of a bead may come at any time, and
+    None for loads that keep oscillating: the largest force of a bead may occur at any time, and
     later where beads absorb. A burst passes once.
 
-    None for a load that does not push down: its wave does not come from the top.
+    None for a load that does not push down: its wave does not start at the top.
 
-    None for parallel cylinders: the stiffness of their contacts hardly grows with the force, so
-    that the front of the wave spreads without a limit. Lines of grains have a front speed.
+    None for parallel cylinders: the stiffness of their contacts is almost independent of the force,
+    so that the front of the wave spreads without a limit. Lines of grains have a front speed.
     """
     diameter = result.case.packing.diameter
     load = result.case.load
@@ -397,7 +398,7 @@ def _layers_of(result: Result, diameter: float) -> tuple[Array, NDArray[np.int32
     for (positions,) in result.blocks("spheres/position"):
         depth = positions[:, 2] - top
         layer = layer_of[np.searchsorted(depths, depth)]
-        # in one order for all
+        # in a common order
         total = np.bincount(np.append(every, layer), np.append(total, depth)).astype(np.float64)
         n_spheres += np.bincount(layer, minlength=len(mean))
         parts.append(layer.astype(np.int32))

@@ -5,11 +5,11 @@ One definition for packings and the continuum. A part is a sphere of the packing
 energy that it dissipated by yielding, or an element, weighed by its plastic work:
 
     depth     smallest d such that the parts whose centres lie at most d below the impacted
-              sphere's centre (packing) or the block's face (continuum) hold the fraction; a centre
-              above counts as depth 0
-    radius    the same of the distance of the centres from the impact axis
-    volume    smallest volume that holds the fraction: of the parts in the order of their energy per
-              volume, the highest first; of a packing that of the spheres, without the voids. Of
+              sphere's centre (packing) or the block's face (continuum) contain the fraction; a
+              centre above counts as depth 0
+    radius    the same for the distance of the centres from the impact axis
+    volume    smallest volume that contains the fraction: parts are added in descending
+              order of energy per volume; in a packing without voids. Of
               equal parts these are the fewest
 
 None of these is interpolated: a size is the distance of a part, or a sum over parts. In a lattice
@@ -19,17 +19,17 @@ away, and straight lines connect its values at the distances of the parts. The i
 where these lines reach the fraction: between the size above and the next smaller distance of a
 part. Both agree where the parts are fine.
 
-The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times beyond. A
-zone is marked if it reaches a boundary, or if a wave returned to it from one: it differs from the
-zone in an infinite packing.
+The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times beyond. A zone
+is marked if it reaches a boundary, or if a reflected wave returned to it: it differs from the zone
+in an infinite packing.
 
-The impact axis goes along z through the centroid of the impacted spheres.
+The impact axis is parallel to z through the centroid of the impacted spheres.
 
 The plastic dissipation of a sphere is half the dissipation of each of its contacts, all of it where
 the partner has the higher yield strength, none where the partner has the lower one. Contacts with
-walls of a material follow the same rule; at a rigid wall all of it belongs to the sphere. Friction,
-dampers and strikers do not count: strikers are not part of the packing, and their dissipation is
-excluded.
+walls of a material follow the same rule; at a rigid wall all dissipation belongs to the sphere.
+Friction, dampers and strikers do not count: strikers are not part of the packing, and their
+dissipation is excluded.
 
 A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it
 was loaded at all (bilinear); with hertz none yields. A dent from before the run must have grown in
@@ -37,8 +37,8 @@ it. A contact just beyond first yield keeps a dent and may dissipate nothing: th
 elasto-plastic law, continuous, unloads up to 1.083 alpha_y without dissipation. More spheres
 therefore yield than dissipate.
 
-The elasto-plastic law was fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones
-of one sphere's contacts may begin to touch.
+The elasto-plastic law was fitted up to an overlap of about 0.2 R*; above 0.1 R* the plastic zones
+of a sphere's contacts may begin to touch.
 """
 
 from __future__ import annotations
@@ -60,23 +60,23 @@ if TYPE_CHECKING:
 
 Zone = dict[str, NDArray]  # columns of spheres, see `packing_zone`
 
-LAW_LIMIT = 0.2  # of R*: the largest overlap that the elasto-plastic law was fitted to
-HALF_LAW_LIMIT = 0.1  # of R*
-# bounds that a zone, or a wave, may reach
+LAW_LIMIT = 0.2  # largest overlap over R* in the fit of the elasto-plastic law
+HALF_LAW_LIMIT = 0.1  # half of this limit
+# boundaries that a zone, or a wave, may reach
 BOTTOM = "bottom"
 SIDES = "sides"
-_WAYS = {BOTTOM: "depth", SIDES: "radius"}  # columns of the distance towards each
+_WAYS = {BOTTOM: "depth", SIDES: "radius"}  # columns of the distance from each boundary
 _DISTANCES = ("depth", "radius", BOTTOM, SIDES)
-WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # of `wave_returns`
-_ROUNDING = 1e-12  # of the energy: sums that reach a share but for rounding reach it
-# of the energy, dissipated after the first wave came back: from here on it is marked
+WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # results of `wave_returns`
+_ROUNDING = 1e-12  # tolerance of sums of energy against a fraction, relative
+# fraction of the energy dissipated after the first wave returned, above which the run is marked
 NOTED_SHARE = 0.01
-_SAME = 1e-9  # relative, of lengths that are equal but for rounding
-_LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
-# of the largest force among some contacts: the wave came through contacts that bear more
+_SAME = 1e-9  # relative tolerance of equal lengths
+_LATE = 0.1  # fraction of a run: if the extent grew so near the end, the zone may still grow
+# fraction of the largest force among some contacts: the wave came through contacts that carry more
 _BEARS = 0.01
-_NOTHING = 1e-12  # of the input: yielding where nothing yields, left by subtraction
-# of the largest force of the run: what stays below is rounding, or runs ahead of the wave
+_NOTHING = 1e-12  # fraction of the input that counts as zero: the yield energy is a difference
+# fraction of the largest force of the run: smaller forces are rounding or precursors
 _NO_WAVE = 1e-6
 
 
@@ -89,7 +89,7 @@ def extent_holding(distance: Array, energy: Array, share: float) -> float:
     distance, energy
         Distances, m, and energies, J, of the parts: (n,); no energy is negative.
     share
-        Of the whole energy, above 0.
+        Fraction of the total energy, above 0.
     """
     order = np.lexsort(
         (energy, distance)
@@ -115,17 +115,15 @@ def interpolated_extent(distance: Array, energy: Array, share: float) -> float:
 
 
 def volume_holding(volume: Array, energy: Array, share: float) -> float:
-    """Return the volume (m^3) of the parts of highest energy per volume that hold a fraction; else
-    as `extent_holding`.
+    """Return the volume (m^3) of the parts of highest energy per volume that contain a fraction;
+    otherwise as `extent_holding`.
     """
     order = np.lexsort((volume, -energy / volume))
     return float(np.sum(volume[order][: _parts_holding(energy[order], share)]))
 
 
 def _parts_holding(energy: Array, share: float) -> int:
-    """Number of parts, from the first, that hold a fraction of the energy; 0 where there is
-    none.
-    """
+    """Number of parts, from the first, that contain a fraction of the energy; 0 if it is zero."""
     held = np.cumsum(energy)
     holds = len(held) and held[-1] > 0
     return int(np.searchsorted(held, (1 - _ROUNDING) * share * held[-1])) + 1 if holds else 0
@@ -146,7 +144,7 @@ def zone_sizes(
     volume
         Of the parts: (n,), m^3.
     depth, radius
-        Of the parts: (n,), m; None where a packing does not extend that way.
+        Depths and radii of the parts: (n,), m; None in directions without extent.
 
     Returns
     -------
@@ -205,8 +203,8 @@ def packing_zone(result: Result) -> Zone:
 
     The last layer is at the ``bottom``, the first and last sphere of a row and the first and last
     row at the ``sides``. With periodic sides those half a period from the axis are, where a zone
-    meets its image. A packing of one layer has no bottom, a chain no sides; grains of a file may
-    leave off anywhere, and have no bounds.
+    meets its image. A packing of one layer has no bottom, a chain has no sides; grains of a file
+    have no defined boundaries.
 
     Returns
     -------
@@ -249,7 +247,7 @@ def packing_zone(result: Result) -> Zone:
 
 
 def cut_of(zone: Zone) -> list[str]:
-    """Return the bounds that a yielded sphere touches."""
+    """Return the boundaries that a yielded sphere touches."""
     return [name for name in _WAYS if name in zone and np.any(zone["yielded"] & zone[name])]
 
 
@@ -295,7 +293,7 @@ def _active_and_distances(result: Result) -> tuple[Zone, Zone]:
 
 
 def _joined(parts: Sequence[Zone]) -> Zone:
-    """Return the columns of all parts, one after the other."""
+    """Return the columns of all parts, concatenated."""
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
@@ -344,12 +342,12 @@ def wave_arrivals(result: Result, sets: Sequence[NDArray[np.bool_]]) -> list[flo
     Parameters
     ----------
     sets
-        Members of each set, True for those of the packing's spheres, without strikers:
+        Members of each set, True for spheres of the packing in the set, without strikers:
         (n_spheres,).
     """
     last = result.assembly.lattice.n_spheres
     of_all = 0.0
-    fronts = [np.empty((2, 0)) for _ in sets]  # of each set: force and time
+    fronts = [np.empty((2, 0)) for _ in sets]  # force and time of each set
     for i, j, force, time in result.blocks(
         "contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"
     ):
@@ -384,11 +382,11 @@ class Mark(IntEnum):
     """Influence of the finite packing or block on its plastic zone."""
 
     NONE = 0
-    WAVE = 1  # a wave that came back had a part in more than `NOTED_SHARE` of the dissipation
-    CUT = 2  # the zone reaches a bound
+    WAVE = 1  # a reflected wave contributed to more than `NOTED_SHARE` of the dissipation
+    CUT = 2  # the zone reaches a boundary
 
 
-#: What a mark says, beside a marker in a figure or a table.
+#: Text of a mark, next to a marker in a figure or a table.
 LABELS = {Mark.CUT: "zone reaches a boundary", Mark.WAVE: "reflected wave came back"}
 
 
@@ -417,7 +415,7 @@ def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
     Parameters
     ----------
     body
-        Noun of what the zone lies in.
+        Noun for the body that contains the zone.
     """
     is_chain = (
         summary.get("zone_radius_99_m", 0.0) is None and summary.get("zone_depth_99_m") is not None

@@ -1,6 +1,6 @@
 """Fields of a run as xarray Datasets; each variable has its unit in ``attrs["units"]``.
 
-Snapshots are read from result.h5 when they are asked for.
+Snapshots are read from result.h5 on demand.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def chain(result: Result) -> Dataset:
     Raises
     ------
     MissingDataError
-        The run is not one of a chain, or its history was not recorded.
+        The run is not of a chain, or its history was not recorded.
     """
     if "chain" not in result:
         raise MissingDataError(
@@ -120,8 +120,8 @@ def _variable(result: Result, path: str, dimensions: tuple[str, ...], name: str)
     source = result.file[path]
     if source.ndim == 1:
         return Variable("time" if name == "time" else dimensions[-1], result[path], attributes)
-    # as `xarray.open_dataset` does: kept in memory once it was read whole, and copied when it is
-    # changed
+    # as `xarray.open_dataset` does: kept in memory after it was read completely, and copied when it
+    # is changed
     lazy: Any = indexing.LazilyIndexedArray(_OnDemand(result, path))
     values = indexing.MemoryCachedArray(indexing.CopyOnWriteArray(lazy))
     return Variable(dimensions[: source.ndim], values, attributes)

@@ -34,7 +34,7 @@ _SHOWN: dict[str, Any] = {
     "max_rows": 20,
     "float_format": "{:.5g}".format,
     "na_rep": "",
-}  # of the table
+}  # columns of the table
 
 
 class ScanRuns:
@@ -129,7 +129,7 @@ class ScanRuns:
         Raises
         ------
         ValueError
-            The points do not fill a grid with one point at each place.
+            The points do not fill a grid with one point at each position.
         """
         return read_scan(self.directory).to_xarray()
 
@@ -200,13 +200,13 @@ def load(directory: str | Path) -> Any:
     """Load the results of a run, a scan, a search for a design, an inference, or of bands, modes
     and transmission.
 
-    The last three are datasets, as `bands` returns them; of several in one directory a dictionary
-    by their names.
+    The last three are datasets, as `bands` returns them; for several in one directory, a dictionary
+    by name.
 
     Returns
     -------
     Run, ScanRuns, Designs, InferredForces, Dataset or dict
-        The results, by what the directory holds.
+        The results, according to the content of the directory.
 
     Raises
     ------

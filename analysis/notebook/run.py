@@ -31,6 +31,7 @@ from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.summary_table import SummaryRow, explanation, lines, rows_of, summary_rows
 from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.result_kinds import ResultKind
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY_FILE
@@ -108,7 +109,7 @@ class Values(Mapping[str, Any]):
 class Run(Values):
     """Results of one run; a mapping of the values of its summary.json.
 
-    Tables and fields are read from result.h5 when they are first asked for.
+    Tables and fields are read from result.h5 on first access.
 
     Parameters
     ----------
@@ -364,7 +365,7 @@ class Run(Values):
         Raises
         ------
         MissingDataError
-            The run is not one of a chain, or its history was not recorded.
+            The run is not of a chain, or its history was not recorded.
         """
         from granwave.analysis.notebook import datasets
 
@@ -376,7 +377,8 @@ class Run(Values):
     def figures(self) -> tuple[str, ...]:
         """Names of the figures that apply to this run; none of a run that is not of spheres.
 
-        Those that are not in its directory yet are drawn to find out, which takes seconds once.
+        Figures that are not in its directory yet are drawn to find out whether they apply, which
+        takes seconds once.
         """
         from granwave.analysis.figures.run_figures import run_figures
         from granwave.analysis.figures.style import Drawing, FigureFolder, attempt, style
@@ -414,8 +416,8 @@ class Run(Values):
             Plane of figures that end in _section, and of the contact network: ``"x"``, a normal
             (3,), or a mapping as ``figures.plane`` of a case.
         against
-            Another run, whose curves are drawn over those of this run, dashed. Second axes, such
-            as of the impulse, are removed.
+            Another run, whose curves are drawn dashed over the curves of this run. Second axes,
+            such as of the impulse, are removed.
         depths
             Depths of the figure force_at_depths, m, as ``figures.depths`` of a case.
 
@@ -429,11 +431,11 @@ class Run(Values):
         ------
         MissingDataError
             There is no figure of this name, or it does not apply to this run, or it has no curves
-            that those of the other run could be drawn over.
+            to be overlaid.
         InputError
             The axes do not suit the panels, or plane or depths are wrong.
         """
-        from granwave.analysis.figures.run_figures import run_figures
+        from granwave.analysis.figures.run_figures import FIXED_PLANES, run_figures
         from granwave.analysis.figures.series import draw_axes, no_figure
         from granwave.analysis.figures.user_axes import add_curves, plots_of
 
@@ -441,6 +443,12 @@ class Run(Values):
             raise no_figure(self.name, name, ())
         if name not in run_figures():
             raise no_figure(self.name, name, run_figures())
+        if plane is not None and name.endswith(FIXED_PLANES):
+            start = name.rpartition("_")[0]
+            raise InputError(
+                f"plane: found for the figure {name}, which has a plane of its own; use "
+                f"{start}_section"
+            )
         figure = run_figures()[name]
         into: list[Axes] = []
         if ax is not None:

@@ -43,14 +43,14 @@ from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
-_MOST_COLUMNS = 5  # of the table of means, keys and quantities together
-_MOST_NAMED = 4  # runs that are said in a sentence each
-_MOST_ROWS = 14  # of that table; two keys with more are crossed
-_MOST_OPEN = 3  # scans whose figures and tables are not folded away
+_MOST_COLUMNS = 5  # most columns of the table of means, keys and quantities together
+_MOST_NAMED = 4  # most runs with a sentence each
+_MOST_ROWS = 14  # most rows of the table of means; two keys with more are crossed
+_MOST_OPEN = 3  # most scans whose figures and tables are not folded
 _OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
-_THIN = 40.0  # length over width of a row from which pictures of its grains are lines
-_REACHED = 1e-3  # of the largest peak force: contacts that the wave has reached
-#: On a run, in their order; those whose values are all there are shown.
+_THIN = 40.0  # length over width of a packing above which images of its grains are lines
+_REACHED = 1e-3  # fraction of the largest peak force: contacts that the wave has reached
+#: Values of a run, in order; a row is shown if all its values are present.
 _SENTENCES = (
     "The peak force on the target was {target_bore}.",
     "The peak force on the ground below it was {ground_bore}.",
@@ -68,11 +68,11 @@ _SENTENCES = (
     "None of the input energy of {kept} was dissipated.",
     "{n_loaded_contacts} of {n_contacts} contacts carried a force.",
 )
-_ALONG_LINE = (  # with its name
+_ALONG_LINE = (  # values along a line, with its name
     "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}.",
     "Its peak speed decays by {{line_{0}_decay_per_m}}.",
 )
-_SENSORS = (  # with the names of those that saw most and least
+_SENSORS = (  # values of the sensors with the largest and smallest signal, with their names
     "Sensors recorded at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least "
     "{{sensor_{1}_peak_velocity_m_s}} ({1})."
 )
@@ -88,9 +88,9 @@ def answer_blocks(
     Parameters
     ----------
     studied
-        Main figure of the studies of a scan, shown in place of its own.
+        Main figure of the studies of a scan, shown instead of the scan's figure.
     judged
-        Studies have said what they come to, so that a scan alone need not.
+        True if studies state their result, so that a single scan does not.
     """
     found = [_of_scan(scan, inputs, studied) for scan in inputs.scans]
     if judged and len(inputs.items) == 1:
@@ -189,7 +189,8 @@ def _of_scan(scan: ReportScan, inputs: ReportInputs, studied: Figure | None) -> 
     others = [key for _, key in shown[1:] if key != main][
         : max(_MOST_COLUMNS - 1 - len(means.keys), 1)
     ]
-    places = math.prod(len(set(key.values)) for key in means.keys)  # of their grid
+    # number of positions in the grid
+    places = math.prod(len(set(key.values)) for key in means.keys)
     crossed = len(means.keys) == 2 and _MOST_ROWS < len(means.counts) >= places / 2
     table = _crossed(means, main) if crossed else _table(means, [main, *others])
     picture = studied or _main_figure(scan, inputs)
@@ -293,9 +294,7 @@ def in_words(run: ReportRun) -> str:
         values["decay"] = _decay(_peaks(run))
         values["along_chain"] = values.get("wave_speed_m_s", "")
     if (plate := run.number("plate_velocity_m_s")) is not None:
-        values["plate"] = (
-            f"{'rebounds' if plate < 0 else 'still moves in'} with {abs(plate):.4g} m/s"
-        )
+        values["plate"] = f"{'rebounds' if plate < 0 else 'still moves in'} at {abs(plate):.4g} m/s"
     values = {name: text for name, text in values.items() if text}
     lines = [
         text.format(name)
@@ -345,8 +344,8 @@ def _decay(peaks: NDArray[np.float64]) -> str:
 
 
 def _peaks(run: ReportRun) -> NDArray[np.float64]:
-    """Return the largest dynamic force of each contact along a chain: (n_contacts,),
-    N; or nothing.
+    """Return the largest dynamic force of each contact along a chain: (n_contacts,), N; None
+    without a chain.
     """
     try:
         with Result(run.results) as result:

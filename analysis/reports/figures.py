@@ -1,4 +1,4 @@
-"""Section of figures: reduced pictures of runs and scans."""
+"""Section of figures: reduced images of runs and scans."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ from granwave.lammps_inputs.run_directory import (
 SLUG = "figures"
 #: Dots per inch at which a page shows figures that take a whole row: their letters are as large as the page's.
 RESOLUTION = 150
-# largest width of pictures of runs and scans, and of points of scans, pixels
+# largest width of images of runs and scans, and of points of scans, pixels
 WIDTH = 900
 POINT_WIDTH = 600
-WIDEST = 1200  # largest width of pictures that take a whole row, pixels
-POINTS_BUDGET = 8_000_000  # bytes of all pictures of points; further ones are only linked
-MOST_DATA = 60_000  # bytes of a table of a figure that is in the page; larger ones are linked
+WIDEST = 1200  # largest width of images that fill a row, pixels
+POINTS_BUDGET = 8_000_000  # most bytes of all images of points; further images are only linked
+MOST_DATA = 60_000  # most bytes of a figure's table on the page; larger tables are linked
 _COLOURS = 256
 
 _OF_SCANS = {  # captions
@@ -58,7 +58,7 @@ _OF_SCANS = {  # captions
         "other key has little effect"
     ),
 }
-_QUANTITIES = {  # captions of figures of scans that differ from their names
+_QUANTITIES = {  # captions of figures of scans that do not follow from the name
     "plastic_zone_depth": "Depth of the plastic zone",
     "zone_depth_90": "90 % depth of the plastic dissipation, interpolated between layers",
     "zone_radius_90": "90 % radius of the plastic dissipation, interpolated between spheres",
@@ -76,7 +76,7 @@ def figures_section(
     Parameters
     ----------
     above
-        Names of figures in other sections; scans also keep those of their studies as files.
+        Names of figures in other sections; scans also store the figures of their studies.
     shown
         Paths of figures in other sections, without a suffix.
     """
@@ -123,7 +123,7 @@ def picture_in(item: ReportRun | ReportScan, name: str, inputs: ReportInputs) ->
 
 
 def picture_of(drawing: Drawing, name: str, caption: str, data: Link | None = None) -> Figure:
-    """A figure as a picture; its caption is its alternative text too."""
+    """A figure as an image; its caption is also its alternative text."""
     lay_out(drawing.figure, RESOLUTION)
     stream = io.BytesIO()
     drawing.figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
@@ -135,18 +135,18 @@ def picture_of(drawing: Drawing, name: str, caption: str, data: Link | None = No
 
 
 def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
-    """Reduce a picture to a PNG with at most 256 colours; return it with its size in pixels and its
+    """Reduce an image to a PNG with at most 256 colours; return it with its size in pixels and its
     width in inches.
 
     Parameters
     ----------
     width
-        Largest width in pixels; wide figures may have more, in a row of their own.
+        Largest width in pixels; wide figures, which fill a row, may have more.
 
     Raises
     ------
     OSError, ValueError, SyntaxError
-        The file is not a picture.
+        The file is not an image.
     """
     with Image.open(path) as found:
         image = Image.new("RGB", found.size, "white")

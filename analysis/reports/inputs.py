@@ -83,7 +83,7 @@ class ReportInputs:
     base
         Directory of the report, to which paths in it are relative.
     suite
-        Name of the suite if the items are its scans; else empty.
+        Name of the suite if the items are its scans; otherwise empty.
     left_out
         Messages about unfinished runs without a summary, which are not among the items.
     """
@@ -104,8 +104,8 @@ class ReportInputs:
         return tuple(item for item in self.items if isinstance(item, ReportScan))
 
     def results(self) -> Iterator[ReportRun]:
-        """Iterate over all runs, including finished points of scans; a run that points share is
-        given once.
+        """Iterate over all runs, including finished points of scans; a run shared by several points
+        is yielded once.
         """
         for item in self.items:
             if isinstance(item, ReportRun):
@@ -154,8 +154,8 @@ def read_inputs(
     base
         Directory of the report.
     study_files
-        Files of studies that the user named just now; others that scans hold are omitted, as they
-        are code.
+        Files of studies that the user named for this report; files named by scans are omitted,
+        because they contain code.
     repeated
         True to read a directory as often as it is given.
     skip_unfinished

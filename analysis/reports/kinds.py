@@ -1,7 +1,7 @@
 """Runs of a report and their kinds: the texts of a report on each kind of results.
 
-A `ReportKind` reads the directories of a kind of results, and says what differs from a run of
-spheres, which is the kind of the core. Extensions bring others, see `Extension`.
+A `ReportKind` reads the directories of a kind of results, and defines the differences from a run of
+spheres, the kind of the core. Extensions add further kinds, see `Extension`.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ from granwave.lammps_inputs.run_directory import (
 )
 
 _ACCEPTED = "energy_balance_accepted"
-_LONGEST = 60  # characters of a faulty value in a message
+_LONGEST = 60  # most characters of an invalid value in a message
 # end_reason of runs whose balance did not close, of this and of earlier versions
 _REFUSED = (BALANCE_REFUSED, "refused")
 
-#: A symbol with its values in runs, their unit, and what it stands for.
+#: A symbol with its values in runs, unit, and meaning.
 Symbol = tuple[str, Sequence[float], str, str]
 
 
@@ -129,8 +129,8 @@ class ReportRun:
 
 
 class ReportKind:
-    """Texts, tables and figures of one kind of results in a report; here of runs with an energy
-    balance.
+    """Texts, tables and figures of one kind of results in a report; by default of runs with an
+    energy balance.
 
     Attributes
     ----------
@@ -141,7 +141,7 @@ class ReportKind:
     of_spheres
         True for runs of spheres, which LAMMPS made.
     has_balance
-        True for what was integrated in time, and so has energies: it is shown by the tables and
+        True for results integrated in time, which have energies: it is shown by the tables and
         sentences of runs. Else those of the kind are shown.
     accepted_error
         Largest error of the energy balance, over the input, of runs that record none; None:
@@ -157,11 +157,11 @@ class ReportKind:
     captions
         Captions of figures, in their order.
     looks
-        What to look for in figures: the rest of their captions.
+        Features to look for in figures: the rest of their captions.
     table_keys
         Main values of a summary, in the order of their table; of kinds without a balance.
     in_per_cent
-        Those of them that are shares.
+        Values that are fractions.
     tables
         Values of the summaries that only this kind has, by the name of a table of the reference.
     """
@@ -193,7 +193,7 @@ class ReportKind:
         Raises
         ------
         InputError
-            The results are not finished, damaged or changed, or have no place in a report.
+            The results are not finished, damaged or changed, or cannot be in a report.
         """
         path = results.path
         names = sorted(entry.name for entry in path.iterdir())
@@ -213,7 +213,7 @@ class ReportKind:
         return [self.run_of(results, label, _summary(results))]
 
     def run_of(self, results: ResultDirectory, label: str, summary: Mapping[str, Any]) -> ReportRun:
-        """Return the run of a directory, of which the summary was read."""
+        """Return the run of a directory whose summary was read."""
         results.check_case()
         if changed := results.changed_result():
             raise InputError(changed)
@@ -236,7 +236,7 @@ class ReportKind:
     # ------------------------------------------------------------------ words
 
     def name_values(self, run: ReportRun, values: dict[str, str]) -> None:
-        """Name, among the values of a summary as texts, those that the sentences on runs show."""
+        """Rename the values of a summary, as texts, for the sentences on runs."""
 
     def body(self, case: Mapping[str, Any]) -> str:
         """Return a description of a case of this kind, by dotted keys; empty for other cases."""
@@ -388,7 +388,7 @@ def no_numbers(summary: Mapping[str, Any]) -> list[str]:
             and not quantity(key).unit
             and all(isinstance(item, str) for item in value)
         ):
-            continue  # words, such as the bounds that a zone reaches
+            continue  # a list of words, such as the boundaries that a zone reaches
         if not is_number(value) or abs(value) > sys.float_info.max:
             text = repr(value)
             more = "..." if len(text) > _LONGEST else ""

@@ -53,7 +53,7 @@ from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
-_IN_TITLE = 3  # names in the title
+_IN_TITLE = 3  # most names in the title
 #: Notes on runs, before their names.
 _REFUSED = "Rejected: energy balance error too large"
 _POOR = "Energy balance error too large, do not use (up to {off} of the input, more than {most})"
@@ -63,6 +63,7 @@ _BEYOND_FIT = "Contacts beyond the range of the law, which was fitted up to an o
 _BEYOND_SMALL = (
     "Contacts beyond overlaps of 0.2 R*, which the law assumes to be small compared with the grains"
 )
+_LEFT_OUT = "Left out: "  # before the message of an unfinished run
 _CUT = (
     "The plastic zone reaches a boundary, which limits its extent, and may change "
     "the depth and radius that contain 99 % of its dissipation"
@@ -84,9 +85,9 @@ _ERROR = (
     "to the input."
 )
 _BALANCE = "balance"
-_MOST_OPEN = 12  # runs whose table is not folded
+_MOST_OPEN = 12  # most runs whose table is not folded
 _PARTS = ("energy_kinetic_J", "energy_elastic_J", "energy_dissipated_J")
-#: Parts of these, shown if any run has them.
+#: Sections that are shown if any run has them.
 _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissipated_rolling_J",
            "energy_dissipated_twisting_J", "energy_dissipated_adhesion_J", "energy_dissipated_viscous_J",
            "energy_dissipated_holder_J", "energy_absorbed_J", "support_energy_J", "support_lost_J")  # fmt: skip
@@ -141,7 +142,11 @@ def build_comparison(inputs: ReportInputs, comparison: Comparison, data: Link) -
         Link to the folder of its figures.
     """
     failures = failures_section(inputs)
-    notes = [note for note in _notes(inputs, failures.slug) if note.tone != "good"]
+    notes = [
+        note
+        for note in _notes(inputs, failures.slug)
+        if note.tone != "good" and not note.text.startswith((_CUT, _LEFT_OUT))
+    ]
     first = (*comparison_blocks(comparison, data), *symbols_note(inputs), *notes)
     sections = (
         DocumentSection("Comparison", "short", first),
@@ -186,6 +191,8 @@ def _answer(
 ) -> DocumentSection:
     """Make the first section: warnings, results, and notes."""
     notes = _notes(inputs, failures)
+    if not inputs.scans and len(inputs.runs) > 1:
+        notes = [note for note in notes if not note.text.startswith(_CUT)]
     bad, others = (
         [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)
     )
@@ -202,12 +209,13 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
     beyond the law.
     """
     runs = list(inputs.results())
-    undone = 0
+    undone = len(inputs.left_out)
     for scan in inputs.scans:
         undone += sum(point.run is None for point in scan.points)
+    where = "failures" if inputs.scans else "short"
     unfinished = undone + sum(run.status != "done" for run in runs)
     total = undone + len(runs)
-    badges = [_badge(unfinished, total, "finished", "not finished", "bad", "failures")]
+    badges = [_badge(unfinished, total, "finished", "not finished", "bad", where)]
     balanced = [run for run in runs if run.has_balance]
     if balanced:
         tones = [verdict(run)[1] for run in balanced]
@@ -250,7 +258,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
     """Return notes on incomplete or doubtful points and runs, or a note that there are
     none.
     """
-    notes: list[Note] = []
+    notes = [Note(f"{_LEFT_OUT}{message}.", "bad") for message in inputs.left_out]
     for scan in inputs.scans:
         failed = scan.count("failed")
         missing = sum(point.run is None for point in scan.points) - failed
@@ -422,7 +430,7 @@ def balance_section(inputs: ReportInputs) -> DocumentSection:
 
 
 def _fitted(run: ReportRun) -> bool:
-    """Return True if the law of a run was fitted to finite elements, or is not known."""
+    """Return True if the law of a run was fitted to finite-element results, or is unknown."""
     law = run.case.get("contact.law", "elastoplastic")
     return law != LINE and (law not in ALL_LAWS or bool(ALL_LAWS[law].fitted))
 

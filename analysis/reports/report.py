@@ -1,4 +1,4 @@
-"""Report on any number of runs and scans, as one HTML page, PDF or Markdown.
+"""Report on any number of runs and scans, as a single HTML page, PDF or Markdown file.
 
 Equal inputs give equal bytes: a report has no date, does not depend on the order of files on the
 disk, and shows paths relative to itself.
@@ -35,7 +35,7 @@ from granwave.lammps_inputs.errors import InputError, InputFault, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
 from granwave.lammps_inputs.result_directory import ResultDirectory
 
-Filters = Mapping[str, Callable[..., Any]]  # by the name in a template
+Filters = Mapping[str, Callable[..., Any]]  # functions by their names in templates
 _FOLDER = Path(__file__).with_name("templates")
 
 
@@ -61,12 +61,13 @@ def text_of(name: str) -> str:
 
 
 _ACROSS = 12  # most columns of a table on a page of paper
+_BREAK = re.compile(r"(_|\.(?!\d))")  # of a key, after which a line may break
 _MOST_KEYS = 4  # key columns that are repeated in its parts
 
 
 def html_page(report: Report, *, paper: bool = False) -> str:
     """Return the page; its Content-Security-Policy allows only its own script, style and embedded
-    pictures.
+    images.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def html_page(report: Report, *, paper: bool = False) -> str:
 
 
 def data_uri(png: bytes) -> str:
-    """Return the data URI of a picture."""
+    """Return the data URI of an image."""
     return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
 
 
@@ -113,9 +114,9 @@ def heading(name: str, *, paper: bool = False) -> Markup:
 
 
 def breakable(name: str) -> Markup:
-    """Allow line breaks after dots and underscores of a key."""
+    """Allow line breaks after dots and underscores of a key, but not within numbers."""
     text = str(escape(name))
-    return Markup(text.replace(".", ".<wbr>").replace("_", "_<wbr>"))
+    return Markup(_BREAK.sub(r"\1<wbr>", text))
 
 
 def parts(table: DocumentTable) -> list[DocumentTable]:
@@ -145,22 +146,22 @@ def _hash(text: str) -> str:
 
 
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#$])")
-_LINE_START = re.compile(r"^(\d*)([-+.)])(?=\s)")  # what a list begins with
+_LINE_START = re.compile(r"^(\d*)([-+.)])(?=\s)")  # characters that begin a list in Markdown
 _BLANK_LINES = re.compile(r"\n{3,}")
 
 
 def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
-    """Return the text, and the pictures by file name.
+    """Return the text, and the images by file name.
 
     Parameters
     ----------
     folder
-        Name of the directory of the pictures next to the text.
+        Name of the directory of the images next to the text.
     """
     pictures: dict[str, bytes] = {}
 
     def file(figure: Figure) -> str:
-        """Keep the picture of a figure, and return its path from the text."""
+        """Store the image of a figure, and return its path relative to the text."""
         name = f"{figure.name}.png"
         number = 2
         while name in pictures and pictures[name] != figure.png:
@@ -172,7 +173,7 @@ def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
     titles = {section.slug: section.title for section in report.sections}
     anchors = {
         slug: title.lower().replace(" ", "-") for slug, title in titles.items()
-    }  # as GitHub has them
+    }  # replaced as by GitHub
     filters: Filters = {
         "escaped": _escape, "paragraph": lambda text: _LINE_START.sub(r"\1\\\2", _escape(text)), "file": file,
     }  # fmt: skip
@@ -189,14 +190,14 @@ def _escape(text: str) -> str:
 
 
 _FONTS = {"normal": "DejaVuSans.ttf", "bold": "DejaVuSans-Bold.ttf"}  # come with matplotlib
-_MARK = b"% report of granwave\n"  # after the end of the PDF, where readers skip it
-_ADDRESS = "granwave:/"  # of the page, and of the fonts as it asks for them
+_MARK = b"% report of granwave\n"  # readers skip bytes after the end of the PDF
+_ADDRESS = "granwave:/"  # address of the page and of its fonts
 
 
 def pdf_file(report: Report) -> bytes:
     """Return the PDF; it has no date, so that equal reports give equal bytes.
 
-    It ends with a comment by which granwave knows it again.
+    It ends with a comment by which granwave recognises it.
 
     Raises
     ------
@@ -212,7 +213,9 @@ def pdf_file(report: Report) -> bytes:
         ) from None
 
     class OwnFiles(plutoprint.ResourceFetcher):
-        """Pictures in the page, and its fonts: neither files nor the network, whatever a text says."""
+        """Images in the page, and its fonts: neither files nor the network, whatever a text
+        says.
+        """
 
         def fetch_url(self, url: str) -> plutoprint.ResourceData:
             if url.startswith("data:"):
@@ -236,9 +239,7 @@ def pdf_file(report: Report) -> bytes:
 
 
 def _font_faces() -> str:
-    """Return the style by which text has the same letters everywhere, also where no font is
-    installed.
-    """
+    """Return the style that embeds the fonts, so that text looks the same on every machine."""
     faces = (
         f'@font-face {{ font-family: "Granwave Sans"; font-weight: {weight}; src: url("{_ADDRESS}{quote(name)}"); }}'
         for weight, name in _FONTS.items()
@@ -268,7 +269,7 @@ def write_report(
     directories
         Directories of runs and scans, in the order of the report. Scans may be unfinished.
     output
-        Path of the report: ``.html``, ``.pdf`` or ``.md`` (with pictures in ``NAME_files`` next to
+        Path of the report: ``.html``, ``.pdf`` or ``.md`` (with images in ``NAME_files`` next to
         it).
     studies
         Studies of all runs, in addition to those that the scans name: names, and paths of
@@ -296,7 +297,8 @@ def write_report(
         named, faults = find_studies(studies, Path())
         errors += [f"--study: {fault}" for fault in faults]
         try:
-            inputs = read_inputs(directories, output.parent, {*study_files, *named})
+            files = {*study_files, *named}
+            inputs = read_inputs(directories, output.parent, files, skip_unfinished=True)
         except InputError as error:
             errors += error.items
         if errors:
@@ -310,7 +312,8 @@ def write_report(
 
 
 def write_page(report: Report, output: Path) -> None:
-    """Write a report in the format of the suffix of a path; an older one of this name is replaced.
+    """Write a report in the format of the suffix of a path; an older report of this name is
+    replaced.
 
     Raises
     ------
@@ -377,7 +380,7 @@ def _write(report: Report, output: Path) -> None:
         return
     folder = _folder(output)
     text, pictures = markdown(report, folder.name)
-    # pictures that the older report shows
+    # images that the older report shows
     shown = rf"!\[[^\n]*\]\({re.escape(quote(folder.name))}/([\w.-]+)\)"
     before = set(re.findall(shown, head(output).decode("utf-8", "replace")))
     if others := [

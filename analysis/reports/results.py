@@ -51,12 +51,12 @@ Columns = list[tuple[TableColumn, list[Cell]]]
 
 SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
-MOST_OPEN = 12  # points of a scan whose table is not folded
-MOST_ROWS = 14  # values of one run in the first section
-_LONGEST = 600  # characters of a reason
+MOST_OPEN = 12  # most points of a scan whose table is not folded
+MOST_ROWS = 14  # most values of one run in the first section
+_LONGEST = 600  # most characters of a reason
 _STATUS = "Status"
 _NUMBER = TableColumn("#", numeric=True, key=True)
-_OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
+_OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no results
 _OF_YIELDING = (
     "plastic_fraction",
     "n_plastic_contacts",
@@ -65,7 +65,7 @@ _OF_YIELDING = (
 )
 #: Values that the first section leaves to the section of all values.
 _IN_DETAIL = ("n_dissipating_contacts",)
-#: Sizes of the zone that jump by layers, which the first section leaves to those between layers.
+#: Sizes of the zone that change by whole layers; the first section has the interpolated sizes.
 _BY_LAYERS = {
     "zone_depth_90_m": "zone_depth_90_interpolated_m",
     "zone_radius_90_m": "zone_radius_90_interpolated_m",
@@ -82,7 +82,7 @@ _NOTHING = (
     "wave_return_share",
     "plastic_zone_radius_m",
     "zone_radius_90_m",
-)  # left out where zero
+)  # values that are omitted where they are zero
 _READABLE = {"m": ("mm", 1e3), "m³": ("cm³", 1e6), "s": ("µs", 1e6)}  # units of the first section
 _OF_BOTTOM = (
     "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "ground_peak_force_N", "target_peak_displacement_m",
@@ -94,7 +94,7 @@ _OF_A_TARGET = (
 )  # fmt: skip
 _OF_STRUCK = ("impactor_velocity_m_s",)
 _OF_GROUND = ("ground_peak_force_N", "energy_target_J")
-#: Values that compare with the load on the bare target, which tell nothing where it oscillates.
+#: Values relative to the load on the bare target, which have no meaning where it oscillates.
 _OF_TARGETS = (
     "peak_reduction",
     "unprotected_peak_force_N",
@@ -108,7 +108,7 @@ _OF_ZONE = (
     "plastic_zone",
     "zone_",
     "wave_return",
-)  # keys whose values are marked where the zone reaches a bound
+)  # keys whose values are marked where the zone reaches a boundary
 
 
 def results_section(inputs: ReportInputs) -> DocumentSection:
@@ -154,7 +154,7 @@ def value_rows(run: ReportRun) -> DocumentTable:
         (plate is None and not driven, _OF_STRUCK),
         (not driven, _OF_TARGETS),
         (bottom, _OF_BOTTOM),
-        (ground != bottom, _OF_GROUND),  # else a bottom at rest
+        (ground != bottom, _OF_GROUND),  # otherwise the bottom is at rest
     ):
         left_out |= set() if told else set(keys)
     called = grains_called_in([summary])

@@ -19,13 +19,13 @@ from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.kinds import ReportRun
 
 _SHOWN_IN = {"Hz": ("kHz", 1e-3), "Pa": ("GPa", 1e-9), "m": ("mm", 1e3)}
-# shares below are errors of rounding
+# fractions below are rounding errors
 _PER_CENT = 100.0
 _ROUNDING = 1e-9
 
 
 def by_part(runs: Sequence[ReportRun]) -> list[list[ReportRun]]:
-    """Return the runs without an energy balance, those of a kind and a part together."""
+    """Return the runs without an energy balance, grouped by kind and part."""
     parts: dict[tuple[str, str], list[ReportRun]] = {}
     for run in runs:
         if not run.has_balance:
@@ -84,7 +84,7 @@ def _numbers(value: Any) -> list[Any]:
 
 
 def sentences(texts: Iterable[str], values: Mapping[str, str]) -> str:
-    """Return the sentences of which all values are known, with these values."""
+    """Return the sentences whose values are all known, with these values."""
     known = []
     for text in texts:
         with contextlib.suppress(KeyError):
@@ -98,7 +98,7 @@ def printed(summary: Mapping[str, Any], in_per_cent: Collection[str] = ()) -> di
     Parameters
     ----------
     in_per_cent
-        Shares whose names do not say so.
+        Fractions that are not recognised by their names.
     """
     texts = {}
     for key, value in summary.items():

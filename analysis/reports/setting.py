@@ -28,9 +28,9 @@ from granwave.lammps_inputs.packing_kind import PackingKind
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _MOST_NAMED = 4  # inputs that the first line describes one by one
-_MOST_SYMBOLS = 12  # runs whose constants the symbols are taken from
-_LAWS = {"elastoplastic": "", "hertz": "elastic", "line": "elastic"}  # the usual one needs no word
-_NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal one: text and unit
+_MOST_SYMBOLS = 12  # most runs from which the constants of symbols are read
+_LAWS = {"elastoplastic": "", "hertz": "elastic", "line": "elastic"}  # the default needs no word
+_NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal packing: text and unit
     "contact.friction": ("friction {}", ""),
     "packing.diameter_scatter": ("diameters scattered by {}", "m"),
     "packing.vacancies": ("vacancies {}", ""),
@@ -46,7 +46,7 @@ _NORMALISED = (
     "rho and yield strength sigma_y"
 )
 _OF_LAW = ("material", "contact", "packing.diameter", "packing.shape", "packing.length")
-_REMARKS = ("material.source",)  # keys of the case that change nothing
+_REMARKS = ("material.source",)  # keys of the case that do not affect results
 
 
 def first_line(inputs: ReportInputs) -> str:
@@ -67,7 +67,7 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
     Parameters
     ----------
     called
-        What its grains are called.
+        Name of its grains.
     """
     diameter = case.get("packing.diameter")
     parts = [
@@ -82,12 +82,12 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
     return in_grains(", ".join(filter(None, parts)), called)
 
 
-_MOST_MATERIALS = 3  # named; more are counted
+_MOST_MATERIALS = 3  # these are named, others are counted
 
 
 def _materials(case: Mapping[str, Any]) -> str:
-    """Return the names of the materials in the packing: its own, unless every sphere is replaced,
-    and those of ``[[replace]]``.
+    """Return the names of the materials in the packing: its own material, unless every sphere is
+    replaced, and the materials of ``[[replace]]``.
     """
     names = {str(case.get("material.name") or case.get("material") or ""): None}
     replaced: set[int] = set()

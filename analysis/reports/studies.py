@@ -39,8 +39,8 @@ from granwave.analysis.studies.study import Kind, Row, Study, make_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "studies"
-_CLOSE = (0.02, 0.1)  # differences from the sources up to which values are counted
-_MOST_VERDICTS = 3  # whose first sentences begin a report
+_CLOSE = (0.02, 0.1)  # largest difference from the source that is counted
+_MOST_VERDICTS = 3  # most verdicts whose first sentences begin a report
 #: End of the caption of the rows of each kind, and the heading of the theory's column.
 _KINDS: dict[Kind, tuple[str, str]] = {
     "source": ("source against ours", "Theory"),
@@ -55,8 +55,8 @@ _VERIFIES = (
 
 
 def studies_section(inputs: ReportInputs, found: Sequence[Study]) -> DocumentSection:
-    """The section of the report; without blocks where there is no study, and without the picture at
-    the top of all.
+    """The section of the report; without blocks if there is no study, and without the figure at the
+    top of the report.
     """
     above = _with_main_picture(found, inputs)
     groups = []
@@ -72,8 +72,8 @@ def studies_section(inputs: ReportInputs, found: Sequence[Study]) -> DocumentSec
 
 
 def main_picture(found: Sequence[Study], inputs: ReportInputs) -> Figure | None:
-    """Return the first picture of the studies of a scan, for the top of the report; None together
-    with other inputs.
+    """Return the first figure of the studies of a scan, for the top of the report; None if there
+    are other inputs.
     """
     study = _with_main_picture(found, inputs)
     if study is None:
@@ -114,7 +114,7 @@ def leads(found: Sequence[Study]) -> tuple[Note, ...]:
 
 
 def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
-    """Return the verdicts of studies, without those of `leads`."""
+    """Return the verdicts of studies that are not in `leads`."""
     said = _firsts(found)
     rest = [(study, study.verdict[study.name in said :]) for study in found]
     return tuple(
@@ -135,8 +135,7 @@ def _firsts(found: Sequence[Study]) -> dict[str, str]:
 
 
 def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:
-    """Studies that the scans of a report name, of all runs of the scans that name them but those
-    that are damaged.
+    """Studies named by the scans of a report, of all undamaged runs of these scans.
 
     Parameters
     ----------
@@ -202,9 +201,7 @@ def _read(run: ReportRun) -> AnyRun[Any] | None:
 
 
 def row_tables(study: Study) -> list[DocumentTable | Note]:
-    """Tables of the rows of a study, one for each kind; a report leaves out columns without a
-    value.
-    """
+    """Tables of the rows of a study, one for each kind; a report omits columns without a value."""
     blocks: list[DocumentTable | Note] = []
     for kind, (caption, theory) in _KINDS.items():
         rows = [row for row in study.rows if row.kind == kind]

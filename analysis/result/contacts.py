@@ -1,5 +1,5 @@
-"""Contacts of a run as a table of pairs: dents of one pair are merged, unloaded touching pairs are
-added.
+"""Contacts of a run as a table of pairs: the dents of a pair are merged, and unloaded touching
+pairs are added.
 
 Touching pairs at the start follow from positions and radii, for any packing.
 
@@ -26,15 +26,16 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 
 # peak overlap over alpha_y from which on pairs that did not touch at the start are listed
 LISTED_FROM = 1e-6
-# part of the largest force of a contact at which the front of a wave has arrived there, as in the
-# plugin
+# fraction of the largest force of a contact that marks the arrival of the wave, as in the plugin
 ARRIVED = 0.1
 
 Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
-# overlap of grains that touch over their coordinates: of the last digit of both and their distance
+# tolerance of the overlap of touching grains over their coordinates: last digits of both and of
+# their distance
 _ROUNDING = 4 * float(np.finfo(np.float64).eps)
-_FEW = 1000  # spheres up to which all pairs are looked at: a tree of fewer takes longer to load
+# spheres up to which all pairs are checked: building a tree takes longer for few spheres
+_FEW = 1000
 # radius over the median from which on the neighbours of a sphere are searched separately
 _LARGE = 1.5
 
@@ -53,7 +54,8 @@ def merge_dents(dents: Frame) -> Contacts:
         never); ``n_dents``; ``grown_overlap``: largest overlap of dents that grew in this run, m.
     """
     first, second = dents.pairs.T
-    order = np.lexsort((-dents["peak_overlap"], second, first))  # the deepest dent of a pair first
+    # the deepest indentation of a pair comes first
+    order = np.lexsort((-dents["peak_overlap"], second, first))
     first = first[order]
     second = second[order]
     new = np.ones(len(first), dtype=bool)
@@ -217,7 +219,7 @@ def _near_pairs(
     boxsize: NDArray[np.float64] | None,
 ) -> NDArray[np.int64]:
     """Find the pairs of spheres that may touch: rows, (n_pairs, 2)."""
-    from scipy.spatial import cKDTree  # takes longer to load than small packings to analyse
+    from scipy.spatial import cKDTree  # imported on demand: slow to load
 
     large = np.flatnonzero(radii > _LARGE * np.median(radii))
     small = np.flatnonzero(radii <= _LARGE * np.median(radii))
@@ -307,7 +309,7 @@ def pair_laws(
     """Return the constants of pairs of spheres; every array is (n_pairs,).
 
     The law of two materials is made once; alpha_y is proportional to R*, which may differ between
-    pairs. That of cylinders is made for each pair of radii.
+    pairs. The law of cylinders is computed for each pair of radii.
 
     Parameters
     ----------
@@ -351,8 +353,8 @@ def pair_laws(
 
 
 def dissipated_share(own: Material, partner: Material | None) -> float:
-    """Return a body's share in the yielding of a contact: half, or all or none if yield strengths
-    differ.
+    """Return a body's fraction of the plastic dissipation of a contact: half, or all or none if
+    yield strengths differ.
     """
     mine, theirs = (math.inf if one is None or one.yield_strength is None else one.yield_strength
                     for one in (own, partner))  # fmt: skip

@@ -40,7 +40,7 @@ def new_hdf5(path: Path, **options: Any) -> Iterator[h5py.File]:
     """
     with (
         replacing(path) as scratch,
-        held_back(),  # HDF5 crashes if an error leaves a write that it called
+        held_back(),  # HDF5 crashes if a write function that it called raises
         unfailing(scratch) as stream,
         h5py.File(stream, "w", **options) as file,
     ):
@@ -100,7 +100,8 @@ _UNITS = {one.name: one.unit for one in (*LEDGER, *MOVING_WALL, *WALL_CONTACTS, 
 _UNITS |= {name: unit for unit, names in _DERIVED.items() for name in names.split()}
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
 
-Pieces = list[tuple[int, bytes | NDArray]]  # of a column: first row, and a whole chunk or values
+# pieces of a column: first row, and a whole chunk or values
+Pieces = list[tuple[int, bytes | NDArray]]
 
 
 class Encoded(NamedTuple):
@@ -112,7 +113,8 @@ class Encoded(NamedTuple):
 
 
 def encoded(values: NDArray, first: int, n_chunk: int = ROWS_IN_CHUNK) -> Encoded:
-    """Encode values for the rows from ``first`` on of a column with so many rows in a chunk.
+    """Encode values for the rows from ``first`` on of a column with a given number of rows in a
+    chunk.
 
     Whole chunks are compressed as `COMPRESSION` says; HDF5 compresses the other rows.
     """
@@ -220,8 +222,8 @@ def _refuse_unknown(wanted: NDArray[np.int64], found: NDArray[np.bool_], n_spher
 
 
 def sorted_once(keys: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return sorted keys, each once; many times as fast as np.unique where the keys come in sorted
-    runs.
+    """Return sorted keys, each once; much faster than np.unique if the keys consist of sorted
+    sequences.
     """
     keys = np.sort(keys.astype(np.int64), kind="stable")
     return keys[np.concatenate([[True], keys[1:] != keys[:-1]])] if len(keys) else keys

@@ -192,8 +192,8 @@ def line_groups(
     # lateral is the horizontal axis of a packing in a vertical plane; elsewhere that most nearly
     # normal to the line
     extended = np.ptp(assembly.positions()[:, :2], axis=0) > _FLAT * assembly.case.packing.diameter
-    # arrivals refer to the largest speed that the load gives at the start; of a force to the
-    # largest of all
+    # arrivals refer to the largest initial speed given by the load, or for a force to the largest
+    # speed of all
     speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
     plate = assembly.case.load.plate
     reference = max([*speeds, plate.velocity if plate is not None else 0.0])
@@ -226,8 +226,8 @@ def line_groups(
     return groups
 
 
-ARRIVAL = 0.05  # of the reference speed
-FALL = 0.10  # of the peak
+ARRIVAL = 0.05  # fraction of the reference speed
+FALL = 0.10  # fraction of the peak
 
 
 def first_pulses(

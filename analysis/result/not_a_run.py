@@ -53,7 +53,7 @@ def why_no_run(path: Path) -> str:
         return f"{path}: {reason}"
     found = sorted(entry.name for entry in path.iterdir())
     if not any(name in found for name in OF_A_RUN):
-        expected = f"expected {files.RESULT_FILE} in it, as  granwave run CASE -o {path}  leaves it"
+        expected = f"expected {files.RESULT_FILE} in it, written by  granwave run CASE -o {path}"
         return no_results(path, found, "no run", expected)
     if files.CASE_FILE not in found:
         return f"{path}: {files.CASE_FILE} is missing, so the run there cannot be read; run the case again with force=True"
@@ -76,9 +76,9 @@ def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> st
     found
         Names of all files in the directory.
     what
-        Description of what it is not, such as ``neither a run nor a scan``.
+        Description of the failure, such as ``neither a run nor a scan``.
     expected
-        Description of what was expected.
+        Description of the expected content.
     """
     inside = [
         name
@@ -138,7 +138,7 @@ def damage_of(file: h5py.File) -> str:
         AttributeError,
         TypeError,
         ValueError,
-    ) as error:  # of h5py and the parsers
+    ) as error:  # errors of h5py and of the parsers
         return " ".join(str(error.args[0] if error.args else error).split())
     return ""
 

@@ -65,13 +65,13 @@ def work_on_packing(ledger: Mapping[str, Any], moved: float) -> Any:
     )
 
 
-_AT_CENTRE = 1e-9  # diameters, by which a centroid differs from a centre by rounding alone
-_ROUNDING = 1e-12  # of what a sphere dissipated, in which the sum of its kinds may differ from it
-_PARALLEL = 1e-9  # across each other, of the axes of two cylinders
+_AT_CENTRE = 1e-9  # distance of a centroid from a centre that is due to rounding, diameters
+_ROUNDING = 1e-12  # relative error of the sum of the kinds of dissipation of a sphere
+_PARALLEL = 1e-9  # cosine of the angle between axes of crossed cylinders
 _REASONS = {
     "truncated file": "it was cut",
     "signature not found": "it is not an HDF5 file",
-}  # by message of HDF5
+}  # remedies by message of HDF5
 
 
 class Result:
@@ -221,8 +221,8 @@ class Result:
         raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
 
     def blocks(self, *names: str) -> Iterator[tuple[NDArray, ...]]:
-        """Iterate over the rows of columns of one table, so many at once that they need little
-        memory; raise as `read`.
+        """Iterate over the rows of columns of one table, in blocks that need little memory; raise
+        as `read`.
 
         The columns of a small table are kept as by ``[]``.
         """
@@ -260,8 +260,8 @@ class Result:
 
     @cached_property
     def figure_options(self) -> Figures:
-        """Table ``[figures]`` of the case.toml next to the result, which may be edited, or else of
-        the stored case.
+        """Table ``[figures]`` of the case.toml next to the result, which may be edited; otherwise
+        of the stored case.
         """
         path = self.path.parent / CASE_FILE
         tables = read_tables(path)
@@ -310,7 +310,7 @@ class Result:
 
     @cached_property
     def struck(self) -> tuple[int, ...]:
-        """Ids of the loaded spheres, the central one first; for a load by strikers the moving
+        """Ids of the loaded spheres, the central sphere first; for a load by strikers the moving
         strikers.
         """
         return struck_of(self.assembly)
@@ -327,7 +327,7 @@ class Result:
         """AnyPath of the impact axis in x and y: the centroid of the impacted spheres' initial
         centres, (2,), m.
 
-        The axis goes along z. With periodic sides the images nearest to the impacted sphere count.
+        The axis is along z. With periodic sides the images nearest to the impacted sphere count.
         """
         origin = self.origin[:2]
         impacted = np.sort(self.rows(np.array(impacted_of(self.assembly), dtype=np.int64)))
@@ -363,7 +363,7 @@ class Result:
         KeyError
             There is no such sphere.
         """
-        if "spheres/id" not in self._read:  # perhaps there is no need to
+        if "spheres/id" not in self._read:  # the check may be unnecessary
             last = self.read("spheres/id", slice(self.n_spheres - 1, None))
             if len(last) and last[0] == self.n_spheres:
                 return rows_of_all(self.n_spheres, np.asarray(ids, dtype=np.int64))
@@ -409,7 +409,7 @@ class Result:
         """Return True for contacts with overlaps beyond ``share`` R*, if the law has such a limit:
         (n_contacts,).
 
-        A contact along a line has one with any law: 0.2 R* is 0.1 R of equal cylinders.
+        A line contact has a limit with any law: 0.2 R* is 0.1 R of equal cylinders.
         """
         limited = self.has_law_limit or (self.assembly.has_cylinders and self.along_lines)
         return limited & (self["contacts/peak_overlap"] > share * self["contacts/effective_radius"])
@@ -434,10 +434,10 @@ class Result:
         return len(self.file["spheres/id"])
 
     def parts(self) -> Iterator[Result]:
-        """Iterate over the result in parts of its spheres; a small one is a single part.
+        """Iterate over the result in parts of its spheres; a small result is a single part.
 
         In a part, data sets of ``spheres`` have the rows of the part only; all other data sets are
-        whole.
+        complete.
         """
         if self.n_spheres <= self.at_once:
             yield self

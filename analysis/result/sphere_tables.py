@@ -1,8 +1,8 @@
 """Tables of contacts, wall contacts and spheres in ``result.h5``, made of parts of the spheres.
 
-A part knows all contacts of its spheres. Those of a sphere of this part with one of another are
-known to both, and the part of the sphere with the lower id writes them. Each part is therefore
-processed independently, in its own memory, and its values do not depend on the division.
+A part contains all contacts of its spheres. Contacts between spheres of two parts are in both, and
+the part of the sphere with the lower id writes them. Each part is therefore processed
+independently, in its own memory, and its values do not depend on the division.
 """
 
 from __future__ import annotations

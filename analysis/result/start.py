@@ -23,7 +23,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.processes import Processes
 from granwave.lammps_inputs.run_directory import DATA_FILE
 
-_MARGIN = 1e-3  # by which a part is searched farther than spheres reach, for rounding
+_MARGIN = 1e-3  # margin of the search around a part, for rounding
 
 
 def periodic(case: Case) -> tuple[bool, bool, bool]:
@@ -65,10 +65,10 @@ class Start:
         self.path = directory / DATA_FILE
         self.at_once = at_once
         self._scratch = scratch
-        self._ids: NDArray[np.int64] | None = None  # None: they are 1, 2, ...
+        self._ids: NDArray[np.int64] | None = None  # None: ids are 1, 2, ...
         self._bounds: list[
             tuple[NDArray[np.float64], NDArray[np.float64], float]
-        ] = []  # of parts; largest radius
+        ] = []  # coordinates of the parts; largest radius
         self._values: NDArray[np.float64] | None = None  # None: in the scratch file
         self.n_particles = self.n_spheres = last = 0
         with contextlib.ExitStack() as stack:

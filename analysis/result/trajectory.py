@@ -42,7 +42,7 @@ from granwave.lammps_inputs.processes import ALONE, Processes
 
 GROUP = "particles/spheres"
 _VECTORS = {"position": "m", "displacement": "m", "velocity": "m s-1"}
-# columns of the dump that are added, and the unit
+# added columns of the dump, and the unit
 _SCALARS = {
     "contact_force": (("force",), "N"),
     "peak_force": (("peak_force",), "N"),

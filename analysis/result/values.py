@@ -16,13 +16,13 @@ from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs.case.schema import LARGEST_COUNT
 
 _TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes", "prestage")
-_OF_WALLS = "walls"  # a table for each wall
+_OF_WALLS = "walls"  # one table for each wall
 _OF_SPHERES = ("id", "mass", "radius", "position/time")  # data sets of the trajectory
 _IDS = ("id", "i", "j")  # columns
 _MAY_BE_NAN = "time_"  # prefix of columns
 _RISING = ("spheres/id", f"{GROUP}/id", "energy/time", f"{GROUP}/position/time")
-_MAY_BE_INFINITE = "yield_overlap"  # column: contacts that do not yield
-_BLOCK = 2**20  # numbers read at once
+_MAY_BE_INFINITE = "yield_overlap"  # column that marks contacts that do not yield
+_BLOCK = 2**20  # numbers that are read at a time
 
 
 def wrong_value(file: h5py.File) -> str:

@@ -64,12 +64,11 @@ def write_result(
     assembly: Assembly | None = None,
     processes: Processes = ALONE,
 ) -> Path:
-    """Write the output of a run to ``result.h5``; an older file is replaced when the new one is
+    """Write the output of a run to ``result.h5``; an older file is replaced when the new file is
     complete.
 
-    Packings of more spheres than ``at_once`` are read in parts, and what parts leave for each other
-    lies in scratch files: memory does not grow with the number of spheres, only with those in a
-    cross-section.
+    Packings of more spheres than ``at_once`` are read in parts, which exchange data through scratch
+    files: memory does not grow with the number of spheres, only with the number in a cross-section.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ def curve_rows(
 
 def is_one_line(rows: Sequence[int], x: VariedKey, keys: Iterable[VariedKey]) -> bool:
     """Return True if all other varying keys are monotonic in the abscissa, so that points may be
-    joined; False if each point belongs to a category of its own.
+    joined; False if each point belongs to a separate category.
     """
     abscissae = [x.labels[row] for row in rows]
     for key in keys:
@@ -61,13 +61,13 @@ def is_one_line(rows: Sequence[int], x: VariedKey, keys: Iterable[VariedKey]) ->
 
 
 def points_of(x: Series, y: Series, others: Sequence[VariedKey], marks: Series) -> DataFrame:
-    """Return the points of curves, as `granwave.analysis.scans.drawing` takes them; points at the
+    """Return the points of curves, as `granwave.analysis.scans.drawing` expects them; points at the
     same abscissa are averaged.
 
     Parameters
     ----------
     x, y, marks
-        Abscissa, value and `Mark` by row of the scan; a mean gets the most severe mark of its
+        Abscissa, value and `Mark` by row of the scan; a mean has the most severe mark of its
         points.
     others
         Keys that distinguish curves.

@@ -172,7 +172,7 @@ def draw_bars(
     others: Sequence[VariedKey],
     columns: Titles,
 ) -> Drawing:
-    """Draw bars by category, one below the other, with a bar for each curve.
+    """Draw bars by category, below each other, with a bar for each curve.
 
     On a logarithmic axis points are drawn instead. Bars of plastic zones that reach a boundary are
     open, pale if a wave returned from a boundary.
@@ -381,7 +381,7 @@ def _legend(figure: Figure, entries: Mapping[str, Any]) -> None:
         return
     labels = [textwrap.fill(label, _LINE_OF_LEGEND) for label in entries]
     longest = max(map(len, "\n".join(labels).split("\n")))
-    width = _CHARACTER * (longest + _HANDLE)  # of a column
+    width = _CHARACTER * (longest + _HANDLE)  # width of a column
     fitting = int(max(figure.get_figwidth() // width, 1))
     legend = figure.legend(
         list(entries.values()),

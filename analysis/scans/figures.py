@@ -52,8 +52,8 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
     ``collapse_QUANTITY``, on normalised axes. If exactly two numeric keys vary and fill a grid of
     three by three or more: ``dissipated_fraction_map``.
 
-    A quantity that no curve shows to change has no figure: one that is constant, or zero in some
-    points of a curve and the same in all others.
+    Quantities without variation in any curve have no figure: a quantity that is constant, or zero
+    at some points of a curve and constant elsewhere.
 
     Parameters
     ----------

@@ -88,7 +88,7 @@ _SIZE_SYMBOLS = (r"$n_x$", r"$n_y$", r"$n_z$")
 _PLANE_SIZES = (
     "Grains along x",
     "Rows",
-)  # of a square packing and of crystals in the x-z plane, some rows of n - 1
+)  # counts of a square packing and of crystals in the x-z plane, some with rows of n - 1
 _PLANE_SYMBOLS = (r"$n_x$", r"$n_\mathrm{rows}$")
 
 
@@ -305,12 +305,12 @@ class Means:
     Attributes
     ----------
     keys
-        Varied keys that take more than one value, with their values by row; without run times that
-        follow from others.
+        Varied keys with more than one value, with their values by row; without run times that
+        follow from other keys.
     counts
         Number of points of each row.
     values
-        Means by name of the quantity, one a row; None where there is none.
+        Means by name of the quantity, one for each row; None where unknown.
     half_widths
         Half-widths of the 95 % confidence intervals; None without replicates.
     protection

@@ -274,7 +274,7 @@ class ScanData(Mapping[str, NDArray]):
         Raises
         ------
         ValueError
-            The points do not fill a grid with one point at each place.
+            The points do not fill a grid with one point at each position.
         """
         import xarray
 
@@ -287,7 +287,7 @@ class ScanData(Mapping[str, NDArray]):
             codes[key] = [values.index(label) for label in labels[key]]
             sizes[key] = len(values)
         shape = tuple(sizes.values())
-        flat = np.zeros(self.n_points, dtype=np.int64)  # place of each point in the grid
+        flat = np.zeros(self.n_points, dtype=np.int64)  # position of each point in the grid
         if axes:
             flat = np.ravel_multi_index(tuple(codes.values()), shape)
         if self.n_points != math.prod(shape) or len(np.unique(flat)) != self.n_points:

@@ -13,13 +13,13 @@ and, where they are wanted, `title(group)`, `name(group)` (short, for links and 
 for the end of the verdict about points of its scans that failed or were not run, as values of the
 keys that vary. `RUN_TYPE` is the class of the runs that `select` gets, usually
 `granwave.analysis.studies.runs.FinishedRun`. A group is whatever `select` makes of the runs.
-Without `name` a study has the name of its entry here; several groups are then numbered, and so are
-their pictures. `make_studies` in `study` puts it together.
+Without `name` a study has the name of its entry in this file; several groups are then numbered, and
+so are their pictures. `make_studies` in `study` puts it together.
 
 A comparison, which a report makes of all its runs, has `can_compare(runs)` too, True where there
 are enough of them, and `remarks(runs)`, which yields notes for the end of its section.
 
-Studies of one's own are Python files that a scan file, a suite file or ``granwave report --study``
+Your own studies are Python files that a scan file, a suite file or ``granwave report --study``
 names by path.
 
     '''Title of the study in one line.
@@ -40,9 +40,8 @@ caption and columns by heading with unit: ``"All impacts", {"Velocity (m/s)": ve
 force (N)": force}``. ``runs`` is a list of `granwave.Run`: all finished runs of the scans that name
 the file, or of the report, with the values of the varied keys in ``run.labels``. ``verdict(runs)``,
 sentences for the top of the report, and the further functions of built-in studies may be there. The
-code runs when a scan or a report is made for which its path was given, and never else: the
-directory of a scan holds the path, but a later ``granwave report`` of it loads no file that was not
-named again.
+code runs only when a scan or report is made with its path: the directory of a scan holds the path,
+but a later ``granwave report`` of it loads no file that was not named again.
 """
 
 from __future__ import annotations
@@ -70,7 +69,7 @@ _OF_THE_CORE: dict[str, str] = {
 
 
 def _in_order(added: Mapping[str, str]) -> dict[str, str]:
-    """Return all studies: those of extensions before or after those of the core, by their names."""
+    """Return all studies, by name, with the studies of extensions before or after the core's."""
     first = next(iter(_OF_THE_CORE))
     before = {name: added[name] for name in sorted(added) if name < first}
     after = {name: added[name] for name in sorted(added) if name > first}
@@ -80,12 +79,12 @@ def _in_order(added: Mapping[str, str]) -> dict[str, str]:
 #: Module of each study, in the order of a report.
 STUDIES: dict[str, str] = _in_order(added_by_name("studies"))
 
-#: Studies that every report makes of all its runs, in a section of their own.
+#: Studies of all runs of a report, in a separate section.
 COMPARISON: dict[str, str] = added_by_name("comparisons")
 
 SUFFIX = ".py"
 _PARTS = ("rows", "pictures", "tables")
-_PREFIX = "study_"  # of the name of a module that was loaded from a file
+_PREFIX = "study_"  # beginning of the name of a module that was loaded from a file
 
 
 def is_study_file(name: str) -> bool:
@@ -111,7 +110,7 @@ def find_studies(names: Sequence[str], directory: Path) -> tuple[list[str], list
     Returns
     -------
     tuple
-        Names and absolute paths; and what is wrong with the others, a line each.
+        Names and absolute paths; and the faults of the others, one line each.
     """
     found = []
     errors = []
@@ -156,9 +155,7 @@ def _load(file: Path, changed: int) -> ModuleType:
         raise InputError(f"{path}: cannot be loaded, expected the Python file of a study")
     module = importlib.util.module_from_spec(spec)
     before = set(sys.modules)
-    sys.path.insert(
-        0, str(file.parent)
-    )  # for modules beside the file, which belong to this study alone
+    sys.path.insert(0, str(file.parent))  # only this study can import the modules in its folder
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:

@@ -30,7 +30,7 @@ _NOT_OF_THE_CASE = (
     "run",
     "output",
     "sensor",
-)  # tables: how long and how finely it was followed
+)  # tables with duration and resolution of the records
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class AnyRun(Generic[AnyCase]):
     Attributes
     ----------
     label
-        What a report calls it.
+        Name in a report.
     summary
         Its ``summary.json``.
     """
@@ -51,9 +51,7 @@ class AnyRun(Generic[AnyCase]):
     summary: Mapping[str, Any]
 
     def seen_as(self, kind: type[Kind]) -> Kind:
-        """The run as a record with methods of its own; the same object at each call, so that it
-        reads files once.
-        """
+        """The run as a `Run` object; the same object at each call, so that files are read once."""
         if isinstance(self, kind):
             return self
         if kind not in self._views:
@@ -88,7 +86,7 @@ def read_run(label: str, directory: Path, summary: Mapping[str, Any]) -> Finishe
     try:
         return FinishedRun(label, directory, read_stored_case(directory / CASE_FILE), summary)
     except GranwaveError:
-        return None  # the report says so elsewhere
+        return None  # reported elsewhere
 
 
 def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[FinishedRun]:
@@ -104,9 +102,9 @@ def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[
 
 
 def all_but(case: Case, *left_out: str) -> str:
-    """Text of a case without some tables or keys: equal for cases that differ in nothing else.
+    """Text of a case without some tables or keys: equal for cases without other differences.
 
-    How long and how finely a run was followed does not count.
+    Duration and resolution of the records do not count.
 
     Parameters
     ----------
@@ -149,13 +147,13 @@ def packing_title(assembly: Assembly, *, height: bool = True) -> str:
     if height and assembly.lattice.n_spheres == 1:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
-    whole = height or packing.rule.is_layer  # which lies across the height
+    whole = height or packing.rule.is_layer  # the layer is across the height
     size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
     return f"{packing.rule.title} of {spheres}" + ("" if whole or not size else " a layer")
 
 
-_MOST_MATERIALS = 3  # named; more are counted
+_MOST_MATERIALS = 3  # these are named, others are counted
 
 
 def _materials(assembly: Assembly) -> str:

@@ -38,18 +38,18 @@ if TYPE_CHECKING:
     from granwave.analysis.studies.runs import AnyRun
 
 Kind = Literal["source", "theory", "verification", "alone"]
-Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
+Labels = Sequence[Mapping[str, Any]]  # values of the varied keys, for points of scans
 Runs: TypeAlias = "Sequence[AnyRun[Any]]"
 
 
 @dataclasses.dataclass(frozen=True)
 class Row:
-    """One quantity, as a source or theory gives it and as we find it.
+    """One quantity: the value of a source or theory, and our value.
 
     Attributes
     ----------
     quantity
-        What it is, with where and how it was measured.
+        Name, with position and method of measurement.
     unit
         Of all three; empty for a number.
     source
@@ -57,17 +57,16 @@ class Row:
     ours
         Measured in the runs, so that it changes with them; None where only source and theory speak.
     where
-        Source and place: ``Nesterenko (1.21)``.
+        Source and position in it: ``Nesterenko (1.21)``.
     remark
         Why they differ, where they do by more than a few per cent.
     theory
-        From theory. Of a verification: what the code must give.
+        From theory. Of a verification: a value that the code must reproduce.
     verification
         The row tests the code, not the source: a second solver, a check value, a formula, or a
         value that similarity forces on any correct code.
     digits
-        Significant digits of ours that mean something, where it depends on a choice such as the
-        range of a fit.
+        Meaningful digits of our value, where it depends on a choice such as the range of a fit.
     bound
         The source's value is a bound, such as the end of an axis: no difference from it is given.
     """
@@ -89,8 +88,8 @@ class Row:
         Raises
         ------
         ValueError
-            It has no value; or it is a verification that lacks one of its two values or has one of
-            a source.
+            It has no value; or it is a verification without one of its two values, or with a value
+            of a source.
         """
         for name in ("source", "ours", "theory"):
             if hasattr(value := getattr(self, name), "item"):
@@ -117,8 +116,8 @@ class Row:
 
     @property
     def deviation(self) -> float | None:
-        """Ours over the source's value, or that of theory where there is none, less 1; None for a
-        bound.
+        """Our value over the source's value, or over the theory's value without a source, minus 1;
+        None for a bound.
         """
         against = self.theory if self.source is None else self.source
         return (
@@ -135,10 +134,10 @@ class Picture:
     Attributes
     ----------
     name
-        Of its files. One that is empty or begins with an underscore continues after the study's:
-        ``_pulses`` of ``square-in-plane`` becomes ``square_in_plane_pulses``.
+        Of its files. An empty name, or one that begins with an underscore, is appended to the
+        study's name: ``_pulses`` of ``square-in-plane`` becomes ``square_in_plane_pulses``.
     drawing
-        The figure; one of matplotlib's is given its data. A function that draws it, for a figure
+        The figure; a matplotlib figure is given its data. A function that draws it, for a figure
         whose failure shall not cost the next.
     data
         Of a figure of matplotlib: arrays by name, with the unit at the end of the name, saved as
@@ -151,10 +150,10 @@ class Picture:
     data: dataclasses.InitVar[Mapping[str, Any] | None] = None
 
     def __post_init__(self, data: Mapping[str, Any] | None) -> None:
-        """Put a figure of matplotlib and its data together."""
+        """Combine a matplotlib figure and its data."""
         from granwave.analysis.figures.style import (
             Drawing,
-        )  # the drawing library takes a second to load
+        )  # imported on demand: matplotlib takes a second to load
 
         if not isinstance(self.drawing, Drawing) and not callable(self.drawing):
             object.__setattr__(self, "drawing", Drawing(self.drawing, dict(data or {})))
@@ -171,17 +170,17 @@ class Study:
     title
         Of its part of the report.
     text
-        What was run, in a few sentences.
+        Description of the runs, in a few sentences.
     rows
-        Of the tables, one for each kind.
+        Rows of the tables, one table for each kind.
     pictures
-        In the order of the report.
+        Figures, in the order of the report.
     tables
-        Of its own, with notes on them.
+        Tables of the study, with notes.
     verdict
-        What it comes to, in sentences for the top of the report.
+        Results, in sentences for the top of the report.
     failed
-        What of it could not be drawn or computed.
+        Parts that could not be drawn or computed.
     """
 
     name: str
@@ -207,7 +206,7 @@ def make_studies(
         Points that failed or were not run of the scans that name a study, as values of the keys
         that vary.
     """
-    from granwave.analysis.figures.style import style  # the drawing library takes a second to load
+    from granwave.analysis.figures.style import style  # loads matplotlib: imported on demand
 
     if not runs:
         return []
@@ -230,7 +229,8 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
     from granwave.analysis.figures.style import NotDrawn, attempt, not_made
 
     groups = list(module.select(runs))
-    numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
+    # the module distinguishes the groups
+    numbered = len(groups) > 1 and not hasattr(module, "name")
     for number, group in enumerate(groups, start=1):
         word = (
             module.name(group)
@@ -251,7 +251,7 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
             except Exception as error:
                 if isinstance(error, MissingDataError) and is_loaded(
                     module
-                ):  # a name that no run has, in a user's code
+                ):  # a user's code may ask for the name of no run
                     error = KeyError(str(error)).with_traceback(error.__traceback__)
                 failed.append(
                     not_made(f"{which} of the study {word}, from number {done + 1} on,", error)
@@ -291,7 +291,7 @@ def draw_studies(found: Sequence[Study], directory: AnyPath) -> list[Path]:
     from granwave.analysis.figures.style import (
         FigureFolder,
         style,
-    )  # the drawing library takes a second to load
+    )  # imported on demand: matplotlib takes a second to load
 
     folder = FigureFolder(directory)
     with style():

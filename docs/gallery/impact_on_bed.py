@@ -19,7 +19,7 @@ import numpy as np
 
 import granwave as gw
 
-REPOSE = np.tan(np.radians(22.0))  # of spheres with this friction
+REPOSE = np.tan(np.radians(22.0))  # angle of repose of spheres with this friction
 GRAVITY = 9.81
 DIAMETER = 0.02
 bed = {
@@ -46,7 +46,7 @@ for speed in speeds:
     depths.append(depth.max())
     forces.append(-mass * np.gradient(velocity, time).min())
 
-density = 0.58 * 2500  # of the bed
+density = 0.58 * 2500  # density of the bed
 height = np.array(speeds) ** 2 / (2 * GRAVITY) + depths
 formula = 0.14 / REPOSE * np.sqrt(7850 / density) * DIAMETER ** (2 / 3) * height ** (1 / 3)
 drag = mass * np.array(speeds) ** 2 / (0.25 / REPOSE * 7850 / density * DIAMETER)

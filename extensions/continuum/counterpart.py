@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from granwave.extensions.continuum.punch.case import ContinuumCase
     from granwave.lammps_inputs.case.case import Case
 
-# built-in cases that counterparts are made from
+# built-in cases from which counterparts are made
 _BLOCK = "half-space"
 _PACKING = "fcc-small"
-_NARROWEST = 2.0  # punch diameters: a block narrower than this is no half-space to speak of
+_NARROWEST = 2.0  # punch diameters: a narrower block is not a half-space
 _WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
 _STRUCK = (1, 3, 7)  # values of load.spheres
-_FEWEST = (4, 4, 2)  # spheres along x, y and z of a packing
+_FEWEST = (4, 4, 2)  # spheres along x, y and z of the packing
 _DIGITS = 12
 
 
@@ -118,7 +118,7 @@ def inputs_of_continuum(case: ContinuumCase) -> ImpactInput:
 
 
 def continuum_of(assembly: Assembly) -> Counterpart:
-    """Return the continuum case of equal input: a punch with the mass and velocity of the struck
+    """Return the continuum case of equal input: a punch with the mass and velocity of the impacted
     spheres.
 
     The block is as high as the packing, and as wide as its narrower side.
@@ -179,8 +179,8 @@ def packing_of(case: ContinuumCase) -> Counterpart:
     """Return the FCC packing of equal input: spheres as wide as the punch, in a packing as large as
     the block.
 
-    As few spheres are struck as keep the expected overlap within the contact law, and seven at
-    most.
+    The number of impacted spheres is the smallest, up to seven, that keeps the expected overlap
+    within the contact law.
     """
     diameter = case.punch.diameter
     rule = KINDS["fcc"]

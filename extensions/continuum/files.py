@@ -12,19 +12,19 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY
 CONTINUUM = "continuum"
 FIT = "fit"
 
-CONTACT_TABLE = "contact.csv"  # of two finite-element spheres
+CONTACT_TABLE = "contact.csv"  # table of a contact of two finite-element spheres
 FIT_TOML = "fit.toml"
 FIT_PAIR = "pair.toml"
 FIT_TABLE = "fit.csv"
 FIT_MISFIT = "misfit.csv"
 FIT_FILES = (FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT)
 
-_TABLES = {"block", "punch", "sphere", "partner"}  # of the cases
+_TABLES = {"block", "punch", "sphere", "partner"}  # tables of the cases
 _OF_ELEMENTS = "n_elements"  # in the summaries
 
 
 def _holds_elements(directory: Path) -> bool:
-    """Return True for a directory with the case or the summary of a run of finite elements."""
+    """Return True for a directory with the case or the summary of a finite-element run."""
     tables = read_tables(directory / CASE_FILE) or {}
     summary = read_json(directory / SUMMARY_FILE) or {}
     return not _TABLES.isdisjoint(tables) or _OF_ELEMENTS in summary

@@ -69,7 +69,7 @@ class ElementCase(abc.ABC):
     @staticmethod
     @abc.abstractmethod
     def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:
-        """Read further parts, and check keys against each other; parts that are wrong are None."""
+        """Read further parts, and check keys against each other; invalid parts are None."""
 
     @classmethod
     def load(cls, path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Self:

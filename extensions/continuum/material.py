@@ -91,7 +91,7 @@ class Elastoplastic:
 
 def compiled(function: Callable) -> Callable:
     """Compile at the first call, and cache the code on disk if possible."""
-    from numba import njit  # takes a second to load
+    from numba import njit  # imported on demand: takes a second to load
 
     options: dict[str, Any] = {
         "fastmath": {"contract", "arcp", "nsz", "reassoc"},

@@ -35,7 +35,7 @@ class ElementKind(ReportKind):
 
     result_kind = CONTINUUM
     noun = "continuum run"
-    accepted_error = 2e-2  # of results that do not record it
+    accepted_error = 2e-2  # accepted error of results that do not record it
     energies = ("energy_punch_J", "energy_viscous_J", "energy_hourglass_J")
     ledger = _LEDGER
     limits = "A continuum run above the accepted error is stopped."
@@ -47,7 +47,7 @@ class ElementKind(ReportKind):
         return read_elements(run.label, run.directory, run.summary)
 
     def name_values(self, run: ReportRun, values: dict[str, str]) -> None:
-        """Name the largest force of two spheres as that of a run."""
+        """Give the largest force of two spheres the same name as in a run."""
         if run.number("max_force_N") is not None:
             values.setdefault("peak_force_N", values["max_force_N"])
 
@@ -61,7 +61,7 @@ class ElementKind(ReportKind):
         return ""
 
     def load_keys(self, case: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the velocity of the punch as that of an impact."""
+        """Return the velocity of the punch as the velocity of an impact."""
         return {"load.velocity": case["punch.velocity"]} if "punch.velocity" in case else {}
 
     def symbols(self, runs: Sequence[ReportRun]) -> list[Symbol]:

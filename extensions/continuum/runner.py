@@ -1,5 +1,5 @@
-"""One run of a finite-element problem, from case to figures, and its ``result.h5``, written whole
-or not at all.
+"""One run of a finite-element problem, from case to figures, and its ``result.h5``, written
+completely or not at all.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ Tables = Mapping[str, tuple[ArrayLike, str]]  # values and unit by the name of a
 SUMMARY_NAMES = {"plastic": "dissipated", "work": "input", "penalty": "contact"}
 
 logger = logging.getLogger("granwave")
-_COMPRESSED_FROM = 4096  # values; smaller data sets are kept plain
+_COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
 
 class ElementResult:
@@ -93,7 +93,7 @@ class ElementResult:
 
 
 class ElementRun(abc.ABC):
-    """The solver of a case and its history, and what to make of them.
+    """The solver of a case, its history, and the evaluation of both.
 
     Attributes
     ----------
@@ -219,16 +219,17 @@ def run_elements(
     progress
         Show a bar on a terminal.
     force
-        Move the results that are there into NAME.old.
+        Move existing results into NAME.old.
     resume
-        Accept the finished results of the same case that are there; an unfinished run begins again.
+        Accept existing, finished results of the same case; an unfinished run restarts from the
+        beginning.
     figures
         Draw them.
 
     Returns
     -------
     dict
-        What summary.json holds.
+        Content of summary.json.
 
     Raises
     ------
@@ -236,7 +237,7 @@ def run_elements(
         The directory holds results, or another case, or the mesh does not fit into memory; nothing
         was changed.
     RunError
-        The energy balance was rejected; what was computed is kept.
+        The energy balance was rejected; the results are kept.
     """
     results = ResultDirectory(results_directory(directory))
     there = _begin(kind, case, results, resume=resume, force=force, figures=figures)
@@ -296,14 +297,12 @@ def draw_figures(kind: type[ElementRun], directory: AnyPath) -> list[Path]:
 
 
 def digits_of(total: float | None) -> int:
-    """Return how many decimals of a progress to show: two, or as many as give hundredths of a small
-    total.
-    """
+    """Return the decimals to show of a progress: two, or enough for hundredths of a small total."""
     return 2 if not total else max(2, 2 - math.floor(math.log10(total)))
 
 
 def advance(shown: float, place: float, total: float | None, digits: int) -> float:
-    """Return by how much a bar continues to a place, never back and never beyond its total."""
+    """Return the advance of a progress bar to a position, never back and never beyond its total."""
     reached = place if total is None else min(place, total)
     return max(0.0, round(reached - shown, digits))
 
@@ -325,7 +324,7 @@ def _begin(
         try:
             return type(case).from_dict(tables, results / CASE_FILE).to_dict()
         except InputError:
-            return {}  # of another kind: another case in any event
+            return {}  # results of another kind belong to another case
 
     names = list(kind.RESULTS)
     if figures and os.path.lexists(results / FIGURES_DIRECTORY):

@@ -37,7 +37,7 @@ def read_elements(
     try:
         tables = read_toml(directory / CASE_FILE)
     except GranwaveError:
-        return None  # the report says so elsewhere
+        return None  # the report states it elsewhere
     if summary.get("kind") == "sphere-contact":
         return SphereContactRun(label, directory, tables, summary)
     errors = ErrorList("")

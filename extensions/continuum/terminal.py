@@ -35,7 +35,7 @@ def continuum(options: argparse.Namespace) -> int:
     directory = results_directory(options.directory or case.name)
     if not options.resume:  # a finished run needs no resources
         kind.afford(case, kind.cost(case, 1, options.figures), directory)
-    assert kind.run is not None  # of continuum cases
+    assert kind.run is not None  # continuum cases have a run
     results = ResultDirectory(directory)
     with held(results):
         summary = kind.run(case, directory, progress=True, **how_to_run(options))

@@ -1,4 +1,4 @@
-"""Files of a search for a design; its runs are in ``points``, as those of a scan."""
+"""Files of a search for a design; its runs are in ``points``, as in a scan."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BEST_DESIGNS = tuple(f"best-{n}.toml" for n in range(1, 11))
 
 
 def has_outcome(directory: Path) -> bool:
-    """Return True for a search that has an outcome; False where it cannot be looked into."""
+    """Return True for a search that has an outcome; False if it cannot be read."""
     return os.access(directory / DESIGN_OUTCOME, os.R_OK)
 
 

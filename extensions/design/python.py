@@ -38,11 +38,11 @@ def design(
     ranks
         MPI ranks of each run.
     budget
-        Number of designs to run, in place of that of the file.
+        Number of designs to run; overrides the file.
     force
         Move existing results into NAME.old.
     resume
-        Go on with an earlier start of the same search.
+        Resume an earlier start of the same search.
     progress
         Show a bar on a terminal or in a notebook.
 

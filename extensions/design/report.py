@@ -1,5 +1,5 @@
-"""Report of a search for the best design: the answer, what the checks found, the ten best, and how
-they were found.
+"""Report of a search for the best design: the best design, results of its checks, the ten best
+designs, and the course of the search.
 """
 
 from __future__ import annotations
@@ -57,18 +57,18 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _MOST_ROWS = 10
-_MOST_WORDS = 4  # of a variable that a figure lists
+_MOST_WORDS = 4  # most words of a variable in a figure
 _TOLD = (
     "packing.kind",
     "packing.size",
     "packing.diameter",
     "material",
-)  # keys that the setting of a case tells
+)  # keys that are listed with the setting of a case
 _OF_OTHER_DESIGNS = ("neighbour", "moved")  # checks that compare with another design
 _GRAMS = 1e3  # in a kilogram
 _CAPTIONS = {
-    "packing": "The best design: section of its packing through the impact, with the largest "
-    "force on each sphere",
+    "packing": "The best design: its packing, with a quarter cut away at the impact, and the peak "
+    "contact force of each sphere",
     "convergence": "Objective of each design in the order of the search (excluding pruned and "
     "failed designs); best value so far; expected best value of random designs, from the "
     "model of the search",
@@ -82,9 +82,7 @@ _CAPTIONS = {
 
 
 def design_report(directory: Path) -> Report:
-    """Return the report of a search, made of its design.json and designs.csv; its figures are drawn
-    again.
-    """
+    """Return the report of a search from design.json and designs.csv; its figures are redrawn."""
     found = read_json(directory / DESIGN_OUTCOME) or {}
     table = pd.read_csv(directory / DESIGN_TABLE)
     return Report(
@@ -146,13 +144,17 @@ def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figur
         )
         blocks.append(Note(f"{text}end is design {last['number']}: {value}."))
     blocks += [
-        Note(f"{one['text'][:1].upper()}{one['text'][1:]}.", "note")
-        for one in best["guards"]
-        if one["warning"]
+        Note(f"{_sentence_case(one['text'])}.", "note") for one in best["guards"] if one["warning"]
     ]
     if "packing" in drawn:
         blocks.append(Gallery((drawn["packing"],)))
     return blocks
+
+
+def _sentence_case(text: str) -> str:
+    """Return a text with a capital at its start, unless it begins with a key."""
+    is_key = "." in text.partition(" ")[0]
+    return text if is_key else f"{text[:1].upper()}{text[1:]}"
 
 
 def answer_of(found: Mapping[str, Any], directory: Path) -> str:
@@ -161,28 +163,49 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     place = directory / best["directory"]
     case = by_key(read_toml(place / CASE_FILE))
     summary = ResultDirectory(place).summary()
-    values = []
-    for name, value in best["objective"].items():
-        ends = best.get("spread", {}).get(name)
-        spread = f" ({show(ends[0])} to {show(ends[1])} in {best['runs']} runs)" if ends else ""
-        checked = range_under_checks(best, name)
-        under = f" ({checked})" if checked else ""
-        values.append(f"{_quantity_of(name, value)}{spread}{under}")
+    runs = best.get("runs", 1)
+    values = [_value_with_range(found, name) for name in best["objective"]]
     reduction = summary.get("peak_reduction")
     less = f", {reduction:.3g} times lower than without the packing" if reduction else ""
+    if less and runs > 1:
+        less += " in the first run"
     more = ", ".join(
         f"{key} {show(value)}"
         for key, value in best["variables"].items()
         if not key.startswith(_TOLD)
     )
     made = setting_of(case) + (f", with {more}" if more else "")
+    if runs > 1:
+        made += f" (first of {runs} runs)"
     where = f"{quantity_in(1000 * best['mass_kg'], 'g')}, {quantity_in(best['height_m'], 'm')} high"
     return f"{made}: {' and '.join(values)}{less}, {where}."
 
 
+def _value_with_range(found: Mapping[str, Any], name: str) -> str:
+    """Return an objective of the best design with its range in the runs and in the checks."""
+    best = found["best"]
+    ranges: list[str] = []
+    ends = best.get("spread", {}).get(name)
+    if ends:
+        low, high = (_value_of(name, end) for end in ends)
+        statistic = _statistic(found)
+        of_runs = f"{statistic} of " if statistic else ""
+        ranges.append(f"{of_runs}{low} to {high} in {best['runs']} runs")
+    if checked := range_under_checks(best, name):
+        ranges.append(checked)
+    listed = f" ({'; '.join(ranges)})" if ranges else ""
+    return f"{_quantity_of(name, best['objective'][name])}{listed}"
+
+
+def _statistic(found: Mapping[str, Any]) -> str:
+    """Return the statistic of several runs in words; empty for searches of 1.0."""
+    statistic = found.get("statistic", "")
+    return statistic if isinstance(statistic, str) else f"{statistic:g} quantile"
+
+
 def ranking_of(found: Mapping[str, Any]) -> str:
-    """Return in a sentence by what the designs are ranked; empty for searches of 1.0, whose files
-    do not contain it.
+    """Return a sentence on the ranking of the designs; empty for searches of 1.0, whose files do
+    not contain it.
     """
     if "statistic" not in found:
         return ""
@@ -192,10 +215,7 @@ def ranking_of(found: Mapping[str, Any]) -> str:
             "Designs are ranked by one run each; only the best was checked by further runs. With "
             "[uncertainty] they are ranked by several runs each."
         )
-    statistic = found["statistic"]
-    if not isinstance(statistic, str):
-        statistic = f"{statistic:g} quantile"
-    return f"Designs are ranked by the {statistic} of {runs} runs each."
+    return f"Designs are ranked by the {_statistic(found)} of {runs} runs each."
 
 
 def range_under_checks(best: Mapping[str, Any], name: str) -> str:
@@ -307,7 +327,7 @@ def _cost(found: Mapping[str, Any]) -> DocumentTable:
         for name, version in found["versions"].items()
         if name in ("granwave", "lammps", "python")
     ]
-    return text_table("Cost and versions", ("", ""), rows)
+    return text_table("Cost and versions", ("Item", "Value"), rows)
 
 
 # ---------------------------------------------------------------------- figures
@@ -427,8 +447,8 @@ def _ends(column: pd.Series[Any]) -> str:
 
 
 def _named(words: list[str]) -> list[str]:
-    """Return materials that are written as tables by their names, where these tell them apart; else
-    words as is.
+    """Return the names of materials that are given as tables, if the names distinguish them; other
+    words unchanged.
     """
     found = [re.search(r'\b(?:name|preset) = "([^"]+)"', word) for word in words]
     names = [one[1] if one else word for one, word in zip(found, words, strict=True)]
@@ -457,7 +477,7 @@ class DesignKind(ReportKind):
         return design_report(directory) if has_outcome(directory) else None
 
     def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
-        """Reject the directory: it has no run of its own."""
+        """Reject the directory: it is not a run."""
         if has_outcome(results.path):
             reason = "is a design search, which has a separate report; remove the other directories"
         else:

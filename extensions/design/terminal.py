@@ -42,7 +42,7 @@ from granwave.workflows.cluster.job import CommandJob
 from granwave.workflows.cluster.profile import SLURM
 from granwave.workflows.run.directory import held
 
-_DRAWN = 64  # designs that a plan is made of
+_DRAWN = 64  # designs from which a plan is made
 
 
 def design(options: argparse.Namespace) -> int:
@@ -83,7 +83,7 @@ def design(options: argparse.Namespace) -> int:
 
 
 def submit_design(options: argparse.Namespace) -> int:
-    """Submit a search as one job that runs designs side by side; return the exit status."""
+    """Submit a search as one job that runs designs in parallel; return the exit status."""
     profile = profile_of(options.submit)
     if profile.nodes > 1 and profile.scheduler != SLURM:
         raise InputError(

@@ -20,7 +20,7 @@ hertz = read.number_that("a number above 0 (Hz)", lambda value: 0 < value < math
 
 
 def shares(text: str) -> tuple[float, ...]:
-    """Read shares, 0 or from 1e-12 to 10, with commas between them."""
+    """Read fractions, 0 or from 1e-12 to 10, separated by commas."""
     found = tuple(read.number(word) for word in read.words(text))
     if not all(value == 0 or 1e-12 <= value <= 10 for value in found):
         raise argparse.ArgumentTypeError(

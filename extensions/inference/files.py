@@ -16,7 +16,7 @@ MADE_CASE = "measurement.toml"
 
 
 def _holds_inference(directory: Path) -> bool:
-    """Return True for a directory whose summary is that of inferred forces."""
+    """Return True for a directory whose summary is of inferred forces."""
     return (read_json(directory / SUMMARY_FILE) or {}).get("kind") == INFERENCE
 
 

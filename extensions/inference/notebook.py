@@ -32,7 +32,7 @@ class InferredForces(Values):
     grains
         Rows of grains.csv, the residuals of each grain.
     measurement
-        The measurement that was made of a run; None for a table.
+        The synthetic measurement of a run; None for a table.
     """
 
     def __init__(

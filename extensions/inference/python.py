@@ -32,7 +32,8 @@ def infer(
     figures: bool = False,
     force: bool = False,
 ) -> InferredForces:
-    """Infer contact forces from a table of measured grains, or from measurements made of a run.
+    """Infer contact forces from a table of measured grains, or from synthetic measurements of a
+    run.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ _IN_PER_CENT = (
     "acceleration_error",
     "residual_fraction",
 )
-_SENTENCES = (  # those whose values are all there are shown
+_SENTENCES = (  # sentences that are shown if all their values are present
     "{n_loaded_contacts} of {n_contacts} contacts carry a force, at most {largest_force_N}.",
     "{n_significant_contacts} of them carry a force above two standard errors.",
     "The error is {true_force_error} of the true forces, for noise of {noise}.",
@@ -73,7 +73,7 @@ class InferenceKind(ReportKind):
     tables = _TABLES
 
     def setting(self, run: ReportRun) -> str:
-        """Return the number of grains, the measurement and what was assumed."""
+        """Return the number of grains, the measurement and the assumptions."""
         grains = run.summary.get("n_grains")
         source = run.summary.get("measurement")
         count = grains[0] if isinstance(grains, list) and grains else grains

@@ -1,5 +1,5 @@
-"""Forces inferred from a table of grains or from measurements made of a run, for the command line
-and for Python.
+"""Forces inferred from a table of grains or from synthetic measurements of a run, for the command
+line and for Python.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def infer(
     repeat: int | None = None,
     progress: bool = False,
 ) -> Inferred:
-    """Infer the forces of a table of grains, or of measurements made of a run.
+    """Infer the forces of a table of grains, or of synthetic measurements of a run.
 
     Parameters
     ----------
@@ -74,9 +74,10 @@ def infer(
     case_file
         File with [material] and [infer]; a run can do without.
     noise, frame_rate, position_noise, time
-        Measurements made of a run, as of `granwave.extensions.inference.forces.plan.plan_experiment`.
+        Settings of synthetic measurements of a run, as in
+        `granwave.extensions.inference.forces.plan.plan_experiment`.
     repeat
-        Repetitions with noise; None: those of the case, of a run 10.
+        Repetitions with noise; None: from the case; for a run 10.
     progress
         Show a bar on a terminal.
 

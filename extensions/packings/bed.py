@@ -1,8 +1,8 @@
-"""Beds: grains that were made once, and their contacts, in files that cases share.
+"""Beds: grains and contacts that are generated once and stored in files for several cases.
 
-A bed stands in the folder ``beds`` next to the case, under its kind and a digest of all that it is
-made of. Who needs the same bed reads it; who makes it holds a lock, so that two processes do not
-make it at once, and its file appears whole.
+A bed is stored in the folder ``beds`` next to the case, under its kind and a digest of its recipe.
+Processes that need the same bed read it; the process that makes it holds a lock, so that it is made
+only once, and its file is complete when it appears.
 
     KIND-DIGEST.csv              the grains, as `packing.file` has them, and a record in comments
     KIND-DIGEST-contacts.csv     the contacts between them, with their forces
@@ -31,8 +31,8 @@ from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 
-_FORMAT = 4  # of the files, and of the way that beds are made; another one makes another digest
-_DIGITS = 12  # of the digest in names
+_FORMAT = 4  # version of the files and of the algorithm; another version gives another digest
+_DIGITS = 12  # digits of the digest in names
 _MARK = "# bed: "
 _CONTACT_COLUMNS = ("i", "j", "normal_force", "tangential_force")
 FOLDER = "beds"
@@ -49,7 +49,7 @@ class Container:
     periodic
         True if the sides are periodic.
     tube
-        Radius of a tube in place of the box, m; None: there is none.
+        Radius of a tube instead of the box, m; None: there is none.
     height
         Period along z, m; None: the packing is not periodic along z.
     """
@@ -178,7 +178,7 @@ class BedFile:
         return Bed(grains, pairs, *forces, record["bottom"], container, record, springs)
 
     def write(self, bed: Bed) -> None:
-        """Write the bed; the file of the grains comes last, and whole."""
+        """Write the bed; the file of the grains is written last, in one step."""
         columns = (bed.contacts + 1, bed.normal_force[:, None], bed.tangential_force[:, None])
         head = ",".join(_CONTACT_COLUMNS)
         lines = [

@@ -35,13 +35,13 @@ from granwave.lammps_inputs.errors import InputError
 Floats = NDArray[np.float64]
 
 _MARGIN = 1.0  # mean diameters from walls and surface to the inner part
-_LEAST_INNER = 1.0  # mean diameters; a smaller inner part says nothing
+_LEAST_INNER = 1.0  # mean diameters; a smaller inner part has no meaningful statistics
 _SMALL_INSIDE = (
     "the part one diameter away from walls and surface is less than one diameter deep or wide"
 )
 _NOBODY_INSIDE = "no grain is one diameter away from walls and surface"
-_PRESSED = 1e-10  # overlap with a wall over the radius from which on it is no rounding
-_CARRIES = 1e-3  # force of a contact over the mean from which on it carries load
+_PRESSED = 1e-10  # overlap with a wall over the radius, above which it is not rounding
+_CARRIES = 1e-3  # force of a contact over the mean, above which the contact carries load
 
 
 def inner_part(recipe: Recipe, bed: Bed) -> tuple[Floats, Floats]:
@@ -140,7 +140,9 @@ def contacts_with_walls(bed: Bed) -> NDArray[np.int64]:
 
 
 def _solid_fraction(bed: Bed, low: Floats, high: Floats) -> float:
-    """Return the solid fraction of a part of a bed; of all of a periodic one, without a grid."""
+    """Return the solid fraction of a part of a bed; for a periodic bed, of the complete bed without
+    a grid.
+    """
     container = bed.container
     if container.height is not None:
         return volume(bed.grains.diameter) / (container.area * container.height)
@@ -174,16 +176,16 @@ def statistics_rows(found: PackingStatistics, *, friction: bool) -> list[tuple[s
 
 
 def _words_of_grains(found: PackingStatistics) -> str:
-    """Return the number of grains, and the part of them that carries no load."""
+    """Return the number of grains, and the fraction of them that carries no load."""
     if math.isnan(found.rattlers):
         return str(found.n_grains)
     return f"{found.n_grains}, {100 * found.rattlers:.1f} % inside carry no load"
 
 
 def _words_of_solid_fraction(found: PackingStatistics) -> str:
-    """Return the solid fraction and the published ones, or why there is none."""
+    """Return the solid fraction and the published ones, or the reason why there is none."""
     if math.isnan(found.solid_fraction):
-        return f"none: {_SMALL_INSIDE}; add grains, or take a deeper or wider container"
+        return f"none: {_SMALL_INSIDE}; add grains, or use a deeper or wider container"
     low, high = RANDOM_LOOSE_PACKING
     return (
         f"{found.solid_fraction:.3f} inside; random close packing {RANDOM_CLOSE_PACKING:g}, "
@@ -192,7 +194,7 @@ def _words_of_solid_fraction(found: PackingStatistics) -> str:
 
 
 def _words_of_coordination(found: PackingStatistics, *, friction: bool) -> str:
-    """Return the coordination and the published one, or why there is none."""
+    """Return the coordination and the published one, or the reason why there is none."""
     if math.isnan(found.coordination):
         return f"none: {_NOBODY_INSIDE}"
     limit = COORDINATION_WITH_FRICTION if friction else COORDINATION_WITHOUT_FRICTION
@@ -204,7 +206,9 @@ def _words_of_coordination(found: PackingStatistics, *, friction: bool) -> str:
 
 
 def _words_of_tail(found: PackingStatistics) -> str:
-    """Return the exponent of the tail of the forces and the published one, or why there is none."""
+    """Return the exponent of the tail of the forces and the published one, or the reason why there
+    is none.
+    """
     if not math.isfinite(found.force_tail):
         return "none: too few contacts above the mean force"
     return f"exp(-{found.force_tail:.2f} F/<F>), <F> at the same depth; published {FORCE_TAIL:g}"
@@ -229,5 +233,5 @@ def statistics_values(found: PackingStatistics) -> Mapping[str, Any]:
 
 
 def _finite(value: float) -> float | None:
-    """Return a value, None where it is no finite number."""
+    """Return a value; None if it is not a finite number."""
     return value if math.isfinite(value) else None

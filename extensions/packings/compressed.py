@@ -1,8 +1,8 @@
 """Compressed packings: random grains in a box that shrinks to a solid fraction or a pressure.
 
-If all sides are periodic, the packing is an infinite, periodic crystal. Else there are planes at
-the bottom and the top, and at the sides unless these are periodic. A case has no plane at the top:
-the weight of the grains holds them.
+If all sides are periodic, the packing is an infinite, periodic crystal. Otherwise there are planes
+at the bottom and the top, and at the sides unless these are periodic. A case has no plane at the
+top: the weight of the grains holds them.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ from granwave.lammps_inputs.case.precompression import Overlaps
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.errors import Mismatch
 
-_RESTITUTION = 0.5  # of contacts with friction, while grains come to rest
+_RESTITUTION = 0.5  # restitution of contacts with friction, while grains come to rest
 _ROLLING = 0.01  # coefficient of rolling resistance with friction; it ends slow rolling
 _STEPS = 100_000  # steps or iterations of a compression, measured with some hundred grains
 _STEPS_WITH_FRICTION = 50_000  # the same
 _MOST_OF_MODULUS = 0.01  # pressure over Young's modulus, beyond which overlaps are large
-_LEAST_WIDTH = 3.0  # of the box at the start, in largest diameters
+_LEAST_WIDTH = 3.0  # smallest width of the initial box, in largest diameters
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,7 +83,7 @@ class CompressedRecipe(Recipe):
 
     @property
     def expected_time(self) -> float:
-        """Estimate of the time that it takes on one core, s."""
+        """Estimated time on one core, s."""
         steps = _STEPS_WITH_FRICTION if self.friction else _STEPS
         return steps * self.keys.grains / SPEED
 
@@ -135,7 +135,7 @@ class CompressedRecipe(Recipe):
         )
 
     def tables(self, tables: Mapping[str, Any], bed: Bed) -> dict[str, Any]:
-        """Return the tables of a case with the grains, and what follows from them."""
+        """Return the tables of a case with the grains and derived keys."""
         height = bed.container.height
         if height is None:
             return super().tables(tables, bed)

@@ -8,8 +8,8 @@ drag. This is the way of O'Hern, Silbert, Liu and Nagel, Phys. Rev. E 68 (2003) 
 positions on.
 
 Under Hertz's law the pressure of a jammed packing grows with about the power 3/2 of the solid
-fraction beyond jamming: its power 2/3 is extrapolated to the pressure that is asked for, which is
-met within `PRESSURE_TOLERANCE`.
+fraction beyond jamming: its power 2/3 is extrapolated to the required pressure, which is reached
+within `PRESSURE_TOLERANCE`.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ from granwave.workflows.run.lammps_engine import Engine, open_engine
 
 Floats = NDArray[np.float64]
 
-PRESSURE_TOLERANCE = 0.01  # of the pressure that is asked for
+PRESSURE_TOLERANCE = 0.01  # relative tolerance of the required pressure
 _DATA = "grains.data"
 _STATE = "grains.restart"
-# walls of a case by fix and side; the upper plane is taken away
+# walls of a case by fix and side; the upper plane is removed
 _WALLS = {
     ("x", 0): "xlo",
     ("x", 1): "xhi",
@@ -57,25 +57,25 @@ _WALLS = {
     ("z", 1): "bottom",
 }
 _LOOSE = 0.55  # solid fraction up to which steps are long
-_LONG_STEP = 0.03  # of the solid fraction, relative
+_LONG_STEP = 0.03  # longest relative step of the solid fraction
 _SHORT_STEP = 0.004
-_SHRINK = 0.7  # of the longest step, where the last one went too far
+_SHRINK = 0.7  # factor on the longest step after a step that was too long
 _MOST_STEPS = 400
-_MOST_ROUNDS = 20  # of compression to a pressure and coming to rest
-_COORDINATION = 6.0  # for a first estimate of the stiffness of the packing
+_MOST_ROUNDS = 20  # most rounds of compression to a pressure and coming to rest
+_COORDINATION = 6.0  # coordination in the first estimate of the stiffness of the packing
 _SLOPE_FACTOR = 4.0  # bounds of the measured slope of pressure over that of the estimate
 _OVERLAP = 1e-3  # diameters; the stiffness of contacts at it gives the timestep
 _FIRE_STEP = 0.03  # timestep at first over sqrt(mass/stiffness)
-_LONGEST_MOVE = 0.02  # diameters, of a grain in one iteration
+_LONGEST_MOVE = 0.02  # largest displacement of a grain in one iteration, diameters
 _MOST_ITERATIONS = 40_000
 _FORCE = 1e-9  # net force at rest over E* D^2
 _OF_PRESSURE = 1e-4  # the same over pressure times D^2
-_DRAG = 0.1  # over sqrt(mass stiffness), with friction
-_LOOK = 500  # steps between looks at the forces, with friction
+_DRAG = 0.1  # drag over sqrt(mass stiffness), with friction
+_LOOK = 500  # steps between checks of the forces, with friction
 _MOST_LOOKS = 400
 _AT_REST = 1e-2  # net force over the largest one on the way, with friction
 _BALANCED = 3e-4  # the same at the end
-_COLUMN_OVERLAP = 0  # of the array of a wall
+_COLUMN_OVERLAP = 0  # column of the array of a wall
 _COLUMN_FORCE = 1
 
 
@@ -141,7 +141,7 @@ def compress(
     target: CompressionTarget,
     report: Report = lambda *_: None,
 ) -> CompressedGrains:
-    """Compress grains, and return them at rest; on one core, the same bits every time.
+    """Compress grains, and return them at rest; on one core, bitwise reproducible.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ class _Compression:
         self._begin(mass, stiffness, mean)
 
     def _begin(self, mass: float, stiffness: float, mean: float) -> None:
-        """Give LAMMPS the way that grains come to rest."""
+        """Pass LAMMPS the commands that bring grains to rest."""
         if self._law.friction:
             drag = _DRAG * math.sqrt(mass * stiffness)
             step = self._law.timestep(float(self._diameter.min()))
@@ -234,7 +234,7 @@ class _Compression:
         return self._proportions * _scale(self._diameter, self._proportions, self._fraction)
 
     def run(self, state: Path) -> CompressedGrains:
-        """Compress until the target is met; the state of LAMMPS goes to a file."""
+        """Compress until the target is reached; the state of LAMMPS is written to a file."""
         self._rest()
         if self._target.pressure is not None:
             self._to_pressure_at_rest(self._target.pressure)
@@ -250,8 +250,8 @@ class _Compression:
             self._report(self._fraction / fraction, f"solid fraction {self._fraction:.3f}")
 
     def _to_pressure_at_rest(self, pressure: float) -> None:
-        """Compress to a pressure that is left when the grains are at rest: grains that still move
-        carry a part of it.
+        """Compress until the pressure remains after the grains come to rest: moving grains carry a
+        part of it.
         """
         for _ in range(_MOST_ROUNDS):
             self._to_pressure(pressure)
@@ -284,7 +284,7 @@ class _Compression:
             if before is not None and now > 0 and before[1] > 0:
                 slope = self._measured_slope(before, level, slope)
             before = (self._fraction, level)
-            if change * (pressure - now) < 0:  # the last step went too far
+            if change * (pressure - now) < 0:  # the last step was too long
                 shrink *= _SHRINK
             longest = shrink * self._longest_step * self._fraction
             change = (pressure ** (2 / 3) - level) / slope if now > 0 else longest

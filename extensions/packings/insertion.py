@@ -12,8 +12,9 @@ from granwave.lammps_inputs.errors import InputError
 
 Floats = NDArray[np.float64]
 
-SOLID_FRACTION = 0.2  # at the start; up to 0.3 random places are found in a few attempts
-_MOST_ATTEMPTS = 10_000  # of one grain
+# initial solid fraction; up to 0.3, random positions are found in a few attempts
+SOLID_FRACTION = 0.2
+_MOST_ATTEMPTS = 10_000  # most attempts for one grain
 
 
 def column_height(volume: float, area: float) -> float:
@@ -42,7 +43,7 @@ def insert(
     periodic
         True if the column is periodic along x and y.
     tube
-        Radius of a tube about x = y = 0 in place of the box, m.
+        Radius of a tube about x = y = 0 instead of the box, m.
 
     Raises
     ------
@@ -72,7 +73,7 @@ def scatter(
     lengths
         Lengths of the box along x, y and z, m.
     periodic
-        True for the axes along which the box is periodic; across the others are walls.
+        True for the axes along which the box is periodic; the other axes have walls.
 
     Raises
     ------
@@ -90,7 +91,7 @@ def scatter(
 def _apart(
     diameter: Floats, draw: Callable[[float], Floats], period: Sequence[float] | Floats
 ) -> Floats:
-    """Draw a place for each grain until it overlaps none before it: (n, 3), m."""
+    """Draw a position for each grain until it overlaps no earlier grain: (n, 3), m."""
     places = np.empty((len(diameter), 3))
     for n, size in enumerate(diameter):
         for _ in range(_MOST_ATTEMPTS):
@@ -107,8 +108,8 @@ def _apart(
 
 
 def nearest_image(apart: Floats, period: Sequence[float] | Floats) -> Floats:
-    """Return the whole periods to take off differences of positions, for the nearest image: (n,
-    3), m.
+    """Return the multiples of the periods to subtract from differences of positions, for the
+    nearest image: (n, 3), m.
 
     Parameters
     ----------
@@ -131,7 +132,7 @@ def _draw(
     periodic: bool,
     tube: float | None,
 ) -> Floats:
-    """Draw one place inside of the walls: (3,), m."""
+    """Draw one position inside the walls: (3,), m."""
     depth = random.uniform(-height, -size / 2)
     if tube is not None:
         radius = (tube - size / 2) * math.sqrt(random.uniform())

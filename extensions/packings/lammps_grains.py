@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from granwave.workflows.run.lammps_engine import Engine
 
 Floats = NDArray[np.float64]
-Report = Callable[[float, str], None]  # fraction that is done, and a note
+Report = Callable[[float, str], None]  # fraction that is complete, and a note
 
-_SKIN = 0.1  # of the neighbour lists, diameters
-_GAP = 1e-3  # diameters; contacts have no dents that would have to be kept beyond it
+_SKIN = 0.1  # skin of the neighbour lists, diameters
+_GAP = 1e-3  # diameters; contacts have no indentation to be kept beyond it
 
 # columns of `contact_table`
 FIRST = 0

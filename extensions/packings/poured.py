@@ -1,6 +1,6 @@
 """Poured beds: grains that fall into a box or a tube, and settle there.
 
-What the case does not say follows from the bed: walls at the positions where the grains settled,
+Missing keys of the case follow from the bed: walls at the positions where the grains settled,
 friction in contacts, and a static stage under gravity that starts from the overlaps of the bed.
 """
 
@@ -34,7 +34,7 @@ from granwave.lammps_inputs.errors import Mismatch
 # 0.5; steps with friction take longer, which is included
 _FALLS = 5.5
 _FALLS_WITHOUT_FRICTION = 15.0
-_LEAST_WIDTH = 2.0  # of a container, in largest diameters
+_LEAST_WIDTH = 2.0  # smallest width of a container, in largest diameters
 
 
 @dataclasses.dataclass(frozen=True)
@@ -92,7 +92,7 @@ class PouredRecipe(Recipe):
 
     @property
     def expected_time(self) -> float:
-        """Estimate of the time that it takes on one core, s."""
+        """Estimated time on one core, s."""
         falls = _FALLS if self.friction else _FALLS_WITHOUT_FRICTION
         duration = falls * fall_time(self.expected_height, self.acceleration)
         steps = duration / self.law.timestep(self.keys.diameter.bounds[0])

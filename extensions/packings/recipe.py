@@ -28,7 +28,7 @@ from granwave.lammps_inputs.extensions import extensions
 from granwave.workflows.run.progress import Progress
 
 _OWN_VALUES = ("keys", "material")  # fields of a recipe that are written value by value
-_PARTS = 1000  # of a progress bar
+_PARTS = 1000  # steps of a progress bar
 _GIB = 2**30
 # bytes, of Python with LAMMPS and of a grain while a bed is made, measured with 100 and 1000 grains
 _MEMORY = 1.6e8
@@ -82,7 +82,7 @@ class Recipe(abc.ABC):
     @property
     @abc.abstractmethod
     def expected_time(self) -> float:
-        """Estimate of the time that it takes on one core, s."""
+        """Estimated time on one core, s."""
 
     @property
     @abc.abstractmethod
@@ -94,7 +94,7 @@ class Recipe(abc.ABC):
         """Make the bed."""
 
     def tables(self, tables: Mapping[str, Any], bed: Bed) -> dict[str, Any]:
-        """Return the tables of a case with the grains of a bed, and what follows from it."""
+        """Return the tables of a case with the grains of a bed and derived keys."""
         return tables_of_bed(tables, bed, self.diameter.mean, balanced=self.rests_under_gravity)
 
 
@@ -209,7 +209,7 @@ def tables_of_bed(
     diameter
         Mean diameter, m.
     balanced
-        True if the grains are in balance under gravity; else they move until they are.
+        True if the grains are in equilibrium under gravity; otherwise they move until they are.
     """
     container = bed.container
     enclosure: dict[str, Any] = {"bottom": bed.bottom}

@@ -3,8 +3,8 @@
 Grains fall under gravity with Hertz's law, friction and a loss; when their motion is small, drag
 ends it. A small resistance to rolling and twisting stops grains that would spin or roll for ever.
 The bed is at rest where the net force on each grain is a small fraction of the largest force, and
-its motion carries a negligible energy. Without friction a bed has hardly more contacts than it
-needs: it creeps far under small forces, and is at rest at a minimum of its energy.
+its motion carries a negligible energy. Without friction a bed has few more contacts than required
+for stability: it creeps far under small forces, and is at rest at a minimum of its energy.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ WALLS = {
     ("y", 1): "yhi",
 }
 _OF_RAYLEIGH = 0.2  # timestep over the time of a Rayleigh wave across the smallest grain
-_LOOKS = 20  # looks at the motion in the time of the fall
-_DRAG_TIME = 0.02  # of drag, over the time of the fall
+_LOOKS = 20  # checks of the motion during the time of the fall
+_DRAG_TIME = 0.02  # time constant of drag over the time of the fall
 _MOST_TIMES = 40  # longest time of falling, and of drag, in times of the fall
 # kinetic energy of a grain over m g D at which drag begins, and at the end
 _SLOW = 1e-3
@@ -63,9 +63,9 @@ _CREEPING = 1e-6
 _AT_MINIMUM = 1e-8
 _MINIMISER_STEPS = 5000  # between reports
 _MOST_MINIMISATIONS = 100
-_LEFT = 0.85  # of the search, after each report: its length cannot be foreseen
-_MINIMISER_TIMESTEP = 0.1  # over the timestep of the fall
-_LARGEST_MOVE = 0.015  # of a grain in a step of the minimiser, mean diameters
+_LEFT = 0.85  # remaining fraction of the search after each report: its length cannot be predicted
+_MINIMISER_TIMESTEP = 0.1  # timestep over the timestep of the fall
+_LARGEST_MOVE = 0.015  # largest displacement of a grain in a step of the minimiser, mean diameters
 
 
 @dataclasses.dataclass(frozen=True)
@@ -162,7 +162,7 @@ def settle(
     law: SettlingLaw,
     report: Report = lambda *_: None,
 ) -> Settled:
-    """Let grains fall, and return them at rest; on one core, the same bits every time.
+    """Let grains fall, and return them at rest; on one core, bitwise reproducible.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def _script(data: Path, diameter: Floats, container: Container, law: SettlingLaw
             "compute moving all ke",
             "compute grain all gran/hysteretic/atom",
             "compute largest all reduce max c_grain[1]",
-            # the drag is no force of the bed: it holds up a grain that creeps
+            # the drag is not a force of the bed: it holds a creeping grain
             "variable drag equal 0.0",
             "variable net atom sqrt((fx+v_drag*vx)^2+(fy+v_drag*vy)^2+(fz+v_drag*vz)^2)",
             "compute net all reduce max v_net",

@@ -13,7 +13,7 @@ from granwave.lammps_inputs.case import schema
 
 _NORMAL_FORM = "[mean, standard deviation] in m, the mean above 0"
 _UNIFORM_FORM = "[smallest, largest] in m, above 0"
-_LARGEST_RATIO = 20.0  # of the diameters of one packing
+_LARGEST_RATIO = 20.0  # largest ratio of diameters in a packing
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,7 @@ class SizeDistribution:
         return mean - self.cut * spread, mean + self.cut * spread
 
     def checked(self) -> SizeDistribution:
-        """Return the distribution; raise `ValidationError` unless it is one, and not too wide."""
+        """Return the distribution; raise `ValidationError` unless it is valid and not too wide."""
         both = (self.normal is None) == (self.uniform is None)
         schema.refuse_if(both, f"{SIZES_FORM}: one of normal and uniform")
         low, high = self.bounds

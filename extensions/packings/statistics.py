@@ -31,11 +31,11 @@ RANDOM_LOOSE_PACKING = (0.555, 0.60)
 COORDINATION_WITHOUT_FRICTION = 6.0
 COORDINATION_WITH_FRICTION = 4.0
 FORCE_TAIL = 1.5
-_POINTS_ALONG_AN_EDGE = 64  # of the inner part, in `solid_fraction`
-LEAST_CONTACTS = 2  # of a grain that carries load, with friction
+_POINTS_ALONG_AN_EDGE = 64  # points along an edge of the inner part, in `solid_fraction`
+LEAST_CONTACTS = 2  # fewest contacts of a grain that carries load, with friction
 LEAST_WITHOUT_FRICTION = 4
 LEAST_UNDER_GRAVITY = 3  # without friction, with the weight as the fourth force
-TAIL_FROM = 1.0  # force over the mean from which on the tail is fitted
+TAIL_FROM = 1.0  # force over the mean at which the fitted tail begins
 _BINS = 30
 _CONTACTS_OF_LAYER = 60
 
@@ -123,7 +123,7 @@ def coordination(n_grains: int, pairs: Rows) -> NDArray[np.int64]:
 def without_rattlers(
     n_grains: int, pairs: Rows, least: int = LEAST_CONTACTS, at_walls: Rows | None = None
 ) -> NDArray[np.bool_]:
-    """Return True for the grains that carry load: those with enough contacts among each other.
+    """Return True for the grains that carry load: grains with enough contacts with each other.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def anisotropy(tensor: Floats) -> float:
 def force_over_mean_at_depth(force: Floats, depth: Floats) -> Floats:
     """Return contact forces over the mean force at their depth, which grows with the weight above.
 
-    The mean is that of the contacts in the same layer, layers of equal numbers of contacts.
+    The mean is taken over the contacts in the same layer; layers have equal numbers of contacts.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def force_distribution(force: Floats) -> tuple[Floats, Floats]:
 def exponential_tail(force: Floats, start: float = TAIL_FROM) -> float:
     """Return beta of the tail exp(-beta F/<F>) of contact forces; NaN without forces there.
 
-    It is that of largest likelihood: the inverse of the mean excess over the start.
+    It is the maximum-likelihood estimate: the inverse of the mean excess over the start.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ class PackingStatistics:
     coordination
         Mean number of contacts of a grain with others and walls.
     coordination_without_rattlers
-        The same, of grains that carry load only.
+        Coordination of grains that carry load only.
     rattlers
         Fraction of grains that carry no load.
     anisotropy

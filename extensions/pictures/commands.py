@@ -1,4 +1,4 @@
-"""Commands of pictures: ``granwave view`` and ``film``."""
+"""Commands of views and animations: ``granwave view`` and ``film``."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from granwave.workflows.cli.commands import (
     output,
 )
 
-#: Keys of ``[figures]`` that have an option of films.
+#: Keys of ``[figures]`` with an option for animations.
 FILM_KEYS = ("plane", "colour_map", "force_limits", "dissipation_limits")
 
 

@@ -1,5 +1,5 @@
-"""Film of a run, from its ``result.h5``: a figure for every instant, with a clock and one colour
-scale.
+"""Animation of a run, from its ``result.h5``: a frame for every instant, with a clock and one
+colour scale.
 """
 
 from __future__ import annotations
@@ -55,12 +55,13 @@ from granwave.lammps_inputs.files import replacing
 
 _MICRO = 1e6
 _MILLI = 1e3
-_DECADES = 3.0  # of the forces of a chain
-_MOST_INSTANTS = 120  # of a chain, which has up to a thousand
+_DECADES = 3.0  # decades of the forces of a chain
+_MOST_INSTANTS = 120  # most instants of a chain, which has up to a thousand
 _WHITE = 255
 
 
-#: What a film shows: values of the spheres at a snapshot, label of the colour bar, and colour map.
+#: Content of an animation: values of the spheres at a snapshot, label of the colour bar, and colour
+#: map.
 QUANTITIES: Mapping[str, tuple[Callable[[Result, int], NDArray[np.float64]], str, str]] = {
     "force": (
         lambda result, number: result.frame(number, "contact_force") / force_scale(result)[0],
@@ -82,7 +83,7 @@ VIEWS = (*PLANES, "3d", "chain")
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Pictures of a run in time: one figure, of which some artists change.
+    """Frames of a run in time: one figure in which some artists change.
 
     Attributes
     ----------
@@ -91,9 +92,9 @@ class Scene:
     figure
         The figure.
     moving
-        The artists that change, with what lies behind them first.
+        The artists that change, from back to front.
     show
-        Function that makes them those of the instant of a number.
+        Function that sets them to the instant with a number.
     """
 
     times: NDArray[np.float64]
@@ -118,9 +119,9 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
     quantity
         One of `QUANTITIES`; chains show forces.
     view
-        One of `VIEWS`; None for the chain in space-time, or the first plane that the packing has.
+        One of `VIEWS`; None for the chain in space-time, or the first plane of the packing.
     size
-        Width and height of the pictures, inches; by default a column, as high as the view needs.
+        Width and height of the frames, inches; by default a column, with the height of the view.
 
     Raises
     ------
@@ -281,7 +282,7 @@ def _of_chain(result: Result, size: Size) -> Scene:
 
 
 FORMS = (".mp4", ".gif", ".webp")
-_OWN = rb"granwave"  # in the notes of the files that are written here
+_OWN = rb"granwave"  # in the metadata of the files
 SIZES = {"slide": (1920, 1080), "page": (1200, 900)}  # pixels
 # pixels
 USUAL_WIDTH = 1200
@@ -291,7 +292,7 @@ _SECONDS = 6.0  # usual length
 # frames per second
 _SLOWEST = 3.0
 _FASTEST = 25.0
-_LAST = 1.5  # s that the last picture stays
+_LAST = 1.5  # s for which the last frame remains
 
 
 def write_film(
@@ -318,25 +319,25 @@ def write_film(
         ``force`` (largest contact force of each sphere), ``velocity`` or ``dissipation``.
     view
         ``orthogonal`` or ``principal`` plane, ``section`` (the plane of the options), ``3d``, or
-        ``chain`` (forces in space-time); by default what the packing has.
+        ``chain`` (forces in space-time); by default all views of the packing.
     width
         Width, pixels; the height follows from the view.
     size
-        Width and height, pixels, in place of the width.
+        Width and height, pixels, instead of the width.
     options
         Colours, limits and plane of the case; by default as ``[figures]`` of the case.toml there
         says.
     rate
-        Pictures per second; by default the animation takes some six seconds.
+        Frames per second; by default the animation takes about six seconds.
     progress
-        Function called after each picture with its number from 1 and that of all.
+        Function called after each frame with its number from 1 and the total number.
 
     Raises
     ------
     InputError
         Another form, quantity or view; or a file of that name that granwave did not write.
     MissingOutputError, OutputFormatError
-        The directory holds no result, or a damaged one.
+        The directory contains no result, or a damaged result.
     """
     path = Path(path)
     _check(path, quantity, view, width, size, rate)
@@ -409,14 +410,15 @@ def _check(
 def film_pictures(
     film: Scene, width: int, progress: Callable[[int, int], None] | None = None
 ) -> Iterator[NDArray[np.uint8]]:
-    """Yield the pictures in red, green, blue: (height, width, 3), both even as animations need.
+    """Yield the frames in red, green, blue: (height, width, 3), with even width and height as
+    required for animations.
 
     The unchanged parts are drawn once, and overlaid on the changing parts.
     """
     figure = film.draw(0)
     figure.set_dpi(width / figure.get_figwidth())
     canvas = FigureCanvasAgg(figure)
-    canvas.draw()  # which lays it out
+    canvas.draw()  # computes the layout
     figure.set_layout_engine("none")
     still = _still(figure, canvas, film.moving)
     renderer = canvas.get_renderer()
@@ -457,12 +459,12 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -
     )
     write = "-c:v libx264 -pix_fmt yuv420p -preset medium -crf 20 -metadata comment=granwave -f mp4"
     command = [imageio_ffmpeg.get_ffmpeg_exe(), *read.split(), *write.split(), str(path)]
-    # a new session: Ctrl-C reaches this process alone
+    # a new session: Ctrl-C reaches this process only
     ffmpeg = subprocess.Popen(
         command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
     )
     try:
-        with contextlib.suppress(BrokenPipeError):  # its exit status tells why it ended
+        with contextlib.suppress(BrokenPipeError):  # its exit status shows why it ended
             assert ffmpeg.stdin is not None
             with ffmpeg.stdin as stream:
                 stream.write(last.tobytes())
@@ -474,7 +476,7 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -
     finally:
         ffmpeg.kill()
         ffmpeg.wait()
-    if status:  # of a system error, its number below 256
+    if status:  # a system error has a number below 256
         number = 256 - status if status > 128 else errno.EIO
         raise OSError(number, os.strerror(number), str(path))
 

@@ -2,14 +2,14 @@
 
     python open_in_ovito.py [RUN] [--scene FILE] [--picture FILE]
 
-needs only the ``ovito`` package (``pip install ovito``); OVITO Pro runs it as it is (File > Run
+needs only the ``ovito`` package (``pip install ovito``); OVITO Pro runs it directly (File > Run
 Python Script). It saves a scene that OVITO Basic opens too, without Python. Spheres come from
 ``data.granwave`` and ``dumps/spheres.bin`` (``spheres.dump`` if the snapshots are text); contacts
 are bonds, from ``dumps/contacts.dump``. Lengths are metres.
 
 Spheres are drawn at `SPHERE_SCALE` of their radius, so that the contacts between them are seen, and
 coloured by the decimal logarithm of their peak force so far (N). A contact appears with the
-snapshot that follows its first load; its colour and width show its peak force of the whole run, and
+snapshot that follows its first load; its colour and width show its peak force during the run, and
 its other columns (peak_overlap, dissipated, time_yield ...) are bond properties, in SI units.
 """
 
@@ -23,11 +23,11 @@ from typing import Any
 
 RUN = ".."  # the run's directory, as seen from this file
 NEEDED = ("case.toml", "data.granwave", "dumps/contacts.dump")
-SNAPSHOTS = ("dumps/spheres.bin", "dumps/spheres.dump")  # one of these
+SNAPSHOTS = ("dumps/spheres.bin", "dumps/spheres.dump")  # the file is one of these
 SPHERE_SCALE = 0.4
 CONTACT_WIDTH = 0.25  # width of the strongest contact, diameters
 DECADES = 4  # range of the colour scale of peak forces
-VIEW = (-0.46, 0.73, 0.5)  # viewing direction; depth, along +z, is down in the picture
+VIEW = (-0.46, 0.73, 0.5)  # viewing direction; depth, along +z, is downwards in the image
 PIXELS = (1200, 1000)
 
 
@@ -129,7 +129,7 @@ def _snapshots(run: Path) -> list[str]:
 
 
 def missing_files(run: Path) -> list[str]:
-    """Return the files that `build` needs and does not find."""
+    """Return the missing files for `build`."""
     found = [name for name in SNAPSHOTS if (run / name).is_file()]
     return [
         name for name in (*NEEDED, *([] if found else SNAPSHOTS[:1])) if not (run / name).is_file()

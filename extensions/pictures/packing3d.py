@@ -1,4 +1,4 @@
-"""Pictures of the packing in three dimensions with a quarter cut away, coloured by a quantity."""
+"""Images of the packing in three dimensions with a quarter cut away, coloured by a quantity."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ _HIGHEST = 6.5  # inches, of the picture
 AZIMUTH = -58.0
 ELEVATION = 30.0
 _MILLI = 1e3  # mm in a metre
-_DECADES = 4  # of peak force, far below F_y, to include the elastic wave
+_DECADES = 4  # decades of peak force, far below F_y, to include the elastic wave
 _ARROW = 0.1  # length of the arrow of the load over the width of the picture
 _AROUND_ARROW = 0.01  # between the arrow and the edge, over the width of the picture
-_CUT = 0.3  # diameters: spheres that lie beyond the cutting planes by less stay
-_BELOW = 0.3  # widths of the picture below a tube
+_CUT = 0.3  # diameters: spheres that extend beyond the cutting planes by less are kept
+_BELOW = 0.3  # margin of the image below a tube, widths
 _LEAST_SPHERES = 8
 _ROUND_LENGTHS = (1, 2, 5)
 _SURFACES: WeakKeyDictionary[Result, tuple[NDArray[np.intp], RenderedSpheres]] = WeakKeyDictionary()
@@ -64,7 +64,8 @@ def packing_3d_dissipation(result: Result) -> Drawing | None:
 def draw_packing(
     result: Result, colouring: Colouring, size: tuple[float, float] | None = None
 ) -> Drawing | None:
-    """Draw the cut packing in any colouring; return None for a chain, of which curves show more.
+    """Draw the cut packing in any colouring; return None for a chain, which is better shown by
+    curves.
 
     Parameters
     ----------
@@ -130,7 +131,7 @@ def draw_packing(
 
 
 def packing_pixels(result: Result, colouring: Colouring) -> NDArray[np.uint8]:
-    """Return the picture of the cut packing in red, green, blue and opacity: (height, width, 4)."""
+    """Return the image of the cut packing in red, green, blue and opacity: (height, width, 4)."""
     kept, surface = _surface_of(result)
     values = colouring.values[kept]
     colours = colormaps[colouring.map](
@@ -138,7 +139,7 @@ def packing_pixels(result: Result, colouring: Colouring) -> NDArray[np.uint8]:
     )[:, :3]
     colours[values < colouring.low] = to_rgb(BLANK)
     image = painted(surface, colours)
-    if not _has_outlines(result):  # on white, as no lines are seen behind: files are smaller
+    if not _has_outlines(result):  # on white, as no lines behind are visible: files are smaller
         alpha = image[..., 3:]
         image = np.concatenate([image[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
     return np.rint(image * 255).astype(np.uint8)
@@ -150,14 +151,12 @@ def _has_outlines(result: Result) -> bool:
 
 
 def _surface_of(result: Result) -> tuple[NDArray[np.intp], RenderedSpheres]:
-    """Return the rows of the spheres that are not cut away, and how they are seen; the same for all
-    pictures of a result.
-    """
+    """Return the rows of the visible spheres and their view, common to all images of a result."""
     if result not in _SURFACES:
         positions = result["spheres/position"]
         beyond = (positions - result.origin)[:, :2]
         towards = np.sign(_CAMERA.towards[:2])
-        # the quarter that is cut away, but of a single layer, which hides nothing
+        # the quarter that is cut away; a single layer is not cut, as it hides nothing
         facing = np.all(beyond * towards > _CUT * result.case.packing.diameter, axis=1)
         one_layer = np.ptp(positions[:, 2]) < _CUT * result.case.packing.diameter
         kept = np.flatnonzero(~facing | one_layer)
@@ -171,7 +170,7 @@ def _surface_of(result: Result) -> tuple[NDArray[np.intp], RenderedSpheres]:
 
 
 def bar_location(size: tuple[float, float] | None) -> str:
-    """Return where the colour bar goes: to the right in a figure that is wider than high."""
+    """Return the position of the colour bar: to the right in a figure that is wider than high."""
     return "right" if size is not None and size[0] > size[1] else "bottom"
 
 
@@ -182,8 +181,8 @@ def can_be_cut(result: Result) -> bool:
 
 
 def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
-    """Draw the outlines of a tube, and of a plate on the top: behind the packing, and thin before
-    it.
+    """Draw the outlines of a tube, and of a plate on the top: behind the packing, and thin in front
+    of it.
     """
     radius = float(result["spheres/radius"].max())
     low, high = result.assembly.lattice_bounds()
@@ -206,7 +205,7 @@ def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
                 axes.plot(*pair, color=GREY, clip_on=False, linewidth=width, zorder=order)
 
 
-_CORNERS = 64  # of the rim of a tube; a multiple of 4
+_CORNERS = 64  # corners of the rim of a tube; a multiple of 4
 
 
 def tube_lines(radius: float, top: float, bottom: float) -> Iterator[NDArray[np.float64]]:
@@ -244,7 +243,7 @@ def plane_lines(
     return np.concatenate([corners, corners[:1]])
 
 
-#: Figures of a run; the two share the work of finding which spheres are seen.
+#: Figures of a run; the two share the selection of visible spheres.
 PEAK_FORCE = RunFigure(
     "Packing cut open, peak contact force, excluding walls",
     packing_3d,

@@ -8,7 +8,7 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 
 def make_film(results: ResultDirectory, file: str) -> None:
     """Write the animation of a run as a file of this name."""
-    # it loads the drawing library, which most commands do without
+    # it loads matplotlib, which most commands do not need
     from granwave.extensions.pictures.films import write_film
 
     results.claim([file])
@@ -23,7 +23,7 @@ def make_page(results: ResultDirectory, file: str) -> None:
 
 
 def packages_of_film(file: str) -> tuple[str, ...]:
-    """Return the packages that an animation needs: pictures in one file do without ffmpeg."""
+    """Return the packages that an animation needs: single-file image formats do not need ffmpeg."""
     return ("imageio_ffmpeg",) if file.endswith(".mp4") else ()
 
 

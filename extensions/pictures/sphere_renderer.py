@@ -1,11 +1,10 @@
 """Orthographic rendering of many spheres, and of cylinders among them, with shading.
 
 Equal spheres that do not overlap hide one another in the order of the distances of their centres
-(the plane midway between two of them separates them), so that drawing the farthest first is exact.
-Cylinders are then drawn where they lie before what is drawn already, pixel by pixel. A first pass
+(the plane midway between two of them separates them), so that drawing from back to front is exact.
+Cylinders are then drawn pixel by pixel where they are in front of the existing image. A first pass
 at low resolution finds the visible grains; only these are drawn at full resolution. The light comes
-from above the viewer's left shoulder, and gaps that lie deeper than their surroundings are
-darkened.
+from above the viewer's left shoulder, and gaps deeper than their surroundings are darkened.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-_OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the picture
+_OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the image
 _COARSE = 7.0  # pixels across a sphere in the first pass
 _LIGHT = np.array([-0.45, 0.65, 0.62])  # right, up, towards the viewer
 _AMBIENT = 0.42
@@ -27,9 +26,9 @@ _DIFFUSE = 0.62
 _GLOSS = 0.16
 _OCCLUSION = 0.5  # darkening of points one diameter deeper than their surroundings
 _SHARPNESS = 32  # exponent of the gloss
-_BLUR = 4  # pixels to a radius when averaging the surroundings
+_BLUR = 4  # pixels per radius when averaging the surroundings
 _BLOCK = 16384  # pixels that are shaded at a time, whose numbers fit into the processor's cache
-_LINES = 8  # of the picture that are coloured at a time, likewise
+_LINES = 8  # lines of the image that are coloured at a time, for the same reason
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +38,7 @@ class Camera:
     Attributes
     ----------
     right, up, towards
-        Orthonormal axes of the picture: to its right, to its top, towards the viewer; (3,) each.
+        Orthonormal axes of the image: to its right, to its top, towards the viewer; (3,) each.
     """
 
     right: NDArray[np.float64]
@@ -54,7 +53,7 @@ class Camera:
         Parameters
         ----------
         vertical
-            Unit vector upwards in the picture: (3,), along +z or -z.
+            Unit vector upwards in the image: (3,), along +z or -z.
         """
         turn = math.radians(azimuth)
         rise = math.radians(elevation)
@@ -79,12 +78,12 @@ class RenderedSpheres:
         Row in ``visible`` of the sphere that each rendered pixel shows, -1 for none: (n_rows,
         n_columns), from the bottom up.
     brightness, gloss
-        Factor of the colour of each rendered pixel, and what is added to it, 0 for none: (n_rows,
+        Factor of the colour of each rendered pixel, and an additive term, 0 for none: (n_rows,
         n_columns).
     visible
         Rows of the spheres that can be seen, rising: (n_visible,).
     extent
-        Left, right, bottom and top in the plane of the picture, m.
+        Left, right, bottom and top in the plane of the image, m.
     """
 
     front: NDArray[np.int32]
@@ -108,11 +107,11 @@ def lit_surface(
     centres
         Centres: (n_spheres, 3), m.
     radius
-        Common radius, or that of each: (n_spheres,), m.
+        Common radius, or radius of each sphere: (n_spheres,), m.
     camera
         Camera.
     width
-        Width of the picture, pixels.
+        Width of the image, pixels.
     axes
         From the centres to the ends of the cylinders, 0 for spheres: (n_spheres, 3), m. By default
         all are spheres.
@@ -236,8 +235,8 @@ class _Grains:
     def surface(
         self, front: NDArray[np.int32], rows: NDArray[Any], columns: NDArray[Any], pitch: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Return the place towards the viewer and the normal of what is seen in pixels: (n,), m,
-        and (n, 3).
+        """Return the position towards the viewer and the normal of the visible surface in pixels:
+        (n,), m, and (n, 3).
         """
         grain = front[rows, columns]
         radius = self.radius[grain]
@@ -265,7 +264,9 @@ class _Grains:
 def _paint_by_sphere(
     front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]
 ) -> None:
-    """Write the number of each sphere into its pixels, sphere by sphere: fast for few large ones."""
+    """Write the number of each sphere into its pixels, sphere by sphere: fast for few large
+    ones.
+    """
     corner = np.maximum(np.floor(place - reach[:, None]).astype(int), 0)
     beyond = np.ceil(place + reach[:, None]).astype(int) + 1
     for n, (left, bottom) in enumerate(corner):
@@ -323,7 +324,7 @@ def _light(
     return brightness, gloss
 
 
-_ALONG = 1e-6  # component of the axis towards the viewer, or across, below which there is none
+_ALONG = 1e-6  # component of the axis towards the viewer, or across, that counts as zero
 
 
 def surface_of_cylinder(
@@ -351,8 +352,8 @@ def surface_of_cylinder(
     Returns
     -------
     depth, normal
-        Place towards the viewer, minus infinity next to the cylinder, m; and unit vectors off the
-        surface, with a last axis of 3.
+        Position towards the viewer, minus infinity outside the cylinder, m; and unit vectors off
+        the surface, with a last axis of 3.
     """
     length = float(np.linalg.norm(half))
     axis = (

@@ -12,7 +12,7 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows.cli.results import apply_options, as_wrong_input, existing
 from granwave.workflows.run.directory import held
 
-_MEASURED = 10  # pictures of a film after which the time of the rest is known
+_MEASURED = 10  # frames of an animation after which the remaining time is known
 _WORTH_SAYING = 5.0  # s
 
 
@@ -29,7 +29,7 @@ def film(options: argparse.Namespace) -> int:
         def report(done: int, of: int) -> None:
             bar.total = of
             bar.update(done - bar.n)
-            if done == 1:  # after which they take as long as each other
+            if done == 1:  # later frames take equal times
                 started.append(time.monotonic())
             elif done == _MEASURED:
                 rest = (of - done) * (time.monotonic() - started[0]) / (done - 1)

@@ -1,10 +1,12 @@
 """Export of a run to VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, with
 times in s.
 
-    spheres_NNNN.vtp    a point for each sphere at its position in the snapshot, with id, radius, displacement,
+    spheres_NNNN.vtp a point for each sphere at its position in the snapshot, with id, radius,
+    displacement,
                         velocity, contact_force, peak_force, dissipated_energy, elastic_energy and
                         contacts_yielded at this time, and friction_energy with friction
-    contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``, with i, j, overlap at this time
+    contacts_NNNN.vtp a line between the centres of each pair of ``/contacts``, with i, j, overlap
+    at this time
                         (negative: a gap), loaded and yielded (1: by this time), and, for the whole
                         run, peak_overlap, peak_force, dissipated_energy, friction_energy,
                         initial_overlap, initial_force
@@ -81,7 +83,7 @@ def _name(what: str, number: int) -> str:
 
 
 def _since(began: NDArray[np.float64], time: float) -> NDArray[np.int8]:
-    """Return 1 for events up to a time (NaN: never), else 0."""
+    """Return 1 for events up to a time (NaN: never), otherwise 0."""
     return (began <= time).astype(np.int8)
 
 

@@ -32,12 +32,12 @@ def small_waves(assembly: Assembly) -> dict[str, Any] | None:
     case = assembly.case
     if case.precompression is None or not case.packing.rule.is_chain:
         return None
-    # takes longer to load than a plan to make
+    # imported on demand: slow to load
     from granwave.extensions.waves.spectra.band_structure import band_structure
 
     try:
         found = band_structure(assembly)
-    except InputError:  # no chain that repeats, or nothing bears the load
+    except InputError:  # no repeating chain, or nothing carries the load
         return None
     highest = float(np.nanmax(found.bands.frequency))
     inside = [(gap.low, gap.high) for gap in found.gaps if gap.below and np.isfinite(gap.high)]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _ID = re.compile("[0-9]+")
-_MOST_FREQUENCIES = 1_000_000  # of START:END:COUNT
+_MOST_FREQUENCIES = 1_000_000  # most frequencies of START:END:COUNT
 
 
 def ids(text: str) -> list[int]:

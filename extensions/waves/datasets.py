@@ -1,6 +1,7 @@
 """Bands, modes and transmission as xarray Datasets; units of variables are in ``attrs["units"]``.
 
-They are made of the groups of spectra.h5, as `granwave.extensions.waves.spectra.files` writes them.
+They are made from the groups of spectra.h5, as `granwave.extensions.waves.spectra.files` writes
+them.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ _COORDINATES = {
     },
     "transmission": {"frequency": ("frequency", "frequency"), "sensor": ("sensor", "sensor")},
 }
-_OF_PLANE = ("plane_frequency", "slowness", "angle")  # variables that say which plane it is
+_OF_PLANE = ("plane_frequency", "slowness", "angle")  # variables that identify the plane
 
 
 def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -> Dataset:

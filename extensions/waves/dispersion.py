@@ -2,8 +2,8 @@
 ``dispersion``.
 
 The velocities along a chain, or the means of the layers or columns of a packing, are transformed in
-space and time. A weak impact holds all frequencies, and the transform has ridges on the bands of
-the static state; a strong one, whose contacts are not linear, leaves them.
+space and time. A weak impact contains all frequencies, and the transform has ridges on the bands of
+the static state; the ridges of a strong impact, with nonlinear contacts, leave the bands.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 
-STRONGEST = 0.05  # of the largest amplitude, for a ridge
+STRONGEST = 0.05  # fraction of the largest amplitude, for a ridge
 _POINTS = 101  # wave vectors of the bands
 _FREQUENCIES = 601
 _LEAST_LEVEL = -60.0  # dB
 _KILO = 1e-3  # kilohertz in a hertz
 _GREYS = "Greys"  # colour map of the amplitude
-#: Look of a band, seen on dark and bright.
+#: Line style of a band, visible on dark and bright colours.
 _BAND: dict[str, Any] = {
     "color": ORANGE, "linewidth": 0.9, "linestyle": "--",
     "path_effects": [withStroke(linewidth=2.0, foreground="white")],
@@ -51,7 +51,7 @@ def is_along_x(case: Case) -> bool:
 def has_bands(case: Case, assembly: Assembly) -> bool:
     """Return True for chains and lattices under a static load along the line of their waves.
 
-    Lattices with layers have periodic sides; those of one layer are free all around.
+    Lattices with layers have periodic sides; lattices of one layer have free sides.
     """
     if case.precompression is None or case.packing.grains is not None:
         return False
@@ -73,12 +73,12 @@ def structure_along(case: Case, packing: Assembly) -> BandStructure:
     case
         Case of the run.
     packing
-        Its bodies, or others in their place, such as like spheres.
+        Its bodies, or substitutes such as identical spheres.
 
     Raises
     ------
     InputError
-        The packing does not repeat, or bears no load.
+        The packing is not periodic, or carries no load.
     """
     spacing = 1.0 if is_along_x(case) else case.packing.rule.layer_spacing
     edge = math.pi / (spacing * case.packing.diameter)
@@ -94,7 +94,7 @@ def transform_along(result: Result, structure: BandStructure) -> SpaceTime:
     MissingDataError
         The run of a chain has no history.
     ValueError
-        The positions along the line are not even.
+        The positions along the line are not uniform.
     """
     time, place, velocity = velocities_along(result, 0 if is_along_x(result.case) else 2)
     top = 1.2 * float(np.nanmax(structure.bands.frequency))

@@ -16,7 +16,7 @@ from granwave.extensions.waves.spectra.network import FREEDOMS
 from granwave.extensions.waves.spectra.transmission import Transmission
 
 _KILO = 1e-3
-_LEAST_GAP = 0.002  # of the height of the panel; narrower ones cannot be seen
+_LEAST_GAP = 0.002  # fraction of the height of the panel; narrower gaps are invisible
 
 
 def band_diagram(found: BandStructure) -> Drawing:
@@ -119,7 +119,9 @@ def group_velocities(found: BandStructure) -> Drawing:
 
 
 def slowness_curves(found: BandStructure) -> Drawing | None:
-    """Draw the slowness of long waves over the directions of a plane; None where there is no plane."""
+    """Draw the slowness of long waves over the directions of a plane; None where there is no
+    plane.
+    """
     curves = found.surface
     if curves is None or np.isnan(curves.speed).all():
         return None

@@ -1,6 +1,6 @@
 """Files of small waves about a static state.
 
-Each command leaves NAME.csv, NAME.json, and a group in a file that all share.
+Each command writes NAME.csv, NAME.json, and a group in a common file.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 SPECTRA = "spectra"  # kind of results
 SPECTRA_FILE = "spectra.h5"
-#: Commands of small waves; each leaves its values in a file of its name, .json.
+#: Commands of small waves; each writes its values to a file with its name, .json.
 SPECTRA_KINDS = ("bands", "modes", "transmission")
 
 

@@ -39,7 +39,7 @@ def bands(
     Parameters
     ----------
     source, changes, keys
-        The case, as in `case`; a `Run`, whose static state is then taken from its results.
+        The case, as in `case`; or a `Run`, whose static state is read from its results.
     path
         Names of points, ``"G-X-M-G"``, or wave vectors, (n, 3), rad/m; by default the standard path
         of the cell.
@@ -47,13 +47,13 @@ def bands(
         Wave vectors of each stretch; by default 61, or 16 of a cell with more than 150 degrees of
         freedom.
     n_bands
-        How many bands; by default all of a small cell, 30 of a large one.
+        Number of bands; by default all for a small cell, 30 for a large cell.
     directions
-        Directions in which grains move, of "xyz"; by default those of the packing.
+        Directions in which grains move, from "xyz"; by default the directions of the packing.
     plane
         Plane of slowness and equal-frequency curves: xy, xz or yz.
     allow_floppy
-        Go on where grains can move without resistance; such frequencies are NaN.
+        Continue if grains can move without resistance; such frequencies are NaN.
     slab
         Take the packing as it ends above and below: waves of its surface. Its sides must be
         periodic.
@@ -70,7 +70,7 @@ def bands(
     Raises
     ------
     InputError
-        The case is wrong, does not repeat, bears no load or is not rigid.
+        The case is invalid, not periodic, unloaded or not rigid.
     """
     if not isinstance(path, str):
         path = "; ".join(",".join(repr(float(one)) for one in row) for row in np.atleast_2d(path))
@@ -99,7 +99,7 @@ def modes(
     source, changes, keys, directions, allow_floppy, directory, force
         As in `bands`.
     n_modes
-        How many modes; by default all of a small packing, 60 of a large one.
+        Number of modes; by default all for a small packing, 60 for a large packing.
 
     Returns
     -------
@@ -142,8 +142,7 @@ def transmission(
     source, changes, keys, directions, directory, force
         As in `bands`.
     drive, sensors
-        Ids of the grain that is moved, or of several that are moved alike, and of those that are
-        watched.
+        Ids of the driven grain, or of several grains driven in phase, and of the sensor grains.
     frequencies
         (n,), Hz.
     axis

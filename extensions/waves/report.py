@@ -22,8 +22,8 @@ BANDS = "bands"
 MODES = "modes"
 TRANSMISSION = "transmission"
 
-_PASSES = 0.5  # of the driven grain's amplitude
-_MOST_STRETCHES = 3  # of frequency, in a sentence
+_PASSES = 0.5  # fraction of the driven grain's amplitude that counts as transmitted
+_MOST_STRETCHES = 3  # most ranges of frequency in a sentence
 _KEYS = (
     "highest_frequency_Hz",
     "lowest_frequency_Hz",
@@ -48,8 +48,8 @@ _KEYS = (
 )
 _IN_PER_CENT = ("widest_gap_relative",)
 _TITLES = {BANDS: "Bands", MODES: "Modes", TRANSMISSION: "Transmission"}
-_OF_A_LOAD = ("load.", "striker")  # keys of the case that play no part
-_SENTENCES = {  # those whose values are all there are shown
+_OF_A_LOAD = ("load.", "striker")  # keys of the case without effect
+_SENTENCES = {  # sentences that are shown if all their values are present
     BANDS: (
         "No wave passes at {widest_gap_Hz}, the widest gap ({widest_gap_relative} of its centre).",
         "No wave passes below {lowest_edge_Hz}.",
@@ -95,7 +95,7 @@ _TABLES = {BANDS: OF_BANDS, MODES: OF_MODES, TRANSMISSION: OF_TRANSMISSION}
 
 
 class SpectraKind(ReportKind):
-    """Bands, modes and transmission of small waves, of which a directory may hold all."""
+    """Bands, modes and transmission of small waves, which may all be in one directory."""
 
     result_kind = SPECTRA
     noun = "small waves"
@@ -170,7 +170,7 @@ class SpectraKind(ReportKind):
 
 
 def _with_edges(run: ReportRun) -> dict[str, object]:
-    """Return the summary of bands with the edges of all that passes; None where not known."""
+    """Return the summary of bands with the edges of the pass bands; None where not known."""
     edges = run.summary.get("band_edges_Hz") or []
     lowest = [edge[0] for edge in edges if edge and edge[0] is not None]
     complete = (run.number("n_bands") or 0) >= (run.number("n_freedoms") or 0)
@@ -182,7 +182,7 @@ def _with_edges(run: ReportRun) -> dict[str, object]:
 
 
 def _transmission_in_words(run: ReportRun) -> str:
-    """Return at which frequencies at least half of the motion of the drive comes through."""
+    """Return the frequencies at which at least half of the motion of the drive is transmitted."""
     try:
         with h5py.File(regular(run.directory / SPECTRA_FILE), "r") as file:
             names = ("frequency", "amplitude_ratio", "sensor")

@@ -34,8 +34,8 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.statics.bodies import Array
 from granwave.workflows.run.directory import held
 
-_HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger numbers overflow
-_LOWEST_MODES = 2  # of a large packing: whether it buckles
+_HIGHEST = 1e12  # Hz, far above all contacts; squares of much larger numbers overflow
+_LOWEST_MODES = 2  # lowest modes of a large packing: whether it buckles
 _LOG = logging.getLogger("granwave")
 
 #: Functions of `granwave.extensions.waves.figures` by the name of the figure, for each command.
@@ -60,8 +60,8 @@ def check_place(
     Raises
     ------
     InputError
-        It holds such results already, those of another case or kind, or files that granwave did not
-        write.
+        It already contains such results, results of another case or kind, or files that granwave
+        did not write.
     """
     if directory is None:
         return None
@@ -141,7 +141,7 @@ class SmallWaves:
             )
             folder = FigureFolder(results)
             if figures:
-                # the drawing library takes a second to load
+                # imported on demand: matplotlib takes a second to load
                 from granwave.extensions.waves import figures as drawing
 
                 with style():
@@ -210,14 +210,14 @@ def modes(
     directory
         As in `bands`.
     n_modes
-        How many; None: all of a small packing, 60 of a large one.
+        Number of modes; None: all for a small packing, 60 for a large packing.
     allow_floppy
         True to continue where motions meet no resistance.
 
     Raises
     ------
     InputError
-        The packing bears no load, or is not rigid.
+        The packing carries no load, or is not rigid.
     """
     place = check_place(directory, "modes", source, force=force)
     state = _finite(source, directions)
@@ -277,7 +277,7 @@ def steady(
     directory
         As in `bands`.
     drive
-        Grain that is moved, or several that are moved alike.
+        Driven grain, or several grains driven in phase.
     frequencies
         (n,), Hz.
     axis
@@ -303,7 +303,7 @@ def steady(
     modes = solve_modes(stiffness, None if small else _LOWEST_MODES)
     if words := growing(
         modes.square, modes.largest
-    ):  # a steady motion about such a state does not last
+    ):  # a steady motion about such a state is unstable
         _LOG.warning(
             "%s: the static state is not rigid%s; this static state and the steady motion are "
             "unstable; granwave modes lists these modes",

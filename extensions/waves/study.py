@@ -1,14 +1,14 @@
 """Bands of precompressed rows and packings compared with the space-time transforms of their runs.
 
-A weak hit on the first bead or layer holds all frequencies. The velocities along the row, or of the
-layers, are transformed in space and time, and the ridges of the transform compared with the bands
-of the same static state.
+A weak hit on the first bead or layer holds all frequencies. The velocities along the chain, or of
+the layers, are transformed in space and time, and the ridges of the transform are compared with the
+bands of the same static state.
 
-Of a packing of scattered diameters, a piece that repeats in all directions tells the frequencies at
-which it answers to a plane wave along z. Each mode at a wave vector k holds a fraction of the plane
-wave, in which the spheres move along z by exp(i k z). The line that a transform of the motion shows
-is at the mode of the largest fraction; the mean of it and of those near to it, weighed by their
-shares, is taken.
+For a packing with scattered diameters, a piece with periodic sides in all directions gives the
+frequencies of its response to a plane wave along z. Each mode at a wave vector k holds a fraction
+of the plane wave, in which the spheres move along z by exp(i k z). The line in a transform of the
+motion is at the mode with the largest fraction; the weighted mean of this mode and the modes near
+it is used.
 """
 
 from __future__ import annotations
@@ -50,10 +50,10 @@ TEXT = (
     "Bands from the springs of the static state (dynamical matrix), beside closed forms; and the places of the ridges "
     "of the space-time transform of the velocities of each run. Wave numbers and speeds over places before the load."
 )
-_SHARES = (0.3, 0.5, 0.7)  # of the zone, where ridges are read
-_SMALL = 0.1  # of omega alpha0: hits up to which contacts stay linear
-_LAYERS = 12  # of a repeated piece: a multiple of 2 and of 3
-_WIDTH = 0.05  # of the frequency: modes around the largest share
+_SHARES = (0.3, 0.5, 0.7)  # fractions of the zone at which ridges are read
+_SMALL = 0.1  # amplitude over omega alpha0 up to which contacts stay linear
+_LAYERS = 12  # layers of a repeated piece: a multiple of 2 and of 3
+_WIDTH = 0.05  # relative width in frequency: modes around the largest fraction
 _SCATTER = 1e-6  # m
 _SEED = 1
 
@@ -63,7 +63,7 @@ class Wave(FinishedRun):
 
     @cached_property
     def structure(self) -> BandStructure:
-        """Bands along the line; with scattered diameters those of like spheres."""
+        """Bands along the line; with scattered diameters the bands of identical spheres."""
         packing = without_scatter(self.case) if self.scattered else self.assembly
         return structure_along(self.case, packing)
 
@@ -114,10 +114,11 @@ class Wave(FinishedRun):
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
-    """Chains of one or two sorts of beads and lattices under a static load, hit weakly along it.
+    """Chains of one or two kinds of beads and lattices under a static load, with a weak impact
+    along it.
 
-    Lattices with layers have periodic sides, and may have scattered diameters; those of one layer
-    are free all around.
+    Lattices with layers have periodic sides, and may have scattered diameters; lattices of one
+    layer have free sides.
     """
     found = [run.seen_as(Wave) for run in runs if _fits(run)]
     return [found] if found else []
@@ -163,7 +164,7 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
 
 
 def _closed_forms(run: Wave) -> Iterator[Row]:
-    """Edges of the chains of one and of two masses."""
+    """Return the band edges of chains with one and with two masses."""
     network = run.structure.state.network
     edges = run.structure.edges
     if not run.rule.is_chain or network.n_grains > 2:
@@ -233,7 +234,7 @@ def scattered_line(case: Case, k: float) -> float:
     network = stiffness.network
     values, vectors = np.linalg.eigh(stiffness.dense(np.array([[0.0, 0.0, k]]))[0])
     grain, direction = network.freedoms
-    # the phase between cells is that of their periods alone; within a cell it is that of the places
+    # the phase between cells follows from their periods; within a cell, from the positions
     wave = np.where(
         direction == 2, np.sqrt(network.masses) * np.exp(1j * k * network.position[grain, 2]), 0.0
     )
@@ -326,7 +327,7 @@ def _packing(
     boundary: dict[str, Any],
     friction: float = 0.0,
 ) -> Assembly:
-    """A packing of spheres as those of another, under pressure from all sides."""
+    """Replace the spheres of a packing by the spheres of another, under isotropic pressure."""
     material = like.to_dict()["material"]
     return assembly_from_dict(
         {

@@ -94,8 +94,8 @@ def _print(
 
 
 def _source(options: argparse.Namespace, name: str) -> Assembly | Path:
-    """Return the packing of a case or the directory of a run; give the results a directory where
-    none is chosen.
+    """Return the packing of a case or the directory of a run; choose a directory for the results if
+    none is given.
 
     Raises
     ------

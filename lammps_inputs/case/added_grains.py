@@ -2,14 +2,14 @@
 file.
 
     at = [[0, 0, 0.01], ...]                     positions, m
-    at = "octahedral"                            all holes of an fcc or hcp packing between six spheres, or between
+    at = "octahedral" all holes of an fcc or hcp packing between six spheres, or between
                                                  four ("tetrahedral")
-    ring = {n = 6, radius = 0.01, z = 0.005}     n positions around the axis x = y = 0; angle: of the first
-    ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a chain: 3 and 4
-    repeat = {times = 10, step = [0, 0, 0.015]}  these positions again and again, each time moved
-    on by a step
+    ring = {n = 6, radius = 0.01, z = 0.005} n positions around the axis x = y = 0; angle: of the
+    first ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a
+    chain: 3 and 4 repeat = {times = 10, step = [0, 0, 0.015]} copies of these positions, each
+    displaced by one more step
 
-A case with such grains is one of ``packing.kind = "file"``: the sites of the lattice come first and
+Such a case is treated as ``packing.kind = "file"``: the sites of the lattice come first and
 keep their ids.
 """
 
@@ -54,7 +54,7 @@ _HOLES = {
     "octahedral": (1 / math.sqrt(2), 6),
     "tetrahedral": (math.sqrt(3 / 8), 4),
 }  # distance, diameters; neighbours
-_HOLES_OF_SPHERE = 2  # tetrahedral ones; octahedral: 1
+_HOLES_OF_SPHERE = 2  # tetrahedral interstices; there is one octahedral interstice
 _NEAR = 1e-6  # diameters
 _UP = np.array([0.0, 0.0, 1.0])
 _RING = (
@@ -64,9 +64,10 @@ _RING = (
     'be "touching"'
 )
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
-# bytes a grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
+# bytes per grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
 _MEMORY_OF_GRAIN = 1000.0
-_OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
+# keys of a lattice that cannot be used with added grains
+_OF_SITES = ("diameter_scatter", "vacancies")
 
 
 _TOUCHING = "touching"
@@ -165,7 +166,7 @@ class AddedGrains:
         return self.clump + np.repeat(np.arange(times, dtype=np.int64), n // times)
 
     def most_places(self, n_own: int) -> int:
-        """Return an upper bound on the number of positions, next to so many grains."""
+        """Return an upper bound on the number of positions, given the number of grains."""
         if isinstance(self.at, str):
             found = _HOLES_OF_SPHERE * n_own
         elif self.ring is not None:
@@ -182,14 +183,14 @@ class AddedGrains:
         Parameters
         ----------
         lattice
-            Lattice that they are next to, if there is one.
+            Lattice of the packing, if there is one.
         own
             Grains that they are next to.
 
         Raises
         ------
         ValueError
-            There is no such gap, or it has no place where they touch both spheres.
+            There is no such gap, or no position in it where they touch both spheres.
         """
         if isinstance(self.at, str):
             assert lattice is not None
@@ -247,7 +248,7 @@ def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
     Sites at the faces, which lack some of these spheres, are omitted. Returns an array (n, 3), m,
     in the order of z, y and x; empty if the lattice has no such holes.
     """
-    from scipy.spatial import KDTree  # takes longer to load than most commands need
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     distance, n_around = _HOLES[kind]
     spheres = lattice.positions(1, lattice.n_spheres) / lattice.diameter
@@ -298,11 +299,11 @@ def with_added_grains(
     periodic
         True if the lattice is periodic along x and y.
     materials
-        Further materials of the case, by name; those of the grains are added.
+        Further materials of the case, by name; the materials of the grains are added.
     errors
         Takes the faults.
     stored
-        The case is that of a run that was made: the memory of this machine does not matter.
+        True for the case of an existing run, for which the memory of this machine does not matter.
     """
     if not check_size(packing, ErrorList(errors.source)):
         return packing  # `check_together` tells why
@@ -320,7 +321,7 @@ def with_added_grains(
             return packing
         period = lattice.lengths if periodic else None
         own = _grains_at(lattice.positions(1, n), packing.diameter, shape=packing.of_grain)
-        for sphere, width in packing.gaps:  # all spheres behind a gap move on by its width
+        for sphere, width in packing.gaps:  # all spheres after a gap are shifted by its width
             own.position[sphere:, 2] += width
     parts = [own]
     for key, entry in schema.numbered("grains", added).items():

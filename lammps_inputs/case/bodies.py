@@ -6,7 +6,7 @@
     [[hold]]                     grains that do not move
     [[guide]]                    grains that move in some directions only, as in a groove
     [[line]]                     a line of grains whose motion is recorded and measured
-    [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
+    [[sensor]] a sphere whose mean contact force (chains) or acceleration is recorded
 
 Spheres of a chain are numbered from 1 at the impacted end. Strikers follow the spheres of the
 packing, in the order of the file.
@@ -34,10 +34,10 @@ _POINT_FORM = "[x, y, z] in m"
 _OFFSET = Usual("m", 1e-9, 1.0, ("mm", "um"))
 
 
-CENTRE = "centre"  # of the top
+CENTRE = "centre"  # value for the sphere at the centre of the top
 _NO_DIRECTION = "none"
 _ALONG_Y = (0.0, 1.0, 0.0)
-ALL_GRAINS = "all"  # of a line
+ALL_GRAINS = "all"  # value for all grains of a line
 
 
 _DIRECTIONS_FORM = 'some of the letters x, y and z, such as "xy"; or "none" to block only rotations'
@@ -62,7 +62,7 @@ _DIRECTIONS = schema.or_word(
     form=_DIRECTIONS_FORM,
 )
 _FREE = schema.TextType(expected=_FREE_FORM, finish=_free_letters)
-#: Ids; none for the sphere at the centre of the top, which follows from the packing.
+#: Return ids; empty for the sphere at the centre of the top, which follows from the packing.
 _TOUCHED = schema.or_word(CENTRE, INDEX, form=f'{INDEX_FORM}; or "{CENTRE}"', finish=lambda _: ())
 
 
@@ -71,8 +71,9 @@ class Replace:
     """``[[replace]]``: spheres that differ from the rest; a later entry overrides an earlier one.
 
     They are selected by ``index``, by a box from ``low`` to ``high`` around their lattice sites
-    (for a chain, those of equal spheres), or as a random ``share`` of all spheres. A larger sphere
-    needs space around it: vacancies or smaller neighbours. The beads of a chain are moved apart.
+    (for a chain, those of equal spheres), or as a random fraction ``share`` of all spheres. A
+    larger sphere needs space around it: vacancies or smaller neighbours. The beads of a chain are
+    moved apart.
     """
 
     index: tuple[int, ...] | None = schema.typed("which spheres", INDEX, default=None)

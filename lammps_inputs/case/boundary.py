@@ -5,10 +5,12 @@ or ``bar``.
 
 plate        a rigid plate on a spring and an optional damper
 damper       a massless plate on a damper, which carries the static force: an end that absorbs waves
-half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a spring
+half_space the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a
+spring
              4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart,
              1966)
-bar          an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or non-reflecting
+bar an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or
+non-reflecting
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ from granwave.lammps_inputs.errors import Mismatch
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
-BAR_COURANT_NUMBER = 0.5  # timestep over the time that a wave takes through one element of a bar
+BAR_COURANT_NUMBER = 0.5  # timestep over the travel time of a wave through one element of a bar
 # timestep over sqrt(mass/stiffness), of a plate or the first element of a bar
 PLATE_OSCILLATION = 0.05
 _SQUARE_CM = 1e4
@@ -46,7 +48,7 @@ class Backing:
     Attributes
     ----------
     mass
-        Mass of the node, 0 for a surface without inertia, or of the whole bar, kg.
+        Mass of the node, 0 for a surface without inertia, or total mass of the bar, kg.
     stiffness
         Stiffness of the spring, or of an element of the bar, N/m.
     damping
@@ -95,7 +97,7 @@ class Backing:
             return math.inf
         if self.elements:
             return self.mass if self.end == "free" else math.inf
-        slowness = grain / stiffness  # of the square of the angular frequency
+        slowness = grain / stiffness  # inverse square of the angular frequency
         return self.mass + self.damping * math.sqrt(slowness) + self.stiffness * slowness
 
 
@@ -107,11 +109,11 @@ class Support(abc.ABC):
     kind
         Its name in the case file.
     bears
-        True if it can bear a static load, by a spring to the ground or as a damper.
+        True if it can carry a static load, by a spring to the ground or as a damper.
     needs_material
         True if its values follow from the material of the surface.
     absorbs
-        True if it takes up steady waves by its damping alone.
+        True if it absorbs steady waves by its damping only.
     """
 
     kind: ClassVar[str]
@@ -132,7 +134,7 @@ class Support(abc.ABC):
         """
 
     def absorber(self, material: Material | None) -> tuple[float, float] | None:
-        """Return spring (N/m) and damper (N s/m) of a surface without an echo; None for others.
+        """Return spring (N/m) and damper (N s/m) of a surface without reflections; None for others.
 
         Parameters
         ----------
@@ -238,7 +240,7 @@ class HalfSpace(Support):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SupportBar(Support):
-    """Elastic bar under the whole packing."""
+    """Elastic bar under the complete packing."""
 
     kind = "bar"
     needs_material = True
@@ -337,7 +339,7 @@ class Boundary:
             inner={"material": MATERIAL} | _tables_of(SUPPORTS),
         ),
     )
-    # of the bottom plane: bottom = {material = ...}; None: rigid
+    # bottom plane: bottom = {material = ...}; None: rigid
     bottom_material: Material | None = None
     sides: str = schema.choice(
         "boundaries at the sides: none, planes, or periodic",
@@ -370,9 +372,9 @@ class Boundary:
     )
     # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
     sides_tube: float | None = None
-    # of a moving bottom plane: plate, damper, half_space or bar = {...}
+    # moving bottom plane: plate, damper, half_space or bar = {...}
     bottom_support: Support | None = None
-    # of all side planes: sides = {material = ...}; None: rigid
+    # side planes: sides = {material = ...}; None: rigid
     sides_material: Material | None = None
     friction: float | None = schema.number(
         "coefficient of Coulomb friction of the walls; default: the contact friction", **_FRICTION

@@ -24,7 +24,7 @@ class Bottom:
     holds_layer
         True if the last layer is held in place.
     bears
-        True if it bears a force along z.
+        True if it carries a force along z.
     repeats
         True if the packing itself follows below, without end.
     """

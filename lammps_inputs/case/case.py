@@ -75,8 +75,8 @@ class CaseHead:
     material: Material = schema.typed("material of all bodies without their own material", MATERIAL)
 
 
-#: Sections of tables by heading, in the order of a case file; that of ``[load]`` is made when it
-#: is needed, as extensions add to it.
+#: Sections of tables by heading, in the order of a case file; the section of ``[load]`` is made
+#: when it is needed, because extensions can add to it.
 _TABLES: dict[str, type | None] = {
     "[packing]": PackingSection,
     "[material]": Material,
@@ -105,7 +105,7 @@ LISTS = {
     if section is not None and heading.startswith("[[")
 }
 _NAMES = [heading.strip("[]") for heading in _TABLES]
-OPTIONAL = (PRECOMPRESSION, "bar", "incident_bar")  # of the sections; the others have defaults
+OPTIONAL = (PRECOMPRESSION, "bar", "incident_bar")  # sections without defaults
 KNOWN = (
     "name",
     "material",
@@ -126,7 +126,7 @@ def case_tables() -> dict[str, type]:
 
 @cache
 def case_sections() -> dict[str, type]:
-    """Return the section of each table by name, of those that are there once; without materials."""
+    """Return the section of each table by name, for tables that occur once; without materials."""
     return {
         name: case_tables()[heading]
         for name, heading in zip(_NAMES, _TABLES, strict=True)
@@ -157,12 +157,13 @@ def unit_of(key: str) -> str:
     return "" if field is None else info_of(field).unit
 
 
-RECORD = "resolved"  # table of derived values in the case.toml beside a deck, ignored when read
+# table of derived values in the case.toml of an input directory, ignored when read
+RECORD = "resolved"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Case:
-    """Input of one simulation, as the user gave it; see `granwave.lammps_inputs.load_case`."""
+    """Input of one simulation, as set by the user; see `granwave.lammps_inputs.load_case`."""
 
     name: str
     packing: PackingSection
@@ -200,8 +201,8 @@ class Case:
         return next((pair.contact for pair in self.pair if pair.fits(*names)), self.contact)
 
     def named_material(self, name: str) -> Material:
-        """Return the material of this name: of the case, or a preset; that of the packing for an
-        empty name.
+        """Return the material of this name: of the case, or a preset; for an empty name the
+        material of the packing.
 
         Raises
         ------
@@ -274,7 +275,7 @@ class Case:
 
     @property
     def moves_otherwise(self) -> bool:
-        """True if there is kinetic energy besides that of the spheres' translation: of rotation, or
+        """True if there is kinetic energy other than the translation of spheres: of rotation, or
         of a plate.
         """
         return self.has_rotation or self.load.plate is not None
@@ -343,7 +344,7 @@ class Case:
 
     @property
     def n_frames(self) -> int:
-        """Number of snapshots that are asked for, the start and the end among them."""
+        """Number of requested snapshots, including the start and the end."""
         frames = self.run.frames
         if isinstance(frames, int):
             return frames
@@ -387,7 +388,7 @@ class WrongTable(Exception):
 
 
 class PartialCase(Case):
-    """A case whose wrong tables are missing; a check that reads one of them ends with `WrongTable`."""
+    """A case without its invalid tables; a check that reads one of these ends with `WrongTable`."""
 
     def __init__(self, parts: Mapping[str, Any]) -> None:
         vars(self).update({name: part for name, part in parts.items() if part is not None})

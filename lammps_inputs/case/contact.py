@@ -39,15 +39,16 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.errors import Mismatch
 
 FITTED_POISSON_RATIO = 0.30
-_DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every Poisson's ratio
+# contact radii; the largest stress is above a depth of 0.7 for every Poisson's ratio
+_DEEPEST = 3.0
 
 
 def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
     """Return the exact C of the contact pressure at first yield, ``p_y = C sigma_y``, under Hertz's
     pressure.
 
-    On the axis below the centre of a Hertzian contact of radius a and peak pressure p0, at depth z = zeta a
-    (K. L. Johnson, Contact Mechanics, 1985, eq. 3.45)::
+    On the axis below the centre of a Hertzian contact of radius a and peak pressure p0, at depth z
+    = zeta a (K. L. Johnson, Contact Mechanics, 1985, eq. 3.45)::
 
         sigma_z / p0 = -1 / (1 + zeta^2)
         sigma_r / p0 = -(1 + nu) (1 - zeta arctan(1/zeta)) + 1 / (2 (1 + zeta^2))
@@ -61,7 +62,7 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
     poisson_ratio
         Above -1, below 0.5.
     """
-    from scipy.optimize import minimize_scalar  # takes longer to load than most commands need
+    from scipy.optimize import minimize_scalar  # imported on demand: slow to load
 
     def stress(depth: float | np.ndarray) -> np.ndarray:
         zeta = np.maximum(depth, 1e-300)
@@ -82,12 +83,12 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
 
 _RIGID = (math.inf, 0.0, math.inf)  # Young's modulus, Poisson's ratio, yield strength
 ALL_LAWS = _contact_laws.LAWS  # contact laws of the plugin, by name
-LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # those of two materials
-NO_FORCE = "none"  # law of materials whose grains do not touch each other
+LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # laws of two materials
+NO_FORCE = "none"  # law of materials whose grains do not touch
 LINES = ("half-space", "plane-strain")
 INITIAL = "initial"  # directions of contact forces
 NORMALS = ("current", INITIAL)
-LINE = "line"  # law of crystals of cylinders alone: Hertz's, with lines in plane strain
+LINE = "line"  # law of crystals of cylinders only: Hertz's, with line contacts in plane strain
 #: Published values of the constants of the elasto-plastic law, by name.
 LAW_CONSTANTS: dict[str, float] = {
     name: parameter.default
@@ -281,7 +282,7 @@ class Pair:
     Attributes
     ----------
     contact
-        Values of ``[contact]``, overridden by those of the pair.
+        Values of ``[contact]``, overridden by the values of the pair.
     """
 
     materials: tuple[str, str] = schema.typed("materials of the two bodies", _NAMES)
@@ -305,8 +306,8 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
     Parameters
     ----------
     contact
-        The table ``[contact]``, source of the values that a pair does not give: all but the
-        constants of another law.
+        The table ``[contact]``, source of the values that a pair does not set, except the constants
+        of another law.
     """
     if not isinstance(tables, list | tuple):
         errors.add("pair", Mismatch(show(tables), "one or more [[pair]] tables"))

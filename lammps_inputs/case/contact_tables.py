@@ -65,7 +65,7 @@ _DASHPOT = schema.EitherType(
 
 _LOSS_KINDS = ("time", "restitution", "dashpot", "kind")
 PRONY: Final = "prony"
-MOST_BRANCHES = 4  # of a Prony series, as in the plugin
+MOST_BRANCHES = 4  # most branches of a Prony series, as in the plugin
 _WEIGHTS_FORM = f"1 to {MOST_BRANCHES} weights, each above 0, with a sum below 1"
 _TIMES_FORM = f"1 to {MOST_BRANCHES} times above 0 and at most {_LONGEST_RELAXATION:g} s"
 
@@ -150,7 +150,7 @@ class Loss:
         return tuple(zip(self.weights or (), self.times or (), strict=True))
 
     def checked(self) -> Loss:
-        """Return the loss; raise `ValidationError` for anything but one of the four kinds."""
+        """Return the loss; raise `ValidationError` unless it is of one of the four kinds."""
         kinds = [name for name in _LOSS_KINDS if getattr(self, name) is not None]
         alone = self.damps_surface and not kinds
         refuse_if(
@@ -189,7 +189,7 @@ class Loss:
 
 LOSS = TableType(section=Loss, expected=LOSS_FORM, finish=Loss.checked)
 
-MARSHALL = "marshall"  # resistance to twisting by the friction of the contact circle
+MARSHALL = "marshall"  # resistance to twisting by friction of the contact circle
 ROLLING_FORM = "a coefficient, or {coefficient = ..., stiffness = (N/m), damping = (N s/m)}"
 TWISTING_FORM = (
     'a coefficient in m, {coefficient = (m), stiffness = (N m), damping = (N m s)}, or "marshall"'
@@ -204,7 +204,7 @@ _COEFFICIENT_FORM = f"a coefficient from 0 to {_MOST_COEFFICIENT:g}"
 class Resistance:
     """Spring, dashpot and slider that resist the rolling or the twisting of a contact.
 
-    A coefficient of 0 is no resistance, also where a pair takes back that of [contact].
+    A coefficient of 0 means no resistance, also in a pair that overrides [contact].
     """
 
     coefficient: float = schema.number(
@@ -252,7 +252,7 @@ _MOST_ADHESION = 1e4  # J/m^2
 class Cohesion:
     """Cohesion of contacts.
 
-    An energy of 0 is none, as where a pair takes back that of [contact].
+    An energy of 0 means no cohesion, for instance in a pair that overrides [contact].
     """
 
     kind: str = schema.choice(

@@ -24,13 +24,13 @@ class ContactWay:
     name
         Value of ``packing.contacts``.
     summary
-        What it does, in the description of this key.
+        Effect, for the description of this key.
     moves_grains
-        True if grains move, before anything else, until contacts within the tolerance just touch.
+        True if grains are first moved until contacts within the tolerance just touch.
     presses
         True if grains that overlap press each other from the start.
     balances
-        True if they come to balance before the run.
+        True if the grains reach equilibrium before the run.
     rearranges
         True if grains may move far on the way to balance.
     """
@@ -71,5 +71,5 @@ CONTACT_WAYS = {way.name: way for way in (TOUCH, OVERLAPS, RELAX, KEEP)}
 
 
 def described_ways() -> str:
-    """Return the ways with their summaries, in one sentence."""
+    """Return the choices with their summaries, in one sentence."""
     return "; ".join(f"{way.name}: {way.summary}" for way in CONTACT_WAYS.values())

@@ -2,16 +2,13 @@
 ``packing.grains``.
 
     x, y, z, diameter                    m; depth is +z
-    shape, length                        sphere or cylinder, and the length of this, m
-    axis                                 direction of the axis of a cylinder: x, y (the default) or z; or
-    axis_x, axis_y, axis_z               any direction
-    material                             name of a preset or of a [materials.NAME]; by default that of the packing
-    group                                a word, for [[hold]]
-    clump                                a number; grains of one number move as one rigid body
-    vx, vy, vz                           initial velocity, m/s
-    omegax, omegay, omegaz               initial angular velocity, rad/s
+    shape, length                        sphere or cylinder, and the length of a cylinder, m
+    axis direction of the axis of a cylinder: x, y (the default) or z; or axis_x, axis_y, axis_z any
+    direction material name of a preset or of a [materials.NAME]; by default the material of the
+    packing group a word, for [[hold]] clump a number; grains with the same number move as one rigid
+    body vx, vy, vz initial velocity, m/s omegax, omegay, omegaz initial angular velocity, rad/s
 
-Columns stand in any order under a line of their names. Tables of other programs, and other
+Columns are in any order below a line of names. Tables of other programs, and other
 formats, are read by `granwave.lammps_inputs.readers`.
 """
 
@@ -43,7 +40,7 @@ _VELOCITY = ("vx", "vy", "vz")
 _SPIN = ("omegax", "omegay", "omegaz")
 _WORDS = ("material", "group")
 _SHAPE_COLUMNS = ("shape", "axis")
-_LARGEST_RATIO = 300.0  # of a grain to the median, beyond which units may be mixed
+_LARGEST_RATIO = 300.0  # largest ratio of a grain to the median; beyond, units may be mixed
 _TYPES_IN_EXAMPLE = 2
 
 
@@ -86,7 +83,7 @@ class Grains:
     diameter
         (n,), m.
     material
-        Names of the materials; empty for that of the packing: (n,).
+        Names of the materials; empty for the material of the packing: (n,).
     group
         Names of the groups; empty for none: (n,).
     velocity
@@ -94,26 +91,26 @@ class Grains:
     shape
         Shapes: (n,); by default all are spheres.
     clump
-        Numbers of clumps, 0 for grains in none: (n,); by default none is in one.
+        Numbers of clumps, 0 for grains without a clump: (n,); by default all 0.
     spin
         Initial angular velocities: (n, 3), rad/s; by default none.
     period
-        Periods along x and y of the file that they come from, m; None if it has none. Not part of
+        Periods along x and y of the file of the grains, m; None if it has none. Not part of
         the table, as those below.
     file
-        Name of the file that they come from; empty if from no file.
+        Name of the file of the grains; empty without a file.
     lines
-        Lines of the file, from 1, of those that come from a table: (at most n,).
+        Lines in the file, from 1, of grains from a table: (at most n,).
     half_unit
         Half a unit of the last digit of each coordinate in the file: (at most n, 3), m.
     cell
         Vectors after which they repeat, of a file that has them, m.
     reading
-        What was read of the file; None if they come from no file.
+        Content of the file; None without a file.
     added_from
         First id of each entry of ``[[grains]]``.
     found
-        The grains as they were found, of those that were moved until they touch.
+        The original grains, if grains were moved until they touch.
     """
 
     position: NDArray[np.float64]
@@ -177,7 +174,7 @@ class Grains:
 
     @property
     def usual_diameter(self) -> float:
-        """Most frequent diameter, the larger one of several, m."""
+        """Most frequent diameter, the largest of several, m."""
         diameters, counts = np.unique(self.diameter, return_counts=True)
         return float(diameters[counts == counts.max()].max())
 
@@ -237,9 +234,9 @@ def read_grains(source: GrainSource, choices: GrainChoices | None = None) -> Gra
     Parameters
     ----------
     source
-        The file, with what the user says of it.
+        The file, with the user's settings for it.
     choices
-        What becomes of its grains.
+        Treatment of its grains.
 
     Raises
     ------
@@ -339,8 +336,8 @@ def _reading(table: GrainTable, grains: Grains, materials: Mapping[str, str]) ->
 
 
 def _densities(table: GrainTable, grains: Grains) -> NDArray[np.float64] | None:
-    """Return the densities of a file, of spheres also from their masses: (n,), kg/m^3; None without
-    any.
+    """Return the densities in a file, for spheres also computed from their masses: (n,), kg/m^3;
+    None without any.
     """
     if table.density is not None or table.mass is None or any(grains.shape):
         return table.density
@@ -348,7 +345,7 @@ def _densities(table: GrainTable, grains: Grains) -> NDArray[np.float64] | None:
 
 
 def _in_natural_order(names: Iterable[str]) -> list[str]:
-    """Return names of types, numbers by their values and before words."""
+    """Return names of types: numbers by value, then words."""
     return sorted(names, key=lambda name: (not name.isdigit(), len(name) * name.isdigit(), name))
 
 

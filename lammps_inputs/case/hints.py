@@ -46,8 +46,8 @@ class Usual:
     units
         Units other than SI that users often mean, the most likely first.
     beyond
-        Factor above ``high`` up to which there is no warning; for bodies that stand for rigid or
-        heavy ones.
+        Factor above ``high`` up to which there is no warning; for bodies that represent rigid or
+        heavy bodies.
     """
 
     unit: str
@@ -58,10 +58,10 @@ class Usual:
 
 
 LENGTH = Usual("m", 1e-9, 1e2, ("mm", "um"))
-DIAMETER = Usual("m", 1e-6, 1.0, ("mm", "um"))  # of spheres: powders to boulders
+DIAMETER = Usual("m", 1e-6, 1.0, ("mm", "um"))  # diameter of spheres: powders to boulders
 AREA = Usual("m^2", 1e-10, 1.0, ("mm^2", "cm^2"))
-TIME = Usual("s", 1e-10, 0.5, ("us", "ms"))  # of a run or a pulse
-INTERVAL = Usual("s", 1e-13, 0.5, ("ns", "us"))  # of a step or a record
+TIME = Usual("s", 1e-10, 0.5, ("us", "ms"))  # time of a run or a pulse
+INTERVAL = Usual("s", 1e-13, 0.5, ("ns", "us"))  # interval of steps or records
 VELOCITY = Usual("m/s", 1e-6, 1e3, ("mm/s",))
 SPIN = Usual("rad/s", 1e-6, 1e6)  # angular velocity, rad/s
 FREQUENCY = Usual("Hz", 0.1, 1e8, ("kHz", "MHz"))
@@ -125,7 +125,7 @@ def plain(number: float) -> str:
 _ALIKE = 0.75
 _SIMILAR = 0.8
 _FAINT = 0.5
-_MOST = 2  # keys of other tables in a hint
+_MOST = 2  # most keys of other tables in a hint
 
 _KEY_OF_WORD = {
     word: key
@@ -212,7 +212,7 @@ def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequenc
         return f"did you mean {f'{prefix}.{meant}' if prefix else meant}?"
     if word in _NOTES:
         return _NOTES[word]
-    if f"{table}.{word}" in vocabulary:  # a table with keys by its kind
+    if f"{table}.{word}" in vocabulary:  # a table whose keys depend on its kind
         return f"[{table}] has this key only with another kind; available here: {', '.join(known)}"
     elsewhere = _elsewhere([word], vocabulary) or (_elsewhere([meant], vocabulary) if meant else [])
     if not elsewhere:

@@ -1,4 +1,4 @@
-"""Ids of grains, as keys have them: one, a list, or a range."""
+"""Ids of grains in keys: a single id, a list, or a range."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from granwave.lammps_inputs.case import schema
 INDEX_FORM = (
     "an id from 1 up, a list of ids, or {first = 8, last = 17}, with step = 3 for every third"
 )
-_MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Python integers
+# most ids in one list; a longer list would take gigabytes as Python integers
+_MOST_IDS = 10_000_000
 _ID = schema.CountType(form=INDEX_FORM)
 
 

@@ -1,8 +1,8 @@
 """Contact law from another file: ``law = "fit.toml"`` in ``[contact]`` or a ``[[pair]]``.
 
-The file is one with a table ``[contact]``, as ``granwave fit`` writes it, or another case. Its keys
-take the place of ``law``; keys that the case gives itself come before them. The case that a run
-keeps holds the constants, so that it needs no other file.
+The file has a table ``[contact]``, such as the output of ``granwave fit``, or is another case. Its
+keys replace ``law``; keys of the case itself take precedence. The case that a run keeps holds the
+constants, so that it needs no other file.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _LAW = "law"
 
 
 def with_law_of_file(data: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
-    """Return the tables of a case with the laws of other files in place of their names.
+    """Return the tables of a case with the laws of other files instead of the names of the files.
 
     Faults of a file are added to ``errors``.
     """
@@ -36,7 +36,9 @@ def with_law_of_file(data: Mapping[str, Any], errors: ErrorList) -> dict[str, An
 
 
 def _with_law(table: Any, key: str, errors: ErrorList) -> Any:
-    """Return a table with the keys of the file that its law names; without the law with a fault."""
+    """Return a table with the keys of the file named by its law; without the law if there is a
+    fault.
+    """
     if not isinstance(table, Mapping):
         return table
     law = table.get(_LAW)
@@ -67,6 +69,6 @@ def _read(path: Path) -> Mapping[str, Any]:
         )
     if str(table[_LAW]).endswith(TOML_SUFFIX):
         raise InputError(
-            f"{path}: found law = {show(table[_LAW])} in it, a file again; name that file"
+            f"{path}: found law = {show(table[_LAW])} in it, another file; name that file"
         )
     return table

@@ -19,9 +19,9 @@ Section = TypeVar("Section")
 PARAMETERS: dict[str, _contact_laws.LawParameter] = _contact_laws.PARAMETERS
 OF_CONTACT = tuple(p for p in PARAMETERS.values() if not p.of_material)
 OF_MATERIAL = tuple(p for p in PARAMETERS.values() if p.of_material)
-#: Parameters of the loss of a contact, whose law may be any.
+#: Parameters of the contact loss, which any law can have.
 OF_LOSS: tuple[_contact_laws.LawParameter, ...] = tuple(_contact_laws.LOSS_PARAMETERS.values())
-RATE = "rate"  # keyword of the parameters of a yield strength that follows the rate
+RATE = "rate"  # keyword of the parameters of a rate-dependent yield strength
 
 
 def with_parameters(
@@ -32,8 +32,8 @@ def with_parameters(
     Parameters
     ----------
     first
-        Fields in the order that files of earlier versions have; then come the other fields of the
-        section, then the other parameters.
+        Fields in the order of files of earlier versions; the other fields of the section follow,
+        then the other parameters.
     """
     fields = {parameter.name: _field(parameter) for parameter in parameters}
     annotations = {parameter.name: _annotation(parameter) for parameter in parameters}

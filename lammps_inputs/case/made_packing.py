@@ -25,7 +25,7 @@ from granwave.lammps_inputs.extensions import added
 
 Row = tuple[str, str]  # name and value in words
 
-#: In place of the table of a packing whose faults were shown.
+#: Placeholder for the table of a packing whose faults were reported.
 NOT_MADE = object()
 
 _PACKING = "packing"
@@ -41,11 +41,11 @@ class PackingToMake:
     file
         File in which it is to be kept.
     time
-        Expected time of making it, on one core, s.
+        Expected time to generate it on one core, s.
     memory
-        Expected memory of making it, bytes.
+        Expected memory to generate it, bytes.
     rows
-        What it is and costs, as names and values in words.
+        Description and cost, as names and values in words.
     """
 
     file: Path
@@ -60,7 +60,7 @@ class PackingNotMadeError(InputError):
     Parameters
     ----------
     message
-        What is missing, and which command makes it.
+        Missing packing, and the command that generates it.
     packings
         Packings that are missing, each of them once.
     """
@@ -108,7 +108,7 @@ class PackingMaker(abc.ABC):
 
     @abc.abstractmethod
     def tables(self, given: MakerInput, errors: ErrorList) -> dict[str, Any] | None:
-        """Return the tables of the case with the grains in place of the way to make them.
+        """Return the tables of the case with the grains instead of the recipe.
 
         None with faults, which are added to ``errors``.
 
@@ -157,7 +157,7 @@ def with_made_grains(
     if not is_made(tables):
         return tables
     maker = packing_makers()[tables[_PACKING]["kind"]]
-    # faults of the material are shown by its own reader
+    # the reader of the material reports its faults
     given = maker_input(tables, source, ErrorList(errors.source))
     made = maker.tables(given, errors) if given is not None else None
     return {**tables, _PACKING: NOT_MADE} if made is None else made

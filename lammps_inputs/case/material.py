@@ -1,8 +1,8 @@
 """Materials and shapes of grains.
 
 A ``[material]`` table gives elastic constants, density and yield strength, or names a ``preset``
-whose values it may override one by one. Presets come with the package (``materials.toml``) or from
-the user's own ``file`` of the same form. Shapes are spheres, and cylinders whose axis is fixed in
+whose values it may override one by one. Presets are in the package (``materials.toml``) or in a
+``file`` of the user with the same format. Shapes are spheres, and cylinders whose axis is fixed in
 space.
 """
 
@@ -85,7 +85,7 @@ SELECTORS = tuple(Material.FURTHER_KEYS)
 
 @cache
 def presets() -> dict[str, Material]:
-    """Return the materials that come with the package, by name."""
+    """Return the materials of the package, by name."""
     with resources.as_file(
         resources.files("granwave.lammps_inputs.case") / "materials.toml"
     ) as path:
@@ -113,7 +113,7 @@ def sphere_mass(material: Material, radius: float) -> float:
 
 
 def load_materials(path: str | Path) -> dict[str, Material]:
-    """Read a file of materials, one table for each, or the ``[materials]`` of a case.
+    """Read a file of materials, with a table for each, or the ``[materials]`` of a case.
 
     Raises
     ------
@@ -171,7 +171,7 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
         return None
     values = {name: value for name, value in dataclasses.asdict(base).items() if value is not None}
     if own.keys() - {"name"}:
-        values.pop("source", None)  # the source does not hold for changed values
+        values.pop("source", None)  # the source does not apply to changed values
     return read_table(Material, {**values, **own}, key, errors)
 
 
@@ -262,7 +262,7 @@ def with_named_materials(value: Any, materials: Mapping[str, Material]) -> Any:
 SHAPES = ("sphere", "cylinder")
 AXIS_FORM = '"x", "y", "z" or a direction [ax, ay, az]'
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-_UNIT = 1e-12  # largest error of the length of a direction that counts as a unit vector already
+_UNIT = 1e-12  # largest error of the length of a unit vector
 
 Vector: TypeAlias = tuple[float, float, float]
 
@@ -388,7 +388,9 @@ def mass_of(material: Material, radius: float, shape: Shape) -> float:
 
 
 def density_as_sphere(density: float, diameter: float, shape: Shape) -> float:
-    """Return the density at which a sphere of this diameter, m, has the mass of the grain, kg/m^3."""
+    """Return the density at which a sphere of this diameter, m, has the mass of the grain,
+    kg/m^3.
+    """
     return density if shape is None else density * 1.5 * shape.length / diameter
 
 

@@ -190,7 +190,7 @@ class PackingSection:
 
     @property
     def has_history(self) -> bool:
-        """True if contacts continue from a settled bed, with their whole history or their
+        """True if contacts continue from a settled bed, with their complete history or their
         springs.
         """
         return self.restart is not None or self.springs is not None
@@ -242,7 +242,7 @@ _KEY = "packing.size"
 
 
 def check_size(packing: PackingSection, errors: ErrorList) -> bool:
-    """Check that a packing has a size of its kind; return True if it has, or if its grains come
+    """Check that the size of a packing fits its kind; return True if it does, or if the grains are
     from a file.
     """
     axes = packing.rule.axes

@@ -39,7 +39,7 @@ from granwave.lammps_inputs.lattices import (
 )
 from granwave.lammps_inputs.restart_file import RestartSpheres, read_restart
 
-_ACROSS = 1e-9  # largest component of a direction along another that it is normal to
+_ACROSS = 1e-9  # cosine of the largest angle to the normal direction
 _FORM_OF_RESTART = "the path of a LAMMPS restart file (write_restart) of spheres in SI units"
 _NOT_OF_FILE = (
     "size",
@@ -78,7 +78,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     given = _given_grains(table, errors)
     if len(errors.items) > before:
         return None
-    # the rest is read with stand-ins for what follows from the grains
+    # the remaining keys are read with placeholders for values that follow from the grains
     rest = {"diameter": 1e-3, **given, **own, "size": 1}
     section = read_table(PackingSection, rest, "packing", errors)
     if section is None or section.grains is None:
@@ -92,7 +92,7 @@ def _foreign_keys(kind: Any) -> dict[str, str]:
     if kind in (FILE, RESTART):
         text = f'cannot be used with packing.kind = "{kind}", whose grains are all in the file'
         return dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
-    # a cell may come with [[grains]]: see `parse_case`
+    # a cell may be combined with [[grains]]: see `parse_case`
     found = show("" if kind is None else kind)
     foreign = dict.fromkeys(_OF_FILE, f'belongs to packing.kind = "file"; found {found}')
     rule = lattice_kinds().get(kind) if isinstance(kind, str) else None

@@ -3,8 +3,8 @@ line or a scan.
 
 Overrides are ``KEY=VALUE`` with dotted keys and TOML values. Bare words are strings:
 ``packing.kind=hcp``, ``material=steel``. Only the named key changes. The name of a table replaces
-the whole table: ``material=steel`` drops the keys of an earlier ``[material]``. Entries of an array
-of tables are numbered from 1: ``replace.2.index=8``.
+the complete table: ``material=steel`` drops the keys of an earlier ``[material]``. Entries of an
+array of tables are numbered from 1: ``replace.2.index=8``.
 """
 
 from __future__ import annotations
@@ -188,14 +188,14 @@ def parse_case(
     Parameters
     ----------
     source
-        File that the case comes from; its stem is the default name of the case.
+        File of the case; its stem is the default name of the case.
     stored
-        The case is that of a run that was made: the memory of this machine does not matter.
+        True for the case of an existing run, for which the memory of this machine does not matter.
 
     Returns
     -------
     dict
-        Fields of `Case` by name; None for those that are wrong.
+        Fields of `Case` by name; None for invalid fields.
     """
     _refuse_other_tables(data, errors)
     data = _with_implied(with_absolute_paths(data, Path()))
@@ -241,8 +241,8 @@ def _refuse_other_tables(data: Mapping[str, Any], errors: ErrorList) -> None:
 def _add_grains(
     parts: dict[str, Any], materials: dict[str, Material], errors: ErrorList, *, stored: bool
 ) -> None:
-    """Put the ``[[grains]]`` and the gaps of a chain into the packing, and their materials among
-    the further ones.
+    """Add the ``[[grains]]`` and the gaps of a chain to the packing, and their materials to the
+    further materials.
     """
     added = parts.pop("grains")
     packing: PackingSection | None = parts.get("packing")
@@ -307,16 +307,16 @@ def read_parts(
         Dataclass of each table. A table that ``data`` lacks takes its defaults, unless it is
         required or optional.
     required
-        Names of the tables that must be there.
+        Names of the required tables.
     optional
-        Names of those that may be omitted.
+        Names of the optional tables.
     readers
         Functions that read tables other than by `read_table`, by name.
 
     Returns
     -------
     dict
-        Parts by name; None for those that are wrong.
+        Parts by name; None for invalid parts.
     """
     parts: dict[str, Any] = {"name": read_name(data, source, errors)}
     for name in required:
@@ -345,9 +345,8 @@ def _usual_axis(packing: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of a case with implied values.
-
-    These are strikers as the load, the axis of strikers, and a bar for a bottom.
+    """Return the tables of a case with implied values: strikers as the load, the axis of strikers,
+    and a bar as the bottom.
     """
     data = dict(data)
     if "striker" in data:

@@ -33,13 +33,13 @@ class StaticLoad:
     name
         Value of ``precompression.kind``.
     summary
-        What it is, in the description of this key.
+        Definition, for the description of this key.
     phrase
-        What it does to the packing, in a line about a case.
+        Effect on the packing, in a line about a case.
     sizes
         The keys among ``pressure`` and ``force`` that belong to it.
     instead
-        Keys to give in place of others.
+        Keys to use instead of others.
     takes_acceleration
         True if ``acceleration`` and ``strikers`` belong to it.
     takes_moves
@@ -55,9 +55,9 @@ class StaticLoad:
     across_alone
         True if it loads contacts across z.
     is_even
-        True if it loads all layers with the same force, which is known beforehand.
+        True if it loads all layers with the same, known force.
     grows_with_depth
-        True if each layer bears more than the one above.
+        True if each layer carries more than the layer above.
     holds_layers
         True if it keeps the spheres of a layer together.
     """
@@ -167,7 +167,7 @@ class Uniaxial(LoadOnFaces):
     on_top = True
 
     def _check_bottom(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
-        if not packing.rule.is_chain:  # without a bottom, the last bead bears the opposite force
+        if not packing.rule.is_chain:  # without a bottom, the opposite force acts on the last bead
             super()._check_bottom(packing, boundary, errors)
         layer = 'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'
         errors.check((packing.rule.is_layer, f"{PRECOMPRESSION}.kind", layer))

@@ -6,8 +6,8 @@
     region = "cylinder z 0 0 0.05 0 0.1"                 axis, its place, radius, ends
     region = "cone z 0 0 0.05 0.01 0 0.1 open 1 open 2"  the same with the radii at both ends
 
-Grains are inside of the region; ``side out`` puts them outside of a sphere, or of a cylinder with
-the bounds INF INF. An open face, and a bound INF, has no wall.
+Grains are inside the region; ``side out`` puts them outside of a sphere, or of a cylinder with
+the bounds INF INF. An open face and a bound INF have no wall.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _FORM = (
     '0.05", "block -0.1 0.1 -0.1 0.1 0 0.2", "cylinder z 0 0 0.05 0 0.1" or "cone z 0 0 0.05 0.01 '
     '0 0.1 open 1 open 2"'
 )
-_INFINITE = "INF"  # as a lower bound it is that below
+_INFINITE = "INF"  # as a lower bound it means minus infinity
 
 
 @dataclasses.dataclass(frozen=True)
@@ -127,7 +127,7 @@ def _numbers(words: Sequence[str], style: str) -> tuple[float, ...]:
 
 
 def _options(words: Sequence[str]) -> tuple[str, tuple[int, ...]]:
-    """Return the side, and the numbers of the open faces, of the words behind the numbers."""
+    """Return the side and the numbers of the open faces from the words after the numbers."""
     schema.refuse_if(len(words) % 2, _FORM)
     side = "in"
     open_faces = []

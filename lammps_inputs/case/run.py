@@ -19,12 +19,12 @@ from granwave.lammps_inputs.run_directory import FILM_FILE, VIEW_FILE
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
-#: Largest error of the energy balance, over the input, that is accepted of every run.
+#: Largest accepted error of the energy balance over the input, for all runs.
 BALANCE_TOLERANCE = 1e-5
-LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are some 1e-12 of the input
+LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are about 1e-12 of the input
 AUTO: Literal["auto"] = "auto"
-AUTO_FRAMES = 20  # snapshots of `run.frames = "auto"`; a run of fewer steps has fewer
-# the same where a film is asked for: ten seconds at six pictures a second
+AUTO_FRAMES = 20  # snapshots of `run.frames = "auto"`, limited by the number of steps
+# number of snapshots for an animation: ten seconds at six frames per second
 FRAMES_OF_A_FILM = 60
 
 _SHARE = re.compile(r"(\d+(?:\.\d+)?) ?%")
@@ -87,7 +87,7 @@ def parse_share(text: str, expected: str) -> float:
     return float(found[1]) / 100
 
 
-#: Keys of ``[run]`` that divide the box between ranks, and change no result.
+#: Keys of ``[run]`` that divide the box between ranks and do not affect results.
 DIVISION_KEYS = ("processors", "balance")
 
 
@@ -270,15 +270,15 @@ FIGURES_AFTER_ADDED = (
     "sensors", "line_speeds", "line_decay", "accelerations", "directions",
     "contact_network", "force_distribution", "line_diagram", "force_at_depths", "energy_by_region",
 )  # fmt: skip
-#: Figures of the core that are drawn unless others are asked for: those that answer what a run is
-#: made for, and those of records and planes that its case asks for.
+#: Figures of the core that are drawn by default: main results, and the records and planes requested
+#: in the case.
 FIGURES_BY_DEFAULT = (
     "peak_force_principal", "peak_force_section", "peak_force_depth", "dissipation_section",
     "plastic_zone_size", "energies", "bottom_force", "target", "probes",
     "force_map", "along_chain", "transmission", "amplitude_sweep", "bars",
     "sensors", "line_speeds", "line_decay", "accelerations",
 )  # fmt: skip
-FORMATS = ("pdf", "svg")  # of figures, besides PNG
+FORMATS = ("pdf", "svg")  # formats of figures, in addition to PNG
 FILM_FORMATS = ("mp4", "gif", "webp")
 COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
 _LIMITS = schema.vector_type(
@@ -339,7 +339,7 @@ def figure_names() -> tuple[str, ...]:
 
 @cache
 def usual_figure_names() -> tuple[str, ...]:
-    """Return the names of the figures that are drawn unless others are asked for."""
+    """Return the names of the figures that are drawn by default."""
     usual = set(FIGURES_BY_DEFAULT)
     for extension in extensions():
         usual |= extension.figures.keys() - set(extension.figures_on_request)
@@ -359,7 +359,7 @@ def _each_once(values: tuple[Any, ...]) -> tuple[Any, ...]:
 
 
 def _colour_map(name: str) -> str:
-    from matplotlib import colormaps  # takes longer to load than most commands need
+    from matplotlib import colormaps  # imported on demand: slow to load
 
     if name not in colormaps:
         hint = schema.did_you_mean(name, colormaps, cutoff=0.5)
@@ -484,7 +484,7 @@ class Figures:
 
 
 def read_figures(table: Any, source: str) -> Figures:
-    """Read a table ``[figures]`` alone.
+    """Read only a table ``[figures]``.
 
     Parameters
     ----------

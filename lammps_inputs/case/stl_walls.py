@@ -15,7 +15,7 @@ from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.tables.units import LENGTH_UNITS
 
-SMOOTH_ANGLE = 30.0  # largest turn at an edge inside of a patch, degrees
+SMOOTH_ANGLE = 30.0  # largest angle between triangles of a patch, degrees
 MOST_PATCHES = 100
 _SHAPES = ("region", "stl", "triangles")
 _OF_TRIANGLES = ("units", "moved", "angle")
@@ -24,7 +24,8 @@ _TEXT_FORM = "the text of an STL file, from solid to endsolid"
 
 
 def with_triangles(data: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
-    """Return the tables of a case with the triangles of STL files in place of their names.
+    """Return the tables of a case with the triangles of STL files instead of the names of the
+    files.
 
     Faults of an entry, such as a region together with a file, are added to ``errors``.
     """
@@ -41,7 +42,7 @@ def with_triangles(data: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]
 
 
 def _check_shape(table: Mapping[str, Any], key: str, errors: ErrorList) -> bool:
-    """Check that an entry has one shape, and no keys of another one."""
+    """Check that an entry has one shape and only keys of this shape."""
     shapes = [name for name in _SHAPES if name in table]
     if not shapes:
         errors.add(key, "found neither region nor stl, expected one of them: the shape of the wall")
@@ -60,7 +61,7 @@ def _check_shape(table: Mapping[str, Any], key: str, errors: ErrorList) -> bool:
 
 
 def _with_text(table: Mapping[str, Any], key: str, errors: ErrorList) -> Mapping[str, Any]:
-    """Return an entry with the triangles of its file; without them with a fault."""
+    """Return an entry with the triangles of its file; without them if there is a fault."""
     corners = schema.read_named(f"{key}.stl", table["stl"], _FORM, _read_file, errors)
     rest = {name: value for name, value in table.items() if name != "stl"}
     return rest if corners is None else {"triangles": stl_text(corners), **rest}

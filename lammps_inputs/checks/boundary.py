@@ -11,7 +11,7 @@ from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR
 
 _LONGEST_ELEMENT = 10  # length of an element of a bar, in bead diameters
-# spheres along a period; fewer would touch their own images, or one neighbour twice
+# spheres along a period; with fewer, a sphere would touch its own image, or a neighbour twice
 _LEAST_PERIODIC = 3
 
 

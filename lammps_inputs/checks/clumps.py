@@ -15,7 +15,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids, start_velocity, struck_of
 
 _APART = 1e-12  # relative difference of velocities of one clump, for rounding
-_LARGEST_PART_OF_PERIOD = 0.5  # beyond which the image of a grain is not known
+_LARGEST_PART_OF_PERIOD = 0.5  # distance beyond which the image of a grain is ambiguous
 
 
 def check_clumps(case: Case, errors: ErrorList) -> None:
@@ -38,8 +38,8 @@ def check_clumps(case: Case, errors: ErrorList) -> None:
 
 
 def _check_static_load(case: Case, errors: ErrorList) -> None:
-    """Check that a static load on clumps is applied by a damped run, or that clumps start as
-    found.
+    """Check that a static load on clumps is applied by a damped run, or that clumps start
+    unchanged.
     """
     stage = case.precompression
     if stage is None or case.settles_damped or not case.seeks_balance:
@@ -83,13 +83,13 @@ def _check_clump(grains: Grains, number: int, ids: Sequence[int], errors: ErrorL
 
 
 def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], fault: Mismatch) -> None:
-    """Add an error of some grains of a clump, under the key and the file that gave them."""
+    """Add an error about grains of a clump, under the key and the file of the grains."""
     key = grains.key(*ids)
     errors.add(key, f"{grains.file}: {fault}" if key == "packing.file" else fault)
 
 
 def _check_period(grains: Grains, period: tuple[float, float], errors: ErrorList) -> None:
-    """Check that it is clear at which of their images the grains of a clump belong together."""
+    """Check that the images of the grains of a clump are unambiguous."""
     for number, ids in grains.clumps.items():
         places = grains.position[np.array(ids) - 1, :2]
         step = places - places[0]
@@ -114,7 +114,7 @@ def _check_free(grains: Grains, ids: Sequence[int], key: str, does: str, errors:
 
 
 def check_loaded_clumps(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that no grain of a clump is given a motion of its own."""
+    """Check that no grain of a clump has a separate motion."""
     case = assembly.case
     grains = case.packing.grains
     if grains is None or not grains.clumps:

@@ -27,7 +27,8 @@ from granwave.lammps_inputs.packing_kind import TOUCHING
 
 # keys of grains that could not be placed
 _PLACED = ("packing.grains", "packing.file", "packing.gaps", "grains.")
-# largest diameters; in fewer two grains could touch twice, one of them also as its image
+# smallest period in largest diameters: with less, two grains could touch twice, once across the
+# boundary
 _LEAST_PERIOD = 2.5
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
 _OF_LATTICES = {
@@ -73,7 +74,7 @@ def check_columns(case: Case, errors: ErrorList) -> None:
 
 
 def check_restart(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that a case has what its restart file has: spheres, masses and walls."""
+    """Check that a case has the spheres, masses and walls of its restart file."""
     try:
         state = bed_state(assembly)
     except InputError as error:
@@ -108,7 +109,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
         return
     periodic = (
         "boundary" in vars(case) and case.boundary.periodic
-    )  # a wrong boundary hides no overlaps
+    )  # an invalid boundary does not hide overlaps
     if periodic:
         before = len(errors.items)
         least = _LEAST_PERIOD * float(grains.diameter.max())
@@ -183,7 +184,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
 def _check_enclosure(case: Case, grains: Grains, errors: ErrorList) -> None:
     """Check that no centre of a grain is beyond a plane of the enclosure that is a wall."""
     enclosure = case.packing.enclosure
-    boundary = vars(case).get("boundary")  # which may be wrong
+    boundary = vars(case).get("boundary")  # which may be invalid
     if enclosure is None or boundary is None:
         return
     planes: dict[str, tuple[float, float]] = {}
@@ -271,7 +272,7 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
 
 
 def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], fault: str | Mismatch) -> None:
-    """Add an error of some grains, under the key and the file that gave them."""
+    """Add an error about grains, under the key and the file of the grains."""
     key = grains.key(*ids)
     errors.add(key, f"{grains.file}: {fault}" if key == "packing.file" else fault)
 
@@ -279,7 +280,9 @@ def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], fault: str | Mis
 def _add_pair(
     errors: ErrorList, grains: Grains, pair: Sequence[int], message: str, n_pairs: int = 1
 ) -> None:
-    """Add an error of two grains; ``{}`` in the message stands for the number of more such pairs."""
+    """Add an error of two grains; ``{}`` in the message stands for the number of more such
+    pairs.
+    """
     more = f" (and {n_pairs - 1} more pairs)" if n_pairs > 1 else ""
     first, second = map(grains.called, pair)
     _add(errors, grains, pair, f"found grains {first} and {second}{message.format(more)}")
@@ -313,7 +316,7 @@ def check_held(case: Case, errors: ErrorList) -> None:
             and hold.index is None
             and any(item.key.startswith(_PLACED) for item in errors.items)
         ):
-            continue  # the grains of the group could not be placed, which has its own error
+            continue  # grains of the group could not be placed; this is reported separately
         fits = errors.check_first(
             (
                 (hold.index is None) == (hold.group is None),
@@ -358,7 +361,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
     """Check that the side walls that act on some grains only find these, and that there are such
     walls.
 
-    Return False if walls would act on no grain, so that they have no place.
+    Return False if walls would act on no grain, so that their position is undefined.
     """
     boundary = case.boundary
     key = "boundary.sides_touch"
@@ -392,7 +395,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
 
 
 def check_tube(case: Case, errors: ErrorList) -> None:
-    """Check that the packing fits into its tube, before this shrinks, and each grain after it has."""
+    """Check that the packing fits into its tube before it shrinks, and each grain afterwards."""
     tube = case.boundary.sides_tube
     if tube is None or errors.items:
         return

@@ -17,7 +17,8 @@ def check_ids(case: Case, errors: ErrorList) -> None:
     of sensors are unique.
     """
     n_grains = case.packing.n_spheres
-    for key, ids, last in list(_named_ids(case)):  # all of them first: a table may be wrong
+    # they are checked first, because a table may be invalid
+    for key, ids, last in list(_named_ids(case)):
         largest = max(ids or (), default=0)
         if largest > last:
             end = "the end of the packing" if last == n_grains else "strikers included"
@@ -30,10 +31,10 @@ def check_ids(case: Case, errors: ErrorList) -> None:
 
 
 def _named_ids(case: Case) -> Iterator[tuple[str, Sequence[int] | None, int]]:
-    """Iterate over keys with ids: key, ids if there are any, and the largest id that is allowed."""
+    """Iterate over keys with ids: key, ids if there are any, and the largest allowed id."""
     n_grains = case.packing.n_spheres
     last = n_grains + len(case.striker)
-    if "load" in vars(case):  # else the table is wrong
+    if "load" in vars(case):  # otherwise the table is invalid
         yield "load.index", case.load.index, n_grains
     for name in _TABLES_OF_GRAINS:
         for key, entry in numbered(name, getattr(case, name)).items():
@@ -53,5 +54,5 @@ def _named_ids(case: Case) -> Iterator[tuple[str, Sequence[int] | None, int]]:
 
 
 def _probes(case: Case) -> tuple[Probe, ...]:
-    """Probes of a case; none where the table of outputs is wrong."""
+    """Return the probes of a case; none if the table of outputs is invalid."""
     return case.output.probes if "output" in vars(case) else ()

@@ -70,15 +70,17 @@ def check_side_gap(case: Case, errors: ErrorList) -> None:
 
 
 LEAST_PER_PERIOD = 6  # recorded instants in the shortest period
-LEAST_PERIODS = 3  # that sines are fitted to, in the last half of a run
-# of a load whose amplitude rises and falls; even, for whole periods of half of its frequency
+LEAST_PERIODS = 3  # fewest periods of a fit of sines, in the last half of a run
+# fewest periods of a load with a varying amplitude; even, for whole periods of half its frequency
 WINDOW_PERIODS = 8
 LEAST_WINDOWS = 4
 
 _LOG = logging.getLogger("granwave")
-_FREQUENCIES = 201  # of a load of many frequencies
-_PART = 0.5  # of the frequencies that a row passes: if more arrive too late, the case is refused
-_TOLERANCE = 1e-9  # for a run that is as long as it must be
+_FREQUENCIES = 201  # frequencies of a broadband load
+# fraction of the frequencies below the cut-off: if more of these arrive too late, the case is
+# rejected
+_PART = 0.5
+_TOLERANCE = 1e-9  # tolerance for a run of exactly the required duration
 _KEY = "run.end_time"
 _STEADY = " (twice that and load.ramp: the last half of the run must be steady)"
 _FITTED = ("harmonic", "up-and-down")  # shapes of one frequency, whose amplitudes are fitted
@@ -89,7 +91,7 @@ Array = NDArray[np.float64]
 def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     """Check that a run with an oscillating load measures the required quantities.
 
-    Weak waves in a row under a static load that surely do not arrive are an error, all else a
+    Weak waves in a chain under a static load that cannot arrive in time are an error, other cases a
     warning.
     """
     case = assembly.case
@@ -111,12 +113,12 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
             "%s: output.history: found %d instants, expected %d or more: %d in a period of %.4g "
             "s, otherwise nothing is measured", case.name, n, least, LEAST_PER_PERIOD, period,
         )  # fmt: skip
-    if not load.slants:  # the theory of a row is that of waves along z
+    if not load.slants:  # the theory of chains applies to waves along z
         _check_arrival(assembly, load, row, errors)
 
 
 def _too_few_periods(load: DrivenLoad, end: float) -> str:
-    """Describe a run or a load that is too short for what is measured, with its key; empty if there
+    """Describe a run or a load that is too short for the measurement, with its key; empty if there
     is none.
     """
     period = 1 / load.highest_frequency
@@ -151,8 +153,8 @@ def _too_few_periods(load: DrivenLoad, end: float) -> str:
 def _check_arrival(
     assembly: Assembly, load: DrivenLoad, measured: MeasuredRow, errors: ErrorList
 ) -> None:
-    """Check that waves have come from the loaded grain to the last one, and are steady where they
-    are to be.
+    """Check that waves reach the last grain from the loaded grain, and become steady where
+    required.
     """
     row = row_of(assembly)
     case = assembly.case
@@ -195,7 +197,7 @@ def _check_arrival(
     exact = chain and row.repeats and not case.contact.initial_overlap and case.contact.loss is None
     sure = exact and (float(travel[0]) > end if of_one else late.sum() > _PART * passed.sum())
     unreached = beads * row.of_long_wave > end * (1 + 2 / beads)
-    # weak loads leave contacts closed, so that waves run as small ones do
+    # weak loads keep contacts closed, so that waves propagate as small ones
     on_contact = load.force_on_contact(float(row.stiffness.max()))
     if (
         (sure or unreached)
@@ -208,8 +210,8 @@ def _check_arrival(
 
 
 def _due(load: DrivenLoad, frequency: Array, travel: Array) -> Array:
-    """Time after which each frequency has come, of a harmonic load when half of the run is steady:
-    (n,), s.
+    """Return the time after which each frequency has arrived; for a harmonic load, the time after
+    which half of the run is steady: (n,), s.
     """
     if load.shape == "harmonic":
         return 2 * travel + load.rise

@@ -149,7 +149,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         ),
     )
     if errors.items:
-        return  # the named spheres are unknown while other keys are wrong
+        return  # the named spheres are unknown while other keys have errors
     lattice = packing.lattice(periodic=case.boundary.periodic)
     present = np.ones(n, dtype=bool)
     if packing.vacancies:
@@ -196,7 +196,9 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
 
 
 def check_room(case: Case, errors: ErrorList) -> None:
-    """Check that spheres larger than the lattice spacing overlap neither other spheres nor walls."""
+    """Check that spheres larger than the lattice spacing overlap neither other spheres nor
+    walls.
+    """
     if case.packing.rule.is_chain or not any(
         (entry.diameter or 0) > case.packing.diameter for entry in case.replace
     ):
@@ -308,8 +310,8 @@ def _check_yield(case: Case, material: Material | None, key: str, errors: ErrorL
 
 
 def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
-    """Check that a law has the constants that it takes, and no others, and that it can cohere and
-    resist twisting.
+    """Check that a law has exactly the constants that it requires, and supports cohesion and
+    resistance to twisting where set.
     """
     kind = contact.cohesion.kind if contact.cohesion is not None and contact.coheres else ""
     found = f'"{kind}" with law = "{contact.law}"'
@@ -338,8 +340,8 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
 
 
 def _check_parameters(contact: Contact, key: str, errors: ErrorList) -> None:
-    """Check that a law has the parameters that it requires, and none of other laws, and that they
-    make a passive law.
+    """Check that a law has the parameters that it requires and no parameters of other laws, and
+    that it is passive.
     """
     before = len(errors.items)
     required = [p.name for p in contact.entry.parameters.values() if p.required]
@@ -423,8 +425,8 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def check_losses(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that some loss time gives the restitution that is asked for, of each pair of materials,
-    and that contacts that are damped along their surfaces have friction.
+    """Check that a relaxation time gives the specified restitution for each pair of materials, and
+    that contacts with tangential damping have friction.
     """
     case = assembly.case
     if not case.has_loss:
@@ -466,7 +468,7 @@ def _check_damping(case: Case, errors: ErrorList) -> None:
 
 
 def _check_series(case: Case, errors: ErrorList) -> None:
-    """Check that contacts whose modulus relaxes have an elastic law, and are not settled before."""
+    """Check that contacts with a relaxing modulus have an elastic law, and no static stage."""
     keys = {"contact": case.contact}
     keys |= {key: pair.contact for key, pair in numbered("pair", case.pair).items()}
     for key, contact in keys.items():
@@ -510,7 +512,7 @@ def check_rates(assembly: Assembly, errors: ErrorList) -> None:
 def _material_pairs(
     assembly: Assembly,
 ) -> Iterable[tuple[Material, Material | None, tuple[Shape, Shape] | None]]:
-    """Iterate over the materials that may touch, and the shapes of two grains; None: a grain on a
+    """Iterate over the materials that may touch, and the shapes of two grains; None: contact with a
     plane.
     """
     grains = [species for species in assembly.species if species.role == "sphere"]

@@ -20,8 +20,9 @@ from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import materials_at, walls
 
-_UPRIGHT = 0.5  # part of an axis along a wall's normal, above which a cylinder stands on its end
-_INCLINED = 2.0  # way of a wall over the overlap of a contact inclined by 60 degrees to it
+# component of an axis along a wall's normal, above which a cylinder stands on its end
+_UPRIGHT = 0.5
+_INCLINED = 2.0  # displacement of a wall over the overlap of a contact inclined by 60 degrees to it
 
 
 def check_precompression(case: Case, errors: ErrorList) -> None:
@@ -64,7 +65,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         ),
     )
     if stage.moves_walls:
-        if boundary.gap >= 0:  # else `check_side_gap` has told
+        if boundary.gap >= 0:  # otherwise `check_side_gap` has reported it
             _check_moves(case, stage, errors)
         return
     rule.check_bounds(packing, boundary, errors)
@@ -84,7 +85,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     if stage.moves_walls or isinstance(assembly.lattice, Places):
         if (
             case.packing.cell is None or case.bears_along_z
-        ):  # else it is a load on an endless packing, for bands
+        ):  # otherwise it is a load on an infinite packing, for bands
             _check_top(assembly, stage, errors)
         _check_presses(assembly, stage, errors)
         return
@@ -92,7 +93,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     law = sphere_contact(case)
     largest = force_of_contact(assembly)
     layers = assembly.lattice.shape[2] if stage.rule.grows_with_depth else 1
-    least = largest / layers  # on contacts of the top layer
+    least = largest / layers  # forces of contacts of the top layer
     deepest = _force_at_largest_overlap(law)
     # contacts with initial dents stay elastic beyond first yield
     elastic_range = contact.yields and law.elastic_limit > 0 and not case.contact.initial_overlap
@@ -136,8 +137,8 @@ def _force_at_largest_overlap(law: ContactLaw) -> float:
 
 
 def check_plates(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that spheres on a moving bottom, or under a plate, are of one material, which has a fix
-    of its own.
+    """Check that spheres on a moving bottom, or under a plate, are of one material, which has a
+    separate fix.
     """
     case = assembly.case
     layers = []
@@ -167,7 +168,7 @@ def _spreads(case: Case, stage: Precompression, shape: tuple[int, int, int]) -> 
     packing = case.packing
     boundary = case.boundary
     if packing.rule.is_plane_crystal and boundary.has_planes("x") and packing.top_row != "equal":
-        return False  # its rows fill the space between straight walls
+        return False  # the tube fills the space between straight walls
     held = stage.rule.holds_layers or boundary.periodic or boundary.bottom_rule.holds_layer
     layers = packing.rule.set_back and nz > 1 and nx * ny > 1
     return layers and not held and not isinstance(packing.vacancies, tuple)
@@ -226,7 +227,7 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
         {own} if grains is None else set(zip(grains.shape, grains.diameter.tolist(), strict=True))
     )
     for axis, name in enumerate("xy"):
-        # The law of cylinders that lie along a wall ends at 2 length^2/diameter.
+        # The law of cylinders that lie along a wall is valid up to 2 length^2/diameter.
         ends = [(2 * shape.length**2 / diameter, shape.length) for shape, diameter in sizes
                 if shape is not None and abs(shape.axis[axis]) < _UPRIGHT]  # fmt: skip
         most, length = min(ends, default=(math.inf, 0.0))
@@ -253,7 +254,7 @@ def _wall_key(name: str) -> str:
 
 
 def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
-    """Check that a force on the top of grains acts on some that can move, and that it is
+    """Check that a force on the top acts on grains that can move, and that the grains are
     supported.
     """
     case = assembly.case

@@ -23,11 +23,11 @@ from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import untouched
 
 _BOTTOM = "bottom"
-_KEYS_OF_WALLS = ("x", "y", _BOTTOM)  # by axis
+_KEYS_OF_WALLS = ("x", "y", _BOTTOM)  # keys of walls by axis
 _LOG = logging.getLogger("granwave")
-_FAR_LONGER = 100.0  # times the run: a load that lasts so long is in another unit
-_OTHER_UNITS = 100.0  # ratio of densities beyond which those of a file are in other units
-_SMALL_GAP = 1e-3  # diameters; gaps that dents leave are larger
+_FAR_LONGER = 100.0  # duration of a load over the run, above which its unit is probably wrong
+_OTHER_UNITS = 100.0  # ratio of densities above which their units are probably wrong
+_SMALL_GAP = 1e-3  # diameters; gaps caused by plastic indentation are larger
 
 
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
@@ -58,7 +58,7 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
 
 
 def _of_yield_factor(assembly: Assembly, *, chose_yield_factor: bool) -> Iterator[str]:
-    """Warn of a fit for another Poisson's ratio, unless its factor was chosen."""
+    """Warn of a fit for another Poisson's ratio, unless its factor was set by the user."""
     law = assembly.case.contact
     ratio = assembly.case.material.poisson_ratio
     if law.takes("yield_factor") and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
@@ -77,7 +77,8 @@ def _of_materials(assembly: Assembly) -> Iterator[str]:
     if law.takes("hardening"):
         yield from filter(None, map(_outside_fit, materials))
     for parameter in OF_MATERIAL:
-        if law.takes(parameter.name) or parameter.keyword == RATE:  # of rates see `check_rates`
+        # `check_rates` checks rate-dependent parameters
+        if law.takes(parameter.name) or parameter.keyword == RATE:
             continue
         if any(is_set(material, parameter) for material in materials):
             laws = " or ".join(laws_with(parameter))
@@ -155,7 +156,7 @@ def _of_echoes(assembly: Assembly) -> Iterator[str]:
 
 
 def _of_initial_dents(assembly: Assembly) -> Iterator[str]:
-    """Warn of initial dents that a static load would make the contacts forget."""
+    """Warn of initial dents that a static load would erase."""
     case = assembly.case
     forget_gap = case.boundary.forget_gap
     if case.contact.initial_overlap and case.precompression and forget_gap < _SMALL_GAP:
@@ -259,7 +260,7 @@ def _of_units(assembly: Assembly) -> Iterator[str]:
 
 
 def _of_walls_of_the_file(assembly: Assembly) -> Iterator[str]:
-    """Warn of walls that another program had, where the case has none or puts them elsewhere."""
+    """Warn of walls of another program that the case lacks or has at other positions."""
     case = assembly.case
     grains = case.packing.grains
     way = case.packing.contact_way
@@ -294,7 +295,7 @@ def _has_wall(case: Case, key: str) -> bool:
 
 
 def _walls_elsewhere(grains: Grains, walls: Sequence[BoxWall]) -> str:
-    """Return a warning of walls of a file that are elsewhere in the case."""
+    """Return a warning of walls of a file that are at other positions in the case."""
     assert grains.reading is not None and grains.reading.bounds is not None
     places: list[str] = []
     for axis in dict.fromkeys(wall.axis for wall in walls):

@@ -3,9 +3,9 @@
 Contacts between spheres are found by their ids. A restart file does not contain the positions of
 walls: each wall of the file is identified with the wall of the case that its spheres touch.
 
-The complete history of contacts is taken over, and history that the case does not support is a
-fault. A bed with a static stage starts only with the tangential springs (`packing.springs`) of its
-present contacts.
+The complete history of contacts is used; history that the case does not support is a fault. A bed
+with a static stage starts only with the tangential springs (`packing.springs`) of its present
+contacts.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from granwave.lammps_inputs.restart_file import NO_CLUMPS, RestartSpheres, Resta
 from granwave.lammps_inputs.script_words import joined, num
 
 KEY = "packing.restart"
-_ROUNDING = 1e-12  # radii; smaller overlaps with a wall are rounding, as LAMMPS counts them
-_INSIDE = 1 - 1e-6  # largest gap over the one beyond which LAMMPS forgets a contact
-_SAME_OVERLAP = 1e-6  # relative difference of overlaps with the same wall
-_SAME_MASS = 1e-9  # relative difference of masses of the same spheres
+_ROUNDING = 1e-12  # radii; smaller overlaps with a wall are rounding errors, as in LAMMPS
+_INSIDE = 1 - 1e-6  # largest gap over the gap beyond which LAMMPS deletes a contact
+_SAME_OVERLAP = 1e-6  # relative tolerance of overlaps with the same wall
+_SAME_MASS = 1e-9  # relative tolerance of masses of the same spheres
 _DEEP = 1e-3  # diameters; deeper overlaps are contacts, except within rigid bodies
 _OTHER_STYLE = (
     "settle the bed with this pair style; or use only the positions of its grains: lmp "
@@ -54,7 +54,7 @@ class BedState:
     walls
         Walls of the file with the walls of the case that they are.
     faults
-        What the case cannot take over, each with its key.
+        Features that the case does not support, each with its key.
     """
 
     spheres: RestartSpheres
@@ -80,7 +80,7 @@ def bed_state(assembly: Assembly) -> BedState | None:
         raise InputError(f"{assembly.case.name}: {KEY}: {file}: {error}") from None
     matches, faults = _walls_of(assembly, spheres)
     if spheres.contacts is None:
-        faults = []  # the walls of another style are not in the file
+        faults = []  # walls of another style have no state in the file
     return BedState(spheres, tuple(matches), (*_faults_of_file(assembly, spheres), *faults))
 
 
@@ -211,7 +211,7 @@ def _values(spring: ContactSpring, overlap: float) -> str:
 def _walls_of(
     assembly: Assembly, spheres: RestartSpheres
 ) -> tuple[list[tuple[RestartWall, Wall]], list[tuple[str, Mismatch]]]:
-    """Return which walls of the file are which of the case, and the faults of others."""
+    """Return the walls of the case that match walls of the file, and the faults of the others."""
     n = len(spheres.radius)
     position = assembly.positions()[:n]
     radius = assembly.sphere_diameters()[:n] / 2
@@ -243,7 +243,8 @@ def _is_same(
     overlap: NDArray[np.float64],
     radius: NDArray[np.float64],
 ) -> bool:
-    """Return True if the spheres at a wall of the file overlap a wall of the case as much.
+    """Return True if the spheres at a wall of the file have the same overlaps with a wall of the
+    case.
 
     Parameters
     ----------
@@ -257,13 +258,13 @@ def _is_same(
     if not len(rows) or sides[wall.outward] != of_file.side:
         return False
     slack = _ROUNDING * radius[rows]
-    in_file = of_file.overlap[of_file.touching]  # the larger one, of spheres between two walls
+    in_file = of_file.overlap[of_file.touching]  # the largest overlap of spheres between two walls
     as_deep = np.abs(overlap[rows] - in_file) <= _SAME_OVERLAP * in_file + slack
     return bool(as_deep.any() and (overlap[rows] > -slack).all())
 
 
 def _unknown_wall(of_file: RestartWall) -> Mismatch:
-    """Return the fault of a wall of the file that is none of the case."""
+    """Return the fault of a wall of the file without a counterpart in the case."""
     n_touching = int(of_file.touching.sum())
     if not n_touching:
         text = f"plastic indentations in the wall of fix {of_file.fix}, which no sphere touches"
@@ -319,7 +320,7 @@ def _rigid_pair(assembly: Assembly, spheres: RestartSpheres) -> tuple[int, int] 
     """
     if spheres.contacts is None:
         return None
-    from scipy.spatial import cKDTree  # takes longer to load than most commands need
+    from scipy.spatial import cKDTree  # imported on demand: slow to load
 
     tree = cKDTree(spheres.position)
     near = tree.query_pairs(2 * float(spheres.radius.max()), output_type="ndarray")

@@ -30,8 +30,11 @@ from granwave.lammps_inputs.packing.touching import (
     tolerance_of,
 )
 from granwave.lammps_inputs.packing_kind import TOUCHING
+from granwave.lammps_inputs.readers.columns import CLUMP
 
-_MOST_LAWS = 100  # pairs of the largest forces by their overlaps and radii, whose laws are asked
+# pairs with the largest forces, by overlap and radius, for which laws are evaluated
+_MOST_LAWS = 100
+_DEEP = 0.2  # overlap divided by the diameter that is too large for a contact
 
 
 @dataclasses.dataclass(frozen=True)
@@ -57,11 +60,13 @@ class ContactAdvice:
     remaining
         Largest gap or overlap that would be left of them, m.
     largest_force
-        Largest force of a contact as it is, N; None if its law cannot be told.
+        Largest contact force of the original grains, N; None if the law is unknown.
     has_friction
         True if the contacts of the case have friction, which only a damped search keeps.
     has_springs
         True if the case has their tangential springs.
+    relative_overlap
+        Largest overlap over the diameter of the smaller grain of the pair.
     """
 
     last_place: float
@@ -75,6 +80,7 @@ class ContactAdvice:
     largest_force: float | None
     has_friction: bool = False
     has_springs: bool = False
+    relative_overlap: float = 0.0
 
     @property
     def choices(self) -> list[str]:
@@ -92,7 +98,7 @@ class ContactAdvice:
 
     @property
     def _touching(self) -> str:
-        """Phrase on the effect of the way that moves grains until they touch."""
+        """Return a phrase on the effect of moving grains until they touch."""
         pairs = "1 pair overlaps" if self.n_beyond == 1 else f"{self.n_beyond} pairs overlap"
         beyond = f"; {pairs} by more, which it rejects" if self.n_beyond else ""
         if not self.n_within and self.n_beyond:
@@ -107,7 +113,14 @@ class ContactAdvice:
     @property
     def remedy(self) -> str:
         """Remedy for overlaps, for a message."""
-        return f"move them apart, or choose {KEY}: {'; '.join(self.choices)}"
+        advice = f"move them apart, or choose {KEY}: {'; '.join(self.choices)}"
+        if self.relative_overlap < _DEEP:
+            return advice
+        return (
+            f"{advice}; an overlap of {100 * self.relative_overlap:.0f} % of a diameter is more than a "
+            f"contact: number the spheres of one body in a column {CLUMP}, and check that the sizes "
+            "have the unit of the positions, and that diameters are not read as radii"
+        )
 
 
 def advice_on(case: Case, grains: Grains, period: Period = None) -> ContactAdvice:
@@ -137,11 +150,20 @@ def advice_on(case: Case, grains: Grains, period: Period = None) -> ContactAdvic
         _largest_force(case, grains, overlapping),
         case.contact.friction > 0,
         packing.springs is not None,
+        _relative_overlap(grains, overlapping),
     )
 
 
+def _relative_overlap(grains: Grains, overlapping: GrainGaps) -> float:
+    """Return the largest overlap of a pair, divided by the diameter of its smaller grain."""
+    if not len(overlapping):
+        return 0.0
+    smaller = grains.diameter[overlapping.pairs].min(axis=1)
+    return float((-overlapping.gap / smaller).max())
+
+
 def _largest_force(case: Case, grains: Grains, overlapping: GrainGaps) -> float | None:
-    """Return the largest force of overlapping pairs, N; None if a table of the case is wrong."""
+    """Return the largest force of overlapping pairs, N; None if a table of the case is invalid."""
     if not len(overlapping):
         return 0.0
     radii = grains.diameter[overlapping.pairs] / 2

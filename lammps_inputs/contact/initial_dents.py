@@ -29,12 +29,12 @@ from granwave.lammps_inputs.packing.places import near_pairs
 from granwave.lammps_inputs.packing.walls import touched_by, walls
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
-LARGEST = 0.2  # overlap over R* up to which the elasto-plastic law was fitted
+LARGEST = 0.2  # largest overlap over R* in the fit of the elasto-plastic law
 KEY = "contact.initial_overlap"
 
 _REACH = 0.1  # diameters; largest gap of a contact with a dent, too small for second neighbours
-_INSIDE = 1 - 1e-6  # largest gap over the one at which a dent is forgotten
-_HALVINGS = 60  # of the interval of bisection; more than double precision resolves
+_INSIDE = 1 - 1e-6  # largest gap over the gap at which a dent is erased
+_HALVINGS = 60  # halvings of the interval of bisection, beyond double precision
 _RESULT = "result.h5"
 
 
@@ -162,7 +162,9 @@ def error_in_dents(assembly: Assembly) -> str:
 
 
 def largest_dent(assembly: Assembly, law: ContactLaw) -> float:
-    """Return the largest initial dent of contacts of this law, m; 0 for a file that cannot be read."""
+    """Return the largest initial dent of contacts of this law, m; 0 for a file that cannot be
+    read.
+    """
     case = assembly.case
     given = case.contact.initial_overlap
     if not given or not law.entry.yields:
@@ -181,9 +183,7 @@ def largest_dent(assembly: Assembly, law: ContactLaw) -> float:
 
 
 def earlier_result(case: Case) -> Path | None:
-    """Return the path of the result.h5 that the dents of a case come from; None if they are given
-    by value.
-    """
+    """Return the path of the result.h5 with the dents of a case; None for dents given by value."""
     if not isinstance(case.contact.initial_overlap, str):
         return None
     path = Path(case.contact.initial_overlap)
@@ -259,7 +259,7 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
 
 def regions_of(case: Case) -> tuple[Dents, ...]:
     """Return the regions of dents that are given by value; where regions overlap, the last one
-    holds.
+    applies.
     """
     given = case.contact.initial_overlap
     return given if isinstance(given, tuple) else (Dents(overlap=float(given)),)
@@ -279,10 +279,10 @@ _UNREADABLE = (
     TypeError,
     ValueError,
     AttributeError,
-)  # errors of h5py with a damaged or other file
+)  # errors of h5py for a damaged or unrelated file
 _COLUMNS: dict[
     str, dict[str, tuple[type, int]]
-] = {  # by group: type and width; widths of 0 are columns of numbers
+] = {  # type and width of columns by group; columns of width 0 are arrays of numbers
     "spheres": {"id": (np.int64, 0), "position": (np.float64, 3), "radius": (np.float64, 0)},
     "contacts": {"i": (np.int64, 0), "j": (np.int64, 0), "peak_overlap": (np.float64, 0)},
     "wall_contacts": {"wall": (object, 0), "id": (np.int64, 0), "peak_overlap": (np.float64, 0)},
@@ -332,9 +332,9 @@ def dents_of_result(assembly: Assembly) -> dict[tuple[int | str, int], float]:
 def _earlier(assembly: Assembly) -> dict[str, dict[str, NDArray]]:
     """Read `_COLUMNS` of the `earlier_result`; raise one of `_UNREADABLE` for other files."""
     path = earlier_result(assembly.case)
-    assert path is not None  # asked for only where dents come from a file
+    assert path is not None  # needed only where dents are read from a file
     path.stat()  # raises FileNotFoundError, where h5py would raise another OSError
-    import h5py  # takes longer to load than most commands need
+    import h5py  # imported on demand: slow to load
 
     found: dict[str, dict[str, NDArray]] = {}
     with h5py.File(regular(path), "r") as file:

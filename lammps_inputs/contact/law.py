@@ -2,8 +2,8 @@
 viscous losses.
 
 The loss time of a restitution at a speed is found from the head-on collision of two bodies with
-their own law (`ContactLaw.collide`). The grains of a material share one loss time, computed for
-their median diameter.
+their own law (`ContactLaw.collide`). The grains of a material have a common relaxation time,
+computed for their median diameter.
 """
 
 from __future__ import annotations
@@ -109,8 +109,8 @@ def law_between(
     plane_strain
         True if contacts along lines are in plane strain, False if bodies are half-spaces.
     effective_radius
-        Radius of the sphere that is as stiff on a flat, m, where it does not follow from radii and
-        shapes: in a tube.
+        Radius of the sphere with the same stiffness on a flat, m, where it does not follow from
+        radii and shapes: in a tube.
     """
     others: dict[str, Any] = {"checked": checked}
     if effective_radius is not None:
@@ -119,7 +119,7 @@ def law_between(
         pair = None if math.isinf(radii[1]) else cylinder_pair(*shapes)
         if pair is not None and not pair.parallel:
             others["effective_radius"] = pair.effective_radius(*radii)
-        else:  # along a line; a flat is not in the second place of shapes
+        else:  # along a line; a flat is never the first of the two shapes
             elastic = [
                 (one.youngs_modulus, one.poisson_ratio) if one else (math.inf, 0.0)
                 for one in materials
@@ -237,14 +237,14 @@ def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
             yield cohesive_law(case, wall.material, flat=True), mass
 
 
-_STEPS = 2000  # of a collision
-_ROUNDING = 1e-6  # of a restitution, in which collisions without loss differ from 1
-# loss time over the duration of the collision without loss: restitution is below 0.01
+_STEPS = 2000  # steps of a collision
+_ROUNDING = 1e-6  # rounding error of a restitution without loss
+# relaxation time over the duration of the elastic collision: restitution is below 0.01
 _MOST_TIME = 20.0
-_MOST_FACTOR = 50.0  # of a dashpot: restitution is below 0.01
-_ACCURACY = 1e-9  # of the time or factor found, relative to these
+_MOST_FACTOR = 50.0  # largest factor of a dashpot: restitution is below 0.01
+_ACCURACY = 1e-9  # relative accuracy of the relaxation time or factor
 
-Viscous = tuple[Literal["time", "dashpot"], float]  # kind, and loss time (s) or factor
+Viscous = tuple[Literal["time", "dashpot"], float]  # kind, and relaxation time (s) or factor
 Branches = tuple[tuple[float, float], ...]  # weight and time (s) of each branch
 Relaxing = tuple[Literal["prony"], Branches]
 ContactLoss = Viscous | Relaxing
@@ -300,7 +300,7 @@ def viscous_loss(
     forms = [
         *(_grain(assembly, one)[1:] for one in ids),
         (math.inf, None),
-    ]  # a flat, where there is no second grain
+    ]  # a flat, where the second body is a plane
     mass = 1 / sum(1 / assembly.mass_of(one) for one in ids)
     time = _loss_time(
         contact, (first, second), *zip(*forms[:2], strict=True), assembly.plane_strain, mass, behind
@@ -332,8 +332,8 @@ def _loss_time(
     mass: float,
     behind: Backing | None = None,
 ) -> float:
-    """Return the loss time with which two bodies of an effective mass (kg) have the restitution of
-    the law, s; ``behind``: a body behind the plane that a grain of this mass hits.
+    """Return the relaxation time with which two bodies of an effective mass (kg) have the
+    restitution of the law, s; ``behind``: a body behind the plane that a grain of this mass hits.
     """
     loss = contact.loss
     assert loss is not None and loss.restitution is not None and loss.velocity is not None
@@ -386,8 +386,8 @@ def dashpot_factor(restitution: float) -> float:
 def _loss_of(
     left: Callable[[float], float], restitution: float, most: float, named: str, accuracy: float
 ) -> float:
-    """Return the size of a loss, at most ``most``, that leaves a restitution; raise ValueError if
-    that leaves more.
+    """Return the size of a loss, at most ``most``, that gives a restitution; raise ValueError if
+    the restitution is still larger.
     """
     if left(0.0) <= restitution + _ROUNDING:
         return 0.0
@@ -419,7 +419,7 @@ def nominal_grain(
 def velocity_normalised(
     velocity: float, modulus: float, density: float, yield_strength: float
 ) -> float:
-    """Impact velocity in units that make materials collapse on one curve.
+    """Impact velocity in units in which all materials fall on one curve.
 
     ``(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v``; for brass 4 m/s give 37.9.
 

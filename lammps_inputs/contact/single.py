@@ -3,9 +3,11 @@
 A body is a table such as ``{"shape": "cylinder", "radius": 0.005, "length": 0.01, "axis": "y",
 "material": "brass"}``. The laws are those of runs, from `granwave.lammps_inputs.contact.law`:
 
-point   spheres on spheres, planes and the sides of cylinders, crossed cylinders, spheres in a tube: any law, with the
+point spheres on spheres, planes and the sides of cylinders, crossed cylinders, spheres in a tube:
+any law, with the
         radius of the sphere that is as stiff on a plane (general elliptic contact)
-line    cylinders on planes, and parallel ones: law hertz for half-spaces that give way over the length, law line for
+line cylinders on planes, and parallel ones: law hertz for half-spaces that give way over the
+length, law line for
         plane strain
 """
 
@@ -49,7 +51,7 @@ _SHAPES = ("sphere", "cylinder", "plane", "tube")
 _WALLS = ("plane", "tube")
 _SIZE = "diameter"
 _KEYS = {"sphere": (_SIZE,), "cylinder": (_SIZE, "length", "axis"), "plane": (), "tube": (_SIZE,)}
-_ANY_DENSITY = 1000.0  # kg/m^3, where none is given: forces do not depend on it
+_ANY_DENSITY = 1000.0  # default density, kg/m^3: forces do not depend on it
 _EXAMPLE = 'two bodies such as {"shape": "sphere", "diameter": 0.01, "material": "steel"} and {"shape": "plane"}'
 
 
@@ -92,7 +94,7 @@ def contact_between_bodies(
     Raises
     ------
     InputError
-        A body, the law or an option is wrong, or the law does not describe the contact of these
+        A body, the law or an option is invalid, or the law does not apply to the contact of these
         shapes.
     """
     errors = ErrorList("contact")
@@ -259,7 +261,7 @@ def _read_body(
 
 
 def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) -> None:
-    """Reject a law that does not hold for a contact of these shapes; the first is no wall."""
+    """Reject a law that does not apply to a contact of these shapes; the first is not a wall."""
     if contact.entry.is_power:
         return
     pair = cylinder_pair(one.cylinder, other.cylinder) if (one.cylinder or other.cylinder) else None

@@ -2,18 +2,20 @@
 
 Dead loads are constant forces on spheres during the static stage and the run:
 
-uniaxial   the same force along +z on each sphere of the top layer (grains of a file: on the uppermost ones); for a
+uniaxial the same force along +z on each sphere of the top layer (grains of a file: on the uppermost
+ones); for a
            pressure, pressure times area of a cell; the opposite force on the last sphere of a chain
            without a bottom
-uniform    the forces of the missing neighbours outside of the packing, if every contact of the lattice carried the
+uniform the forces of the missing neighbours outside of the packing, if every contact of the lattice
+carried the
            same force f. The mean stress (virial) of spheres with z contacts each in a cell of
            volume V is p = z f D/(2 d V) in d dimensions; hence f = p D^2/(2 sqrt 2) for fcc and
-           hcp. A lattice of equal spheres is then in equilibrium in place under the pressure p, and
-           its faces carry p times their area. Vacant sites that are connected to the outside count
-           as outside.
+           hcp. A lattice of equal spheres is then in equilibrium at its sites under the pressure p,
+           and its faces carry p times their area. Vacant sites that are connected to the outside
+           count as outside.
 gravity    m g along +z on each sphere of the packing; with ``strikers`` on these too, which are
            held until the static stage is over
-walls      none, or as uniaxial: walls are moved in, and held
+walls      none, or as uniaxial: walls are moved in, and held in place
 overlaps   the same: the grains overlap at the start
 
 Fixed spheres carry no dead load, and strikers only their weight.
@@ -46,7 +48,7 @@ from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
 _OF_MEAN = 4.0  # largest force of a contact over the mean at the bottom of a bed
-FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
+FORCE_TOLERANCE = 1e-4  # relative tolerance of the force of walls that are moved to a force
 _SHELL = (
     3,
     2,
@@ -96,7 +98,7 @@ class LoadOnTop(DeadLoad):
 
 
 class LoadOnAllFaces(DeadLoad):
-    """The forces of the missing neighbours outside, where every contact carries the same force."""
+    """The forces of the missing outside neighbours, if every contact carries the same force."""
 
     def axes(self, assembly: Assembly) -> str:
         return "xyz"[: assembly.lattice.rule.dimension]
@@ -133,7 +135,7 @@ class Weight(DeadLoad):
 
     def force_in_bed(self, assembly: Assembly) -> float:
         """Return a multiple of the mean at the bottom: the weight times the area of a grain over
-        that of the bed.
+        the area of the bed.
         """
         low, high = assembly.bounds()
         diameter = assembly.case.packing.diameter
@@ -191,7 +193,9 @@ def _share_of(force: float, assembly: Assembly) -> float:
 
 
 def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the ids of the spheres with a dead load, rising, and the forces: (n,) and (n, 3), N."""
+    """Return the ids of the spheres with a dead load, rising, and the forces: (n,) and (n, 3),
+    N.
+    """
     lattice = assembly.lattice
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
     force = _dead_load(assembly).forces(assembly, ids)
@@ -225,23 +229,17 @@ def force_on_top(assembly: Assembly) -> float:
 
 
 def force_of_contact(assembly: Assembly) -> float:
-    """Estimate the force on each contact that carries the load, under gravity on those at the
-    bottom, N.
-    """
+    """Estimate the force on each loaded contact, under gravity on contacts at the bottom, N."""
     return _dead_load(assembly).force_of_contact(assembly)
 
 
 def force_in_bed(assembly: Assembly) -> float:
-    """Estimate the largest force on a contact that carries the load, in a wide bed that of a
-    column, N.
-    """
+    """Estimate the largest force on a loaded contact, in a wide bed the force in a column, N."""
     return _dead_load(assembly).force_in_bed(assembly)
 
 
 def grains_at_wall(assembly: Assembly, wall: Wall) -> NDArray[np.int64]:
-    """Return the ids of the grains that touch a wall before it moves, or are nearest to it; at
-    least one.
-    """
+    """Return the ids of the grains that touch a wall before it moves, or of the nearest grain."""
     sites = assembly.sites
     chosen = touched_by(assembly, wall)
     ids = 1 + np.flatnonzero(sites.present if chosen is None else chosen)
@@ -301,7 +299,7 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
     outside = index[((index < 0) | (index >= np.array(lattice.shape))).any(axis=1)]
     missing = np.stack(lattice.rule.site(*outside.T), axis=1)
     own = lattice.positions(1, lattice.n_spheres) / lattice.diameter
-    from scipy.spatial import KDTree  # takes longer to load than most commands need
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     border = missing
     vacant = own[~sites.present]
@@ -331,8 +329,8 @@ def absorbing_ids(assembly: Assembly, entry: Absorb) -> tuple[int, ...]:
 
 
 def rise_of(assembly: Assembly, entry: Absorb) -> tuple[float, float] | None:
-    """Return the positions along the axis where the rate is zero and where it is whole, m; None
-    where it does not rise.
+    """Return the positions along the axis where the rate is zero and where it is largest, m; None
+    for a uniform rate.
 
     The rate is zero one diameter before the first of the spheres, so that all of them are damped.
     """
@@ -349,9 +347,9 @@ def rise_of(assembly: Assembly, entry: Absorb) -> tuple[float, float] | None:
 def impedance_of(assembly: Assembly, entry: Absorb) -> float:
     """Return the impedance of each sphere, N s/m.
 
-    That of long waves along z under the static load is sqrt(k m), with the stiffness k between a
-    sphere and the next layer: the sum over its contacts there of k_n cos^2 + k_t sin^2, where k_t =
-    2 (1 - nu)/(2 - nu) k_n with friction and 0 without.
+    The impedance of long waves along z under the static load is sqrt(k m), with the stiffness k
+    between a sphere and the next layer: the sum over its contacts there of k_n cos^2 + k_t sin^2,
+    where k_t = 2 (1 - nu)/(2 - nu) k_n with friction and 0 without.
     """
     if entry.impedance != MATCHED:
         return float(entry.impedance or 0.0)

@@ -6,9 +6,9 @@ next by
 
     s' = s - m omega^2 u,   u' = u + s'/k
 
-The product of these matrices over the beads that a row repeats has the trace 2 cos q, with the
-phase q from one repetition to the next; the group takes dq/domega for each. Where |cos q| > 1 there
-is no wave. A chain without a repeated sequence is treated bead by bead, each as part of an
+The product of these matrices over one period of the chain has the trace 2 cos q, with the
+phase q from one repetition to the next; the group delay is dq/domega for each. Where |cos q| > 1
+there is no wave. A chain without a repeated sequence is treated bead by bead, each as part of an
 infinite, periodic chain (long chains that change slowly).
 """
 
@@ -28,7 +28,7 @@ from granwave.lammps_inputs.packing.motion import held_ids, line_ids, struck_of
 
 Array = NDArray[np.float64]
 
-_STEP = 1e-5  # of a frequency, for the slope of the phase
+_STEP = 1e-5  # relative step of a frequency, for the slope of the phase
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -134,7 +134,7 @@ def row_of(assembly: Assembly) -> WaveRow | None:
 
 def _stiffness(law: ContactLaw, force: float) -> float:
     """Stiffness of a contact for small motions under a force that has not been exceeded, N/m."""
-    from scipy.optimize import brentq  # takes longer to load than a case to check
+    from scipy.optimize import brentq  # imported on demand: slow to load
 
     def miss(overlap: float) -> float:
         return float(law.loading_force(overlap)) - force
@@ -156,8 +156,8 @@ class MeasuredRow:
     ids
         Their ids.
     first, last
-        Positions in ``ids`` of the loaded grain, or of the first where none is loaded, and of the
-        last one that moves and does not absorb.
+        Positions in ``ids`` of the loaded grain, or of the first if none is loaded, and of the last
+        movable grain that does not absorb.
     """
 
     group: str

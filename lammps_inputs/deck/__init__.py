@@ -1,1 +1,1 @@
-"""The LAMMPS deck: input script and data file."""
+"""The LAMMPS input script and its files: input script and data file."""

@@ -27,7 +27,7 @@ DENTS = "dents"
 LOSS = "loss"
 TURNING = "turning"
 FORCES_OF_ALL = "forces"
-# to rolling and twisting; of contacts
+# resistance to rolling and twisting, of contacts
 RESISTANCE = "resistance"
 COHESION = "cohesion"
 # a load by a plate, friction in a holder, spheres that absorb waves, a bottom that moves, an
@@ -70,8 +70,8 @@ def of_compute(
     Parameters
     ----------
     name
-        Reference to the compute or fix, such as ``c_contacts``; ``{}`` stands for a name that
-        `sources` fills in.
+        Reference to the compute or fix, such as ``c_contacts``; ``{}`` is a placeholder for a name
+        that `sources` fills in.
     first
         Number of the first column.
     """
@@ -104,7 +104,7 @@ LEDGER = (
     Column("rotational", "c_rotational", "J", TURNING),
     Column(
         "plate", WallColumn.SUPPORT_ENERGY.of("f_plate"), "J", PLATE
-    ),  # part of the kinetic energy
+    ),  # included in the kinetic energy
     Column("elastic_tangential", "v_elastic_tangential", "J", FRICTION),
     Column("friction", "v_friction", "J", FRICTION),
     Column("elastic_rolling", "v_elastic_rolling", "J", RESISTANCE),
@@ -206,7 +206,7 @@ MOVING_WALL = (
 
 
 def names(table: Iterable[Column], *having: str) -> tuple[str, ...]:
-    """Return the names of the columns that all cases have, and of those with the given conditions."""
+    """Return the names of the columns of all cases, and of columns with the given conditions."""
     return tuple(column.name for column in table if not column.when or column.when in having)
 
 

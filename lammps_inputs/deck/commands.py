@@ -63,7 +63,7 @@ def command(*words: str) -> list[str]:
 def time_series(
     name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool
 ) -> list[str]:
-    """Return the command of a time series: one row every so many steps, the step first."""
+    """Return the command of a time series: one row every ``every`` steps, the step first."""
     return command(
         f"fix             {name} all ave/time {every} 1 {every}",
         *columns.values(),
@@ -270,7 +270,7 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
             own = case.contact_between(first.material, second.material)
             contact = elastic_contact(own) if elastic else own
             loss = None if elastic else _pair_loss(assembly, own, first, second)
-        rough = second.role == "sphere" and not elastic  # the face of a bar is not
+        rough = second.role == "sphere" and not elastic  # the face of a bar does
         friction = contact.friction if rough else 0.0
         words = law_coefficients(contact, first.material, partner, friction, loss, resists=rough)
         lines.append(f"pair_coeff      {i} {j} {words}")
@@ -369,7 +369,7 @@ def wall_commands(
             0, "# Walls: planes that touch the outermost spheres, or the fixed last layer."
         )
     lines += ["# Fixed grains."] if case.holds else []
-    for name, hold in case.holds.items():  # after all other forces on these
+    for name, hold in case.holds.items():  # after all other forces on these spheres
         lines.append(f"group           {name} id {id_ranges(held_ids(case, hold))}")
         zeros = joined("0.0" if axis in hold.axes else "NULL" for axis in "xyz")
         lines += [f"fix             {prefix}{name} {name} setforce {zeros}"] if hold.axes else []
@@ -395,8 +395,8 @@ def _wall_style(assembly: Assembly, wall: Wall) -> str:
 
 
 def coordinate(assembly: Assembly, wall: Wall) -> str:
-    """Return the position of a plane in the deck, or the radius of a tube; of walls that move to a force as a
-    formula.
+    """Return the position of a plane in the input script, or the radius of a tube; for walls that
+    move to a force, a formula.
     """
     place = wall.coordinate
     if not wall.tube:
@@ -443,12 +443,10 @@ def _groups(assembly: Assembly) -> list[str]:
 
 
 def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> list[str]:
-    """Support arguments of the wall fix for spheres of a material; empty for planes that do not
-    move.
-    """
+    """Support arguments of the wall fix for spheres of a material; empty for fixed planes."""
     if wall.plate is not None:
         mass, velocity = wall.plate
-        held = assembly.case.precompression is not None  # until the run begins, see `motion`
+        held = assembly.case.precompression is not None  # held until the run begins, see `motion`
         return ["support", "free", num(mass), "0.0" if held else num(velocity)]
     behind = backing_of(assembly, wall, material)
     if behind is None:

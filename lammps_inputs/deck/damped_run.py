@@ -1,13 +1,13 @@
 """Damped run: motion with friction, losses and local damping until a packing is at rest.
 
 Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
-halves of the static stage are one of motion with friction, losses and local damping (Cundall and
-Strack 1979), from the positions of the case on; the tangential springs that it leaves stay. Half of
-the net force on a sphere is taken from it along each axis where the sphere moves with the force,
-and added where it moves against it. That damps a grain that rolls under its weight as fast, in its
-own periods, as one that swings on a stiff contact. A drag that ends the swings would hold the
-rolling grain, which then creeps on with a net force equal to its drag. Settled grains need some
-thousand steps, and tens of thousands where some roll to other positions.
+halves of the static stage integrate the motion with friction, losses and local damping (Cundall and
+Strack 1979), starting from the positions of the case; the resulting tangential springs are kept.
+Along each axis, half of the net force on a sphere is subtracted where the sphere moves with the
+force, and added where it moves against it. This damps a grain that rolls under its weight as fast,
+relative to its period, as a grain that oscillates on a stiff contact. A drag that ends the swings
+would hold the rolling grain, which then creeps on with a net force equal to its drag. Settled
+grains need some thousand steps, and tens of thousands where some roll to other positions.
 
 The last motion is the slow swing of single grains that roll in hollows. Twice in its period the net
 force on such a grain passes through zero while it moves, with its drag in balance with its weight.
@@ -41,23 +41,24 @@ _DAMPING = "static_damping"  # fix, and prefix of its variables
 _SPIN = "static_spin"  # compute, of angular velocities
 # net force, with the drag on the spin, over the largest contact force, at the end of a damped run
 QUIET = 4e-7
-_MOST_STEPS = 1_000_000  # of a damped run
-# steps times grains up to which `QUIET` is sought under gravity, and its bounds in steps
+_MOST_STEPS = 1_000_000  # most steps of a damped run
+# steps times grains up to which `QUIET` is required under gravity, and its bounds in steps
 _STRICT_WORK = 30_000_000
 _STRICT_STEPS = (10_000, 60_000)
-# after them: sum of the net forces over the weight of the bed, and net force over the weight of a
-# grain or a clump
+# limits after these steps: sum of the net forces over the weight of the bed, and net force over the
+# weight of a grain or a clump
 CALM = 3e-4
 HELD = 1.0
-LOOSE = 0.01  # net force over the weight of a grain, from which on it is named
-_DAMPED_PART = 0.5  # of a net force, taken from it where it speeds up a sphere in a damped run
+LOOSE = 0.01  # net force over the weight of a grain above which it is named
+# fraction by which a net force is reduced where it accelerates a sphere in a damped run
+_DAMPED_PART = 0.5
 # drag on spin over sqrt(stiffness mass) times 0.4 radius^2; a third and 2.7 times of it take a
 # quarter more steps with 200 poured grains
 _DRAG_ON_SPIN = 0.006
 # largest drag on spin over radius sqrt(0.4 radius mass weight): more of it lets grains creep
 _DRAG_ON_ROLLING = 0.5
 _DAMPED_STEP = 0.2  # timestep of a damped run over sqrt(mass/stiffness)
-_NET = "sqrt(fx^2+fy^2+fz^2)"  # of a sphere
+_NET = "sqrt(fx^2+fy^2+fz^2)"  # net force on a sphere
 # columns of the log: largest force of a contact between grains, and with walls
 LARGEST_OF_PAIRS = "c_static_largest"
 LARGEST_OF_ALL = "v_static_carried"

@@ -1,5 +1,5 @@
-"""Deck of a case, a directory in which ``lmp -in in.granwave`` runs, and its data file of spheres
-and nodes.
+"""LAMMPS input of a case: a directory in which ``lmp -in in.granwave`` runs, with the data file of
+spheres and nodes.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
     """Write the LAMMPS data file of ``atom_style sphere``, with 17 significant digits.
 
     With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the
-    density column. Rows of equal spheres come from all processes; dissimilar spheres would have to
-    be stored by each process.
+    density column. Rows of equal spheres are written by all processes; dissimilar spheres would
+    have to be stored by each process.
     """
     bars = assembly.bars
     n = assembly.lattice.n_spheres
@@ -110,7 +110,7 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
 
 
 def _velocity_lines(assembly: Assembly) -> Iterator[str]:
-    """Give the velocities of the data file, if grains have their own, or continue from a bed."""
+    """Return the velocities of the data file, if grains have their own, or continue from a bed."""
     title = "\nVelocities # id, velocity, angular velocity\n\n"
     bed = bed_velocities(assembly)
     moving = own_velocities(assembly)
@@ -208,7 +208,7 @@ class Deck:
     struck
         Ids of the spheres that the load acts on, the impacted sphere first.
     written
-        Names of the files that were written; empty for a deck that was read.
+        Names of the written files; empty for an existing directory.
     """
 
     directory: Path
@@ -249,7 +249,7 @@ def write_deck(
     Parameters
     ----------
     timestep
-        Timestep in place of ``run.timestep``, s.
+        Timestep instead of ``run.timestep``, s.
     processes
         Processes that share the work. The files do not depend on them.
 
@@ -282,9 +282,7 @@ def write_deck(
     }
     texts |= {results / name: table for name, table in tables.items()}
     try:
-        with (
-            contextlib.ExitStack() as stack
-        ):  # left in reverse order: the script is moved into place last
+        with contextlib.ExitStack() as stack:  # moved in reverse order: the script comes last
             paths = dict.fromkeys((deck.script, deck.data, *texts))
             scratch = {path: stack.enter_context(replacing(path)) for path in paths}
             for path, unfinished in scratch.items():
@@ -359,7 +357,7 @@ def read_deck(directory: str | Path, case: Case | None = None) -> Deck:
         case = stored_case(tables, path)
     table = tables.get("resolved", {})
     try:
-        table = {"line_every": 0} | table  # which `resolved` leaves out where it is 0
+        table = {"line_every": 0} | table  # `resolved` omits it where it is 0
         values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
         schedule = Schedule(**values | {"frame_steps": tuple(values["frame_steps"])})
         return Deck(directory, case, schedule, tuple(table["struck"]))

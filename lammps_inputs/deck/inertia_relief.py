@@ -1,4 +1,4 @@
-"""Inertia relief: forces that keep a packing which nothing holds from moving or turning as a whole.
+"""Inertia relief: forces that prevent rigid motion of an unsupported packing.
 
 A sphere at r from the centre of mass gets the force -m (a + I^-1 T x r), with the acceleration a of
 the centre and the angular acceleration I^-1 T from total force and torque. On a plane only

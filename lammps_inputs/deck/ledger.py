@@ -18,7 +18,7 @@ from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.run_directory import ENERGY_FILE
 from granwave.lammps_inputs.script_words import joined, num
 
-_LINES = 20  # of the log, about
+_LINES = 20  # approximate number of lines of the log
 
 
 class EnergyPart(NamedTuple):
@@ -118,7 +118,7 @@ def _terms_of(assembly: Assembly, part: EnergyPart) -> list[str]:
 
 
 def _term_insum_of(assembly: Assembly, part: EnergyPart) -> list[str]:
-    """Return the references to a part within another variable; friction by its own variable."""
+    """Return the references to a part within another variable; friction has its own variable."""
     return [f"v_{part.name}"] if part.when == table.FRICTION else _terms_of(assembly, part)
 
 
@@ -129,7 +129,7 @@ def _kinetic_energy(assembly: Assembly, columns: dict[str, str]) -> list[str]:
     moving = ["c_kinetic"]
     if case.has_rotation:
         lines.append("compute         rotational all erotate/sphere")
-        if assembly.has_cylinders:  # the compute takes them for spheres of their masses and radii
+        if assembly.has_cylinders:  # for LAMMPS they are spheres of these masses and radii
             columns["rotational"] = "v_rotational"
             lines.append("variable        rotational equal c_rotational+f_cylinders")
         moving.append(columns["rotational"])

@@ -16,18 +16,20 @@ from granwave.lammps_inputs.run_directory import DUMPS, MOVED_WALLS_FILE
 from granwave.lammps_inputs.script_words import num
 
 MOST_ITERATIONS = 200_000
-# largest contact force over that expected of the load, below which the grains have lost the load
+# largest contact force over the expected one, below which the grains no longer carry the load
 LOST_LOAD = 1e-3
 WALL_PREFIX = "static_"  # prefix of the wall fixes of the stage
 
 _TOLERANCE = 1e-9  # net force on a sphere at convergence over the mean contact force
 # With disorder or dents it takes tens of thousands of iterations, and single contacts may carry
 # many times the mean:
-_TOLERANCE_OF_DISORDER = 3e-7  # same, over the largest contact force, as found in the first half
-_FIRST_HALF = 1e-5  # same, over the mean contact force, in the first half
+_TOLERANCE_OF_DISORDER = 3e-7  # the same over the largest contact force of the first half
+_FIRST_HALF = 1e-5  # the same over the mean contact force, in the first half
 _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
-_ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
-# least slope of its power 2/3 over that of the line through the start: bounds the next distance
+# rounds in which walls move to a force; the secant method doubles the digits in two rounds
+_ROUNDS = 8
+# lower bound of the slope of force^(2/3) over the slope of the line through the start; limits the
+# next distance
 _FLATTEST = 0.1
 
 
@@ -35,7 +37,7 @@ def may_lose_its_load(assembly: Assembly) -> bool:
     """Return True if the initial overlaps are the only load: grains that are free to separate lose
     it, and contacts with nearly zero force have nearly zero stiffness.
 
-    Forces are then compared with those at the start.
+    Forces are then compared with the initial forces.
     """
     stage = assembly.case.precompression
     return stage is not None and stage.is_overlaps_alone
@@ -52,7 +54,7 @@ def minimise(assembly: Assembly, *, first: bool = False) -> str:
     span = float(np.abs(assembly.bounds() - assembly.deck_origin).max())
     rounding = float(
         _ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span
-    )  # of coordinates
+    )  # rounding error of coordinates
     if may_lose_its_load(assembly):
         return _minimise_to(num(float(f"{_TOLERANCE_OF_DISORDER * mean + rounding:.3g}")))
     least = num(float(f"{(_FIRST_HALF if disordered else _TOLERANCE) * mean + rounding:.3g}"))
@@ -71,8 +73,8 @@ def _minimise_to(least: str) -> str:
 def press_walls(assembly: Assembly) -> list[str]:
     """Return the commands that move walls inwards iteratively until they carry their forces.
 
-    The power 2/3 of the force is about linear in the distance: its secant gives the next one, in
-    the first round the line through the start.
+    The power 2/3 of the force is about linear in the distance: its secant gives the next distance,
+    in the first round the line through the start.
     """
     stage = assembly.case.precompression
     if stage is None or not stage.presses:

@@ -22,12 +22,12 @@ from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.script_words import joined, num
 
-MOVING_BED = "v_moving_bed"  # kinetic energy in a restart file, but for spheres that are struck
+MOVING_BED = "v_moving_bed"  # kinetic energy in a restart file, without the impacted spheres
 POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
-FALL = "c_fall"  # part of it that is of strikers: less the work of gravity on them, which is input
+FALL = "c_fall"  # potential energy of strikers: minus the work of gravity on them, which is input
 STATIC = "v_static"  # elastic and potential energy at the start of the run
 CLUMPS = "clumps"  # group of the grains of all clumps
-GRAVITY = 9.81  # m/s^2, of beads on their holder
+GRAVITY = 9.81  # gravity on beads in their guide, m/s^2
 _TICK = (
     "# A tick is the unit of the step counter; fix step, below, sets the number of ticks per step."
 )
@@ -145,8 +145,8 @@ def _absorbing(assembly: Assembly) -> list[str]:
 
 
 def _holder(assembly: Assembly) -> list[str]:
-    """Return the commands for the guide of a chain; after all that apply forces, for friction
-    opposes their sum.
+    """Return the commands for the guide of a chain, after all commands that apply forces, because
+    friction opposes their sum.
     """
     friction = assembly.case.boundary.holder_friction
     if not friction:

@@ -114,7 +114,9 @@ def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
 
 
 def displacements(case: Case) -> list[str]:
-    """Return the commands for displacements from the data file, of all spheres and of those probed."""
+    """Return the commands for displacements from the data file, of all spheres and of those
+    probed.
+    """
     lines = ["compute         displacement all displace/atom"]
     spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]
     if spheres:
@@ -174,14 +176,14 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     """Return the name of the dump of snapshots, with "%" if it has several files.
 
     LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file
-    writes one of its own. So does one that writes in parts, since it may have another number of
+    writes separate files. So does a run that writes in parts, because it may have another number of
     ranks.
     """
     form = assembly.case.output.dump_format
     parts = written_in_parts(assembly)
     name = run_directory.FRAMES_FILES[form]
     if restart_from and (form == "binary" or parts):
-        step = re.findall(r"\d+", restart_from)[0]  # of the name of a checkpoint
+        step = re.findall(r"\d+", restart_from)[0]  # step in the name of a checkpoint
         name = run_directory.FRAMES_RESUMED[form].format(step)
     return of_each_rank(name) if parts else name
 
@@ -227,7 +229,9 @@ def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[st
 
 
 def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Return the commands for the motion of lines of grains, and of the sums of the forces on each."""
+    """Return the commands for the motion of lines of grains, and of the sums of the forces on
+    each.
+    """
     case = assembly.case
     if not case.line:
         return []
@@ -283,8 +287,8 @@ def count_commands() -> list[str]:
     """Return the commands for the number of contacts, from the sum and the mean of a column that is
     never 0.
 
-    It is written to a file, as all parts of the dumps but the first have no header that tells if
-    they were cut.
+    It is written to a file, because only the first part of a dump has a header, so that truncated
+    other parts would not be recognised.
     """
     column = names(table.CONTACTS).index("i") + 1
     return [

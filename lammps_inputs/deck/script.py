@@ -87,8 +87,8 @@ _SKIN = 0.1  # skin distance of the neighbour list, diameters
 _MOST_STEPS_BETWEEN_CHECKS = 10
 # distance between checks of the list at the highest speed, over the skin
 _TRAVEL_BETWEEN_CHECKS = 0.01
-_STEPS_BETWEEN_BALANCES = 500  # of the box between ranks
-_IMBALANCE = 1.1  # work of the busiest rank, over the mean, from which on the box is divided again
+_STEPS_BETWEEN_BALANCES = 500  # steps between balances of the box between ranks
+_IMBALANCE = 1.1  # work of the busiest rank over the mean, above which the box is divided again
 
 
 def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> str:
@@ -97,8 +97,8 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
     Parameters
     ----------
     restart_from
-        Restart file to resume from: system, fixes and outputs are the same, but the state comes
-        from that file, there is no initial velocity, spin, dent or static stage, and output is
+        Restart file to resume from: system, fixes and outputs are the same, but the state is read
+        from this file, there is no initial velocity, spin, dent or static stage, and output is
         appended.
     """
     case = assembly.case
@@ -189,7 +189,7 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
         for kind, bar in enumerate(bars, start=1):
             lines.append(f"group           {bar.name} id {bar.first}:{bar.last}")
             lines.append(f"bond_coeff      {kind} {num(bar.stiffness / 2)} {num(bar.pitch)}")
-        lines.append(f"comm_modify     cutoff {num(reach)}")  # of ghosts
+        lines.append(f"comm_modify     cutoff {num(reach)}")  # cutoff of ghosts
     return [
         f"# Packing: spheres that {touch}. Both processors that share a pair compute it (newton "
         "off).",

@@ -2,21 +2,21 @@
 
 Dead loads are applied, and the spheres are brought to equilibrium by damped dynamics (FIRE, Bitzek
 et al. 2006) without friction. The first half uses Hertz's law for all contacts, and the contact
-history is cleared afterwards, since its overlaps are not those of the case's law. The second half
+history is cleared afterwards, since its overlaps differ from the case's law. The second half
 starts from that equilibrium with the laws and initial dents of the case; contacts whose static
 force exceeds yield get their dents there. FIRE overshoots, which leaves no dents: every iteration
-begins with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents are those of
-a load that grows steadily. Then time and energies are reset to zero.
+begins with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents correspond
+to a monotonically increasing load. Then time and energies are reset to zero.
 
 Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
-halves are one damped run (`damped_run.py`) from the positions of the case on; the tangential
-springs that it leaves stay.
+halves are one damped run (`damped_run.py`) starting from the positions of the case; the resulting
+tangential springs are kept.
 
-A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
-would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
-the stage (`inertia_relief.py`).
+A packing under uniform pressure may rotate rigidly, and dead loads, which keep their directions,
+would amplify the rotation: inertia relief cancels the forces that accelerate it rigidly during the
+stage (`inertia_relief.py`).
 
-A run that is resumed from a checkpoint does not repeat the stage. Files remain: STATIC_STAGE_FILE,
+A resumed run does not repeat the stage. Files remain: STATIC_STAGE_FILE,
 a record; STATIC_FILE, script lines with the reference energy of the energy record; and the forces
 of all contacts (`initial_forces`).
 """
@@ -109,7 +109,7 @@ _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overla
 NET_FORCE = "c_static_net"
 _START = "static_start"  # fix, of velocities before the stage
 _STILL = "velocity        all set 0.0 0.0 0.0 units box"
-_ENERGY = "c_static"  # of all contacts of pairs
+_ENERGY = "c_static"  # energy of all contacts of pairs
 _SPHERE = "c_static_sphere"
 # column of the array of fix wall/gran/hysteretic
 _FORCE_OF_WALL = 1 + table.names(table.WALL_CONTACTS).index("force")
@@ -132,7 +132,7 @@ RECORD = {
     "displacement": "$(c_static_moved:%.9g)",
     "iterations": "${static_iterations}",
 }
-# of grains that each carry their weight, after a damped run: sum of the net forces over the weight
+# for grains that carry their own weight, after a damped run: sum of the net forces over the weight
 # of all, largest net force over the weight of its grain, number of grains that still roll
 RECORD_OF_WEIGHT = {
     "unbalanced": f"$(v_{UNBALANCED}:%.6g)",
@@ -206,7 +206,7 @@ def first_half(assembly: Assembly) -> list[str]:
     mass = float(assembly.sphere_masses().min())
     overlap = (
         1.5 * force_of_contact(assembly) / static_stiffness(assembly)
-    )  # of a contact; walls move by it at first
+    )  # overlap of a contact, by which walls move at first
     return [
         _STAGE_MARKER,
         "# Equilibrium under the dead loads, first with elastic contacts, whose history is then "
@@ -264,7 +264,7 @@ def _waiting(assembly: Assembly) -> list[str]:
 
 
 def _near_balance(assembly: Assembly) -> list[str]:
-    """Return the commands that put the grains near the balance that was found beforehand."""
+    """Return the commands that displace the grains to the balance found beforehand."""
     if balanced_displacements(assembly) is None:
         return []
     return [
@@ -417,14 +417,13 @@ def _balance(assembly: Assembly) -> list[str]:
 
 
 def _turning(case: Case) -> list[str]:
-    """Return the commands for the energy of rotation that a restart file brings."""
+    """Return the commands for the energy of rotation in a restart file."""
     return ["compute         static_turning all erotate/sphere"] if case.has_rotation else []
 
 
 def _moving_bed(assembly: Assembly) -> list[str]:
-    """Return the commands that record the kinetic energy of a restart file, which is input too.
-
-    Spheres that are struck get another velocity.
+    """Return the commands that record the kinetic energy of a restart file, which is input too. The
+    impacted spheres get another velocity.
     """
     case = assembly.case
     terms = ["ke(all)"]

@@ -42,7 +42,7 @@ Value = TypeVar("Value")
 @dataclasses.dataclass(frozen=True)
 class Species:
     """Particles of one LAMMPS type: grains of one material and shape, the face of a bar, or the
-    rest of its nodes.
+    other nodes of a bar.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class Assembly:
     species: tuple[Species, ...]
     _values: dict[Callable[..., Any], Any] = dataclasses.field(
         default_factory=dict, init=False, repr=False
-    )  # of functions that are `kept_by_assembly`
+    )  # results of functions that are `kept_by_assembly`
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Send an assembly to another process as its case; the other process assembles it again."""
@@ -263,12 +263,12 @@ class Assembly:
 
     @cached_property
     def deck_origin(self) -> NDArray[np.float64]:
-        """Origin of the deck in coordinates of the case: (3,), m.
+        """Origin of the LAMMPS input in coordinates of the case: (3,), m.
 
         LAMMPS adds a step of some nanometres to each coordinate, whose rounding grows with the
-        distance from the origin. A file of grains that lies farther from the origin than it is
-        large is moved to it, along each axis; results are in the coordinates of the file. The axis
-        of a tube, or of bars, stays where it is, and so does all next to walls of regions.
+        distance from the origin. Grains of a file at a distance from the origin larger than their
+        extent are moved to the origin, along each axis; results are in the coordinates of the file.
+        The axis of a tube, or of bars, stays where it is, and so does all next to walls of regions.
         """
         low, high = self.lattice_bounds()
         origin = np.zeros(3)
@@ -306,7 +306,9 @@ class Assembly:
         return np.stack([low - side, [*(high[:2] + side), high[2] + bottom]])
 
     def bottom(self) -> float:
-        """Return the z at which a bottom plane or bar touches nominal spheres of the last layer, m."""
+        """Return the z at which a bottom plane or bar touches nominal spheres of the last layer,
+        m.
+        """
         return float(self.faces()[1, 2])
 
     def top(self) -> float:
@@ -368,7 +370,7 @@ class Assembly:
 def kept_by_assembly(function: Callable[[Assembly], Value]) -> Callable[[Assembly], Value]:
     """Make a function whose value an assembly keeps: it is computed once for each assembly.
 
-    Values of rooms above this one use it, since `Assembly` cannot have them as properties.
+    It is used for values of higher-level packages, which cannot be properties of `Assembly`.
     """
 
     @wraps(function)
@@ -392,7 +394,7 @@ def assemble(case: Case) -> Assembly:
         A striker cannot be placed, or vacancies leave too few spheres.
     """
     lattice = layout_of(case.packing, case.boundary)
-    if isinstance(lattice, Lattice) and case.has_cohesion:  # at rest, where contacts bear no force
+    if isinstance(lattice, Lattice) and case.has_cohesion:  # at rest, where contact forces are zero
         lattice = dataclasses.replace(lattice, overlap=balanced_overlap(case, case.material))
     sites = sites_of(case, lattice)
     kinds = dict.fromkeys(

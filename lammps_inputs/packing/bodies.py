@@ -1,9 +1,9 @@
 """Strikers and elastic bars in their positions.
 
-A striker touches given spheres, outside of the packing, all at once. Where their diameters scatter
-there may be no such place: it then rests on as many of them as hold it. A misaligned striker is
-shifted across its way and brought up along it until it touches the first of its spheres; gaps to
-the others are left.
+A striker touches given spheres, outside of the packing, all at once. With a diameter scatter there
+may be no such position: it then rests on as many of them as support it. A misaligned striker is
+shifted perpendicular to its direction and moved along it until it touches the first of its spheres;
+gaps to the others remain.
 
 A bar at an end of a chain is a row of point masses, half a mass at either end, joined by springs E
 A / (element length). The node at the chain's end is its face: a particle without radius, which the
@@ -39,13 +39,14 @@ _OVERLAP = 1e-6  # diameters; largest overlap with other spheres
 def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
     """Return the centres of the strikers of a case: (3,) each, m.
 
-    If there are several positions in contact, a moving striker is placed on the side that it comes
-    from, a resting one away from the centre of the packing, or above it if both sides are equal.
+    If there are several positions in contact, a moving striker is placed on the side from which it
+    arrives, a striker at rest away from the centre of the packing, or above it if both sides are
+    equal.
 
     Raises
     ------
     ValueError
-        No position of a striker touches its spheres, a shifted one misses them, or a striker
+        No position of a striker touches its spheres, a shifted striker misses them, or a striker
         overlaps another sphere.
     """
     if not case.striker:
@@ -76,7 +77,7 @@ def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
             centre = rested
         shift = striker_shift(
             case.packing.seed, striker, number
-        )  # only what is across its way counts
+        )  # only the part across its direction counts
         if shift.any():
             way = np.array(striker.velocity) if any(striker.velocity) else -side
             way = way / np.linalg.norm(way)
@@ -189,7 +190,7 @@ def _touching(
     middle = at.mean(axis=0)
     if len(at) == 1:
         return middle + reach[0] * side
-    from scipy.optimize import least_squares  # takes longer to load than most commands need
+    from scipy.optimize import least_squares  # imported on demand: slow to load
 
     _, sizes, directions = np.linalg.svd(at - middle)
     spanned = directions[: len(sizes)][sizes > _TELLING * sizes[0]]
@@ -205,14 +206,14 @@ def _touching(
     return middle + found.x @ axes
 
 
-# names, as in the case
+# names as in the case
 INCIDENT_BAR = "incident_bar"
 BAR = "bar"
 
 
 @dataclasses.dataclass(frozen=True)
 class PlacedBar:
-    """A bar in its place.
+    """A bar in its position.
 
     Attributes
     ----------
@@ -294,5 +295,5 @@ def echoes(bars: Iterable[PlacedBar]) -> dict[str, float]:
     name, s.
     """
     crossing = {bar.name: bar.section.length / bar.wave_speed for bar in bars}
-    arrival = crossing.get(INCIDENT_BAR, 0.0)  # of the load at the chain
+    arrival = crossing.get(INCIDENT_BAR, 0.0)  # arrival of the load at the chain
     return {name: arrival + 2 * time for name, time in crossing.items()}

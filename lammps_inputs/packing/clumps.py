@@ -1,6 +1,6 @@
-"""Clumps: grains of one number, which move as one rigid body.
+"""Clumps: grains with a common number, which move as one rigid body.
 
-A clump has the mass and the moments of inertia of its spheres, each counted whole: where spheres
+A clump has the mass and the moments of inertia of its complete spheres: where spheres
 overlap, their common volume counts for each of them, as in ``fix rigid`` of LAMMPS.
 """
 

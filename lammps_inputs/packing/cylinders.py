@@ -58,7 +58,7 @@ def distances(
     """Return the distances of centres or axes for pairs of rows, from which overlaps are computed:
     (n,), m.
 
-    Beyond the end of a cylinder the distance of the centres counts, if the grain does not overlap
+    Beyond the end of a cylinder the distance of the centres is used, if the grain does not overlap
     with it.
 
     Parameters
@@ -122,7 +122,7 @@ def nearest_vectors(
     Returns
     -------
     apart
-        Vectors between centres or axes where these are nearest, in the same sense: (n, 3), m.
+        Vectors between centres or axes at their nearest points, in the same direction: (n, 3), m.
     beyond
         Distances of those positions from the end of a cylinder, negative between its ends: (n,), m.
     """
@@ -163,16 +163,16 @@ def turning_projection(
 def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     """Return the pairs of ids that touch or overlap at the end of a cylinder, sorted, i < j.
 
-    A sphere does if it is nearer to the rim or the face than its radius; cylinders do if the place
-    where their sides meet is beyond an end, and parallel ones also if they are side by side over a
-    part of the shorter one only.
+    A sphere does if its distance from the rim or the face is below its radius; cylinders do if the
+    contact of their sides is beyond an end, and parallel cylinders also if they are side by side
+    over only a part of the shorter one.
 
     Parameters
     ----------
     slack
         Largest gap of touching grains, m.
     """
-    from scipy.spatial import KDTree  # takes longer to load than most commands need
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     radius = grains.diameter / 2
     reach = reaches(grains)
@@ -189,7 +189,7 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     ).reshape(-1, 2)
     distance, beyond = separations(grains.position, grains.shape, *(ids - 1).T)
     radii = radius[ids - 1]
-    parallel: dict[tuple[tuple[float, ...], ...], bool] = {}  # by axes, of which a packing has few
+    parallel: dict[tuple[tuple[float, ...], ...], bool] = {}  # cached by axes; a packing has few
     found = []
     for (one, other), apart, past, (r1, r2) in zip(
         ids.tolist(), distance, beyond, radii.tolist(), strict=True

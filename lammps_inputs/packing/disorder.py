@@ -4,12 +4,13 @@ tilted floor.
 Separate streams of random numbers follow from ``packing.seed``, so that a change of one property
 does not change the others:
 
-    diameters     one number for each site, scaled by the width of the band; independent of vacancies and replaced
+    diameters one number for each site, scaled by the width of the band; independent of vacancies
+    and replaced
                   spheres
-    vacancies     one number for each site; the sites of the smallest numbers are vacant, so that the vacancies of a
-                  larger share include those of a smaller one
-    replace       likewise, with one stream for each entry, by its place in the case
-    strikers      three numbers for each striker with a misalignment, one stream each, by its place in the case
+    vacancies one number for each site; the sites of the smallest numbers are vacant, so that the
+    vacancies of a larger fraction include those of a smaller fraction replace       likewise, with
+    one stream for each entry, by its position in the case strikers three numbers for each striker
+    with a misalignment, one stream each, by its position in the case
 
 The numbers are the upper 53 bits of the output of PCG64, whose stream numpy guarantees for all
 versions and machines. For a normal distribution they pass through a special function whose last
@@ -19,7 +20,7 @@ Spheres of a square packing on a slightly tilted floor: each lies on it, leaning
 or walls.
 
 The spheres roll to a corner and come to rest one after another, so that every sphere touches the
-next one towards the corner in its row and in its column, or the wall there. Sphere (a, b), counted
+next sphere towards the corner in its row and in its column, or the wall. Sphere (a, b), counted
 from the corner, is where the circles of these contacts meet; all spheres of a diagonal are placed
 at once. The contacts are closed and carry no force.
 """
@@ -43,7 +44,7 @@ _GRID = 2.0**-24  # fraction of the band
 
 
 def is_random(case: Case) -> bool:
-    """Return True if the packing or a striker's place depends on the seed."""
+    """Return True if the packing or a striker's position depends on the seed."""
     share = isinstance(case.packing.vacancies, float) and case.packing.vacancies > 0
     strikers = any(any(striker.misalignment) for striker in case.striker)
     return (
@@ -69,7 +70,7 @@ def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
     """
     place = _uniform(packing.seed, n, DIAMETERS)
     if packing.scatter_distribution == "normal":
-        from scipy.special import ndtr, ndtri  # takes longer to load than most commands need
+        from scipy.special import ndtr, ndtri  # imported on demand: slow to load
 
         least = ndtr(-_DEVIATIONS)
         most = ndtr(_DEVIATIONS)
@@ -85,7 +86,7 @@ def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDAr
     Raises
     ------
     ValueError
-        The share exceeds the spheres that may be omitted.
+        The fraction exceeds the spheres that may be omitted.
     """
     if isinstance(packing.vacancies, tuple) or not packing.vacancies:
         return np.array(packing.vacancies or (), dtype=np.int64) - 1
@@ -160,18 +161,18 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
     diameter
         Nominal diameter, m: walls and floor touch nominal spheres at the sites of the lattice.
     diameters
-        Diameters of the spheres, at most the nominal one: (nx ny,), m.
+        Diameters of the spheres, at most the nominal diameter: (nx ny,), m.
     tilt
         Signs of the directions along x and y in which the spheres roll.
 
     Raises
     ------
     ValueError
-        The spheres differ so much that one finds no place between its neighbours.
+        The spheres differ so much that one does not fit between its neighbours.
     """
     nx, ny = size[:2]
     radii = _from_corner(diameters.reshape(ny, nx) / 2, tilt)
-    drop = diameter / 2 - radii  # of the centres below those of nominal spheres
+    drop = diameter / 2 - radii  # height of nominal centres above these centres
     # distances from the two walls
     u = np.empty_like(radii)
     v = np.empty_like(radii)
@@ -182,7 +183,7 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
         a = diagonal - b
         reach_u = _reach(
             radii, drop, (b, a), (b, a - 1)
-        )  # of the one in its row; no use at the wall
+        )  # distance of the neighbour in its row; not used at the wall
         reach_v = _reach(radii, drop, (b, a), (b - 1, a))
         first = (b == 0) & (a > 0)
         last = (a == 0) & (b > 0)
@@ -191,7 +192,7 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
             reach_u[first], v[0, a[first]] - v[0, a[first] - 1]
         )
         v[b[last], 0] = v[b[last] - 1, 0] + _side(reach_v[last], u[b[last], 0] - u[b[last] - 1, 0])
-        # where circles about the ones beside and below meet, away from the corner
+        # intersection of circles about the neighbours in the row and below, away from the corner
         i = b[inner]
         j = a[inner]
         beside, below = (np.stack([u[one], v[one]]) for one in ((i, j - 1), (i - 1, j)))
@@ -200,7 +201,7 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
         along = (apart**2 + reach_u[inner] ** 2 - reach_v[inner] ** 2) / (2 * apart)
         normal = np.stack([-between[1], between[0]]) / apart
         u[i, j], v[i, j] = beside + along * between / apart + _side(reach_u[inner], along) * normal
-    far = np.array([nx - 1, ny - 1]) * diameter + diameter / 2  # where the far walls are
+    far = np.array([nx - 1, ny - 1]) * diameter + diameter / 2  # positions of the far walls
     x, y = (
         far[axis] - part if sign > 0 else part - diameter / 2
         for axis, (part, sign) in enumerate(zip((u, v), tilt, strict=True))
@@ -215,7 +216,7 @@ def _from_corner(values: Array, tilt: tuple[int, int]) -> Array:
 
 
 def _reach(radii: Array, drop: Array, one: Cells, other: Cells) -> Array:
-    """Distance in the plane of the centres of two touching spheres on the floor."""
+    """Return the distance in the plane of the centres of two touching spheres on the floor."""
     return _side(radii[one] + radii[other], drop[one] - drop[other])
 
 

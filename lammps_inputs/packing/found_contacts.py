@@ -33,7 +33,7 @@ from granwave.lammps_inputs.packing.touching import (
 )
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
-# diameters: tolerance up to which the digits of a file explain overlaps without being asked
+# diameters: tolerance below which overlaps are attributed to the digits of a file
 _EXPLAINED = 1e-4
 _LARGEST_TOLERANCE = 0.1  # smallest diameters
 
@@ -45,7 +45,7 @@ def period_of(packing: PackingSection, boundary: Boundary | None) -> Period:
 
 
 def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
-    """Put grains and static load of a case as its ``packing.contacts`` starts them.
+    """Set grains and static load of a case according to its ``packing.contacts``.
 
     Parameters
     ----------

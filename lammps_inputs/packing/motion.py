@@ -1,4 +1,4 @@
-"""Grains that are struck, that move from the start, that are held, and that are recorded in time."""
+"""Impacted grains, grains with an initial velocity, held grains, and grains recorded in time."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def impacted_of(assembly: Assembly) -> tuple[int, ...]:
 
 
 def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
-    """Return the initial velocities by id of the spheres that have one, m/s."""
+    """Return the initial velocities of moving spheres by id, m/s."""
     velocities = own_velocities(assembly)
     velocity = start_velocity(assembly)
     if velocity is not None:
@@ -138,8 +138,8 @@ def own_velocities(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
 def own_spins(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     """Return the nonzero initial angular velocities of grains of a file, by id, rad/s.
 
-    Without friction they have no effect. Grains that come to balance, that are part of a clump,
-    whose rotation is held, and cylinders begin without spin.
+    Without friction they have no effect. Spins are zero initially for grains that reach equilibrium
+    first, grains of clumps, grains whose rotation is held, and cylinders.
     """
     case = assembly.case
     balances = case.precompression is not None and case.seeks_balance
@@ -161,8 +161,8 @@ def held_ids(case: Case, hold: Hold) -> tuple[int, ...]:
 
 
 def held_against_load(assembly: Assembly) -> tuple[int, ...]:
-    """Return the ids of the grains held along a direction in which the load moves others: a last
-    layer held in place, and the grains of ``[[hold]]`` and ``[[guide]]``.
+    """Return the ids of the grains held along a direction in which the load moves other grains: a
+    last layer held in place, and the grains of ``[[hold]]`` and ``[[guide]]``.
     """
     case = assembly.case
     moving = {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
@@ -178,7 +178,7 @@ def held_against_load(assembly: Assembly) -> tuple[int, ...]:
 
 
 _BESIDE = 0.25  # diameters; grains of a line are no further from it
-# diameters above a floor that does not move: grains there cannot reach the speed of the wave
+# diameters above a fixed floor: grains there cannot reach the speed of the wave
 _HELD = 3.0
 
 
@@ -213,8 +213,8 @@ def all_line_ids(assembly: Assembly) -> tuple[int, ...]:
 
 
 def left_out(assembly: Assembly, line: Line) -> int:
-    """Return the number of grains at the end of a line that the floor holds, so that the fit of the
-    decay leaves them out.
+    """Return the number of grains at the end of a line that are held by the floor and excluded from
+    the fit of the decay.
     """
     if not isinstance(line.leave_out, str):
         return line.leave_out
@@ -226,7 +226,7 @@ def left_out(assembly: Assembly, line: Line) -> int:
     return next((n for n, held in enumerate(reversed(near)) if not held), len(near))
 
 
-# instants; beads of a chain from which on they are recorded by themselves
+# instants; largest number of beads of a chain that are recorded together
 _HISTORY = 1000
 _LEAST_HISTORY = 5
 _LINE_HISTORY = 2000  # instants

@@ -209,7 +209,7 @@ def near_pairs(
     period
         Periods along x and y, m.
     """
-    from scipy.spatial import KDTree  # takes longer to load than most commands need
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     box = None
     if period is not None:
@@ -217,7 +217,7 @@ def near_pairs(
         box = np.array([*period, 0.0])
         position = position.copy()
         position[:, :2] = np.mod(position[:, :2], period)
-        # as rounding of the remainder may leave it
+        # rounding of the remainder
         position[:, :2][position[:, :2] >= period] = 0.0
     found = [np.empty((0, 2), dtype=np.int64)]
     classes = np.floor(np.log2(radius / radius.min()) + 1e-9)
@@ -234,7 +234,7 @@ def near_pairs(
     return np.sort(np.concatenate(found).astype(np.int64), axis=1)
 
 
-Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are
+Layout: TypeAlias = Lattice | Places  # arrangement of the spheres of a packing
 
 
 def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:

@@ -74,7 +74,7 @@ class RegionFace:
 
 
 def _all_faces(shape: RegionShape) -> tuple[str, ...]:
-    """Return the names of all faces of the inside of a region with a finite place."""
+    """Return the names of all faces of the inside of a region at finite positions."""
     bounds = shape.bounds
     names = [name for name, place in bounds.items() if math.isfinite(place)]
     if shape.style == "block":
@@ -98,7 +98,7 @@ def _distance(shape: RegionShape, face: str, positions: Floats) -> tuple[Floats,
 
 
 def _distance_of_round(shape: RegionShape, positions: Floats) -> tuple[Floats, Floats]:
-    """Return the same from a sphere, or from the side of a cylinder or cone."""
+    """Return the distances and normals for a sphere, or for the side of a cylinder or cone."""
     slope = 0.0
     radius: Floats | float = shape.values[3] if shape.style == "sphere" else shape.values[2]
     outward = positions - shape.values[:3]

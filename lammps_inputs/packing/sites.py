@@ -1,10 +1,10 @@
 """Sites of a lattice with different spheres: diameters, materials, vacancies.
 
 Spheres are centred on the sites of the lattice of nominal spheres: smaller ones leave gaps, larger
-ones need space. The beads of a chain are stacked in contact by their nominal diameters, those of
-`[[replace]]` included; diameters below nominal by the tolerance leave gaps there, too. The
-tolerance counts from the nominal diameter of each sphere. On a tilted floor the spheres of a square
-packing lean on each other instead (`granwave.lammps_inputs.packing.disorder`).
+ones need space. The beads of a chain, including those of `[[replace]]`, are stacked in contact by
+their nominal diameters; diameters below nominal by the tolerance leave gaps. The tolerance counts
+from the nominal diameter of each sphere. On a tilted floor the spheres of a square packing lean on
+each other instead (`granwave.lammps_inputs.packing.disorder`).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Sites:
     leaning
         Centres of spheres that lean on each other: (n_sites, 3), m; None: they are at the sites.
     uniform
-        True if all spheres are equal and none is missing: arrays of one value, which take no
+        True if all spheres are equal and none is missing: arrays of a single value, which need no
         memory.
     """
 
@@ -70,7 +70,7 @@ class Sites:
         Parameters
         ----------
         whole
-            True for sequences that fill the chain without a rest.
+            True for sequences that fill the chain without a remainder.
         """
         beads = np.stack([self.diameter, self.nominal, self.body], axis=1)
         n = len(self.body)
@@ -160,13 +160,13 @@ class Sites:
 
     @cached_property
     def _counts(self) -> tuple[int, int]:
-        """Numbers of neighbouring and of touching pairs."""
+        """Return the numbers of neighbouring and of touching pairs."""
         stacked = self.nominal if self.lattice.rule.is_chain else self.lattice.diameter
         if self.uniform or (self.count == len(self.present) and (self.diameter == stacked).all()):
             return (
                 self.lattice.n_contacts,
                 self.lattice.n_contacts,
-            )  # they differ in their materials only
+            )  # only the materials differ
         sizes = [
             (len(pairs), int(np.count_nonzero(self._touch(pairs, gaps))))
             for pairs, gaps in self.neighbours()
@@ -194,7 +194,7 @@ class Sites:
         """Select the touching pairs; those with larger spheres are found by `near_larger`."""
         slack = TOUCHING * self.lattice.diameter
         if isinstance(self.lattice, Places):
-            return gaps <= slack  # overlaps at the start touch too, where they are asked for
+            return gaps <= slack  # initial overlaps are contacts too, where they are requested
         touching = np.abs(gaps + self.lattice.overlap) <= slack
         return touching & ~self.larger[pairs - 1].any(axis=1) if self.larger.any() else touching
 
@@ -213,7 +213,7 @@ class Sites:
         large = np.flatnonzero(self.larger & self.present)
         if not large.size:
             return np.empty((0, 2), dtype=np.int64), np.empty(0)
-        from scipy.spatial import KDTree  # takes longer to load than most commands need
+        from scipy.spatial import KDTree  # imported on demand: slow to load
 
         centres = self.positions(1, len(self.present))
         tree = KDTree(centres[present])
@@ -261,7 +261,7 @@ def sites_of(case: Case, lattice: Layout) -> Sites:
     Raises
     ------
     ValueError
-        A fraction of vacancies leaves too few spheres, or spheres on a tilted floor find no place.
+        A fraction of vacancies leaves too few spheres, or spheres on a tilted floor do not fit.
     """
     packing = case.packing
     n = lattice.n_spheres

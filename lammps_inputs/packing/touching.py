@@ -1,11 +1,11 @@
 """Contacts of grains at user-defined positions that touch within a tolerance: the rounding of their
 file, and the displacements after which they just touch.
 
-A grain whose coordinates are rounded to the unit u of their last place is off by up to u/2 along
-each axis, and its diameter by as much. The gap of a pair is then off by up to (sqrt(3) + 1/2) u.
+A grain whose coordinates are rounded to the unit u of their last place has an error of up to u/2
+along each axis and in its diameter. The gap of a pair is then off by up to (sqrt(3) + 1/2) u.
 
-Of the displacements that close all gaps g of the pairs, J d = -g to first order, the smallest in
-the sense of least squares is taken, and again from there: the gaps fall quadratically.
+Of the displacements that close all gaps g of the pairs, J d = -g to first order, the least-squares
+smallest is applied, iteratively: the gaps fall quadratically.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from granwave.lammps_inputs.packing.cylinders import (
 from granwave.lammps_inputs.packing.places import near_pairs
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
-_DIGITS = 15  # of a number of double precision that survive a change of its unit
+_DIGITS = 15  # digits of a double that survive a change of its unit
 _OF_GAP = math.sqrt(3) + 1 / 2  # largest error of a gap over the unit of the last place
 _LARGEST_DEFAULT = 1e-2  # diameters: largest tolerance by the digits of a file
-_ROUNDS = 6  # of the fit; the error is squared in each
+_ROUNDS = 6  # iterations of the fit; each squares the error
 _CLOSED = 1e-13  # diameters: gap of grains that just touch
-_PRECISION = 1e-14  # of the least squares
+_PRECISION = 1e-14  # precision of the least squares
 _MOST_ITERATIONS = 20_000
 
 Period = tuple[float, float] | None
@@ -57,8 +57,8 @@ def _significant_digits(value: float) -> int:
 
 
 def rounding_of(grains: Grains) -> float:
-    """Return the unit of the last digit of the lengths of grains, m: as the reader of their file
-    found it, else as their digits show it.
+    """Return the unit of the last digit of the lengths of grains, m: as found by the reader of the
+    file, otherwise from the digits.
     """
     if len(grains.half_unit):
         return 2 * float(grains.half_unit.max())
@@ -180,7 +180,7 @@ def fit_touching(grains: Grains, tolerance: float, period: Period = None) -> Tou
         gap = _gaps(grains, there, contacts.pairs, period)
         left = float(np.abs(gap).max())
         if left > best / 2:
-            break  # rounding, or more contacts than any places have
+            break  # rounding, or more contacts than any arrangement can have
         position = there
         best = left
     moved = np.linalg.norm(position - grains.position, axis=1)
@@ -195,7 +195,7 @@ def _closing(
     period: Period,
 ) -> NDArray[np.float64]:
     """Return the smallest displacements that close some gaps, to first order: (n, 3), m."""
-    # they take longer to load than most commands need
+    # imported on demand: slow to load
     from scipy.sparse import csr_array
     from scipy.sparse.linalg import lsqr
 

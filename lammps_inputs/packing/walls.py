@@ -36,8 +36,8 @@ class Wall:
     Attributes
     ----------
     name
-        Name of the wall: bottom, plate, xlo, xhi, ylo, yhi or tube; of a face of a region that of
-        the region, with that of the face if it has several.
+        Name of the wall: bottom, plate, xlo, xhi, ylo, yhi or tube; for a face of a region the name
+        of the region, with the name of the face if there are several.
     axis
         Axis of the normal: 0, 1 or 2 for x, y or z; 0 of a tube, whose first direction is radial,
         and of a face of a region, whose first direction is its normal.
@@ -54,16 +54,16 @@ class Wall:
     material
         Material of the plane; None if rigid.
     support
-        Support of a moving plane; None if it does not move.
+        Support of a moving plane; None if it is fixed.
     plate
         Mass (kg) and velocity (m/s) of a rigid plate on the free top; None for other walls.
     overlap
-        Overlap of spheres that touch it, m; with cohesion the overlap at which contacts bear no
-        force.
+        Overlap of spheres that touch it, m; with cohesion the overlap at zero contact force.
     face
         Face of a region, or patch of a surface of triangles; None for other walls.
     friction
-        Coefficient of friction of the wall; None for that of boundary or contact law.
+        Coefficient of friction of the wall; None for the coefficient of the boundary or contact
+        law.
     fixes
         Its LAMMPS fixes, one for each material: name, group and material of the grains.
     """
@@ -180,9 +180,8 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
     found += _faces_of_regions(case)
     placed = []
-    for wall in (
-        found
-    ):  # with cohesion where spheres bear no force; tubes, and sides with a gap, as they are
+    # with cohesion, at zero contact force; tubes, and sides with a gap, are unchanged
+    for wall in found:
         as_it_is = (
             wall.held_layer
             or wall.tube
@@ -374,8 +373,7 @@ def materials_at(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
 def moving_fix(assembly: Assembly) -> str | None:
     """Return the name of the fix with the moving plane; None if no plane moves.
 
-    Spheres of other materials than the last layer have a fix of their own, with a plane that does
-    not move.
+    Spheres of other materials than the last layer have a separate fix, with a fixed plane.
     """
     for wall in walls(assembly):
         if wall.support is not None:
@@ -385,8 +383,8 @@ def moving_fix(assembly: Assembly) -> str | None:
 
 
 def backing_of(assembly: Assembly, wall: Wall, material: Material) -> Backing | None:
-    """Return the moving mass and support behind a wall that grains of a material press; None if it
-    does not move.
+    """Return the moving mass and support behind a wall loaded by grains of a material; None if it
+    is fixed.
     """
     if wall.plate is not None:
         return Backing(wall.plate[0], 0.0)
@@ -396,8 +394,8 @@ def backing_of(assembly: Assembly, wall: Wall, material: Material) -> Backing | 
 
 
 def support_timestep(assembly: Assembly, stiffness: float) -> float:
-    """Return the longest timestep that resolves the motion of the bottom, s; infinite if it does
-    not move.
+    """Return the longest timestep that resolves the motion of the bottom, s; infinite if it is
+    fixed.
 
     Parameters
     ----------

@@ -3,10 +3,10 @@
 A solitary wave in a chain of equal beads of mass m takes 1.355 sqrt(m/k) from bead to bead, with
 the stiffness k = 3/2 F/alpha of a Hertz contact at the largest force F. Where a layer rests on the
 next by several contacts, their stiffnesses along the way add up. The force falls with the depth as
-a wave spreads, F ~ n^-p over n layers, and the stiffness with its cube root: p is 0 of a plane
-wave and where lines of contacts guide it, and was read off runs of packings of one (in a plane) or
-two lateral dimensions. Against runs on brass at 1 to 5 m/s the estimate is within 10 % in chains,
-13 to 18 % late in sc, fcc and hcp, and 37 % late in bcc.
+a wave spreads, F ~ n^-p over n layers, and the stiffness with its cube root: p is 0 for a plane
+wave and for a wave guided by lines of contacts; for packings with one (in a plane) or two lateral
+dimensions it was determined from runs. Against runs on brass at 1 to 5 m/s the estimate is within
+10 % in chains, 13 to 18 % late in sc, fcc and hcp, and 37 % late in bcc.
 
 Under a static load small waves travel at the speed of long waves, see
 `granwave.lammps_inputs.contact.travel_time`.
@@ -28,8 +28,9 @@ from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 _PER_BEAD = 1.355  # time of a solitary wave from bead to bead over sqrt(m/k)
 _DECAY = (0.0, 0.8, 1.7)  # p, by the number of lateral dimensions in which a wave spreads
 _RANDOM = math.sqrt(2 / 3)  # layers of grains of a file that are no chain, diameters
-_STIFFNESS = (1.0, 1.5, 2.0)  # of a layer on the next, over that of a contact, likewise of a file
-_FEWEST_STEPS = 3  # from layer to layer
+# stiffness between layers over the stiffness of a contact; the same for files
+_STIFFNESS = (1.0, 1.5, 2.0)
+_FEWEST_STEPS = 3  # steps from layer to layer
 
 
 def expected_arrival(assembly: Assembly) -> float | None:

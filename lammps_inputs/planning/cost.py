@@ -17,9 +17,9 @@ alpha_y) only, whatever material and size. Power laws were fitted to impacts on 
 packings that were larger than the zone; all data lie within the factor `spread`:
 
     kind      depth / D      radius / D     spread   fitted to
-    fcc, hcp  1.30 e^0.255   1.0 e^0.265    1.5      13 impacts, e from 13 to 1.35e5, one of them on 7 spheres
-    bcc       1.30 e^0.32    2.2 e^0.26     1.4      4 impacts, e from 13 to 1.4e3
-    sc, chain 75             0              -        6 impacts, e from 3.4 to 5.4e5
+    fcc, hcp 1.30 e^0.255 1.0 e^0.265 1.5 13 impacts, e from 13 to 1.35e5, one of them on 7 spheres
+    bcc 1.30 e^0.32 2.2 e^0.26 1.4 4 impacts, e from 13 to 1.4e3 sc, chain 75 0 - 6 impacts, e from
+    3.4 to 5.4e5
 
 Along a line of contacts a pulse with a force just above F_y is not attenuated: 75 spheres or more
 yield, 240 to 350 of 600 within 8 ms. Below e = 3 little more than the struck contacts yields.
@@ -44,24 +44,24 @@ from granwave.lammps_inputs.planning.schedule import Schedule
 
 ANALYSED_AT_ONCE = (
     2**18
-)  # spheres that the analysis holds at once, beside those of a few layers of them
-MOST_DRAWN = 1_000_000  # spheres of a packing that is drawn without being asked for
+)  # spheres that the analysis holds at once, in addition to a few layers of them
+MOST_DRAWN = 1_000_000  # largest number of spheres of a packing that is drawn by default
 
 # bytes
 _PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the analysis, loaded
-# of LAMMPS and the sorted snapshot; with friction in addition
+# a sphere in LAMMPS and in the sorted snapshot; with friction in addition
 _SPHERE = 750.0
 _PAIR = 155.0  # 135 measured, and 16 of the front of the wave since
 _ROUGH_PAIR = 60.0
-_SLIPPING_PAIR = 1500.0  # with partial slip in addition, all in contact
+_SLIPPING_PAIR = 1500.0  # additional memory with partial slip, all in contact
 _STATIC_STAGE = 2.0  # times the memory of a run without one
-# of the analysis of a part, all contacts dented
+# a sphere in the analysis of a part, with all contacts indented
 _ANALYSED_SPHERE = 550.0
 _ANALYSED_PAIR = 310.0
 _FASTEST = 2.0  # speed of the wave near the load, over its mean speed to the bottom
-_LAYERS = 4  # next to a part: at most so many hold spheres that may touch it
+_LAYERS = 4  # next to a part, with spheres that may touch it
 _LEAST_OF_RANK = 0.9e9  # memory that the analysis may take for each rank of the run
-_SITE = 170.0  # a site of a lattice of unlike or missing spheres, while the deck is written
+_SITE = 170.0  # a site of a lattice with dissimilar or missing spheres, while the script is written
 _PLACED_SITE = 120.0  # a site of a lattice against which strikers are placed
 _DRAWN = 2 * 600.0  # a sphere, in two processes that draw
 _DATA = 75.0  # a sphere in the data file
@@ -78,14 +78,14 @@ _DENT = 110.0  # a pair that has touched, among the contacts at the end
 _FRAME_FORCE = 160.0  # a pair that has touched, among the contact forces of a snapshot
 # a pair among the forces after the static stage: in scratch files and result.h5
 _INITIAL_FORCE = 70.0
-# in scratch files of an analysis in parts
+# bytes in scratch files of an analysis in parts
 _SCRATCH_SPHERE = 56.0
 _SCRATCH_PAIR = 150.0
 # measured with friction, all yielded
 _CHECKPOINT_SPHERE = 250.0
 _CHECKPOINT_PAIR = 250.0  # 240 measured: the records of both spheres
-_CHECKPOINT_SLIPPING_PAIR = 630.0  # with partial slip in addition
-_ROW = 400.0  # of the ledger
+_CHECKPOINT_SLIPPING_PAIR = 630.0  # additional bytes with partial slip
+_ROW = 400.0  # a row of the ledger
 # disk space of a particle at an instant of a chain's history, in rows of the ledger
 _ROWS_PER_PARTICLE = 0.25
 
@@ -128,7 +128,7 @@ def _of_steps(assembly: Assembly) -> float:
 def _of_part(assembly: Assembly) -> float:
     """Estimate the memory of a rank for its part of the packing in the analysis, bytes."""
     n = assembly.n_particles
-    if n <= ANALYSED_AT_ONCE:  # of a small packing snapshots only
+    if n <= ANALYSED_AT_ONCE:  # only snapshots of a small packing
         return n * _ANALYSED_SPHERE
     nx, ny, _ = assembly.lattice.shape
     at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
@@ -145,7 +145,7 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunS
     of_step = _of_steps(assembly) / n_ranks
     part = _of_part(assembly)
     analysis = part
-    if n <= ANALYSED_AT_ONCE:  # the first rank holds a small packing whole
+    if n <= ANALYSED_AT_ONCE:  # the first rank holds a complete small packing
         analysis = n * _ANALYSED_SPHERE + pairs * _ANALYSED_PAIR
     if n <= MOST_DRAWN:
         analysis = max(analysis, n * _DRAWN)
@@ -261,7 +261,7 @@ _HISTORY = 3e-6  # a particle at an instant of a chain's history
 # all figures of a run as PNG, including the start of program and library
 _FIGURES_OF_CHAIN = 1.7
 _FIGURES = 3.8
-_FORMAT = 0.45  # of that time for each further format
+_FORMAT = 0.45  # fraction of that time for each further format
 
 # first timesteps that an automatic one makes up for over a run: 1 to 1.5 in elastic packings and
 # chains, else 2 to 7
@@ -321,7 +321,7 @@ def expected_wall_time(
         True if figures are drawn.
     """
     case = assembly.case
-    # of the longest possible run
+    # steps of the longest possible run
     n = assembly.n_particles
     part = 1.0
     if schedule.block_steps:
@@ -418,7 +418,9 @@ class ExpectedZone:
 
     @property
     def may_reach(self) -> tuple[str, ...]:
-        """Names of further boundaries that it reaches if it is larger than estimated by ``spread``."""
+        """Names of further boundaries that it reaches if it is larger than estimated by
+        ``spread``.
+        """
         larger = dataclasses.replace(
             self, depth=self.spread * self.depth, radius=self.spread * self.radius
         )
@@ -448,7 +450,7 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     i, j, _ = lattice.indices(sphere)
     if case.boundary.periodic:
         room["sides"] = min(lattice.lengths) / 2
-    elif nx > 1 or ny > 1:  # to the nearest end of a row
+    elif nx > 1 or ny > 1:  # number of layers to the nearest end of a row
         ends = [(0, sphere + (end - i)) for end in (0, nx - 1) if nx > 1]
         ends += [(1, sphere + (end - j) * nx) for end in (0, ny - 1) if ny > 1]
         room["sides"] = min(

@@ -1,26 +1,27 @@
-"""Energy that a load puts into a packing, and the collisions that bound the overlaps of a run.
+"""Energy input of a load, and the collisions that bound the overlaps of a run.
 
 The hardest collision bounds all overlaps of the run. Candidates are collisions of effective mass
-m_eff at the normal velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on
+m_eff at the normal velocity v_n, in which the contact absorbs at most W = m_eff v_n^2 / 2 on
 loading:
 
 * the impacted sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
 * the impacted sphere against the n spheres that it rests on, at the angle theta to the impact
 direction:
   m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
-* a sphere that a rigid plate throws forward at twice its velocity, or the fraction of a contact in
-the plate's energy;
-* a sphere against a wall, or against one that is held: m_eff = m, v_n = v if lines of contacts carry the pulse there
-  undivided (chain, simple cubic), else v halved with each layer on the way; a wall that moves counts with the mass of
-  its plate.
+* a sphere accelerated by a rigid plate to twice its velocity, or the fraction of the plate's energy
+  per contact;
+* a sphere against a wall, or against a held sphere: m_eff = m, v_n = v if lines of contacts
+carry the pulse there
+  undivided (chain, simple cubic), else v halved with each layer on the way; a wall that moves
+  counts with the mass of its plate.
 
 If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a
-pair of masses m1 < m2 takes up at most m2/(m1 + m2), and all of it where one of them is held. The energy input of a force F is at most that
-of its impulse J on a free sphere, J^2/2m, and no contact force exceeds some 2.5 F (2.3 F in a
-Hertzian chain). If there are many diameters, those within 10 % of each other are represented by the
-smallest one, which has the stiffest contact for its mass. Equal spheres with diameter scatter are
-represented by the smallest one, struck by one of nominal size. Under a static load each contact
-also takes up the work of that load.
+pair of masses m1 < m2 takes up at most m2/(m1 + m2), or all of it if one of them is held. The
+energy input of a force F is at most that of its impulse J on a free sphere, J^2/2m, and no contact
+force exceeds some 2.5 F (2.3 F in a Hertzian chain). If there are many diameters, diameters within
+10 % of each other are represented by the smallest, which has the stiffest contact for its mass.
+Equal spheres with diameter scatter are represented by the smallest sphere, impacted by a nominal
+sphere. Under a static load each contact also takes up the work of that load.
 """
 
 from __future__ import annotations
@@ -68,7 +69,8 @@ def fastest(assembly: Assembly) -> float:
 
 
 BOTTOM = "boundary.bottom"  # key of a support
-# kinds of spheres that are distinguished; if more, diameters in this ratio count as one
+# most kinds of spheres that are distinguished; if there are more, diameters within this ratio count
+# as one
 _MOST_KINDS = 50
 _NEAR = 1.1
 
@@ -96,7 +98,9 @@ def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
-    """Return one pair for each kind of neighbours, and one of unmodified spheres if there are two."""
+    """Return one pair for each kind of neighbours, and a pair of unmodified spheres if there are
+    two.
+    """
     sites = assembly.sites
     pairs: list[tuple[int, int]] = []
     if sites.uniform:
@@ -110,7 +114,7 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
             for near, _ in sites.neighbours()
             for code in np.unique(of[near - 1] @ np.array([n, 1]))
         }
-        if isinstance(assembly.lattice, Places):  # any two grains may meet
+        if isinstance(assembly.lattice, Places):  # any two grains may collide
             codes = set()
             for first in range(n):
                 for second in range(first, n):
@@ -193,7 +197,8 @@ class Encounter:
         dent = self.dent
         if (
             dent > peak
-        ):  # an elastic contact with the dent stores the energy; unloading is a power law
+            # an elastic contact with a dent stores this energy; unloading is a power law
+        ):
             held = law.loading_work(dent) - law.dissipated_energy(dent)
             steepest = law.unloading_stiffness(dent)
             ratio = (
@@ -223,13 +228,15 @@ class Encounter:
 
 
 def some_encounters(assembly: Assembly) -> list[Encounter]:
-    """Return the encounters; raise ValueError if there are none, or one has no stiffness."""
+    """Return the encounters; raise ValueError if there are none, or one of them has no
+    stiffness.
+    """
     if not (found := encounters(assembly)):
         raise ValueError("no contact absorbs energy")
     for one in found:
         try:
             there = 0 < one.stiffness < math.inf
-        except (ArithmeticError, ValueError):  # a law of lines ends, others overflow
+        except (ArithmeticError, ValueError):  # the law of line contacts ends, others overflow
             there = False
         if not there:
             raise ValueError("the load would compress a contact beyond the range of its law")
@@ -247,7 +254,7 @@ def encounters(assembly: Assembly) -> list[Encounter]:
     if case.precompression is not None:
         force = force_of_contact(
             assembly
-        )  # its work is stored at the start, and the load does more during the run
+        )  # its work is stored initially, and the load does more work during the run
         stored = [_OF_PRECOMPRESSION * work_to_force(one.law, force) for one in found]
         found = [
             dataclasses.replace(one, energy=one.energy + more)
@@ -339,7 +346,9 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
 
 
 def _of_pairs(assembly: Assembly) -> list[Encounter]:
-    """Return a collision for each kind of touching pair, and for those with a grain that is held."""
+    """Return a collision for each kind of touching pair, and for those with a grain that is
+    held.
+    """
     energy = expected_energy(assembly)
     of, _ = kinds_of_grains(assembly.sites)
     held = held_against_load(assembly)

@@ -28,7 +28,7 @@ class ImpactInput:
     energy_continuum
         Over sigma_y^2 D^3/E, as in the summary.json of a continuum run.
     velocity_normalised
-        In units in which materials fall on one curve.
+        Velocity in units in which all materials fall on one curve.
     """
 
     energy: float

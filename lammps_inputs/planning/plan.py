@@ -26,7 +26,7 @@ _LOG = logging.getLogger("granwave")
 
 # timestep over the longest one that a contact alone would allow: its cause is told
 _FAR_SHORTER = 0.1
-_LONG = 60.0  # s of wall time beyond which that is a warning
+_LONG = 60.0  # s of wall time above which a warning is printed
 # times the automatic timestep: energy error above 1e-4, half of the stability limit
 _FAR_TOO_LONG = 20.0
 
@@ -40,7 +40,8 @@ class Plan:
     n_ranks
         Number of ranks that it is planned for.
     first_rank
-        Memory of the first rank, which also writes the deck and puts the results together, bytes.
+        Memory of the first rank, which also writes the LAMMPS input and combines the results,
+        bytes.
     other_rank
         Memory of each other rank that makes parts of the results in the analysis, bytes.
     idle_rank
@@ -55,9 +56,9 @@ class Plan:
     peak_overlap
         Upper bound on the largest overlap of two spheres, m.
     peak_overlap_yield
-        The same over the overlap at first yield; None if the law does not yield.
+        Ratio of this overlap to the overlap at first yield; None if the law does not yield.
     peak_overlap_radius
-        The same over the effective radius; beyond 0.2 it is outside the range of the law.
+        Ratio of this overlap to the effective radius; above 0.2 it is outside the range of the law.
     times
         Wall times of the parts of the run.
     zone
@@ -86,8 +87,8 @@ class Plan:
 
     @property
     def limit(self) -> steps.TimestepLimit | None:
-        """Bound that makes the timestep far shorter than some contacts would; None if there is
-        none.
+        """Bound that makes the timestep far shorter than required by some contacts; None if there
+        is none.
         """
         return (
             self.limits[0]
@@ -199,7 +200,7 @@ def _refuse_endless(case: Case) -> None:
         )
 
 
-_NEAREST = 6  # neighbours of a grain among which the closest surfaces are looked for
+_NEAREST = 6  # neighbours of a grain that are searched for the closest surface
 
 
 def _note_gaps(assembly: Assembly) -> None:
@@ -207,7 +208,7 @@ def _note_gaps(assembly: Assembly) -> None:
     case = assembly.case
     if case.packing.grains is None or assembly.n_spheres < 2 or assembly.n_contacts:
         return
-    from scipy.spatial import KDTree  # takes longer to load than most plans
+    from scipy.spatial import KDTree  # imported on demand: slow to load
 
     position = case.packing.grains.position
     radius = case.packing.grains.diameter / 2

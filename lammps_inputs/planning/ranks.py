@@ -1,8 +1,8 @@
 """Time of a step on many ranks, and the grid of ranks that takes least.
 
 LAMMPS divides the box into a grid of equal bricks, one for each rank, and the slowest rank decides:
-all wait for it. A sphere at rest costs far less than one that moves, so that an impact keeps the
-ranks busy that its wave has reached, and the others wait. The model of a step is
+all wait for it. A sphere at rest costs far less than a moving sphere, so that the ranks reached by
+the wave of an impact are busy, and the others wait. The model of a step is
 
     t = n c_rest + a (c_active - c_rest) + g c_ghost + 2 s t_message + c t_sum log2(ranks)
 
@@ -18,7 +18,7 @@ diamond. Along x the wave reaches a third of that farther on average, and half a
 fraction of a brick is the product of the largest share along x and that of the cross-section.
 
 LAMMPS's own grid has the smallest surface. For a wave from one point, or from the top layer by
-layer, columns along its direction are loaded more evenly, at the price of more ghosts.
+layer, columns along its direction are loaded more evenly, at the cost of more ghosts.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ from granwave.lammps_inputs.packing.motion import impacted_of
 Floats = NDArray[np.float64]
 Grid = tuple[int, int, int]
 
-_REACH = 1.2  # of ghosts beyond the boundary of a brick, diameters: pair, gap and skin
-_LEAST_WIDTH = 1.0  # of a brick, diameters
-_STAGES = 24  # of the growth of the wave over which times are averaged
+_REACH = 1.2  # width of the ghost layer of a brick, diameters: pair, gap and skin
+_LEAST_WIDTH = 1.0  # smallest width of a brick, diameters
+_STAGES = 24  # stages of growth of the wave over which times are averaged
 _BLOCK = 32  # consecutive spheres that the styles skip together, RestingBlocks::SIZE
-_SLICES = 8  # of a brick along z, over which the cross-section of the wave is summed
-_MEAN_REACH = 1 / 3  # of a wave along x, over the distance travelled: mean over a diamond
+_SLICES = 8  # slices of a brick along z, over which the cross-section of the wave is summed
+_MEAN_REACH = 1 / 3  # mean reach of a diamond along x, relative to the distance travelled
 
 
 @dataclasses.dataclass(frozen=True)
@@ -274,8 +274,8 @@ def costs_of(assembly: Assembly) -> StepCosts:
 
 
 def grid_of(assembly: Assembly, n_ranks: int) -> Grid:
-    """Return the grid of ranks for a run: that of `run.processors`, or the one that the model
-    chooses.
+    """Return the grid of ranks for a run: the grid of `run.processors`, or the grid chosen by the
+    model.
     """
     grid = assembly.case.run.processors
     if not isinstance(grid, str):

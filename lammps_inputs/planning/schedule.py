@@ -29,9 +29,10 @@ from granwave.lammps_inputs.planning.timestep import (
 )
 
 BLOCK_TIME = 50e-6  # s, of end_time = "auto"
-BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is the last
+BLOCK_THRESHOLD = 1e-4  # dissipation of a block over the input energy, below which it is the last
 _TICKS_OF_FIRST = 4  # the timestep can fall to a quarter of what was expected
-# and rise to 8 times as much: 232 ns of the reference, whose walls are recorded as often
+# and can rise to 8 times the first one: 232 ns in the reference case, with records of walls at this
+# interval
 _LONGEST_OF_FIRST = 8
 _LEDGER_ROWS = 500  # aimed at, of a run with an end time
 # the run may end after one block, and a balance over fewer instants is no balance
@@ -43,8 +44,8 @@ MOST_STEPS = 2e9
 # each snapshot evaluates a formula with a term for each of them: 40 s in total
 _MOST_UNEVEN_FRAMES = 10_000
 _AUTO_FRAME_SPAN = 1e-3  # s, time over which `frames` snapshots are spread if the end is not known
-# of run.frames = "auto": part of the intervals until the wave is at the bottom, and the time of
-# that over the expected arrival
+# for run.frames = "auto": fraction of the snapshots until the wave reaches the bottom, and that
+# time over the expected arrival
 _DENSE_PART = 2 / 3
 _DENSE_UNTIL = 1.1
 
@@ -72,7 +73,7 @@ class Schedule:
     frame_steps
         Counts at the snapshots after the first, at 0, if they are not evenly spaced.
     history_every
-        Counts between the instants at which a whole chain is recorded; 0: never.
+        Counts between the instants at which a complete chain is recorded; 0: never.
     line_every
         Counts between the instants at which lines of grains are recorded; 0: never.
     first_step, longest_step
@@ -142,7 +143,7 @@ def make_schedule(assembly: Assembly, timestep: float | None = None) -> Schedule
     in_blocks = isinstance(case.run.end_time, str)
     duration = (
         BLOCK_TIME if isinstance(run.end_time, str) else run.end_time
-    )  # of a block, or of the run
+    )  # length of a block, or of the run
     rows = _LEDGER_ROWS_IN_BLOCK if in_blocks else _LEDGER_ROWS
     fixed = run.timestep if timestep is None else timestep
     if isinstance(fixed, str):
@@ -156,15 +157,18 @@ def make_schedule(assembly: Assembly, timestep: float | None = None) -> Schedule
         candidates = range(max(1, n // (2 * rows)), max(1, 2 * n // rows) + 1)
         in_ledger = min(candidates, key=lambda every: (-n % every, abs(every - n / rows)))
         in_block = n + -n % in_ledger
-    length = unit * tick  # of a unit, whose multiples all records are, s
+    length = unit * tick  # length of a unit, s; the intervals of all records are multiples of it
     n_units = in_block * (max(1, round(AUTO_END_TIME / (in_block * length))) if in_blocks else 1)
-    span = _AUTO_FRAME_SPAN if in_blocks else length * n_units  # over which records are spread, s
+    # time over which records are spread, s
+    span = _AUTO_FRAME_SPAN if in_blocks else length * n_units
 
     def units(time: float) -> int:
         return max(1, round(time / length))
 
     def records(most: int) -> int:
-        """Units between records that are at most so many first timesteps apart, and divide a block."""
+        """Units between records that are at most so many first timesteps apart, and divide a
+        block.
+        """
         return max(
             every for every in range(1, max(1, most // per_first) + 1) if in_block % every == 0
         )

@@ -15,8 +15,8 @@ stores all of W.
 The largest error over the energy input is then c k dt^2 / m, with m twice the effective mass of the
 pair and c nearly constant: 0.105 to 0.135 in 24 impacts on fcc packings (brass, steel, aluminium;
 0.5 to 40 m/s), less on other lattices, 0.15 for Hertz and Thornton contacts, 0.2 for bilinear ones.
-dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`: 29 ns for 10 mm brass spheres struck at 5 m/s
-in fcc. A bar limits dt to half the transit time of a wave through an element.
+dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`: 29 ns for an impact at 5 m/s on 10 mm brass
+spheres in fcc. A bar limits dt to half the transit time of a wave through an element.
 
 dt is rounded down to two significant digits. At given velocity it is proportional to the diameter,
 like all times.
@@ -57,7 +57,7 @@ _OF_VISCOUS_DECAY = 0.1
 # mass that moves along the surface over the effective mass: spheres of 2/5 m R^2 turn as well
 _OF_MASS_ALONG = 2 / 7
 
-# of bodies behind walls, by their keys
+# bounds of bodies behind walls, by their keys
 _REMEDIES = {
     BOTTOM: "a heavier or softer support",
     "bar.length": "a longer bar",
@@ -88,7 +88,7 @@ def auto_timestep(assembly: Assembly, *, tolerance: float = ENERGY_TOLERANCE) ->
     Raises
     ------
     ValueError
-        No contact absorbs energy, or one has no stiffness at its overlap.
+        No contact absorbs energy, or a contact has no stiffness at its overlap.
     """
     step = timestep_limits(assembly, tolerance)[0].step
     scale = 1 - math.floor(math.log10(step))
@@ -127,7 +127,7 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
     Raises
     ------
     ValueError
-        No contact absorbs energy, or one has no stiffness at its overlap.
+        No contact absorbs energy, or a contact has no stiffness at its overlap.
     """
     factor = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR)
     load = assembly.case.load

@@ -1,6 +1,6 @@
 """Readers of packings that other programs wrote, found by the content of the file.
 
-grain_table   what a reader returns
+grain_table   result of a reader
 source        a file that is read: its bytes, its text, and the options of the user
 packed        files that are packed, or of kinds that hold no grains
 columns       columns of a file as quantities of grains, by usual names and units

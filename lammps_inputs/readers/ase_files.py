@@ -16,7 +16,7 @@ from granwave.lammps_inputs.tables.units import in_si
 
 NAME = "ase"
 LABEL = "ASE"
-_XYZ_DECIMALS = "0.00000001"  # of the extended XYZ that ASE writes
+_XYZ_DECIMALS = "0.00000001"  # decimals of the extended XYZ format of ASE
 _JSON = re.compile(r'\s*(?:\{\s*"|\[\s*(?:\{|\[\s*[-0-9]))')
 _STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
 _NAMES = (DIAMETER, RADIUS, "length", *AXIS_PARTS, *WORDS)
@@ -29,7 +29,7 @@ def recognises(source: GrainSource) -> bool:
 
 
 def read(source: GrainSource) -> GrainTable:
-    """Read the last frame of a file by ASE, or the one whose number is the step.
+    """Read the last frame of a file by ASE, or the frame whose number is the step.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def read(source: GrainSource) -> GrainTable:
 
 def _read_atoms(source: GrainSource) -> Any:
     """Read a frame of a file by ASE."""
-    import ase.io  # takes longer to load than most commands need
+    import ase.io  # imported on demand: slow to load
     from ase.io.formats import UnknownFileTypeError
 
     step = source.options.step

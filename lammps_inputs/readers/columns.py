@@ -36,8 +36,8 @@ DIAMETER = "diameter"
 ID = "id"
 TYPE = "type"
 CLUMP = "clump"
-NO_CLUMP = -1  # of other programs
-_AXES = 3  # of a volume
+NO_CLUMP = -1  # clump number of other programs for grains without a clump
+_AXES = 3  # axes of a volume
 LARGEST_CLUMP = 2**31 - 1  # a molecule of LAMMPS
 WORDS = ("material", "group", "shape", "axis")
 KINDS: dict[str, str] = {
@@ -52,11 +52,11 @@ KINDS: dict[str, str] = {
 QUANTITIES = (*PLACE, DIAMETER, RADIUS, "shape", "length", "axis", *AXIS_PARTS, "material",
               "group", CLUMP, *VELOCITIES, *SPINS, ID, TYPE, "mass", "density",
               "volume")  # fmt: skip
-#: Columns of which nothing is needed, and no warning is given.
+#: Columns that are ignored without a warning.
 _UNUSED = re.compile(
     r"[fti][xyz]|[xyz]su?|force_[xyz012]|torque_[xyz012]|tq[xyz]|mol|element|q|mask"
 )
-# of spheres, and of grains in no clump
+# values of spheres, and of grains without a clump
 _MAY_BE_EMPTY = {"length": 0.0, **dict.fromkeys(AXIS_PARTS, 0.0), CLUMP: 0.0}
 _STEMS = {
     "": ("pos", "position", "p", "coord", "coords", "coordinate", "coordinates", "center",
@@ -73,11 +73,11 @@ _OTHER_NAMES = {
         "particle_size durchmesser kugeldurchmesser diametre diamètre"
     ),
     ID: "ids tag label identifier particleidentifier",
-    # of YADE, of LIGGGHTS (fix multisphere) and of LAMMPS (fix rigid)
+    # names in YADE, LIGGGHTS (fix multisphere) and LAMMPS (fix rigid)
     CLUMP: "clumpid clump_id id_multisphere f_id_multisphere multisphere_id body body_id",
     TYPE: (
         "types typelabel particletype atom_type type_id material_id mat_id matid indspecies "
-        "species phase"
+        "species phase phase_id"
     ),
     "mass": "m masses",
     "density": "rho",
@@ -111,6 +111,8 @@ def _all_names() -> dict[str, str]:
 
 
 _QUANTITY_OF_NAME = _all_names()
+_N_OF_MFIX = (6, 8)  # columns of the particles of MFiX, which have no names
+_COMPONENTS = ("u", "v", "w")  # of the velocity, if all three are there
 _BEFORE_NAME = re.compile(r"(?:q[0-9]+_)?(?:particle|grain|sphere|atom|body|ball)_")
 _LARGEST_ID = 2.0**63
 #: Quantities from which the volume of a grain follows, by preference; the second divides the first.
@@ -163,6 +165,20 @@ def counted_from_zero(heads: Sequence[str]) -> list[str]:
     return names
 
 
+def _velocities_of_components(heads: Sequence[str]) -> list[str]:
+    """Return heads with vx, vy and vz in place of u, v and w, if all of these are there."""
+    plain = [split_unit(head)[0].strip().lower() for head in heads]
+    if not all(name in plain for name in _COMPONENTS):
+        return list(heads)
+    names: list[str] = []
+    for head, name in zip(heads, plain, strict=True):
+        is_component = name in _COMPONENTS
+        unit = split_unit(head)[1] if is_component else ""
+        velocity = VELOCITIES[_COMPONENTS.index(name)] if is_component else head
+        names.append(f"{velocity} ({unit})" if unit else velocity)
+    return names
+
+
 def find_columns(
     table: TextTable, options: FileOptions, notes: list[str], *, repeated: bool = False
 ) -> dict[str, GrainColumn]:
@@ -173,16 +189,16 @@ def find_columns(
     notes
         Warnings, to which columns that are omitted are added.
     repeated
-        The first of several columns of one name counts.
+        Columns that occur several times; the first is used.
 
     Raises
     ------
     ValueError
-        A column is there twice, or is not there although the user named it.
+        A column occurs twice, or a column named by the user is missing.
     """
     columns: dict[str, GrainColumn] = {}
     unknown: list[str] = []
-    names = counted_from_zero(table.heads)
+    names = _velocities_of_components(counted_from_zero(table.heads))
     for index, (head, name) in enumerate(zip(table.heads, names, strict=True)):
         if head.strip() in options.names.values():
             continue  # the user says what it is
@@ -228,7 +244,7 @@ def gives_sizes(quantities: Collection[str], options: FileOptions) -> bool:
 
 def _sources_of_volume(quantities: Collection[str]) -> tuple[str, ...]:
     """Return the quantities from which the volumes of spheres follow; empty without."""
-    if "length" in quantities:  # of cylinders
+    if "length" in quantities:  # cylinders
         return ()
     for names in _VOLUMES:
         if all(name in quantities for name in names):
@@ -335,12 +351,7 @@ def require_columns(
     """Raise ValueError unless a table has positions and, without a usual diameter, sizes."""
     place = f"line {table.head_line}"
     if not table.heads and not columns:
-        n_columns = table.frame.shape[1]
-        example = ["x", "y", "z", RADIUS][:n_columns]
-        raise ValueError(
-            f"{place}: found {n_columns} columns without names, expected a line of names, or "
-            f"packing.columns = {show(example)}"
-        )
+        raise ValueError(f"{place}: {_unnamed(table.frame.shape[1], options)}")
     if DIAMETER in columns and RADIUS in columns:
         head = show(columns[DIAMETER].head)
         raise ValueError(
@@ -359,6 +370,25 @@ def require_columns(
             f"{place}: found no column {name}, expected {', '.join(needed)}{more}; there are "
             f"{heads}, of which packing.columns can name it"
         )
+
+
+def _unnamed(n_columns: int, options: FileOptions) -> str:
+    """Return what a table without names lacks, with an example that fits its columns."""
+    usual = [*PLACE, RADIUS]
+    example = usual[:n_columns]
+    columns = show(example)
+    if n_columns > len(usual):
+        numbers = [f"{name} = {number}" for number, name in enumerate(example, start=1)]
+        columns = f"{{{', '.join(numbers)}}} (numbers of columns)"
+    more = ""
+    if n_columns < len(usual) and options.diameter is None:
+        more = " with packing.diameter for all grains"
+    if n_columns in _N_OF_MFIX:
+        more = ', or packing.format = "mfix" for particles of MFiX'
+    return (
+        f"found {n_columns} columns without names, expected a line of names, or "
+        f"packing.columns = {columns}{more}"
+    )
 
 
 def _is_in_voxels(unit: str, kind: str) -> bool:
@@ -389,7 +419,7 @@ class ColumnReader:
     columns
         Columns by quantity.
     options
-        What the user said of the file.
+        The user's settings for the file.
     powers
         Powers of ten of the units of the file by kind of quantity, if neither the user nor the name
         of the column gives them.

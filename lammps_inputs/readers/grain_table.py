@@ -27,7 +27,7 @@ class GrainTable:
     Attributes
     ----------
     format
-        Name of the format, and what the file says of itself.
+        Name of the format, and description in the file.
     position
         Centres: (n, 3), m.
     half_unit
@@ -116,12 +116,12 @@ class GrainTable:
             second = int(order[twice[0] + 1])
             raise ValueError(
                 f"{self.place(second)}: found the id {ids[twice[0]]} twice, "
-                "expected an id of its own for each grain"
+                "expected a unique id for each grain"
             )
         if ids[0] != 1 or ids[-1] != len(ids):
             self.notes.append(
                 f"ids from {ids[0]} to {ids[-1]}; the {len(ids)} grains are numbered from 1 in "
-                "the order of these"
+                "this order"
             )
         return self.taken(order)
 

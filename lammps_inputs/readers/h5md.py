@@ -36,7 +36,7 @@ def read(source: GrainSource) -> GrainTable:
     ValueError
         There are no particles, none of that step, or they have no sizes.
     """
-    import h5py  # takes longer to load than most commands need
+    import h5py  # imported on demand: slow to load
 
     try:
         file = h5py.File(io.BytesIO(source.content), "r")
@@ -151,7 +151,7 @@ def _add_box(group: Any, grains: GrainTable, place: tuple[int, int], power: floa
     periodic = ["periodic" in flag and "none" not in flag for flag in flags]
     lengths = in_si(np.asarray(edges, dtype=np.float64), power)
     lower = np.zeros(3)
-    if "lower" in group["box"]:  # of `result.h5`
+    if "lower" in group["box"]:  # only in `result.h5`
         lower = in_si(np.asarray(group["box"]["lower"][()], dtype=np.float64), power)
     grains.bounds = np.stack([lower, lower + lengths], axis=1)
     if len(periodic) == len(lengths):

@@ -33,22 +33,25 @@ _ATOMS = re.compile(r"^[ \t]*Atoms[ \t]*(?:#(.*))?$", re.MULTILINE)
 _VELOCITIES = re.compile(r"^[ \t]*Velocities\b.*$", re.MULTILINE)
 _STYLE_OF_UNITS = re.compile(r"units = (\w+)")
 _BOX = re.compile(r"^[ \t]*(\S+)[ \t]+(\S+)[ \t]+([xyz])lo[ \t]+[xyz]hi", re.MULTILINE)
-_EDGE = re.compile(r"^[ \t]*\S+[ \t]+\S+[ \t]+\S+[ \t]+avec\b", re.MULTILINE)  # of any direction
+# edge of a box, in any direction
+_EDGE = re.compile(r"^[ \t]*\S+[ \t]+\S+[ \t]+\S+[ \t]+avec\b", re.MULTILINE)
 _TILTS = re.compile(r"^(.*)[ \t]xy[ \t]+xz[ \t]+yz\b", re.MULTILINE)
 _PLACE = ["x", "y", "z"]
 _SPHERE = ["diameter", "density"]
 _IMAGES = ["ix", "iy", "iz"]
 _STYLES = {
     "sphere": ["id", "type", *_SPHERE, *_PLACE],
-    "granular": ["id", "type", *_SPHERE, *_PLACE],  # of LIGGGHTS and LAMMPS before 2010
+    "granular": ["id", "type", *_SPHERE, *_PLACE],  # LIGGGHTS, and LAMMPS before 2010
     "bpm/sphere": ["id", "mol", "type", *_SPHERE, *_PLACE],
     "atomic": ["id", "type", *_PLACE],
 }
 #: Columns that sub-styles of a hybrid add behind the places.
 _OF_HYBRID = {
     "sphere": _SPHERE,
+    "granular": _SPHERE,
     "atomic": [],
     "bond": ["mol"],
+    "bond/gran": ["mol"],  # of LIGGGHTS
     "angle": ["mol"],
     "molecular": ["mol"],
     "charge": ["q"],

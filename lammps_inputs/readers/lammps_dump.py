@@ -39,13 +39,13 @@ _ITEM = "ITEM: "
 _STEP = "ITEM: TIMESTEP"
 _ATOMS = "ITEM: ATOMS"
 _BOX = "ITEM: BOX BOUNDS"
-_OF_CONTACTS = "ITEM: NUMBER OF ENTRIES"  # of dump local, whose rows may have any label
+_OF_CONTACTS = "ITEM: NUMBER OF ENTRIES"  # header of dump local, whose rows may have any label
 _OF_GRID = "ITEM: GRID"
 _UNITS = re.compile(r"^ITEM: UNITS[ \t]*\r?\n[ \t]*(\S+)", re.MULTILINE)
 _FRAME = re.compile(  # LAMMPS writes its units and the time above the step
     rf"^(?:ITEM: (?:UNITS|TIME)[ \t]*\r?\n.*\n)*({_STEP})", re.MULTILINE
 )
-_GENERAL = ["abc", "origin"]  # of a box whose edges have any direction
+_GENERAL = ["abc", "origin"]  # box whose edges have any direction
 _PERIODIC = "pp"
 _SCALED = {"xs": "x", "ys": "y", "zs": "z", "xsu": "x", "ysu": "y", "zsu": "z"}
 #: Powers of ten of the SI units by the style of the units (https://docs.lammps.org/units.html);
@@ -98,7 +98,7 @@ def powers_of_style(style: str, options: FileOptions) -> Mapping[str, float]:
     Raises
     ------
     ValueError
-        The style has no length of its own, and the user gives none.
+        The style has no unit of length, and the user gives none.
     """
     if options.units:
         return dict.fromkeys((LENGTH, VELOCITY), options.power())
@@ -232,7 +232,7 @@ class DumpFrame:
 
     @classmethod
     def read(cls, text: str, first_line: int) -> DumpFrame:
-        """Read a frame of which the first line has this number."""
+        """Read a frame whose first line has this number."""
         frame = cls()
         lines = text.splitlines()
         k = 0
@@ -330,7 +330,7 @@ class DumpFrame:
             return
         if len(scaled) < len(PLACE) and not box.is_straight:
             raise ValueError(
-                "found coordinates of which some are scaled in a tilted box; dump x, y, z"
+                "found both scaled and unscaled coordinates in a tilted box; dump x, y, z"
             )
         fractions = grains.position / 10.0**power
         places = in_si(box.origin + fractions @ box.edges, power)

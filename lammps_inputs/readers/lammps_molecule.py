@@ -25,7 +25,7 @@ NAME = "lammps-molecule"
 LABEL = "LAMMPS molecule template"
 _PLACES = "Coords"
 _COORDS = re.compile(rf"^[ \t]*{_PLACES}\b", re.MULTILINE)
-_BOX = re.compile(r"\bxlo[ \t]+xhi\b|\bavec\b")  # of a data file
+_BOX = re.compile(r"\bxlo[ \t]+xhi\b|\bavec\b")  # bounds of the box in a data file
 #: Columns of a section, behind the id.
 _SECTIONS = {
     _PLACES: list(PLACE),

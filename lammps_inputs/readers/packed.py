@@ -35,7 +35,7 @@ class OtherKind:
     label
         Its name in messages.
     remedy
-        What the user can do.
+        Remedy for the user.
     """
 
     start: bytes
@@ -64,7 +64,6 @@ _OTHER_KINDS = (
     OtherKind(_HEAD_OF_BINARY_DUMPS[0], "a binary dump of LAMMPS", _REMEDY_OF_DUMPS),
     OtherKind(_HEAD_OF_BINARY_DUMPS[1], "a binary dump of LAMMPS", _REMEDY_OF_DUMPS),
     OtherKind(b"ply\n", "a PLY file", "save a table of x, y, z and radius"),
-    OtherKind(b"LSMGeometry", "a geometry file of ESyS-Particle", _REMEDY_OF_ROWS),
     OtherKind(b"ball create", "commands of PFC", _REMEDY_OF_ROWS),
     OtherKind(b"$bdyty", "bodies of LMGC90", _REMEDY_OF_ROWS),
     OtherKind(b"! File BODIES", "bodies of LMGC90", _REMEDY_OF_ROWS),
@@ -76,14 +75,18 @@ _OTHER_KINDS = (
     OtherKind(b'View "" {', "a view of Gmsh", _REMEDY_OF_ROWS),
     OtherKind(b"\x80\x04\x95", "a pickle of Python", _REMEDY_OF_ROWS),
 )
-# of which the first bytes are not enough
+# signatures for which the first bytes are not sufficient
 _BOOST = re.compile(rb"<!DOCTYPE boost_serialization>")
+_BOOST_BINARY = re.compile(rb".{0,16}serialization::archive", re.DOTALL)
+_MUSEN = re.compile(rb"0 \d+ 1 1?[0-9] 5 .{0,40} 23 [0-9A-Z]{20} 24 ")
 _STL = re.compile(rb"solid\b.*\n\s*facet\s+normal", re.IGNORECASE)
 _PATTERNS = {
     _BOOST: OtherKind(b"", "a simulation of YADE (O.save)", "write it by yade.export.text"),
+    _BOOST_BINARY: OtherKind(b"", "a simulation of YADE (O.save)", "write it by yade.export.text"),
+    _MUSEN: OtherKind(b"", "a scene of MUSEN", _REMEDY_OF_ROWS),
     _STL: OtherKind(b"", "a surface (STL)", "name it in [[wall]], and the grains here"),
 }
-_HEAD = 1000  # bytes in which such a pattern stands
+_HEAD = 1000  # bytes that are searched for such a pattern
 _ARRAYS = ".npy"  # members of a .npz
 
 
@@ -93,7 +96,7 @@ def unpacked(raw: bytes) -> bytes:
     Raises
     ------
     ValueError
-        It is damaged, or of a kind that holds no grains; the message says what to do.
+        It is damaged, or of a kind without grains; the message states the remedy.
     """
     for start, (ending, unpack) in _UNPACKERS.items():
         if raw.startswith(start):

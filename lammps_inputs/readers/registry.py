@@ -7,15 +7,18 @@ from typing import Protocol, cast
 
 from granwave.lammps_inputs.readers import (
     ase_files,
+    esys,
     h5md,
     lammps_data,
     lammps_dump,
     lammps_molecule,
     lammps_yaml,
     mercury,
+    mfix,
     table,
     vtk_files,
     xyz,
+    xyzd,
     yade,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
@@ -40,11 +43,14 @@ _READERS = (
     lammps_molecule,
     yade,
     mercury,
+    esys,
+    mfix,
     xyz,
+    xyzd,
     table,
     ase_files,
 )
-#: Readers by format, in the order in which they are asked.
+#: Readers by format, in the order in which they are tried.
 READERS: dict[str, GrainReader] = {module.NAME: cast("GrainReader", module) for module in _READERS}
 _TABLES = (".csv", ".txt", ".dat", ".tsv")  # endings of files that are tables if nothing else
 _LAMMPS_RESTART = b"LammpS RestartT"
@@ -58,7 +64,7 @@ def read_grain_table(source: GrainSource) -> GrainTable:
     OSError
         The file cannot be read.
     ValueError
-        It is of no known format, or has a fault; the message says where and what would do.
+        It is of no known format, or has a fault; the message states where, and the remedy.
     """
     if not source.content.strip():
         raise ValueError("found an empty file, expected a row or a line for each grain")
@@ -91,7 +97,7 @@ def _is_left_to_ase(source: GrainSource) -> bool:
     """
     if table.has_names(source):
         return False
-    from ase.io import formats  # takes longer to load than most commands need
+    from ase.io import formats  # imported on demand: slow to load
 
     try:
         return bool(formats.filetype(str(source.path), guess=False))

@@ -72,7 +72,7 @@ class GrainSource:
     path
         The file.
     options
-        What the user says of it.
+        The user's settings for it.
     """
 
     path: Path

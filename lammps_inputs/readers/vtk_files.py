@@ -253,6 +253,7 @@ class _LegacyReader:
         self.arrays: Arrays = {}
         self.texts: list[str] | None = None
         self.n_points = 0
+        self.n_rows = 0  # points or cells of the section that is read
         self.of_points = True
         while (words := self._line()) is not None:
             self._read_section(words)
@@ -287,14 +288,15 @@ class _LegacyReader:
             self.points = self._numbers(3 * self.n_points, words[2]).reshape(-1, 3)
         elif keyword in ("POINT_DATA", "CELL_DATA"):
             self.of_points = keyword == "POINT_DATA"
+            self.n_rows = int(words[1])
         elif keyword == "SCALARS":
             n_parts = int(words[3]) if len(words) > 3 else 1
             self._pass_lookup_table()
-            self._keep(words[1], self._numbers(n_parts * self.n_points, words[2]), n_parts)
+            self._keep(words[1], self._numbers(n_parts * self.n_rows, words[2]), n_parts)
         elif keyword in ("VECTORS", "NORMALS"):
-            self._keep(words[1], self._numbers(3 * self.n_points, words[2]), 3)
+            self._keep(words[1], self._numbers(3 * self.n_rows, words[2]), 3)
         elif keyword == "TENSORS":
-            self._numbers(9 * self.n_points, words[2])
+            self._numbers(9 * self.n_rows, words[2])
         elif keyword == "FIELD":
             for _ in range(int(words[2])):
                 self._read_array(self._line() or [])

@@ -252,7 +252,7 @@ class Bodies:
         """Find pairs of grains with gaps up to ``gap``, m, and grains with gaps below ``wall_gap``
         to walls, by default the same.
         """
-        from scipy.spatial import KDTree  # takes longer to load than most commands need
+        from scipy.spatial import KDTree  # imported on demand: slow to load
 
         half_lengths = np.array(
             [0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes]
@@ -312,7 +312,7 @@ def across(normal: Array) -> Array:
 
 
 def joined(tables: Sequence[_Table], kept: NDArray[np.bool_] | slice = slice(None)) -> _Table:
-    """Put tables of arrays below each other, and return the rows that are kept."""
+    """Concatenate tables of arrays, and return the rows that are kept."""
     columns: dict[str, Any] = {}
     for field in dataclasses.fields(tables[0]):
         parts = [getattr(table, field.name) for table in tables]

@@ -34,7 +34,7 @@ class Evaluation:
 
     energy: float
     gradient: Array
-    contacts: NeighbourPairs  # of grains near each other, and near walls
+    contacts: NeighbourPairs  # contacts of grains near each other, and near walls
     tables: list[
         tuple[Array, sparse.csr_array]
     ]  # slopes of forces with the derivatives of distances, which are first
@@ -93,15 +93,23 @@ class EnergyProblem:
         x[: self.n_motions] = (deformed - self.bodies.position)[self.free]
         return x
 
-    def at(self, x: Array) -> Evaluation:
-        """Evaluate the energy."""
+    def at(self, x: Array, smoothing: float = 0.0) -> Evaluation:
+        """Evaluate the energy.
+
+        Parameters
+        ----------
+        smoothing
+            Overlap of contacts that just touch, m, see `granwave.lammps_inputs.statics.smoothed`.
+        """
         bodies = self.bodies.with_walls_in(x[self.n_of_grains :])
         position, periods = self.state(x)
         contacts = bodies.near(position, periods, MARGIN * bodies.spacing)
         values = np.zeros((3, len(contacts)))
+        overlap, growth = smoothed_overlaps(contacts.overlap, smoothing)
         for law, rows, scale in bodies.laws_of(contacts):
-            values[:, rows] = law.evaluate(contacts.overlap[rows], scale)
+            values[:, rows] = law.evaluate(overlap[rows], scale)
         force, slope, work = values
+        slope = slope * growth
         stretch = self.stretch(contacts, contacts.normal, walls=True)
         energy = float(work.sum()) - float((bodies.dead_load * (position - bodies.position)).sum())
         gradient = -(stretch.T @ force)
@@ -147,7 +155,7 @@ class EnergyProblem:
     def stretch(
         self, contacts: NeighbourPairs, direction: Array, *, walls: bool = False
     ) -> sparse.csr_array:
-        """Derivatives by the unknowns of how far contacts are apart along directions (n, 3): (n,
+        """Derivatives of the separations of contacts along directions (n, 3) by the unknowns: (n,
         n_unknowns).
 
         Parameters
@@ -179,6 +187,28 @@ class EnergyProblem:
         ).tocsr()
 
 
+def smoothed_overlaps(overlap: Array, smoothing: float) -> tuple[Array, Array]:
+    """Return overlaps that are positive in open contacts too, and their slopes: (n,), m and 1.
+
+    The overlap a follows from the overlap d of the geometry by a (a - d) = s^2: it is s in a
+    contact that just touches, d in one that is closed by much more, and s^2/|d| in one that is open
+    by much more.
+
+    Parameters
+    ----------
+    smoothing
+        The length s, m; 0 leaves the overlaps as they are.
+    """
+    if not smoothing:
+        return overlap, np.ones_like(overlap)
+    root = np.hypot(overlap, 2 * smoothing)
+    open_ones = overlap < 0
+    positive = np.where(
+        open_ones, 2 * smoothing**2 / (root + np.abs(overlap)), (overlap + root) / 2
+    )
+    return positive, positive / root
+
+
 def factorised(matrix: sparse.sparray) -> Any:
     """Factorise a matrix with a symmetric pattern; SuperLU's default ordering fills in ten times as
     much.
@@ -197,8 +227,8 @@ def newton_step(
     pivots
         True for an indefinite matrix; the step then also leads to balances that are no minimum.
     holding
-        Stiffness of springs that hold all grains in place, N/m; by default so soft that it affects
-        free motions only.
+        Stiffness of springs that hold all grains in place, N/m; by default so small that it affects
+        only free motions.
     """
     diagonal = hessian.diagonal()
     soft = SOFT * float(diagonal.mean()) if len(diagonal) else 1.0

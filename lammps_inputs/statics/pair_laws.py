@@ -2,8 +2,8 @@
 
 The law of a point contact with the effective radius R* follows from the law for R* = 1 m: overlaps
 are proportional to R*, forces to R*^2, stiffnesses to R*, energies to R*^3. Line contacts and
-powers of the overlap do not scale: each size has a law of its own, which is used in the same
-formulas with a scale of 1 m.
+powers of the overlap do not scale: each size has a separate law, which is used in the same formulas
+with a scale of 1 m.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from granwave.lammps_inputs.packing.walls import Wall, wall_friction
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
-_STEP = 1e-6  # of the overlap, for the slope of a loading curve beyond first yield
+_STEP = 1e-6  # relative step of the overlap, for the slope of a loading curve beyond first yield
 Body = tuple["Material", "Shape"]
-Partner = tuple["Material | None", "Shape"]  # of a wall, which may be rigid, too
+Partner = tuple["Material | None", "Shape"]  # material and shape of a wall, which may be rigid
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Touches:
     friction
         Coefficient of friction.
     dents
-        Largest earlier overlaps, alike everywhere; None without.
+        Largest earlier overlaps, uniform; None without.
     scaled
         True if the law scales with R*, False if it holds for one size.
     rolling, twisting

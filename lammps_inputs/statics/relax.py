@@ -226,8 +226,6 @@ def fall(
     problem: EnergyProblem,
     x: Array,
     farthest: float = np.inf,
-    *,
-    rounds: int = _ROUNDS_OF_FALL,
 ) -> tuple[Array, Evaluation]:
     """Return the unknowns and the state that the method of Levenberg (1944) and Marquardt (1963)
     reaches from a start; it follows loose grains until they touch others.
@@ -240,8 +238,6 @@ def fall(
     ----------
     farthest
         Largest displacement of a grain along an axis, at which the search ends, m.
-    rounds
-        Largest number of steps.
     """
     reach = MARGIN / 2 * problem.bodies.spacing
     if np.abs(x[: problem.n_motions]).max(initial=0.0) > reach:
@@ -250,7 +246,7 @@ def fall(
     progress = _Progress(problem)
     stiffness = float(static_stiffness(problem.bodies.assembly))
     holding = _HOLDING * stiffness
-    for _ in range(rounds):
+    for _ in range(_ROUNDS_OF_FALL):
         # where only rounding is left, motions that hardly anything resists would grow
         if progress.ends(now) or progress.is_rounding(now, stiffness):
             break

@@ -10,6 +10,10 @@ The ratio f of the forces follows from moments, sum_c f F_c d_c + sum_i x_i . L_
 with the normal forces F_c of the overlaps in the material of the case, the distances d_c of the
 centres, and the loads L_i and friction of the walls on grains at x_i. Tangential forces of pairs
 have no moment of this kind.
+
+A bed without friction has hardly more contacts than it needs. The new directions of its contacts
+(turned by up to 3 %) are too much for it: it rearranges, and Newton's method follows it to a new
+balance (`granwave.lammps_inputs.statics.smoothed`).
 """
 
 from __future__ import annotations
@@ -21,6 +25,7 @@ import numpy as np
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact_ways import KEY
 from granwave.lammps_inputs.case.springs import parse_springs
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.statics.bodies import Array, Bodies, NeighbourPairs
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
@@ -28,15 +33,16 @@ from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 _SOFT = 1 / 3  # ratio of forces below which a bed was settled with a softer material
 _OF_FORCE = 2 / 3  # power of the force with which the overlap grows under Hertz's law
 _SETTLED = 0.01  # largest net force of a settled bed over its largest contact force
-#: What to do with a bed without friction that was settled with a softer material.
-SETTLE_AS_RUN = (
+_MOST_GRAINS = 5000  # of a bed without friction, whose stiffness is factorised in a second or so
+# what to do with a bed without friction that finds no balance
+_SETTLE_AS_RUN = (
     "pour or settle the bed with the Young's modulus of the run, or run it with the modulus with "
     "which it was settled"
 )
-_ROUNDS = 60  # of the least squares
-_DAMPING = 0.03  # of the least squares: bounds motions that hardly change an overlap
-_CLOSED = 1e-4  # largest error of an overlap over the mean one, at which they end
-_PRECISION = 1e-10  # of the least squares
+_ROUNDS = 60  # most iterations of the least squares
+_DAMPING = 0.03  # damping of the least squares: bounds motions that hardly change an overlap
+_CLOSED = 1e-4  # largest error of an overlap over the mean one, at which the iterations end
+_PRECISION = 1e-10  # precision of the least squares
 _MOST_ITERATIONS = 20_000
 _REACH = 4.0  # gap up to which grains may come to touch on the way, largest overlaps
 
@@ -55,6 +61,9 @@ class StiffenedBed:
         Largest overlap in the soft bed and with the material of the case, m.
     moved
         Largest displacement of a grain, m.
+    rearranged
+        True for a bed without friction, which finds a new balance; False for one whose contacts
+        keep their forces.
     """
 
     position: Array
@@ -62,6 +71,7 @@ class StiffenedBed:
     before: float
     after: float
     moved: float
+    rearranged: bool = False
 
     def case_of(self, case: Case) -> Case:
         """Return the case with the grains at these positions."""
@@ -74,11 +84,12 @@ class StiffenedBed:
     @property
     def note(self) -> str:
         """Sentence for the user."""
+        why = ""
+        if self.rearranged:
+            why = " (without friction they rearrange, and find a new balance)"
         return (
-            f"{KEY}: the overlaps of the grains press {self.ratio:.0f} times as hard as the load, "
-            "as in a bed that was settled with a modulus so many times smaller: the grains move by "
-            f"up to {self.moved:.2g} m, so that the largest overlap shrinks from {self.before:.2g} "
-            f"m to {self.after:.2g} m"
+            f"{_pressing(self.ratio)}: the grains move by up to {self.moved:.2g} m{why}, so that "
+            f"the largest overlap shrinks from {self.before:.2g} m to {self.after:.2g} m"
         )
 
 
@@ -126,12 +137,51 @@ def hardened_without_friction(assembly: Assembly) -> float:
     return 1 / ratio if net < _SETTLED * state.largest else 1.0
 
 
-def note_without_friction(ratio: float) -> str:
-    """Return a sentence for the user on a bed without friction, and the ratio of moduli."""
+def rearranged_bed(assembly: Assembly) -> StiffenedBed | None:
+    """Return the grains of a soft bed without friction in balance with the material of the case;
+    None for all other packings.
+
+    Raises
+    ------
+    InputError
+        The bed is too large, or finds no balance.
+    """
+    ratio = hardened_without_friction(assembly)
+    if ratio == 1:
+        return None
+    if len(assembly.ids) > _MOST_GRAINS:
+        found = f"found more than {_MOST_GRAINS} grains without friction"
+        raise InputError(f"{assembly.case.name}: {_pressing(ratio)}; {found}; {_SETTLE_AS_RUN}")
+    # they load scipy.sparse, which takes longer than most commands need
+    from granwave.lammps_inputs.statics.energy import EnergyProblem
+    from granwave.lammps_inputs.statics.smoothed import (
+        follow_smoothing,
+        is_balanced,
+        largest_net_force,
+    )
+
+    bodies = loaded_bodies(assembly).elastic()
+    before = bodies.near(bodies.position, bodies.periods, 0.0).overlap
+    problem = EnergyProblem(bodies, with_turning=True)
+    typical = float(np.median(before)) * ratio**-_OF_FORCE
+    unknowns, state = follow_smoothing(problem, np.zeros(problem.n), typical)
+    if not is_balanced(state):
+        part = largest_net_force(state) / state.largest if state.largest else np.inf
+        raise InputError(
+            f"{assembly.case.name}: {_pressing(ratio)}; without friction the grains rearrange, "
+            f"and a net force of {part:.1g} of the largest contact force remains; {_SETTLE_AS_RUN}"
+        )
+    position, _ = problem.state(unknowns)
+    moved = float(np.linalg.norm(position - bodies.position, axis=1).max())
+    after = float(state.contacts.overlap.max())
+    return StiffenedBed(position, ratio, float(before.max()), after, moved, rearranged=True)
+
+
+def _pressing(ratio: float) -> str:
+    """Return the words for overlaps that press harder than the load, by a ratio."""
     return (
         f"{KEY}: the overlaps of the grains press {ratio:.0f} times as hard as the load, as in a "
-        "bed that was settled with a modulus so many times smaller. Without friction its grains "
-        f"rearrange, and the static stage takes long or fails; {SETTLE_AS_RUN}"
+        "bed that was settled with a modulus so many times smaller"
     )
 
 
@@ -217,7 +267,7 @@ def _moved_to(bodies: Bodies, targets: dict[tuple[object, ...], float], largest:
     largest
         Largest overlap at the start, m.
     """
-    # scipy takes longer to load than most commands need
+    # imported on demand: scipy is slow to load
     from scipy.sparse.linalg import lsqr
 
     from granwave.lammps_inputs.statics.energy import EnergyProblem

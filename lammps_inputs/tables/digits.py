@@ -1,8 +1,8 @@
 """Digits with which the numbers of a column were written.
 
-A number of a file stands for all that round to it: half a unit of its last digit is the error that
-it may have. Trailing zeros may be missing (``%g``), so that the last place follows from all
-coordinates together: either all numbers have as many decimals, or the longest has all its
+A number in a file represents all numbers that round to it: half a unit of its last digit is the
+error that it may have. Trailing zeros may be missing (``%g``), so that the last place follows from
+all coordinates together: either all numbers have as many decimals, or the longest has all its
 significant digits. Of a few short numbers that a person typed, it says little.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _NUMBER = re.compile(r"[-+]?([0-9]*)[.,]?([0-9]*)(?:[eE]([-+]?[0-9]+))?")
-_SAMPLE = 2000  # numbers that are looked at
+_SAMPLE = 2000  # most numbers that are checked
 
 
 def half_units(texts: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -37,7 +37,7 @@ def half_units(texts: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.
         whole, fraction, exponent = match.groups()
         figures = len((whole + fraction).lstrip("0"))
         if not figures:
-            continue  # of a zero only its decimals are known
+            continue  # only the decimals of a zero are known
         decimals.add(len(fraction) - int(exponent or 0))
         significant = max(significant, figures)
     if len(decimals) == 1:
@@ -46,7 +46,9 @@ def half_units(texts: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.
 
 
 def significant_half_units(values: NDArray[np.float64], significant: int) -> NDArray[np.float64]:
-    """Return half a unit of the last of so many significant digits of each value."""
+    """Return half a unit of the last significant digit of each value, given the number of
+    digits.
+    """
     size = np.abs(values)
     filled = size > 0
     smallest = size[filled].min() if filled.any() else 1.0
@@ -56,5 +58,5 @@ def significant_half_units(values: NDArray[np.float64], significant: int) -> NDA
 
 
 def sample_of(n: int) -> NDArray[np.int64]:
-    """Return the rows of a table of ``n`` that are looked at, in order."""
+    """Return the rows of a table of ``n`` rows that are checked, in order."""
     return np.unique(np.linspace(0, max(n - 1, 0), min(n, _SAMPLE)).astype(np.int64))

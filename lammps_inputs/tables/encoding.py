@@ -7,7 +7,7 @@ import codecs
 from granwave.lammps_inputs.files import decoded
 
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-_WESTERN = "cp1252"  # of Windows; contains Latin-1
+_WESTERN = "cp1252"  # code page of Windows; contains Latin-1
 _CONTROLS = bytes(set(range(32)) - set(b"\t\n\v\f\r"))
 
 

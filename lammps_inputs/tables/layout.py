@@ -1,10 +1,10 @@
 """Layout of a table of text: its rows without comments, their separator and decimal sign.
 
 Separators are commas, semicolons, tabs or blanks; a decimal comma is distinguished from a separator
-by the resulting cells. A ``#`` outside of quotes begins a comment, as do ``%`` and ``//`` at the
+by the resulting cells. A ``#`` outside quotes begins a comment, as do ``%`` and ``//`` at the
 beginning of a line. Rows that contain only separators are blank lines, and so is the line
-``sep=;`` of spreadsheets. Exponents of Fortran (``1.0D-3``) and minus signs of typography are
-those of numbers.
+``sep=;`` of spreadsheets. Exponents of Fortran (``1.0D-3``) and typographic minus signs are
+accepted in numbers.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from granwave.lammps_inputs.files import read_number, read_user_text
 from granwave.lammps_inputs.tables.encoding import decoded_table
 
 BLANKS = " "
-_SEPARATORS = (";", "\t", ",", BLANKS)  # the first that fits
+_SEPARATORS = (";", "\t", ",", BLANKS)  # separators; the first match is used
 _BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
 _COMMENT_LINES = ("%", "//")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?")
 _FORTRAN = re.compile(
     r'(?<![^\s,;"])([-+]?(?:[0-9]+\.[0-9]*|\.[0-9]+))[dD]([-+]?[0-9]+)(?![^\s,;"])'
 )
-_SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)  # of spreadsheets
+_SEPARATOR_LINE = re.compile(r'"?sep=.?"?', re.IGNORECASE)  # first line written by spreadsheets
 _ALL_SEPARATORS = "".join(_SEPARATORS)
-_MINUS = "\u2212"  # of typography
+_MINUS = "\u2212"  # typographic minus
 _SHOWN_ROWS = 20  # rows from which separator and decimal sign are found
 
 Row = tuple[int, list[str]]  # number of the line, and the cells
@@ -73,7 +73,7 @@ class Layout:
         Raises
         ------
         ValueError
-            The row cannot be taken apart.
+            The row cannot be parsed.
         """
         try:
             return split_row(self.rows[row], self.separator)
@@ -100,7 +100,7 @@ def layout_of(text: str) -> Layout:
 
 
 def layout_from(layout: Layout, row: int) -> Layout:
-    """Return the layout of the rows from one on; those above it have another separator, maybe."""
+    """Return the layout of the rows from one on; the rows above may have another separator."""
     return _layout(layout.numbers[row:], layout.rows[row:], layout.comments)
 
 
@@ -161,7 +161,7 @@ def read_rows(path: Path) -> list[Row]:
     Raises
     ------
     InputError
-        The file cannot be read, is no text, or has a line that cannot be taken apart.
+        The file cannot be read, is not text, or has a line that cannot be parsed.
     """
     return rows_of(read_layout(path), path)
 
@@ -223,7 +223,7 @@ def _decimal(rows: Sequence[str], separator: str) -> str:
             continue
         try:
             cells = split_row(row, separator)
-        except csv.Error:  # a row that is refused where it is read
+        except csv.Error:  # the reader rejects this row
             continue
         if any(map(_DECIMAL_COMMA.fullmatch, cells)):
             return ","

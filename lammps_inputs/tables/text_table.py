@@ -30,7 +30,7 @@ from granwave.lammps_inputs.tables.units import LENGTH_UNITS, VOXELS, unit_of
 if TYPE_CHECKING:
     import pandas as pd
 
-_EXACT_BY_DEFAULT = (3, 1)  # first pandas that reads every bit without being asked to
+_EXACT_BY_DEFAULT = (3, 1)  # first pandas that reads every bit by default
 _THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:[.,' ][0-9]{3})+(?:[.,][0-9]*)?")
 _UNIT_IN_BRACKETS = re.compile(r"\([^()]+\)|\[[^\[\]]+\]")
 _UNIT_CELL = re.compile(r"[^0-9\s]{0,2}[^\s]{0,7}")  # short, and no number
@@ -46,7 +46,7 @@ class TextTable:
     heads
         Names of the columns as they are written; empty if the table has none.
     head_line
-        Line of the names, from 1; that of the first row if there are none.
+        Line of the names, from 1; without names the line of the first row.
     lines
         Line of each row, from 1: (n,).
     layout
@@ -54,7 +54,7 @@ class TextTable:
     frame
         Cells, in columns numbered from 0.
     units
-        Units of the columns in a row of their own, below the names; empty if there is none.
+        Units of the columns in a separate row below the names; empty if there is none.
     """
 
     heads: Sequence[str]
@@ -137,7 +137,7 @@ def read_text_table(
     Parameters
     ----------
     heads
-        Names of the columns, of a table that has none, or in place of those that it has.
+        Names of the columns, for a table without names, or to replace its names.
     nothing
         Message if there is no row.
 
@@ -153,12 +153,12 @@ def read_text_table(
 
 
 def text_table_of(layout: Layout, heads: Sequence[str] = ()) -> TextTable:
-    """Return the table of a layout, which may begin with a row of names and one of units.
+    """Return the table of a layout, which may begin with a row of names and a row of units.
 
     Parameters
     ----------
     heads
-        Names of the columns, of a table that has none, or in place of those that it has.
+        Names of the columns, for a table without names, or to replace its names.
 
     Raises
     ------
@@ -266,7 +266,7 @@ def _hint_at_cells(layout: Layout, row: int, n_cells: int, expected: int) -> str
 
 def _frame(layout: Layout, rows: Sequence[str], n_columns: int) -> pd.DataFrame:
     """Return the cells of rows that have been checked."""
-    import pandas  # takes longer to load than most commands need
+    import pandas  # imported on demand: slow to load
 
     if not rows:
         return pandas.DataFrame({column: [] for column in range(n_columns)}, dtype=np.float64)

@@ -22,7 +22,7 @@ VOLUME = "volume"
 ANGULAR_VELOCITY = "angular velocity"
 
 LENGTH_UNITS = {"m": 0, "dm": -1, "cm": -2, "mm": -3, "um": -6, "nm": -9}
-#: Units of the lengths of a picture, whose size no table gives.
+#: Units of lengths in images, whose size is not in the table.
 VOXELS = ("voxel", "voxels", "vox", "vx", "pixel", "pixels", "px", "pix")
 # powers of ten of the SI unit
 UNITS: dict[str, dict[str, int]] = {
@@ -53,12 +53,12 @@ _SPELLINGS = {
 }
 _CAPITALS = ("mm", "cm", "um", "nm", "mm/s", "cm/s", "kg")
 _NO_UNITS = ("-", "--", "1", "/", "none")
-_PLACEHOLDERS = ("unit", "units")  # of ImageJ without a scale
+_PLACEHOLDERS = ("unit", "units")  # unit of ImageJ without a scale
 _PARTED = re.compile(
     r"(.+?)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\]|\s+in\s+(\S+)|\s*/\s*(\S+)"
     r"|,\s*([dcmunµμ]?m(?:/s)?)|\.{1,2}([dcmunµμ]?m)\.)"
 )
-_DIGITS_OF_SIZE = 14  # of a voxel, which its logarithm keeps
+_DIGITS_OF_SIZE = 14  # digits of a voxel size, which its logarithm keeps
 _SIZE_AND_UNIT = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([dcmun]?m)")
 _JOINED = re.compile(r"(.+?)_((?:rad|kg|[munc]?m|d?m|[mu]?g)(?:_s|_m3|/s)?|[munc]?m\^?3|dm\^?3)")
 
@@ -74,7 +74,7 @@ def split_unit(head: str) -> tuple[str, str]:
 
 
 def unit_of(cell: str) -> str:
-    """Return the unit in a cell of its own, such as ``[mm]``; empty if it has none."""
+    """Return the unit in a separate cell, such as ``[mm]``; empty if there is none."""
     unit = _spelt(cell.strip().strip("()[]{}\"'"))
     return "" if unit in _NO_UNITS else unit
 
@@ -117,6 +117,6 @@ def _spelt(unit: str) -> str:
     for spelling in ("µ", "μ"):
         unit = unit.replace(spelling, _SPELLINGS[spelling])
     spelt = _SPELLINGS.get(unit, unit)
-    if unit.isupper() and unit.lower() in _CAPITALS:  # of names in capitals
+    if unit.isupper() and unit.lower() in _CAPITALS:  # for names in capitals
         return unit.lower()
     return spelt

@@ -13,7 +13,7 @@
 
 namespace granwave::bindings {
 
-using Two = std::pair<double, double>;    // of the first and the second body
+using Two = std::pair<double, double>;    // values of the first and the second body
 
 /* Raise ValueError of Python with this fault unless a condition holds. */
 void require(bool holds, const std::string &fault);
@@ -26,13 +26,13 @@ pybind11::object as_python(const LawParameter &parameter, double value);
 /* Value of a parameter from Python; ValueError if it is out of range, or no word of the parameter. */
 double from_python(const LawParameter &parameter, pybind11::handle object);
 
-/* Bounds of a range by the names that the schema of case files has for them. */
+/* Bounds of a range, by their names in the schema of case files. */
 pybind11::dict bounds(const Range &range);
 
 /* Constants of the curve of a law, by name. */
 pybind11::dict constants_of(const LawEntry &entry, const LawValues &values);
 
-/* Parameter of any law by its name; null if there is none. */
+/* Parameter of any law by its name; null without one. */
 const LawParameter *find_parameter(const std::string &name);
 
 /* Law of this name; ValueError if there is none. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Contact law of two bodies, as Python has it. */
+/* Contact law of two bodies for Python. */
 
 #ifndef GRANWAVE_BINDINGS_BOUND_CONTACT_H
 #define GRANWAVE_BINDINGS_BOUND_CONTACT_H
@@ -26,7 +26,7 @@ namespace py = pybind11;
 
 using Cohesion = std::optional<std::pair<std::string, double>>;    // kind and work of adhesion
 
-/* Cohesion of a contact; ValueError if it is wrong, or not of this law. */
+/* Cohesion of a contact; ValueError if it is invalid or not supported by this law. */
 inline CohesionModel cohesion_of(const LawEntry &entry, const Cohesion &given, bool line)
 {
   if (!given) return {};
@@ -38,7 +38,7 @@ inline CohesionModel cohesion_of(const LawEntry &entry, const Cohesion &given, b
   return energy == 0.0 ? CohesionModel{} : CohesionModel{kind == "jkr" ? CohesionKind::JKR : CohesionKind::DMT, energy};
 }
 
-/* Contact law and contact. History variables of the law other than the largest overlap are those of a new contact. */
+/* Contact law and contact. History variables of the law, except the largest overlap, have their initial values. */
 class BoundContact {
  public:
   BoundContact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius,
@@ -85,7 +85,7 @@ class BoundContact {
     scaled = ScaledLaw(law, granwave::effective_radius(radius.first, radius.second), radius.first, radius.second);
     extra.assign(law.n_extra(), 0.0);
   }
-  BoundContact(const BoundContact &) = delete;    // `scaled` points to `law`
+  BoundContact(const BoundContact &) = delete;    // `scaled` holds a pointer to `law`
 
   /* State of a contact with cohesion that has reached this peak. */
   CohesiveState sticking(double overlap, double peak) const
@@ -221,7 +221,7 @@ class BoundContact {
   double peak_contact_radius(double peak) const { return contact_radius(peak, peak); }
   double tangential_stiffness(double overlap, double peak) const
   {
-    return law.tangential_stiffness(circle_squared(overlap, peak));
+    return law.tangential_stiffness(std::sqrt(circle_squared(overlap, peak)));
   }
 
   py::dict friction_path(const py::array_t<double> &overlaps, const py::array_t<double> &slips, double friction,
@@ -281,7 +281,7 @@ class BoundContact {
   std::vector<double> extra;
   LawHistory history(double peak) const { return {peak, extra.data()}; }
 
-  /* Set a parameter of the contact, or of both materials, which may have more than the law takes. */
+  /* Set a parameter of the contact, or of both materials, which may have parameters of other laws. */
   static void set(const std::string &name, py::handle value, const LawEntry &entry, LawValues &values, Material &first,
                   Material &second)
   {
@@ -297,7 +297,7 @@ class BoundContact {
     require(entry.takes(*parameter), "'" + name + "' must be omitted: it is not an option of law '" + entry.name + "'");
   }
 
-  /* Constants of elastoplastic-fe, some of them other than those of its fit. */
+  /* Constants of elastoplastic-fe, with changes of its fit. */
   static FeConstants fe_constants(const LawEntry &entry, const std::map<std::string, double> &fit)
   {
     FeConstants constants;
@@ -313,7 +313,7 @@ class BoundContact {
   }
 };
 
-/* Make the class ContactLaw of Python. */
+/* Define the Python class ContactLaw. */
 void bind_contact(pybind11::module_ &module);
 
 }    // namespace granwave::bindings

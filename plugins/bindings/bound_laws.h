@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* The table of laws and their parameters, as Python has them. */
+/* The table of laws and their parameters for Python. */
 
 #ifndef GRANWAVE_BINDINGS_BOUND_LAWS_H
 #define GRANWAVE_BINDINGS_BOUND_LAWS_H
@@ -8,7 +8,7 @@
 
 namespace granwave::bindings {
 
-/* Make the classes LawParameter and LawEntry of Python, and the tables LAWS, PARAMETERS and FE_RANGE. */
+/* Define the Python classes LawParameter and LawEntry, and the tables LAWS, PARAMETERS and FE_RANGE. */
 void bind_laws(pybind11::module_ &module);
 
 }    // namespace granwave::bindings

@@ -23,7 +23,8 @@ Array corners_of(const std::vector<double> &numbers)
   return corners;
 }
 
-/* Distances of positions (n, 3) from a patch, infinite where its nearest point belongs to another one, and nearest points. */
+/* Distances of positions (n, 3) from a patch, infinite where the nearest point belongs to another patch, and nearest points.
+   */
 py::tuple nearest_points(const TriangleMesh &mesh, const Array &positions, int patch)
 {
   require(positions.ndim() == 2 && positions.shape(1) == 3, "positions must be of the shape (n, 3)");

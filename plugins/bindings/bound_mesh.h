@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Surfaces of triangles, as Python has them. */
+/* Triangulated surfaces for Python. */
 
 #ifndef GRANWAVE_BINDINGS_BOUND_MESH_H
 #define GRANWAVE_BINDINGS_BOUND_MESH_H
@@ -8,7 +8,7 @@
 
 namespace granwave::bindings {
 
-/* Make the class TriangleMesh and the function read_stl of Python. */
+/* Define the Python class TriangleMesh and the function read_stl. */
 void bind_mesh(pybind11::module_ &module);
 
 }    // namespace granwave::bindings

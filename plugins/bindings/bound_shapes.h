@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Contacts along lines, and pairs of cylinders, as Python has them. */
+/* Line contacts, and pairs of cylinders, for Python. */
 
 #ifndef GRANWAVE_BINDINGS_BOUND_SHAPES_H
 #define GRANWAVE_BINDINGS_BOUND_SHAPES_H
@@ -8,7 +8,7 @@
 
 namespace granwave::bindings {
 
-/* Make the classes LineContact and CylinderPair of Python. */
+/* Define the Python classes LineContact and CylinderPair. */
 void bind_shapes(pybind11::module_ &module);
 
 }    // namespace granwave::bindings

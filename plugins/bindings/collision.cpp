@@ -33,8 +33,8 @@ Collision collide_relaxing(const ScaledLaw &law, const PronySeries &series, doub
 Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, double speed, int steps)
 {
   constexpr double MOST_OVERLAP = 4.0;    // over the effective radius
-  constexpr double LONGEST = 50.0;    // end of a collision in which the bodies do not part, over its duration without loss
-  // the time scale: overlap at which first loading has taken up the kinetic energy, over the speed
+  constexpr double LONGEST = 50.0;        // end of a collision without separation, over the duration without loss
+  // the time scale: overlap at which first loading has absorbed the kinetic energy, over the speed
   const std::vector<double> zero(std::max(law.law().n_extra(), 1), 0.0);
   const double energy = 0.5 * mass * speed * speed + law.pull_off() * law.balanced_overlap();
   double low = 0.0, high = 1e-9 * law.effective_radius();
@@ -65,7 +65,7 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
   const double usual = scale / steps;
   bool parts = !law.cohesive();    // false while bodies may stick
   while (t < LONGEST * scale) {
-    // a loss that is large beside the inertia needs shorter steps
+    // a loss that is large compared with the inertia needs shorter steps
     const LawHistory h{std::max(peak, x), extra.data()};
     const double at_start = x, v_start = v;
     const double c = x > 0.0 ? loss.coefficient(law.tangent_stiffness(x, h), mass) : 0.0;
@@ -88,7 +88,7 @@ Collision collide(const ScaledLaw &law, const ViscousLoss &loss, double mass, do
     peak = std::max(peak, x);
     const double f = force(x, v);
     peak_force = std::max(peak_force, f);
-    if (v < 0.0 && f == 0.0) {    // no force from here on: nothing slows the separation
+    if (v < 0.0 && f == 0.0) {    // no force from here on: the separation is not slowed
       parts = true;
       break;
     }

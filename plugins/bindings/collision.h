@@ -11,7 +11,8 @@ namespace granwave::bindings {
 /* Head-on collision of two bodies with a contact law and a viscous loss, by the classical Runge-Kutta method; of viscoelastic
    bodies by velocity Verlet. */
 struct Collision {
-  double restitution;    // speed of separation over that of approach, 0 if the bodies do not part, NaN if nothing stops them
+  // speed of separation over speed of approach, 0 without separation, NaN if the bodies are not stopped
+  double restitution;
   double duration, peak_force, peak_overlap;
 };
 

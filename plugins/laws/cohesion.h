@@ -40,15 +40,15 @@ struct CohesionModel {
   bool operator==(const CohesionModel &other) const { return kind == other.kind && energy == other.energy; }
 };
 
-/* A cohesive contact whose surfaces touch, or are held by a neck. All are 0 for surfaces apart. */
+/* A cohesive contact whose surfaces touch, or are joined by a neck. All values are 0 for separate surfaces. */
 struct CohesiveState {
-  double force = 0.0;             // with that of the law
+  double force = 0.0;             // force, including the force of the law
   double energy = 0.0;            // likewise, stored
-  double circle_squared = 0.0;    // of the contact circle
+  double circle_squared = 0.0;    // squared radius of the contact circle
   double pressing = 0.0;          // normal force that limits friction: F plus twice the pull-off force, as in LAMMPS
 };
 
-/* Where the surfaces meet or part: overlap, and force on the side where they touch. */
+/* Snap-in or separation of the surfaces: overlap, and force on the side where they touch. */
 struct Jump {
   double overlap, force;
 };
@@ -65,12 +65,12 @@ class Neck {
     force_ = modulus * cubed / radius;
   }
 
-  double length() const { return 3.0 * overlap_; }          // of the neck where the surfaces part
+  double length() const { return 3.0 * overlap_; }          // length of the neck at separation
   double pull_off() const { return 12.0 * force_; }         // largest pull
   double balanced() const { return BALANCE * overlap_; }    // overlap without force
   Jump jump(bool meets) const { return meets ? Jump{0.0, -32.0 / 3.0 * force_} : Jump{-length(), -20.0 / 3.0 * force_}; }
 
-  /* Slope of the force; large and negative where the surfaces part. */
+  /* Slope of the force; large and negative where the surfaces separate. */
   double stiffness(double overlap) const
   {
     const double x = root(overlap / overlap_ + 3.0), x3 = x * x * x;
@@ -90,8 +90,8 @@ class Neck {
 
  private:
   static constexpr double BALANCE = 3.6342411856642793;    // x^4 - 4 x for x^3 = 6
-  static constexpr int STEPS = 8;                          // of Newton's method, at most
-  static constexpr double PRECISION = 1e-8;    // relative step that is the last one: the next would be its square
+  static constexpr int STEPS = 8;                          // most iterations of Newton's method
+  static constexpr double PRECISION = 1e-8;                // relative step that is the last: the next would be its square
 
   double circle_ = 0.0, overlap_ = 0.0, force_ = 0.0;
 
@@ -120,8 +120,8 @@ class Neck {
    work of the added force belongs to two steps, of which the second may take back some per cent. */
 struct CohesionHistory {
   double joined = 0.0;     // 1 if the surfaces touched, or were held by a neck, at the last step
-  double overlap = 0.0;    // at the last step
-  double added = 0.0;      // force that made good the jump of the last step
+  double overlap = 0.0;    // overlap at the last step
+  double added = 0.0;      // force that compensated the jump of the last step
   double lost = 0.0;       // energy
 
   static constexpr int SIZE = 4;
@@ -142,7 +142,7 @@ struct CohesionHistory {
     const double moved = active() ? present - overlap : first_moved;
     double adds = 0.0;
     if (jumps && moved != 0.0) {
-      const double after = std::min(std::max((present - jump.overlap) / moved, 0.0), 1.0);    // share of the step
+      const double after = std::min(std::max((present - jump.overlap) / moved, 0.0), 1.0);    // fraction of the step
       adds = jump.force * (joins ? after - 0.5 : 0.5 - after);
     }
     if (loses) lost += 0.5 * (added + adds) * moved;
@@ -151,7 +151,7 @@ struct CohesionHistory {
     return adds;
   }
 
-  /* Start from a state, or go on from that of the last step. Returns the force to be added. */
+  /* Start from a state, or continue from the state of the last step. Returns the force to be added. */
   double start(double present, bool joins, double rounding)
   {
     if (active() && std::fabs(present - overlap) <= rounding) return added;

@@ -31,7 +31,7 @@ inline void add(double *to, const Two &xy, double z)
 
 constexpr int SPRINGS_AHEAD = 400;    // pairs of the batches after the next, whose springs are fetched meanwhile
 
-/* Read or write springs and motion of pairs from the first on, four at a time, and return the number of pairs done. */
+/* Read or write springs and motion of pairs, four at a time, and return the number of completed pairs. */
 FOR_OTHERS int read_fours(ContactBatch &, const double *, const double *, const TangentialSpring *) { return 0; }
 
 FOR_OTHERS int write_fours(const ContactBatch &, TangentialSpring *) { return 0; }

@@ -26,8 +26,8 @@ struct ContactBatch {
   double radius_i[CAPACITY], radius_j[CAPACITY], radsum[CAPACITY], root_radius[CAPACITY];    // root of R*
   double hertz[CAPACITY];                                                                    // force = hertz overlap^(3/2)
   double shear_stiffness[CAPACITY];    // k_t of a contact circle of radius 1: 8 G*
-  double largest_overlap[CAPACITY];    // beyond it the overlap is an error
-  double elastic_limit[CAPACITY];      // overlap up to which a contact is Hertzian
+  double largest_overlap[CAPACITY];    // largest overlap without an error
+  double elastic_limit[CAPACITY];      // largest Hertzian overlap
   double peak[CAPACITY];               // largest overlap before
 
   // output
@@ -44,12 +44,12 @@ struct ContactBatch {
   double lever_i[CAPACITY], lever_j[CAPACITY];        // lever arms
   double velocity[3][CAPACITY], spin[3][CAPACITY];    // velocity of i relative to j; sum of lever arm times angular velocity
   double tangential[3][CAPACITY];                     // tangential force on i, before and after
-  double compliance[CAPACITY], loss[CAPACITY];        // as in TangentialSpring, before and after
+  double compliance[CAPACITY], loss[CAPACITY];        // compliance and loss, as in TangentialSpring, before and after
   // friction, output
-  double force_i[3][CAPACITY];    // on sphere i, the opposite on j
-  double torque[3][CAPACITY];     // on either sphere, per unit of its lever arm
+  double force_i[3][CAPACITY];    // force on sphere i; the force on j is opposite
+  double torque[3][CAPACITY];     // torque on either sphere, per unit of its lever arm
 
-  /* Put pair `pair` of spheres into place n: indices, vector from `second` to `first`, its length squared. */
+  /* Store pair `pair` of spheres at position n: indices, vector from `second` to `first`, its length squared. */
   ALWAYS_INLINE void put(int n, int pair, int first, int second, double delx, double dely, double delz, double square)
   {
     k[n] = pair;
@@ -62,8 +62,8 @@ struct ContactBatch {
   }
   /* Compute distance, overlap, Hertzian force and contact circle. Returns true if an overlap is too large or not a number. */
   bool compute_overlap();
-  /* Compare the overlaps with the peaks before: bit m of `raised` is set if that of pair m is larger, of `yielded` if the larger
-     of the two is beyond the elastic limit. */
+  /* Compare the overlaps with the previous peaks: bit m of `raised` is set if that of pair m is larger, of `yielded` if the
+     larger of the two is beyond the elastic limit. */
   void compare_with_peaks(std::uint64_t &raised, std::uint64_t &yielded) const;
   /* Compute normal force over distance. */
   void compute_normal();
@@ -71,17 +71,17 @@ struct ContactBatch {
   bool prepare_friction();
   /* Read velocities and angular velocities of the spheres, three components each, and the springs of the pairs. */
   void read(const double *velocities, const double *omegas, const TangentialSpring *springs);
-  /* Write the springs of the pairs; those whose limit is 0 are left as they are. */
+  /* Write the springs of the pairs; springs with limit 0 are left unchanged. */
   void write(TangentialSpring *springs) const;
   /* Compute forces and torques on the spheres, including friction. */
   void compute_forces_and_torques();
   /* The same after tangential force, compliance and loss have been advanced by a timestep dt; the force is 0 if the limit is 0. */
   void advance_forces_and_torques(double dt);
-  /* Add the normal forces to those of both spheres, as far as their indices are below `owned`. */
+  /* Add the normal forces to both spheres if their indices are below `owned`. */
   void add_normal(double *forces, int owned) const;
   /* Add forces and torques including friction likewise, and meanwhile fetch springs of later pairs. */
   void add_forces_and_torques(double *forces, double *torques, int owned, const TangentialSpring *springs) const;
-  /* The same with torques of rolling and twisting on sphere i, the opposite on j. */
+  /* Same, with torques of rolling and twisting on sphere i and opposite torques on j. */
   void add_forces_and_moments(double *forces, double *torques, int owned, const double (*moment)[3]) const;
 
  private:

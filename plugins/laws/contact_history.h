@@ -28,17 +28,17 @@ struct Dent {
   double time_peak = -1.0, time_yield = -1.0;
 };
 
-/* Replace a time by another one if that is earlier; -1 = never. */
+/* Replace a time by another time if that is earlier; -1 = never. */
 inline void earliest(double &time, double other)
 {
   if (other >= 0.0 && (time < 0.0 || other < time)) time = other;
 }
 
 struct ContactRecord {
-  static constexpr int SIZE = 10;    // number of doubles in messages and restart files, where it stands as it is
+  static constexpr int SIZE = 10;    // number of doubles in messages and restart files, which contain it unchanged
 
   std::int64_t partner;          // ID of the other sphere
-  std::int64_t partner_birth;    // and its birth, for another sphere may get the ID of one that was deleted
+  std::int64_t partner_birth;    // and its birth number, because another sphere may reuse the ID of a deleted one
   double partner_radius;
   std::int32_t partner_type;
   std::int32_t live;
@@ -52,9 +52,10 @@ struct ForgottenContacts {
   double own_dissipated = 0.0;                                           // this sphere's part
   double yielded = 0.0, beyond_half = 0.0, beyond_law = 0.0;             // numbers of contacts
   double peak_force = 0.0, peak_overlap = 0.0;
-  double time_first = -1.0, time_peak = -1.0, time_yield = -1.0;    // time_peak: of the largest force; -1 = never
+  double time_first = -1.0, time_peak = -1.0, time_yield = -1.0;    // time_peak: time of the largest force; -1 = never
   double rolling_loss = 0.0, twisting_loss = 0.0;                   // part of frictional_loss
-  double adhesive_loss = 0.0;                                       // where surfaces met and parted
+  // energy lost where surfaces snapped into contact and separated
+  double adhesive_loss = 0.0;
 
   static constexpr int SIZE = 15;
 
@@ -68,7 +69,7 @@ struct BlockLayout {
   static constexpr int N_SPRING = doubles_of<TangentialSpring>();
   static constexpr int N_DENT = 2;
 
-  int n_extra = 0;    // doubles of the law; the largest number of several laws
+  int n_extra = 0;    // doubles of the law; the largest number if there are several laws
   bool friction = false, dents = false;
 
   int spring() const { return n_extra; }
@@ -87,7 +88,7 @@ struct BlockLayout {
   }
 };
 
-/* Components of a block; without friction or initial dents those of a contact that has none. */
+/* Components of a block; without friction or initial dents they have their initial values. */
 struct BlockView {
   BlockView(const BlockLayout &layout, const double *block) : extra(block)
   {
@@ -102,7 +103,7 @@ struct BlockView {
   TangentialSpring spring;
   double initial = 0.0, reached = 0.0;    // initial dent, largest overlap of this run
   const double *extra = nullptr, *initial_extra = nullptr;
-  double side = 1.0;    // -1: the spring is seen from the second sphere; vectors in `extra` never are
+  double side = 1.0;    // -1: the spring is seen from the second sphere; vectors in `extra` are not
 };
 
 class ContactHistory {
@@ -143,7 +144,7 @@ class ContactHistory {
     if (!forgotten_.empty()) forgotten_.resize(n);
   }
 
-  /* Sums over the forgotten contacts of sphere i, and the same to be added to. */
+  /* Sums over the forgotten contacts of sphere i, to be read or added to. */
   ForgottenContacts forgotten(int i) const { return forgotten_.empty() ? ForgottenContacts() : forgotten_[i]; }
   ForgottenContacts &forgotten_to_change(int i)
   {
@@ -159,7 +160,7 @@ class ContactHistory {
   void list(int i, int index) { listed_[i] = index; }
   int listed(int i) const { return listed_[i]; }
 
-  /* Number of sphere i, owned or ghost, that no other sphere with the same ID has or had. */
+  /* Unique number of sphere i, owned or ghost, among all spheres that have or had its ID. */
   std::int64_t birth(int i) const { return birth_[i]; }
   void set_birth(int i, std::int64_t number) { birth_[i] = number; }
 
@@ -248,7 +249,7 @@ class ContactHistory {
   std::vector<std::size_t> first_;
   std::vector<int> count_, listed_;
   std::vector<std::int64_t> owner_, birth_;
-  std::vector<ForgottenContacts> forgotten_;    // by sphere; empty as long as there are none
+  std::vector<ForgottenContacts> forgotten_;    // by sphere; empty if there are none
   std::vector<ContactRecord> pool_;
   std::vector<double> blocks_;    // layout_.size() doubles per record
 

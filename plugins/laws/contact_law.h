@@ -20,7 +20,7 @@ struct LawHistory {
 
 constexpr int RATE_EXTRA = RateDependent<Elastoplastic>::N_EXTRA;
 
-/* A law whose yield strength follows the rate, from the same without. */
+/* A law with a rate-dependent yield strength, derived from the rate-independent law. */
 inline AnyLaw with_rate(const AnyLaw &any, const RateModel &model)
 {
   return std::visit(
@@ -64,8 +64,10 @@ class ContactLaw {
 
   const LawEntry &entry() const { return *entry_; }
   const AnyLaw &normal() const { return normal_; }
-  const LawValues &values() const { return values_; }                                  // of parameters of the contact
-  const ElasticContact *elastic() const { return elastic_ ? &*elastic_ : nullptr; }    // of a power of the overlap
+  // values of parameters of the contact
+  const LawValues &values() const { return values_; }
+  // constants of a power of the overlap
+  const ElasticContact *elastic() const { return elastic_ ? &*elastic_ : nullptr; }
   const CohesionModel &cohesion() const { return cohesion_; }
   std::string fault() const
   {
@@ -77,7 +79,8 @@ class ContactLaw {
   const RateModel &rate() const { return rate_; }
   /* Doubles of history beyond the largest overlap. */
   int n_extra() const { return entry_->n_extra + (rate_ ? RATE_EXTRA : 0); }
-  double share_of_first() const { return share1_; }    // share of the dissipated energy: all of it for the softer sphere
+  // fraction of the dissipated energy: all of it for the softer sphere
+  double share_of_first() const { return share1_; }
   double overlap_per_radius() const { return overlap_per_radius_; }
   double force_per_area() const { return force_per_area_; }
 
@@ -121,8 +124,8 @@ class ContactLaw {
     return with([&](const auto &law) { return law.update(a, peak, rate, site, extra); });
   }
 
-  /* k_t = 8 G* a of a contact circle of this radius squared, in physical units. */
-  double tangential_stiffness(double circle_squared) const { return 8.0 * shear_modulus_ * std::sqrt(circle_squared); }
+  /* k_t = 8 G* a of a contact circle of this radius, in physical units. */
+  double tangential_stiffness(double circle) const { return 8.0 * shear_modulus_ * circle; }
 
  private:
   const LawEntry *entry_;
@@ -176,8 +179,8 @@ class ScaledLaw {
   double normalised(double overlap) const { return overlap / overlap_; }
 
   bool is_hertzian() const { return !elastic_; }                                       // within the elastic limit
-  const LineContact *line() const { return elastic_ ? elastic_->line() : nullptr; }    // null if it is another law
-  /* Contacts within their elastic limit: Hertz's law, unless it is another. */
+  const LineContact *line() const { return elastic_ ? elastic_->line() : nullptr; }    // null for other laws
+  /* Contacts within their elastic limit: Hertz's law, or another elastic law. */
   double elastic_force(double overlap) const
   {
     return elastic_ ? elastic_->force(overlap) : hertz_ * overlap * std::sqrt(overlap);
@@ -194,8 +197,8 @@ class ScaledLaw {
   {
     return elastic_ ? elastic_->overlap(force) : std::cbrt(force / hertz_ * (force / hertz_));
   }
-  double largest_overlap() const { return elastic_ ? elastic_->largest_overlap() : INFINITE; }    // where the law ends
-  /* Overlap beyond which the law is no longer that of the contact. */
+  double largest_overlap() const { return elastic_ ? elastic_->largest_overlap() : INFINITE; }    // end of the law
+  /* Overlap beyond which the law no longer describes the contact. */
   double valid_overlap() const
   {
     if (elastic_) return elastic_->valid();
@@ -246,7 +249,8 @@ class ScaledLaw {
     return yielded(overlap) ? loading_beyond_yield(overlap, extra) : elastic_force(overlap);
   }
 
-  /* Overlap at which the force was a part of that at a larger one, on the way up; below an initial dent on its reloading curve. */
+  /* Overlap at which the force had reached a fraction of the force at a larger overlap, on loading; below an initial dent on
+     its reloading curve. */
   double overlap_at_part(double overlap, double part, const double *extra, const LawHistory &initial) const
   {
     const bool dented = yielded(initial.peak);
@@ -275,14 +279,14 @@ class ScaledLaw {
   double neck_length() const { return neck_.length(); }    // largest gap of surfaces that are held by a neck
   double pull_off() const { return has_neck() ? neck_.pull_off() : pull_per_length_ * effective_radius_; }    // without dent
 
-  /* Return true if surfaces touch or are held by a neck; `joined` if they did at the last step. Smaller overlaps than `rounding`
-     are none. */
+  /* Return true if surfaces touch or are joined by a neck; `joined` is the answer at the last step. Smaller overlaps than
+     `rounding` are none. */
   bool joins(double overlap, bool joined, double rounding) const
   {
     return overlap > rounding || (joined && has_neck() && overlap > -neck_.length());
   }
 
-  /* State of such a contact; `turning` is that of its peak if it has yielded. */
+  /* State of such a contact; `turning` is the turning point of its peak if it has yielded. */
   CohesiveState cohesive_state(double overlap, const LawHistory &h, const Turning *turning) const
   {
     if (has_neck()) return neck_.at(overlap);
@@ -314,7 +318,7 @@ class ScaledLaw {
     return cohesive_state(overlap, {peak, h.extra}, &t);
   }
 
-  /* Where the surfaces meet, or part. */
+  /* Snap-in or separation of the surfaces. */
   Jump jump(bool meets, double overlap, double peak, const Turning *turning) const
   {
     if (has_neck()) return neck_.jump(meets);
@@ -328,7 +332,7 @@ class ScaledLaw {
     return has_neck() ? neck_.stiffness(overlap) : tangent_stiffness(overlap, h);
   }
 
-  /* Overlap on first loading at which the contact bears no force; 0 without cohesion. */
+  /* Overlap on first loading at zero contact force; 0 without cohesion. */
   double balanced_overlap() const
   {
     if (has_neck()) return neck_.balanced();
@@ -342,7 +346,7 @@ class ScaledLaw {
     return high;
   }
 
-  /* Force at an overlap; beyond the peak that of the loading curve. */
+  /* Force at an overlap; beyond the peak the force on the loading curve. */
   double force(double overlap, const LawHistory &h) const
   {
     return overlap >= h.peak || !yielded(h.peak) ? loading_force(overlap, h.extra) : unloading(overlap, turning(h));
@@ -416,7 +420,7 @@ class ScaledLaw {
                              : unloading_circle(overlap, turning(h), area(normalised(h.peak), h.extra));
   }
 
-  /* The same of an elastic law other than Hertz's, from its stiffness. */
+  /* Same for an elastic law other than Hertz's, from its stiffness. */
   double circle_squared(double stiffness) const
   {
     const double radius = 0.5 * stiffness / law_->modulus();
@@ -429,7 +433,7 @@ class ScaledLaw {
   double effective_radius_ = 0.0, hertz_ = 0.0, overlap_ = INFINITE, force_ = INFINITE, elastic_limit_ = INFINITE;
   double share1_ = 0.5, share2_ = 0.5;
   CohesionKind cohesion_ = CohesionKind::NONE;
-  double pull_per_length_ = 0.0;    // of DMT: pull over the slope of the squared radius of the contact circle
+  double pull_per_length_ = 0.0;    // DMT: pull-off force over the slope of the squared radius of the contact circle
   Neck neck_;
 
   /* Overlap of a force on the loading curve below a known point, by secants in logarithms: exact for a power law. */
@@ -451,9 +455,10 @@ class ScaledLaw {
     return std::min(std::exp(place), overlap);
   }
 
-  double pull_of(bool loads, double overlap, const Turning *turning) const    // no rate with cohesion: no history
+  // cohesion has no rate dependence: no history
+  double pull_of(bool loads, double overlap, const Turning *turning) const
   {
-    double slope = 1.0;    // of the squared radius of the circle over R* times the overlap
+    double slope = 1.0;    // slope of the squared radius of the circle over R* times the overlap
     if (turning)
       slope = loads ? law_->area_slope(normalised(overlap), site(nullptr))
                     : area(turning->peak, nullptr) / (turning->peak - turning->residual);

@@ -24,7 +24,8 @@ namespace granwave {
 struct KnownContact {
   double peak = 0.0;
   bool whole = false;
-  double force[3] = {}, compliance = 0.0;    // of the spring; the force is on the first sphere, or on the sphere at a wall
+  // force and compliance of the spring; the force is on the first sphere, or on the sphere at a wall
+  double force[3] = {}, compliance = 0.0;
   double place[2] = {};
   std::vector<double> block;
 };
@@ -32,7 +33,7 @@ struct KnownContact {
 struct ContactMemory {
   bool friction = false, dents = false;    // a spring, and what initial dents need: no parts of the block
   bool slip = false, cohesion = false, resistance = false, loss = false, prony = false, damping = false;
-  bool loss_first = false;    // of walls: the loss stands before the others, of pairs behind them
+  bool loss_first = false;    // for walls: the viscous loss precedes the other parts; for pairs it follows them
   int n = 0;                  // doubles of a block
 
   /* Histories of a block, to be changed. */
@@ -43,7 +44,7 @@ struct ContactMemory {
   Stored<PronyHistory> prony_of(double *block) const { return part<PronyHistory>(block, to_prony()); }
   DampingHistory damping_of(double *block) const { return DampingHistory(block + n - size()); }
 
-  /* Copies, which are those of a new contact where there is no such history. */
+  /* Copies; without such history they have the values of a new contact. */
   CohesionHistory cohesion_of(const double *block) const { return copy<CohesionHistory>(cohesion, block, to_cohesion()); }
   ResistanceHistory resistance_of(const double *block) const
   {
@@ -89,11 +90,19 @@ struct ContactMemory {
     if (damping) damping_of(block).begin();
   }
 
-  /* True if a contact of this memory can be as the file has it. */
+  /* True if this memory can represent the contact of the file. */
   bool takes(const KnownContact &contact) const
   {
     const bool sprung = contact.compliance != 0.0;
     return (friction || !sprung) && (contact.block.empty() || static_cast<int>(contact.block.size()) == n);
+  }
+
+  /* Forget the viscous forces of the last step: there are none in a minimization, and behind a contact that is no more. */
+  void forget_viscous(double *block) const
+  {
+    loss_of(block)->forget_state();
+    if (prony) *prony_of(block) = {};
+    if (damping) damping_of(block).release();
   }
 
   /* End the spring of surfaces that have parted, or that friction does not hold. */
@@ -124,7 +133,7 @@ struct ContactMemory {
 
  private:
   int size_of_loss() const { return loss ? ViscousHistory::SIZE : 0; }
-  // doubles from each of them to the end
+  // number of doubles from each part to the end
   int to_resistance() const { return (loss_first ? 0 : size_of_loss()) + (resistance ? ResistanceHistory::SIZE : 0); }
   int to_cohesion() const { return to_resistance() + (cohesion ? CohesionHistory::SIZE : 0); }
   int to_slip() const { return to_cohesion() + (slip ? SlipHistory::SIZE : 0); }
@@ -145,10 +154,10 @@ struct ContactMemory {
 
 struct Step {
   double dt;
-  bool advances;    // false in a setup, so that a continued run is identical to an uninterrupted one, and in a minimization
+  bool advances;    // false in setup, so that a resumed run is identical to an uninterrupted one, and in a minimization
 };
 
-/* Advance the cohesion of a contact. Returns its state, whose force includes that which makes good a jump.
+/* Advance the cohesion of a contact. Returns its state, whose force includes the compensation of a jump.
 
    turning     that of its peak if it has yielded
    rounding    smaller overlaps are none
@@ -173,8 +182,8 @@ inline CohesiveState advance_cohesion(const ScaledLaw &law, CohesionHistory &his
   return state;
 }
 
-/* Advance the viscous loss of a contact. Returns the viscous force. Where a run is continued it is that of its last step, so
-   that it is identical to an uninterrupted one.
+/* Advance the viscous loss of a contact. Returns the viscous force. When a run is resumed it is the force of the last step,
+   so that it is identical to an uninterrupted one.
 
    force          of the law, with the pull-off force of a contact with cohesion: where it would pull harder, it is cut off
    coefficient    function that returns the force over the rate of the overlap */
@@ -201,7 +210,7 @@ inline double advance_prony(const PronySeries &series, ViscousHistory &history, 
   } else {
     if (history.step == 0.0 && branches.surface > 0.0) {
       branches.recover(series, law, now - step.dt - branches.parted, step.dt);
-      history.lost -= branches.stored;    // counted as lost where they parted
+      history.lost -= branches.stored;    // counted as dissipated at separation
     }
     history.lost += branches.advance(series, law, overlap, force, step.dt);
   }
@@ -209,7 +218,7 @@ inline double advance_prony(const PronySeries &series, ViscousHistory &history, 
   return history.force;
 }
 
-/* Part viscoelastic bodies: what they still store is lost, unless they meet before it is. */
+/* Separate viscoelastic bodies: their stored energy dissipates, unless they touch again before. */
 inline void part_prony(const PronySeries &series, ViscousHistory &history, PronyHistory &branches, const ScaledLaw &law,
                        const Step &step, double now)
 {

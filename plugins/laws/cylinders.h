@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Cylinders with an axis that is fixed in space: where they touch spheres and each other, and with which curvatures; a tube around
-   z, and spheres in it. No LAMMPS types.
+/* Cylinders with an axis that is fixed in space: contacts with spheres and with each other, and their curvatures; a tube
+   around z, and spheres in it. No LAMMPS types.
 
    A sphere touches the side of a cylinder in a point, as two cylinders that cross do; parallel cylinders touch along a line.
    The overlap is the sum of the radii minus the distance: of the center from the axis, or of the two axes. The ends of a
@@ -94,7 +94,7 @@ struct Cylinder {
 /* Geometry of the contacts of two bodies, at least one of which is a cylinder. */
 class CylinderPair {
  public:
-  static constexpr double PARALLEL = 1e-9;        // sine of the angle of axes up to which they count as parallel
+  static constexpr double PARALLEL = 1e-9;        // sine of the largest angle of axes that count as parallel
   static constexpr double LEAST_ANGLE = 0.017;    // sine of the smallest angle at which crossed cylinders touch in a point
 
   struct Separation {
@@ -123,8 +123,9 @@ class CylinderPair {
   }
 
   bool parallel() const { return length_ > 0.0; }
-  double length() const { return length_; }    // of the line of contact of parallel cylinders: of the shorter one
-  /* True if the contact of crossed cylinders is so long an ellipse that it is none. */
+  // length of the line of contact of parallel cylinders: length of the shorter one
+  double length() const { return length_; }
+  /* True if the contact ellipse of crossed cylinders is too long for a point contact. */
   bool nearly_parallel() const { return crossed_ && sine_ < LEAST_ANGLE; }
 
   /* Separation of two bodies from the vector between their centers, from the second to the first. */
@@ -136,7 +137,7 @@ class CylinderPair {
       found.distance = std::fabs(along);
       for (int d = 0; d < 3; d++) found.normal[d] = along < 0.0 ? -axis_[d] : axis_[d];
       const double a = dot(del, one_.axis), b = dot(del, other_.axis), c = dot(one_.axis, other_.axis);
-      const double first = (c * b - a) / (sine_ * sine_), second = b + c * first;    // of the nearest points, along the axes
+      const double first = (c * b - a) / (sine_ * sine_), second = b + c * first;    // nearest points, along the axes
       found.beyond = std::max(std::fabs(first) - 0.5 * one_.length, std::fabs(second) - 0.5 * other_.length);
       return found;
     }
@@ -147,7 +148,7 @@ class CylinderPair {
     return found;
   }
 
-  /* Radius of the sphere that is as stiff on a plane as a contact in a point; that of both curvatures for a line. */
+  /* Radius of the sphere that is as stiff on a plane as a point contact; for a line, from both curvatures. */
   double effective_radius(double r1, double r2) const
   {
     if (parallel()) return granwave::effective_radius(r1, r2);
@@ -163,7 +164,7 @@ class CylinderPair {
 
  private:
   Cylinder one_, other_;
-  double axis_[3], half_, sine_ = 0.0, length_ = 0.0;    // axis: of the cylinder, or the common normal of crossed ones
+  double axis_[3], half_, sine_ = 0.0, length_ = 0.0;    // axis of the cylinder, or common normal of crossed cylinders
   bool crossed_ = false;
 
   static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -180,7 +181,7 @@ class Tube : public CurvedWall {
 
   double overlap(const double *x, double radius) override { return from_axis(x) + radius - radius_; }
 
-  /* Unit normal at a sphere, into the tube; zero on the axis, which no sphere that touches the tube reaches. */
+  /* Unit normal at a sphere, into the tube; zero on the axis, where no sphere touches the tube. */
   void inward(const double *x, double normal[3]) override
   {
     const double distance = from_axis(x);
@@ -197,7 +198,7 @@ class Tube : public CurvedWall {
     found[2] = 0.0;
   }
 
-  /* Turn a force at a sphere into its components outward, around and along the tube. */
+  /* Resolve a force at a sphere into components outward, around and along the tube. */
   void components(const double *x, double force[3]) override
   {
     double normal[3];
@@ -207,7 +208,8 @@ class Tube : public CurvedWall {
     force[0] = outward;
   }
 
-  /* Radius of the sphere that is as stiff on a plane as one of this radius in the tube; of one that does not fit its own. */
+  /* Radius of the sphere that is as stiff on a plane as a sphere of this radius in the tube; unchanged for a sphere that
+     does not fit. */
   double effective_radius(double radius) override
   {
     if (!(radius > 0.0 && holds(radius))) return radius;
@@ -219,7 +221,7 @@ class Tube : public CurvedWall {
  private:
   double radius_;
   std::string name_;
-  std::unordered_map<double, double> found_;    // by radius of the spheres
+  std::unordered_map<double, double> found_;    // cached by radius of the spheres
 
   static std::string short_text(double value)
   {

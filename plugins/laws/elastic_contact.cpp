@@ -9,7 +9,7 @@ namespace {
 
 constexpr int GROUP = LineBatch::GROUP;
 
-/* Forces and stiffnesses of whole groups, for each set of instructions. */
+/* Forces and stiffnesses of complete groups, for each instruction set. */
 FOR_EACH_PROCESSOR void compute_groups(int n, const double *overlap, const double *overlap_scale, const double *force_scale,
                                        double *force, double *stiffness)
 {

@@ -45,8 +45,8 @@ namespace granwave {
 class LineContact {
  public:
   static constexpr double LEAST = 1e-25;
-  static constexpr int STEPS = 8;               // of Newton's method, at most
-  static constexpr double PRECISION = 1e-16;    // relative change with which it ends
+  static constexpr int STEPS = 8;               // most iterations of Newton's method
+  static constexpr double PRECISION = 1e-16;    // relative change at which they end
 
   LineContact(const Material &first, const Material &second, double diameter, double length) :
       overlap_(2.0 * length * length / diameter),
@@ -71,7 +71,7 @@ class LineContact {
     return {force / (PI * modulus), force * length};
   }
 
-  /* Largest overlap for which the law holds. */
+  /* Largest overlap for which the law is valid. */
   double largest_overlap() const { return overlap_; }
   double overlap_scale() const { return overlap_; }
   double force_scale() const { return force_; }
@@ -96,7 +96,7 @@ class LineContact {
     return u > 0.0 ? overlap_ * u * (1.0 - std::log(u)) : 0.0;
   }
 
-  /* Work of loading, which unloading gives back. */
+  /* Work of loading, which unloading returns. */
   double energy(double overlap) const
   {
     if (!(overlap > LEAST)) return 0.0;

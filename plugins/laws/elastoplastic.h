@@ -66,7 +66,7 @@ class Elastoplastic : public NormalLaw {
     pressure_at_yield_ = continuous_ ? 2.0 * values[YIELD_FACTOR] / 3.0 : 1.07;
     const double joint = constants_.area_switch;
     area_exponent_ = continuous_ ? std::log(linear_area(joint)) / std::log(joint) : 1.14;
-    // rounded to 12 decimals: the result for 25.94 - 0.95 is 24.99 and not the neighboring double
+    // rounded to 12 decimals, so that 25.94 - 0.95 is 24.99 and not a neighboring double
     residual_amplitude_ = std::round((constants_.residual_offset - constants_.residual_slope) * 1e12) / 1e12;
     if (continuous_) examine();
   }
@@ -119,7 +119,7 @@ class Elastoplastic : public NormalLaw {
 
   double dissipated_energy(const Turning &t, const Site &site) const
   {
-    // if the exponent was chosen to return all energy, the difference is rounding
+    // if the exponent was chosen to return all energy, the difference is only rounding
     if (continuous_ && t.exponent > constants_.unloading_exponent) return 0.0;
     return energy_lost(loading_work(t.peak, site), t);
   }
@@ -133,8 +133,10 @@ class Elastoplastic : public NormalLaw {
   }
 
  private:
-  static constexpr double FIRST_STEP = 1e-3, STEP_GROWTH = 1.1, LARGEST_PEAK = 1e5;    // for examine(), in alpha_y
-  static constexpr double ROUNDING = 1e-12;                          // relative to the work, in a difference of energies
+  // overlaps for examine(), in alpha_y
+  static constexpr double FIRST_STEP = 1e-3, STEP_GROWTH = 1.1, LARGEST_PEAK = 1e5;
+  // tolerance relative to the work, for a difference of energies
+  static constexpr double ROUNDING = 1e-12;
   static constexpr double LEAST_RATE = 1e-4, LARGEST_RATE = 10.0;    // range in which loading_work is accurate to 1e-8
 
   struct Constants {
@@ -222,7 +224,7 @@ class Elastoplastic : public NormalLaw {
   {
     const double mid = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
     double value[10], sum = 0.0;
-    for (int n = 0; n < 10; n++) {    // several powers at a time
+    for (int n = 0; n < 10; n++) {    // several powers are computed at a time
       const double at = mid + (n % 2 == 0 ? -half : half) * GAUSS_POINTS[n / 2];
       value[n] = GAUSS_WEIGHTS[n / 2] * pressure(at) * power(at, area_exponent_);
     }

@@ -140,7 +140,7 @@ class ElastoplasticFe : public NormalLaw {
   {
     const Shape s = shape(site);
     Turning t = branch(peak, beyond(peak, s), s);
-    // a cycle must not give back more than it took
+    // a cycle must not return more energy than it received
     t.exponent = std::max(t.exponent, t.force * (peak - t.residual) / loading_work(peak, site) - 1.0);
     return t;
   }
@@ -179,17 +179,20 @@ class ElastoplasticFe : public NormalLaw {
 
  private:
   static constexpr double STRENGTH = 40.0, LARGE = 40.0;    // sharpness of the logistic function, and its largest argument
-  static constexpr double FLAT = 0.05;                      // of G at any depth, so that the force rises
-  static constexpr double STRAIN = 0.2;     // mean plastic strain over sqrt(d w), for the hardening of unloading
-  static constexpr double DEEPEST = 0.2;    // own overlap over own radius, of the finite elements
-  static constexpr double STIFFER = 1.2;    // of a sphere with a large contact than of a half-space
-  static constexpr double SECANT = 2e-3;    // of the straight line beyond, over its start
+  // limit of the flattening at large depth, so that the force increases
+  static constexpr double FLAT = 0.05;
+  static constexpr double STRAIN = 0.2;    // mean plastic strain over sqrt(d w), for the hardening of unloading
+  // overlap of a body over its radius, at the end of the finite-element results
+  static constexpr double DEEPEST = 0.2;
+  static constexpr double STIFFER = 1.2;    // coefficient: a sphere with a large contact is stiffer than a half-space
+  static constexpr double SECANT = 2e-3;    // step for the slope of the straight line beyond the range, over the overlap
   static constexpr double FIRST_PANEL = 0.125, LEAST = 1e-9, STEEPEST = 1.05;
-  static constexpr double FLATTEST = 0.01;    // share of a flat in the relative curvature: radii beyond 99:1 count as flats
+  // smallest fraction of a flat in the relative curvature: radii beyond 99:1 count as flats
+  static constexpr double FLATTEST = 0.01;
   static constexpr double LEAST_PART = 1e-12, EVEN = 1e-12, NOT_ALIKE = 1e-6;
-  static constexpr double UNEVEN = 0.02;    // of v, from which on the finite elements end at 0.2 R* as those of a flat do
+  static constexpr double UNEVEN = 0.02;    // value of v above which the finite elements end at 0.2 R*, as for a flat
   static constexpr double MIRRORED =
-      0.05;    // scatter of radii, or compliance of the flat, up to which a contact is mirrored
+      0.05;    // largest difference of radii, or compliance of the flat, for which a contact is mirrored
   static constexpr double LEAST_COMPLIANCE = 0.33, LEAST_SHARE = 0.09, ROUNDING = 1e-9;    // range of the finite elements
 
   /* What follows from the radii. */

@@ -22,7 +22,7 @@ class ExactSum {
     std::uint64_t bits;
     std::memcpy(&bits, &term, sizeof(bits));
     const int field = static_cast<int>(bits >> 52 & 0x7ff);
-    if (field == 0) return;    // 0, or far below the smallest bin
+    if (field == 0) return;    // zero, or far below the smallest bin
     // |term| = mantissa 2^(field - 1075), rewritten below as mantissa 2^(LOWEST + place)
     std::uint64_t mantissa = (bits & ((std::uint64_t(1) << 52) - 1)) | std::uint64_t(1) << 52;
     int place = field - 1075 - LOWEST;

@@ -15,7 +15,7 @@
 
 namespace granwave {
 
-constexpr double ARRIVED = 0.1;    // part of the largest force of a contact at which a wave has arrived there
+constexpr double ARRIVED = 0.1;    // fraction of the largest force of a contact that marks the arrival of a wave
 
 /* Times at which the quantity passed the six highest powers of two below its largest value, the latest first; -1 = never. Single
    precision resolves a timestep up to some million steps. */
@@ -27,7 +27,7 @@ struct Front {
   /* Exponent of the highest power of two that is not above a positive number. */
   static int level(double value)
   {
-    constexpr int MANTISSA = 52, BIAS = 1023;    // of the bits of a double
+    constexpr int MANTISSA = 52, BIAS = 1023;    // layout of the bits of a double
     std::uint64_t bits;
     std::memcpy(&bits, &value, sizeof(bits));
     return static_cast<int>(bits >> MANTISSA) - BIAS;
@@ -36,7 +36,7 @@ struct Front {
   /* Return true if a power of two lies between two numbers, of which the first may be zero. */
   static bool crosses(double before, double value) { return before <= 0.0 || level(before) != level(value); }
 
-  /* Note that the largest value rose in the step that ends now. */
+  /* Record that the largest value increased in the current step. */
   void rise(double before, double value, double now, double step)
   {
     const int highest = level(value);

@@ -65,7 +65,7 @@ std::size_t read_series(const std::vector<std::string> &words, std::size_t at, V
   return count;
 }
 
-/* Say why a contact cannot relax; nothing if it can. */
+/* Return the reason why a contact cannot relax; empty if it can. */
 void refuse_relaxing(const LawArguments &args, const std::string &name)
 {
   if (!args.loss.relaxes()) return;
@@ -158,7 +158,7 @@ std::string usage_of_laws()
          optional_words();
 }
 
-/* A law made of the values of its parameters and the scales of the pair. */
+/* Law from the values of its parameters and the scales of the pair. */
 template <class Law> AnyLaw make(const LawOptions &options, const LawScales &scales) { return Law(options.values, scales); }
 
 AnyLaw make_hertz(const LawOptions &, const LawScales &) { return Hertz(); }

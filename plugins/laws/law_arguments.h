@@ -20,7 +20,7 @@ struct LawArguments {
   TangentialModel tangential = TangentialModel::MINDLIN_RESCALE;
   ResistanceModel resistance;
   ViscousLoss loss;
-  std::vector<std::string> words;    // that these arguments were read from
+  std::vector<std::string> words;    // words from which these arguments were read
 
   bool slips_partially() const { return friction > 0.0 && tangential == TangentialModel::PARTIAL_SLIP; }
   bool same_options(const LawArguments &other) const
@@ -30,9 +30,10 @@ struct LawArguments {
   }
 
   bool has_rate() const { return first[RATE_SENSITIVITY] > 0.0 || (second && (*second)[RATE_SENSITIVITY] > 0.0); }
-  int n_extra() const { return law->n_extra + (has_rate() ? RATE_EXTRA : 0); }    // most that a pair of these materials has
+  // largest number for a pair of these materials
+  int n_extra() const { return law->n_extra + (has_rate() ? RATE_EXTRA : 0); }
 
-  /* Add the parts of its history to those that contacts have already. */
+  /* Add the parts of its history to the existing history of contacts. */
   void extend(ContactMemory &has) const
   {
     has.friction |= friction > 0.0 || resistance;

@@ -26,7 +26,7 @@ constexpr double INFINITE = std::numeric_limits<double>::infinity();
 /* Interval of numbers. */
 struct Range {
   double low = -INFINITE, high = INFINITE;
-  bool with_low = false, with_high = false;    // true if the bound is in the interval
+  bool with_low = false, with_high = false;    // true if the interval contains the bound
 
   constexpr bool holds(double value) const
   {
@@ -40,7 +40,7 @@ constexpr Range NOT_NEGATIVE = {0.0, INFINITE, true};
 constexpr Range AT_LEAST_ONE = {1.0, INFINITE, true};
 constexpr Range BELOW_ONE = {0.0, 1.0, true};    // from 0
 
-/* What a number must do to lie in a range, as messages say it: "be positive". */
+/* Requirement of a range in messages: "be positive". */
 inline std::string must(const Range &range)
 {
   const auto text = [](const char *form, double a, double b = 0.0) {
@@ -57,7 +57,7 @@ inline std::string must(const Range &range)
   return has_low ? text(range.with_low ? "be %g or more" : "be above %g", range.low) : "be a number";
 }
 
-/* A parameter of a law: a number, or one of some words, which is the number of the word. */
+/* A parameter of a law: a number, or a word, which is stored as its number. */
 struct LawParameter {
   enum class Holder { CONTACT, MATERIAL };    // tables of a case: [contact], or each [material]
   enum class Presence { USUAL, OPTIONAL, REQUIRED };
@@ -65,16 +65,16 @@ struct LawParameter {
   static constexpr int MOST_WORDS = 4;
 
   const char *name;           // key of case files and argument in Python
-  const char *symbol;         // of its value, in the usage and the manual
-  const char *description;    // of the key, in case files
-  const char *keyword;        // in input scripts; parameters with one keyword follow it together
-  const char *unit = "";      // SI; none: the description states it, or there is none
+  const char *symbol;         // symbol of its value, in the usage and the manual
+  const char *description;    // description of the key, in case files
+  const char *keyword;        // keyword in input scripts; parameters with the same keyword follow it together
+  const char *unit = "";      // SI unit; none: the description states it, or there is none
   Holder holder = Holder::CONTACT;
   Presence presence = Presence::USUAL;
-  double fallback = 0.0;    // value where it is not given
+  double fallback = 0.0;    // default value
   double example = 0.0;     // value shown in the documentation
-  Range range;              // in which the law holds
-  Range case_range;         // that case files accept
+  Range range;              // range in which the law is valid
+  Range case_range;         // range accepted in case files
   std::array<const char *, MOST_WORDS> words{};
 
   constexpr LawParameter(const char *name, const char *symbol, const char *description) :
@@ -90,7 +90,7 @@ struct LawParameter {
     p.range = p.case_range = numbers;
     return p;
   }
-  /* Case files accept a smaller range than the law. */
+  /* Limit case files to a smaller range than the law. */
   constexpr LawParameter in_cases(const Range &numbers) const
   {
     LawParameter p(*this);
@@ -109,9 +109,9 @@ struct LawParameter {
     p.unit = name;
     return p;
   }
-  /* Written out in every case and input script. */
+  /* Write it in every case and input script. */
   constexpr LawParameter usually(double value) const { return with(Presence::USUAL, value, value); }
-  /* Left out of them unless it is given; the example is another value where the default does nothing. */
+  /* Omit it from them unless it is set; the example is another value if the default has no effect. */
   constexpr LawParameter optional(double value) const { return with(Presence::OPTIONAL, value, value); }
   constexpr LawParameter optional(double value, double shown) const { return with(Presence::OPTIONAL, value, shown); }
   constexpr LawParameter required(double shown) const { return with(Presence::REQUIRED, 0.0, shown); }
@@ -136,7 +136,7 @@ struct LawParameter {
   constexpr bool is_required() const { return presence == Presence::REQUIRED; }
   constexpr bool is_word() const { return words[0]; }
 
-  /* Number of a word; -1 if it is none of them. */
+  /* Number of a word; -1 for other words. */
   int number_of(std::string_view word) const
   {
     for (int n = 0; n < MOST_WORDS && words[n]; n++)
@@ -171,7 +171,7 @@ struct LawParameter {
   }
 };
 
-/* Values of parameters; those that are not given are the defaults. */
+/* Values of parameters; missing values are the defaults. */
 class LawValues {
  public:
   double operator[](const LawParameter &parameter) const
@@ -186,7 +186,7 @@ class LawValues {
       if (*own == parameter) return true;
     return false;
   }
-  /* Set the value of a parameter, which must outlive this. */
+  /* Set the value of a parameter, which must outlive this object. */
   void set(const LawParameter &parameter, double value)
   {
     for (auto &[own, old] : set_)

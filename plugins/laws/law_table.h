@@ -20,10 +20,10 @@ inline constexpr LawParameter POWER_CONSTANT =
 inline constexpr LawParameter POWER_EXPONENT =
     LawParameter("exponent", "p", "law power: exponent p of F = K overlap^p").in(AT_LEAST_ONE).required(1.5);
 
-/* What a law is made of, besides materials. */
+/* Inputs of a law in addition to materials. */
 struct LawOptions {
-  LawValues values;            // of parameters of the contact
-  FeConstants fe_constants;    // of elastoplastic-fe, set only where it is fitted
+  LawValues values;            // values of parameters of the contact
+  FeConstants fe_constants;    // constants of elastoplastic-fe, set only if they were fitted
   CohesionModel cohesion;
 
   bool operator==(const LawOptions &other) const { return values == other.values && cohesion == other.cohesion; }
@@ -43,8 +43,9 @@ struct LawEntry {
   int n_extra = 0;                                 // doubles of history beyond the largest overlap
   bool fitted = false;                             // true for a fit, valid up to overlaps of 0.2 R*
   bool no_force = false;
-  bool exact_yield = false;     // first yield where von Mises' stress reaches the yield strength, for every Poisson's ratio
-  bool states_error = false;    // true if it has error bars of its own
+  // first yield where the von Mises stress reaches the yield strength, for every Poisson's ratio
+  bool exact_yield = false;
+  bool states_error = false;      // true if it has error bars
   Conflict conflict = nullptr;    // description of values that exclude each other; empty if none do
 
   LawEntry(const char *name, Make make) : name(name), make(make) {}
@@ -63,12 +64,13 @@ struct LawEntry {
   {
     return std::any_of(parameters.begin(), parameters.end(), [&](const LawParameter *own) { return *own == parameter; });
   }
-  bool is_power() const { return takes(POWER_EXPONENT) || no_force; }    // of the overlap, whatever the radii
+  // power of the overlap, independent of the radii
+  bool is_power() const { return takes(POWER_EXPONENT) || no_force; }
 
-  /* Its parameters with this keyword, in their order. */
+  /* Its parameters with this keyword, in order. */
   std::vector<const LawParameter *> with_keyword(const std::string &keyword) const;
 
-  /* True if constants of its curve are given: optional parameters of the contact. */
+  /* True if constants of its curve are set: optional parameters of the contact. */
   bool has_constants(const LawValues &values) const;
 
   /* Description of values that exclude each other; empty if none do. */

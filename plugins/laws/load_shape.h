@@ -69,14 +69,14 @@ class LoadShape {
     return noise;
   }
 
-  /* Integral of the force from a to b. The force at a negative time is that at the positive one. */
+  /* Integral of the force from a to b. The force is an even function of time. */
   double integral(double a, double b) const
   {
     if (!is_smooth()) return integral(b) - integral(a);
     return a < 0.0 ? smooth_integral(0.0, -a) + smooth_integral(0.0, b) : smooth_integral(a, b);
   }
 
-  /* Force at a time, or displacement; that of a table is constant before its first and after its last row. */
+  /* Force or displacement at a time; a table is constant before its first and after its last row. */
   double value(double t) const
   {
     if (is_smooth()) return t <= 0.0 || t >= duration_ ? 0.0 : amplitude_ * window(t) * wave(t);
@@ -102,7 +102,7 @@ class LoadShape {
   }
 
  private:
-  // smooth from ramped on
+  // smooth after the ramp
   enum class Form { half_sine, rectangle, harmonic, table, ramped, burst, up_and_down, sweep, noise };
 
   LoadShape(Form form, double amplitude, double first, double last, double duration, double ramp) :
@@ -137,7 +137,7 @@ class LoadShape {
     }
   }
 
-  /* Last row whose time is not after t, for t within the table */
+  /* Last row with a time up to t, for t within the table */
   std::size_t row(double t) const
   {
     const auto later =
@@ -213,7 +213,7 @@ class LoadShape {
   }
 
   Form form_ = Form::harmonic;
-  double amplitude_ = 0.0, first_ = 0.0, last_ = 0.0;    // frequencies at start and end
+  double amplitude_ = 0.0, first_ = 0.0, last_ = 0.0;    // frequencies at the start and the end
   double duration_ = 1.0;                                // or the period of a harmonic load without a ramp
   double ramp_ = 0.0;
   Rows rows_;

@@ -13,14 +13,14 @@ constexpr double PI = 3.14159265358979323846;
 /* Elastic-perfectly-plastic material; a rigid partner has infinite modulus and yield strength. */
 struct Material {
   double youngs_modulus, poisson_ratio, yield_strength;
-  LawValues values = {};    // of parameters that laws have for each material
+  LawValues values = {};    // values of parameters that laws have for each material
 
   double operator[](const LawParameter &parameter) const { return values[parameter]; }
 };
 
 /* Scales of a pair of materials, on which a law may depend. */
 struct LawScales {
-  double yield_strength;        // of the softer body
+  double yield_strength;        // values of the softer body
   double overlap_per_radius;    // alpha_y / R*
   double force_per_area;        // F_y / R*^2
   Material first, second;

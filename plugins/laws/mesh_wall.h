@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Smooth patch of a surface of triangles as a wall. It counts as flat: a sphere at it is as stiff as on a plane. */
+/* Smooth patch of a surface of triangles as a wall. It counts as flat: a sphere at the patch is as stiff as on a plane. */
 
 #ifndef GRANWAVE_MESH_WALL_H
 #define GRANWAVE_MESH_WALL_H
@@ -33,7 +33,8 @@ class MeshWall : public CurvedWall {
   {
     look(x, radius + skin_);
     if (!nearest_.found()) return -std::numeric_limits<double>::infinity();
-    if (nearest_.distance == 0.0) return std::numeric_limits<double>::infinity();    // in the middle of the sphere: no side
+    // at the center of the sphere: the side is undefined
+    if (nearest_.distance == 0.0) return std::numeric_limits<double>::infinity();
     const double overlap = radius - nearest_.distance;
     return overlap > 0.0 && !mesh_.owns(x, patch_, nearest_) ? 0.0 : overlap;
   }
@@ -70,7 +71,7 @@ class MeshWall : public CurvedWall {
   int patch_;
   std::string name_;
   double skin_ = std::numeric_limits<double>::infinity();
-  double at_[3] = {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};    // the place looked at last
+  double at_[3] = {std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0};    // the last position
   double reach_ = 0.0;
   SurfacePoint nearest_;
 };

@@ -29,7 +29,7 @@ namespace granwave {
 
 /* Unloading and reloading branch, determined by the turning point. */
 struct Turning {
-  double peak;        // a_max of this branch
+  double peak;        // turning point a_max of this branch
   double force;       // f_max
   double residual;    // a_R
   double exponent;    // n
@@ -56,25 +56,25 @@ struct Turning {
   /* Slope at the start of unloading. */
   double slope() const { return peak > residual ? exponent * force / (peak - residual) : 0.0; }
 
-  /* Squared radius of the contact circle below a peak, from that at the peak, in units of R* alpha_y. */
+  /* Squared radius of the contact circle below a peak, from its value at the peak, in units of R* alpha_y. */
   double area(double a, double area_at_peak) const
   {
     return a > residual ? area_at_peak * ((a - residual) / (peak - residual)) : 0.0;
   }
 };
 
-/* What a law knows of a contact beyond overlaps: its block of history, and the shares R* / R1 and R* / R2 of both bodies in the
+/* Inputs of a law in addition to overlaps: its block of history, and the shares R* / R1 and R* / R2 of both bodies in the
    relative curvature, 0 of a plane. */
 struct Site {
   const double *extra = nullptr;
   double share1 = 0.5, share2 = 0.5;
 };
 
-/* Error bars that a law states of itself; not a number where it states none. */
+/* Error bars of a law; not a number if it has none. */
 struct ErrorBar {
-  double force = NAN;          // of the force on loading, relative
-  double unloading = NAN;      // of the force below the peak over that at the peak, absolute
-  double restitution = NAN;    // of the coefficient of restitution, relative
+  double force = NAN;          // relative error of the force on loading
+  double unloading = NAN;      // error of the force below the peak over the peak force
+  double restitution = NAN;    // relative error of the coefficient of restitution
 };
 
 /* Base of the laws. A law is a class with the functions
@@ -106,7 +106,7 @@ struct NormalLaw {
   /* Error bars of a contact with this peak. */
   ErrorBar error_bar(double /* peak */, const Site &) const { return {}; }
 
-  /* One-line description of why the constants do not give a passive law; empty if they do. */
+  /* One-line reason why the constants do not give a passive law; empty if they do. */
   std::string fault() const { return ""; }
 
   /* Work of loading up to the peak minus the energy recovered by unloading. */

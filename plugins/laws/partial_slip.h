@@ -36,10 +36,10 @@ namespace granwave {
 
 /* State of a contact with partial slip. */
 struct SlipContact {
-  double normal[3];    // towards the first body
+  double normal[3];    // unit normal towards the first body
   double slip[3];      // of the timestep
   double circle;       // radius of the contact circle
-  double stiffness;    // k of the circle, 8 G* a
+  double stiffness;    // k_t of the circle, 8 G* a
   double limit;        // mu F_n
   double effective_radius;
 };
@@ -47,8 +47,8 @@ struct SlipContact {
 /* Damping along the surface in a timestep of a contact with partial slip. */
 struct SlipDamping {
   double force[3];     // -c V, then D within the limits of the cells
-  double before[3];    // D at the last step
-  double lost;         // energy, from the stretch of the cells
+  double before[3];    // D at the end of the last step
+  double lost;         // energy from the elongation of the cells
 };
 
 /* History of a contact with partial slip, in its doubles. Force, compliance and loss of the whole are those of the contact's
@@ -60,9 +60,9 @@ template <int N> class SlipCells {
   enum {
     AXIS,         // in the tangent plane: the forces have a component along it, and one along normal x axis
     REACH = 3,    // 0: no cells
-    CIRCLE,       // at the last step
+    CIRCLE,       // radius of the circle at the last step
     STORED,       // energy
-    FORCES,       // of the cells on the first body, two components each
+    FORCES,       // forces of the cells on the first body, two components each
     SIZE = FORCES + 2 * N
   };
 
@@ -144,7 +144,7 @@ template <int N> class SlipCells {
   }
 
  private:
-  static constexpr double STEP = 1.5874010519681994;    // 2^(2/3), of the reach
+  static constexpr double STEP = 1.5874010519681994;    // 2^(2/3), factor of the reach
 
   /* Edges of the cells over the reach. */
   inline static const std::array<double, N + 1> EDGES = [] {
@@ -162,7 +162,7 @@ template <int N> class SlipCells {
     return factor * factor * square;
   }
 
-  /* The same of the sum of the force and a part of the damping, by a change of the force. */
+  /* Same for the sum of the force and a fraction of the damping, by a change of the force. */
   static double limit_cell_sum(double *f, const double (&part)[2], double limit)
   {
     double both[2] = {f[0] + part[0], f[1] + part[1]};
@@ -180,7 +180,7 @@ template <int N> class SlipCells {
   /* Length of a cell within a circle. */
   double covered(int m, double circle) const { return std::max(std::min(edge(m + 1), circle) - edge(m), 0.0); }
 
-  /* Part of the normal force within x, over the radius. */
+  /* Fraction of the normal force within x, over the radius. */
   static double share(double x) { return x < 1.0 ? x * (1.5 - 0.5 * x * x) : 1.0; }
 
   /* Rotate the axis into the plane normal to n. */
@@ -188,7 +188,7 @@ template <int N> class SlipCells {
   {
     double *const axis = doubles_ + AXIS;
     double along = dot(axis, n), square = dot(axis, axis) - along * along;
-    if (!(square > 0.25)) {    // new, or turned so far that the forces have lost their direction
+    if (!(square > 0.25)) {    // new axis, or a rotation so large that the forces have lost their direction
       const int least = std::fabs(n[0]) < 0.6 ? 0 : 1;
       for (int d = 0; d < 3; d++) axis[d] = d == least;
       along = n[least];
@@ -197,7 +197,7 @@ template <int N> class SlipCells {
     for (int d = 0; d < 3; d++) axis[d] = (axis[d] - along * n[d]) / std::sqrt(square);
   }
 
-  /* Have the cells follow the circle. */
+  /* Adapt the cells to the circle. */
   void follow(double now, double unit)
   {
     double &reach = doubles_[REACH], &circle = doubles_[CIRCLE];
@@ -210,7 +210,7 @@ template <int N> class SlipCells {
         for (int d = 0; d < 2; d++) force(m)[d] = 2 * m < N ? force(2 * m)[d] + force(2 * m + 1)[d] : 0.0;
     while (std::max(now, circle) < reach / (STEP * STEP)) {
       reach /= STEP;
-      for (int m = N / 2 - 1; m >= 0; m--) {    // from the last on, for two take the place of each
+      for (int m = N / 2 - 1; m >= 0; m--) {    // from the last one, because two cells replace each
         const double inner = covered(2 * m, circle), outer = covered(2 * m + 1, circle), both = inner + outer;
         for (int d = 0; d < 2; d++) {
           const double whole = force(m)[d];

@@ -10,7 +10,7 @@
 
 namespace granwave {
 
-/* What contacts on their loading curves and below their peaks have in common. Contacts are computed in groups, the last of
+/* Common data of contacts on their loading curves and below their peaks. Contacts are computed in groups, the last of
    which may hold numbers of earlier batches. */
 struct PlasticBatch {
   static constexpr int GROUP = 8;
@@ -51,7 +51,7 @@ struct LoadingBatch : PlasticBatch {
 struct UnloadingBatch : PlasticBatch {
   double peak[CAPACITY], peak_force[CAPACITY], residual[CAPACITY], exponent[CAPACITY], peak_area[CAPACITY];
 
-  /* Set the branch of a contact; the area is that at the peak, normalized. */
+  /* Set the branch of a contact; the area is the normalized area at the peak. */
   void set(int n, const Turning &t, double area)
   {
     peak[n] = t.peak;

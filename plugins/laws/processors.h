@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* All that is not standard C++: functions compiled for several instruction sets, of which the best available one is selected at
-   run time; groups of numbers in one register; prefetching; the lowest bit of a word. Results are bitwise identical with and
-   without them, since nothing is contracted or reordered (CMakeLists.txt).
+/* Extensions of standard C++: functions compiled for several instruction sets, of which the best available one is selected
+   at run time; groups of numbers in one register; prefetching; the lowest bit of a word. Results are bitwise identical with
+   and without them, since nothing is contracted or reordered (CMakeLists.txt).
 
    With GRANWAVE_ONE_PROCESSOR functions are compiled once, for the processor that the compiler is told. With GRANWAVE_PLAIN, and
    for compilers other than GCC and Clang, everything is standard C++. */

@@ -75,16 +75,17 @@ struct PronyStep {
 
 /* State of the branches of a contact; all members are doubles, for communication. */
 struct PronyHistory {
-  double surface = 0.0;      // overlap of the surface, beyond that of the spheres while it recovers; 0: never touched
-  double law_force = 0.0;    // P there
-  double force = 0.0;        // F
-  double stored = 0.0;       // energy
-  double parted = 0.0;       // time at which the spheres parted
+  // overlap of the surface, in addition to the overlap of the spheres while it recovers; 0: no contact yet
+  double surface = 0.0;
+  double law_force = 0.0;                                                   // P there
+  double force = 0.0;                                                       // F
+  double stored = 0.0;                                                      // energy
+  double parted = 0.0;                                                      // time at which the spheres separated
   double stress[PronySeries::MOST] = {}, energy[PronySeries::MOST] = {};    // s_i and e_i
 
   static constexpr int SIZE = 5 + 2 * PronySeries::MOST;
 
-  /* Start from a contact that has been pressed to this overlap just now. */
+  /* Start from a contact that was loaded instantaneously to this overlap. */
   template <class Law> void start(const PronySeries &series, const Law &law, double overlap, double of_law)
   {
     surface = overlap;
@@ -131,7 +132,7 @@ struct PronyHistory {
   /* Recover without force for this time, in steps that grow from dt. */
   template <class Law> void recover(const PronySeries &series, const Law &law, double duration, double dt)
   {
-    constexpr double GROWTH = 1.02, NONE = 1e-14;    // relative to the force at the start
+    constexpr double GROWTH = 1.02, NONE = 1e-14;    // tolerance relative to the initial force
     const double least = NONE * law_force;
     double done = 0.0;
     for (double step = dt; done < duration; step *= GROWTH) {

@@ -25,9 +25,9 @@
    which is the energy that velocity Verlet takes from the motion in that step, less what is stored. Two bounds keep the law
    passive and the force continuous, however the rate changes:
 
-   * lambda rises no faster than the energy lost does not fall: a contact that is struck harder goes on elastically until
+   * lambda increases only so fast that the dissipated energy does not decrease: a harder impact stays elastic until
      it meets the curve of the new rate;
-   * lambda falls no faster than the force does not fall on loading: one that is struck more softly yields at its old
+   * lambda decreases only so fast that the force does not decrease on loading: a softer impact yields at its old
      force until it meets the curve of the new rate. */
 
 #ifndef GRANWAVE_RATE_DEPENDENT_H
@@ -54,11 +54,11 @@ inline constexpr LawParameter REFERENCE_RATE =
 
 /* Growth of the yield strength with the strain rate in a contact. */
 struct RateModel {
-  static constexpr double TABOR = 0.2;    // strain over the contact radius over the radius
+  static constexpr double TABOR = 0.2;    // strain divided by the ratio of contact radius to radius
 
   double sensitivity = 0.0, reference_rate = 1.0;    // C, and r0 in 1/s
   double depth = 1.0;                                // overlap at first yield over R*
-  double share = 1.0;                                // of the body that yields in the plastic deformation
+  double share = 1.0;                                // fraction of the plastic deformation in the body that yields
 
   explicit operator bool() const { return sensitivity > 0.0; }
 
@@ -74,7 +74,7 @@ struct RateModel {
 
 template <class Law> class RateDependent : public NormalLaw {
  public:
-  // history, of the peak; a factor of 0: the contact has not yielded in a step
+  // part of the history at the peak; a factor of 0: the contact has not yielded in a step
   enum { FACTOR, LOST, FORCE, STORED, N_EXTRA };
 
   RateDependent(const Law &law, const RateModel &model) : law_(law), model_(model) {}
@@ -139,7 +139,7 @@ template <class Law> class RateDependent : public NormalLaw {
   Law law_;
   RateModel model_;
 
-  /* The law of a stronger material in its own units, which for most laws is the same. */
+  /* The law of a stronger material in its own units, which is unchanged for most laws. */
   template <class Other> static const Other &stronger(const Other &law, double) { return law; }
   static ElastoplasticFe stronger(const ElastoplasticFe &law, double factor) { return law.stronger(factor); }
 

@@ -26,12 +26,12 @@
 
 namespace granwave {
 
-/* Constants of one of the two. */
+/* Constants of one resistance. */
 struct SliderModel {
-  double stiffness = 0.0;      // N/m of rolling, N m of twisting; 0: it follows the contact circle
+  double stiffness = 0.0;      // N/m for rolling, N m for twisting; 0: it follows from the contact circle
   double damping = 0.0;        // N s/m; N m s
   double coefficient = 0.0;    // limit over the normal force: a number; a length
-  bool marshall = false;       // of twisting: limit by the friction of the contact
+  bool marshall = false;       // for twisting: limit by the friction of the contact
 
   explicit operator bool() const { return coefficient > 0.0 || marshall; }
   bool operator==(const SliderModel &o) const
@@ -94,7 +94,7 @@ template <int N> struct Slider {
   }
 };
 
-/* State of a contact at which both act. */
+/* State of a contact with both resistances. */
 struct RollingContact {
   double normal[3], spin[3];    // n and w
   double arm;                   // A
@@ -115,7 +115,7 @@ struct ResistanceHistory {
   double loss() const { return rolling.loss + twisting.loss; }
   double stored() const { return rolling.stored() + twisting.stored(); }
 
-  /* Start a run: springs stay, losses are 0. */
+  /* Start a run: keep springs, set losses to 0. */
   void begin() { rolling.loss = twisting.loss = 0.0; }
 
   void advance(const ResistanceModel &model, const RollingContact &c, double dt)

@@ -26,7 +26,7 @@ class StepController {
  public:
   StepController(std::int64_t first, std::int64_t longest) : longest(longest) { ticks_ = wanted_ = first; }
 
-  /* Take note of s after a step, and choose the ticks of the next one. It begins at tick `now` and ends at `due` or before;
+  /* Record s after a step, and choose the ticks of the next step. It begins at tick `now` and ends at `due` or before;
      `allowed` is the largest error of the energy, `bound` the most ticks for other reasons. */
   std::int64_t choose(double s, double allowed, double bound, std::int64_t now, std::int64_t due)
   {
@@ -49,7 +49,7 @@ class StepController {
     return next;
   }
 
-  /* Make a step of so many ticks the next one. */
+  /* Set the number of ticks of the next step. */
   void take(std::int64_t ticks, double s)
   {
     if (ticks == ticks_) return;
@@ -58,10 +58,10 @@ class StepController {
     ticks_ = ticks;
   }
 
-  /* Correct the error of the energy balance by a measured one. */
+  /* Correct the error of the energy balance by a measured value. */
   void correct(double s, double measured) { left_ += measured - error(s); }
 
-  /* Take note that s is larger by so much for another reason than motion, such as atoms that were added or deleted. */
+  /* Record an increase of s for another reason than motion, such as atoms that were added or deleted. */
   void shift(double more) { start_ += more; }
 
   /* Error of the energy balance now. */
@@ -73,7 +73,7 @@ class StepController {
     return {double(ticks_), double(wanted_), double(steps_), double(since_), start_, left_, swing_, swing_before_};
   }
 
-  /* Take up a state from a restart file. Returns the ticks of the present step. */
+  /* Read a state from a restart file. Returns the ticks of the present step. */
   std::int64_t restore(const double *state)
   {
     for (std::int64_t *number : {&ticks_, &wanted_, &steps_, &since_}) *number = static_cast<std::int64_t>(*state++);
@@ -83,14 +83,18 @@ class StepController {
 
  private:
   static constexpr double LN_2 = 0.6931471805599453;
-  static constexpr double MEMORY = 50.0;          // steps in which half of the swing is forgotten, at the start,
-  static constexpr double MEMORY_SHARE = 0.03;    // and share of all steps so far: what comes back does so later and later
+  // initial number of steps over which half of the oscillation is forgotten,
+  static constexpr double MEMORY = 50.0;
+  static constexpr double MEMORY_SHARE = 0.03;    // and fraction of all previous steps: returns occur later and later
   static constexpr std::int64_t DWELL = 32;       // steps between two doublings
-  static constexpr double USED = 0.9;             // of what is left of the allowed error: more makes the step shorter
-  static constexpr double USED_WHILE_GROWING = 0.3;    // the same while s grows, as it will for some steps more
+  // fraction of the remaining allowed error: a larger error makes the step shorter
+  static constexpr double USED = 0.9;
+  static constexpr double USED_WHILE_GROWING = 0.3;    // the same while s grows, as it will for several more steps
   static constexpr double USED_WHEN_LONGER = 0.6;      // after a doubling
-  static constexpr double LEAST_USED = 0.02;           // of what is allowed: used whatever error was made before
-  static constexpr double LEFT = 0.25;                 // of what is allowed: left by changes of the step without more ado
+  // fraction of the allowed error that is used for any earlier error
+  static constexpr double LEAST_USED = 0.02;
+  // fraction of the allowed error for changes of the step that are made immediately
+  static constexpr double LEFT = 0.25;
 
   static double square(std::int64_t ticks) { return static_cast<double>(ticks) * static_cast<double>(ticks); }
 
@@ -101,7 +105,7 @@ class StepController {
     swing_before_ = swing_;
   }
 
-  /* Error about which that to come would swing with this step. */
+  /* Mean of the oscillating error with this step. */
   double centre(std::int64_t ticks, double s) const
   {
     return ticks == ticks_ ? left_ + square(ticks) * start_ : error(s) + square(ticks) * s;
@@ -127,14 +131,14 @@ class StepController {
 
   std::int64_t longest;
   double bound_ = 0.0;
-  std::int64_t ticks_ = 1;       // of the present step
-  std::int64_t wanted_ = 1;      // of a step that need not end early for an output
+  std::int64_t ticks_ = 1;       // length of the present step
+  std::int64_t wanted_ = 1;      // length of a step that need not end early for an output
   std::int64_t steps_ = 0;       // taken
-  std::int64_t since_ = 0;       // steps since it was last changed
-  double start_ = 0.0;           // s when the present step was taken up
-  double left_ = 0.0;            // error that earlier changes of the step left
-  double swing_ = 0.0;           // largest |s| of late
-  double swing_before_ = 0.0;    // that when the wanted step was last changed
+  std::int64_t since_ = 0;       // steps since its last change
+  double start_ = 0.0;           // s at the start of the present step
+  double left_ = 0.0;            // error due to earlier changes of the step
+  double swing_ = 0.0;           // largest recent |s|
+  double swing_before_ = 0.0;    // the same at the last change of the desired step
 };
 
 }    // namespace granwave

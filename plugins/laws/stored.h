@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Objects that stand in blocks of doubles, which messages and restart files copy as they are. They are copied from their doubles and
-   back, never used in place: no object lives in that memory. No LAMMPS types. */
+/* Objects stored in blocks of doubles, which messages and restart files copy unchanged. They are copied from their doubles
+   and back, never used in place: no object lives in that memory. No LAMMPS types. */
 
 #ifndef GRANWAVE_STORED_H
 #define GRANWAVE_STORED_H
@@ -10,7 +10,7 @@
 
 namespace granwave {
 
-/* Number of doubles that an object stands in. */
+/* Number of doubles of an object. */
 template <class Object> constexpr int doubles_of()
 {
   static_assert(std::is_trivially_copyable_v<Object>);
@@ -18,7 +18,7 @@ template <class Object> constexpr int doubles_of()
   return static_cast<int>(sizeof(Object) / sizeof(double));
 }
 
-/* Return the object that stands in these doubles. */
+/* Return the object stored in these doubles. */
 template <class Object> Object from_doubles(const double *from)
 {
   static_assert(doubles_of<Object>() > 0);
@@ -27,7 +27,7 @@ template <class Object> Object from_doubles(const double *from)
   return object;
 }
 
-/* Write an object into doubles. Returns the place behind them. */
+/* Write an object into doubles. Returns the position after them. */
 template <class Object> double *to_doubles(const Object &object, double *to)
 {
   std::memcpy(to, &object, sizeof(object));

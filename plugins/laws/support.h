@@ -149,11 +149,11 @@ class Support {
      without a spring to the ground does not move; a free plate is launched when the run begins. */
   void settle(double contacts)
   {
-    started_ = false;    // a subsequent run has no previous step
+    started_ = false;    // the next run has no previous step
     std::fill(speed_.begin(), speed_.end(), 0.0 - launch_);
     if (ground_stiffness_ == 0.0) return;
     const auto n = static_cast<double>(place_.size());
-    const double whole = ground_stiffness_ / n;    // all springs of a bar are equal, including that to the ground
+    const double whole = ground_stiffness_ / n;    // all springs of a bar are equal, including the spring to the ground
     const double front = place_[0] + (force_ - whole * place_[0]) / (whole + contacts);
     for (std::size_t i = 0; i < place_.size(); i++) place_[i] = front * (1.0 - static_cast<double>(i) / n);
   }
@@ -187,7 +187,7 @@ class Support {
     }
   }
 
-  /* Give a plate a velocity towards the spheres, from which a run starts. Returns false if it is none. */
+  /* Set the initial velocity of a plate towards the spheres. Returns false if the support is not a plate. */
   bool launch(double velocity)
   {
     if (mass_.size() > 1 || ground_stiffness_ > 0.0 || ground_damping_ > 0.0) return false;
@@ -228,11 +228,11 @@ class Support {
   static constexpr int MOST_ELEMENTS = 1000000;
   static constexpr std::size_t N_STATE = 5;
 
-  std::vector<double> mass_, place_, speed_;    // per node, starting at the plane; displacement and velocity
-  double stiffness_ = 0.0;                      // of each spring between two nodes
+  std::vector<double> mass_, place_, speed_;    // displacement and velocity of each node, starting at the plane
+  double stiffness_ = 0.0;                      // stiffness of each spring between two nodes
   double ground_stiffness_ = 0.0, ground_damping_ = 0.0;
-  double launch_ = 0.0;                   // speed of a free plate at the start, towards the spheres
-  double force_ = 0.0, earlier_ = 0.0;    // of the spheres, in this evaluation and in that of the previous step
+  double launch_ = 0.0;                   // initial speed of a free plate towards the spheres
+  double force_ = 0.0, earlier_ = 0.0;    // force of the spheres, in this evaluation and in the previous step
   double borne_ = 0.0;                    // constant force of the ground on a damper
   double work_ = 0.0, damped_ = 0.0;
   double total_ = 0.0;    // mass of a bar
@@ -241,7 +241,7 @@ class Support {
   bool started_ = false;
   double before_ = 0.0, plane_moved_ = 0.0, end_moved_ = 0.0;    // in this step
 
-  /* Force of a node on what is behind it. */
+  /* Force of a node on the next node or the ground. */
   double force_behind(std::size_t i) const
   {
     return i + 1 == place_.size() ? ground_stiffness_ * place_[i] : stiffness_ * (place_[i] - place_[i + 1]);

@@ -31,9 +31,9 @@ enum class TangentialModel { MINDLIN_RESCALE, MINDLIN, PARTIAL_SLIP };
 
 /* Tangential history of a contact. The loss is kept after separation, the force is not. */
 struct TangentialSpring {
-  double force[3] = {};       // on the first body
+  double force[3] = {};       // force on the first body
   double compliance = 0.0;    // 1/k at the last step; 0: no spring
-  double loss = 0.0;          // frictional, since the first contact
+  double loss = 0.0;          // frictional loss since the first contact
 };
 
 inline double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

@@ -55,8 +55,8 @@ inline void turn_into_plane(double *vector, const double (&n)[3])
 class DampingHistory {
  public:
   enum {
-    FORCE,       // D at the last step
-    RATE = 3,    // V, mean of the last step
+    FORCE,       // D at the end of the last step
+    RATE = 3,    // mean of V in the last step
     STEP = 6,    // duration of that step; 0: no earlier state
     LOST,        // energy
     SIZE
@@ -81,7 +81,7 @@ class DampingHistory {
     step = dt;
   }
 
-  /* End it with the force D that was found, and the energy lost in it. */
+  /* End the step with the force D, and the energy dissipated in it. */
   void finish_step(const double (&found)[3], double energy)
   {
     std::copy_n(found, 3, doubles_ + FORCE);

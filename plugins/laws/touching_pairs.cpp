@@ -17,7 +17,7 @@ inline void load(Numbers &numbers, const double *from) { std::memcpy(&numbers, f
 
 inline std::uint64_t any(const Bits &bits) { return static_cast<std::uint64_t>((bits[0] | bits[1]) | (bits[2] | bits[3])); }
 
-/* Copy n coordinates from triples to arrays of their own. Returns true if one of them is another than before. */
+/* Copy n coordinates from triples to arrays of their own. Returns true if any of them has changed. */
 template <bool COPY>
 ALWAYS_INLINE bool differs(const double *__restrict from, int n, double *__restrict x, double *__restrict y,
                            double *__restrict z)
@@ -108,7 +108,7 @@ template <bool UNIFORM> ALWAYS_INLINE void TouchingPairs::measure()
     if (apart >> 8 * l & 0xff) far.push_back(g.row + l);
 }
 
-/* Find the pairs of the present group that have parted. */
+/* Find the pairs of the present group that have separated. */
 inline void TouchingPairs::compare()
 {
   const RowGroup &g = *group;

@@ -20,7 +20,7 @@
 
 namespace granwave {
 
-/* Pair `pair` + l `stride` + m is that of the spheres `sphere` + l and partner[m] + l, with l < lanes and m < partners. */
+/* Pair `pair` + l `stride` + m has the spheres `sphere` + l and partner[m] + l, with l < lanes and m < partners. */
 struct RowGroup {
   static constexpr int LANES = 8, PARTNERS = 8;    // at most; a row with more partners is in several groups
 
@@ -75,7 +75,7 @@ class RowGroups {
   std::vector<RowGroup> groups_;
   std::vector<int> first_;    // group of each block of rows, and the number of groups
 
-  /* True if the spheres of row r + l are those of row r, each plus l. */
+  /* True if the spheres of row r + l are the spheres of row r, with indices increased by l. */
   static bool follows(int r, int l, const std::vector<int> &row, const std::vector<int> &begin,
                       const std::vector<int> &partner)
   {
@@ -97,10 +97,10 @@ bool all_finite(const double *numbers, int n);
 
 class RestingBlocks {
  public:
-  // spheres of a block: enough for its checks to cost little, yet the wave front is sharp
+  // spheres of a block: enough for low overhead of its checks, yet the wave front stays sharp
   static constexpr int BITS = 5, SIZE = 1 << BITS;
 
-  static constexpr int PADDING = RowGroup::LANES;    // so that as many can be read from any sphere on
+  static constexpr int PADDING = RowGroup::LANES;    // padding, so that this number can be read starting at any sphere
 
   static int of(int i) { return i / SIZE; }
   static int number(int n) { return (n + SIZE - 1) / SIZE; }
@@ -130,7 +130,7 @@ class RestingBlocks {
     n_ = -1;
   }
 
-  /* Compare the coordinates of n spheres, and radii, with those of the last call. Returns true in the first call, and if a
+  /* Compare the coordinates of n spheres, and radii, with the last call. Returns true in the first call, and if a
      radius has changed. */
   bool compare(const double *x, int n, const double *radius, int radii)
   {
@@ -166,10 +166,10 @@ class RestingBlocks {
   /* Return true if a sphere of the block of sphere i has moved. */
   bool moved(int i) const { return moved_[of(i)]; }
 
-  /* Set whether no pair of a block touched in the evaluation just done. */
+  /* Set whether no pair of a block touched in the last evaluation. */
   void set_quiet(int block, bool quiet) { quiet_[block] = quiet; }
 
-  /* Have all blocks evaluated next time, after a change of their history. */
+  /* Mark all blocks for the next evaluation, after a change of their history. */
   void disturb() { std::fill(quiet_.begin(), quiet_.end(), 0); }
 
   double bytes() const
@@ -179,7 +179,7 @@ class RestingBlocks {
   }
 
  private:
-  std::vector<int> first_, needed_;    // of each block of rows: blocks of their spheres and partners
+  std::vector<int> first_, needed_;    // for each block of rows: blocks of their spheres and partners
   std::vector<char> quiet_, moved_;
   int n_ = -1;    // number of spheres at the last comparison
   std::vector<double> last_[3], last_radius_;
@@ -196,8 +196,8 @@ struct TouchingPairs {
   const double *radius;       // likewise; null if all are equal to uniform_radius
   double uniform_radius, gap;
 
-  // found by collect(), for the caller to deal with
-  std::vector<int> parted;    // pairs that touched and do no longer
+  // found by collect(), for further treatment by the caller
+  std::vector<int> parted;    // pairs that have separated
   std::vector<int> far;       // rows with pairs beyond the gap
 
   /* Search the groups from `first` up to the one before `last`. Their touching pairs (RowGroups::bits) are updated, and parted
@@ -219,8 +219,8 @@ struct TouchingPairs {
     double delz[RowGroup::PARTNERS][RowGroup::LANES], rsq[RowGroup::PARTNERS][RowGroup::LANES];
   };
 
-  const RowGroup *group, *end;    // where the search goes on, and where it ends
-  bool measured;                  // true if distances and touching are those of the present group
+  const RowGroup *group, *end;    // position at which the search continues, and its end
+  bool measured;                  // true if distances and contacts are those of the present group
   Distances distances;
   std::uint64_t touching;    // bits of the pairs that are still to be put into a batch
   std::uint64_t *before;     // bits of the pairs of the present group that touched when it was searched last, or null

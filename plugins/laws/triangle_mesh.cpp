@@ -9,11 +9,12 @@
 namespace granwave {
 namespace {
 
-constexpr int FEW = 4;                     // triangles that a box is not divided for
-constexpr int DEPTH = 64;                  // more than halvings of any number of triangles
-constexpr double SAME_PLACE = 2e-7;        // of the largest coordinate: twice the digits of a binary STL file
+constexpr int FEW = 4;       // largest number of triangles in an undivided box
+constexpr int DEPTH = 64;    // larger than the number of halvings of any mesh
+// tolerance relative to the largest coordinate: twice the precision of a binary STL file
+constexpr double SAME_PLACE = 2e-7;
 constexpr double SAME_DISTANCE = 4e-15;    // of the same
-constexpr double NO_AREA = 1e-14;          // of the square of the longest edge
+constexpr double NO_AREA = 1e-14;          // tolerance relative to the square of the longest edge
 constexpr double DEGREE = 3.14159265358979323846 / 180.0;
 
 double dot_of(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -76,7 +77,7 @@ bool nearest_of(const Triangle &triangle, const double *x, double *point)
   return true;
 }
 
-/* Take the nearest point of one triangle, if it is nearer. */
+/* Use the nearest point of a triangle if it is nearer. */
 void take_nearer(const Triangle &triangle, int number, const double *x, SurfacePoint &nearest)
 {
   double point[3], away[3];

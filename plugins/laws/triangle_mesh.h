@@ -25,12 +25,12 @@ struct Triangle {
 
 struct SurfacePoint {
   double distance = std::numeric_limits<double>::infinity();
-  double point[3] = {}, normal[3] = {};    // the normal points from the surface to the place that was asked for
+  double point[3] = {}, normal[3] = {};    // the normal points from the surface to the given position
   int triangle = -1;
   bool found() const { return triangle >= 0; }
 };
 
-/* Boxes around triangles, in halves down to a few. */
+/* Bounding boxes of triangles, divided in halves down to a few. */
 class TriangleTree {
  public:
   TriangleTree() = default;
@@ -45,7 +45,7 @@ class TriangleTree {
   struct Box {
     double low[3], high[3];
     int first, last;    // members
-    int halves;         // number of the first of its two halves; 0: none
+    int halves;         // number of the first half; 0: undivided
   };
   void split(const std::vector<Triangle> &, int number);
   void enclose(const std::vector<Triangle> &, Box &) const;
@@ -79,7 +79,7 @@ class TriangleMesh {
   TriangleTree all_;
   std::vector<TriangleTree> trees_;                  // of each patch
   std::vector<std::vector<int>> neighbours_;         // patches that meet a patch, ascending
-  double same_place_ = 0.0, same_distance_ = 0.0;    // two such are the same
+  double same_place_ = 0.0, same_distance_ = 0.0;    // tolerances of equal points and equal distances
 };
 
 /* Corners of the triangles of an STL file, text or binary: nine numbers each. Raises std::invalid_argument. */

@@ -40,9 +40,9 @@ enum class LossKind { NONE, TIME, DASHPOT, PRONY };
 
 struct ViscousLoss {
   LossKind kind = LossKind::NONE;
-  double value = 0.0;         // loss time, or factor of the dashpot
-  double tangential = 0.0;    // damping along the surface over that along the normal (tangential_damping.h)
-  PronySeries prony{};        // of viscoelastic grains, which have no damping coefficient (prony_loss.h)
+  double value = 0.0;         // relaxation time, or factor of the dashpot
+  double tangential = 0.0;    // tangential damping over normal damping (tangential_damping.h)
+  PronySeries prony{};        // branches of viscoelastic grains, which have no damping coefficient (prony_loss.h)
 
   explicit operator bool() const { return kind != LossKind::NONE; }
   bool relaxes() const { return kind == LossKind::PRONY; }
@@ -65,9 +65,9 @@ inline double viscous_force(double force, double coefficient, double rate) { ret
 /* Viscous history of a contact; all members are doubles, for communication. The energy lost and the largest force are kept
    after separation, the others are zero. */
 struct ViscousHistory {
-  double overlap = 0.0;       // at the last step
+  double overlap = 0.0;       // overlap at the last step
   double force = 0.0;         // F - P at the last step
-  double rate = 0.0;          // of the overlap, mean of the last step
+  double rate = 0.0;          // mean rate of the overlap in the last step
   double step = 0.0;          // duration of that step; 0: no earlier state
   double peak_force = 0.0;    // largest F so far
   double lost = 0.0;          // energy
@@ -95,10 +95,10 @@ struct ViscousHistory {
     return force;
   }
 
-  /* True if the last step ended at this overlap, up to rounding: a run is continued. */
+  /* True if the last step ended at this overlap, up to rounding: a run is resumed. */
   bool continues(double present, double rounding) const { return step > 0.0 && std::fabs(present - overlap) <= rounding; }
 
-  /* Surfaces that parted in the last step; the overlap is negative. */
+  /* Surfaces that separated in the last step; the overlap is negative. */
   void release(double present)
   {
     if (step > 0.0) lost += 0.5 * force * (present - overlap);

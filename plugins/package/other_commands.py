@@ -7,7 +7,7 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
-MARK = "<!-- other_commands -->"  # of the manual page, where they go
+MARK = "<!-- other_commands -->"  # marker in the manual page where the results are inserted
 
 
 def other_commands(manual: Path) -> str:

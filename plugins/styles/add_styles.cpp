@@ -54,7 +54,7 @@ void *library_of(void *function)
    another order. */
 template <class Base, class Style> std::string class_difference(void *styles, const char *name)
 {
-  constexpr std::size_t FIRST = 2;    // before the functions: offset and type
+  constexpr std::size_t FIRST = 2;    // two entries before the functions: offset and type
   const VirtualTable expected(styles, typeid(Style)), found(RTLD_DEFAULT, typeid(Base));
   const std::string of_class = std::string("class ") + name;
   if (expected.size == 0) return of_class + ", of which the plugin does not show its table of virtual functions";

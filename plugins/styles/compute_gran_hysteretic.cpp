@@ -24,7 +24,7 @@ ComputeGranHysteretic::~ComputeGranHysteretic()
   delete[] vector;
 }
 
-/* Find the pair style, which a script may have replaced since the last run. */
+/* Find the pair style, which the script may have replaced since the last run. */
 void ComputeGranHysteretic::init()
 {
   pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
@@ -170,7 +170,7 @@ void ComputeGranHystereticLocal::compute_local()
     // a shared pair is on both processors, a forgotten one with both spheres: the owner of the lower ID reports it
     if ((report.j < 0 || report.j >= nlocal) && report.tag_i > report.tag_j) return;
     const auto [lower, higher] = std::minmax(report.tag_i, report.tag_j);
-    const double side = report.tag_i < report.tag_j ? 1.0 : -1.0;    // the force is that on the sphere with the lower ID
+    const double side = report.tag_i < report.tag_j ? 1.0 : -1.0;    // the force acts on the sphere with the lower ID
     const double *const f = report.tangential;
     const Dent &dent = report.dent;
     append(lower, higher, report.overlap, report.force, dent.peak, report.peak_force, report.elastic, report.dissipated,

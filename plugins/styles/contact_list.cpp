@@ -24,7 +24,7 @@ void ContactList::clear_histories()
   initial_extra.assign(n * has.n, 0.0);
 }
 
-/* Move all histories to the places of their pairs in the new list. */
+/* Move all histories to the positions of their pairs in the new list. */
 void ContactList::carry(const CommonPairs &common)
 {
   common.carry(peak, 0.0);
@@ -251,7 +251,7 @@ void ContactList::publish(ContactHistory &history, int nlocal)
   if (recorded) drop_records(history);
   find_sides();
   for (int i = 0; i < owned; i++) append_records(history, i, i);
-  sides.clear();    // contacts touch and part until they are needed again
+  sides.clear();    // contacts touch and separate until they are needed again
   published = recorded = true;
 }
 
@@ -279,7 +279,7 @@ bool ContactList::has_touched(const ContactHistory &history, int i)
   return sides.first[history.listed(i)] < sides.first[history.listed(i) + 1];
 }
 
-/* Take up the live record of one of the spheres of pair k. */
+/* Copy the live record of one of the spheres of pair k to the list. */
 void ContactList::take_up(ContactHistory &history, int k, int of, const Sphere &other, double side)
 {
   if (of >= owned) return;

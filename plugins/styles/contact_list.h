@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Flat list of the pairs of pair style gran/hysteretic that are within reach, and what each remembers, from one reneighboring to the
-   next. What pairs remember stays in it meanwhile: the next list takes it over, pair by pair. Only what spheres take to another
-   processor, and what is written to a restart file, is stored with the spheres (contact_history.h). */
+/* Flat list of the pairs of pair style gran/hysteretic that are within reach, and the history of each, from one
+   reneighboring to the next. Histories stay in the list meanwhile; the next list copies them pair by pair. Only
+   histories of migrating spheres and for restart files are stored with the spheres (contact_history.h). */
 
 #ifndef GRANWAVE_CONTACT_LIST_H
 #define GRANWAVE_CONTACT_LIST_H
@@ -17,18 +17,19 @@ class ContactList : public PairRows {
  public:
   explicit ContactList(ContactMemory &memory) : has(memory) {}
 
-  bool valid = false;          // false if atoms may be in another order: its pairs are then those of the order before
-  bool published = false;      // true if the records of the spheres are as recent
+  bool valid = false;          // false if atoms may have been reordered: pairs then refer to the previous order
+  bool published = false;      // true if the records of the spheres are up to date
   int most_pairs = 0;          // largest number of pairs of any owned sphere
   std::vector<double> peak;    // largest overlap so far
-  std::vector<Front> front;    // of the largest overlap of this run
+  std::vector<Front> front;    // arrival of the largest overlap of this run
   std::vector<double> time_peak, time_yield;
   std::vector<int> turning;                // index into turnings, or -1 while Hertzian
-  std::vector<Turning> turnings;           // of contacts that have yielded
+  std::vector<Turning> turnings;           // turning points of contacts that have yielded
   std::vector<double> work_lost;           // normalized dissipated energy at the turning point; -1 if not yet computed
   std::vector<double> circle;              // with friction: normalized area at the turning point
   std::vector<TangentialSpring> spring;    // with friction: force on the sphere of the row
-  std::vector<std::uint64_t> touched;      // with friction or losses: bits of the pairs whose springs may end
+  // with friction or losses: bits of the pairs whose springs may have to be ended
+  std::vector<std::uint64_t> touched;
   std::vector<double> initial, reached;    // with initial dents: initial dent, largest overlap of this run
   std::vector<double> initial_extra;       // with initial dents: initial doubles of the law
   /* Histories at the start of a minimization, which every evaluation in it continues from: a position that it tries and does not keep
@@ -40,7 +41,7 @@ class ContactList : public PairRows {
   };
   Start start;
   RestingBlocks resting;
-  RowGroups groups;                   // of the plain rows
+  RowGroups groups;                   // groups of the plain rows
   std::vector<char> quiet_special;    // 1 for special rows in which no pair touched at the last evaluation
 
   /* Make a list of these pairs of atoms. `sphere` returns an atom as a Sphere. Histories are those that the list before or else the
@@ -77,7 +78,7 @@ class ContactList : public PairRows {
   /* Call a function for each pair that has touched, as each_pair. */
   template <class Visit> void each_dent(const Visit &visit) const
   {
-    constexpr int ROWS = RestingBlocks::SIZE;    // that are passed over at once
+    constexpr int ROWS = RestingBlocks::SIZE;    // rows that are skipped at a time
     for (int first = 0; first < rows(); first += ROWS) {
       const int last = std::min(first + ROWS, rows());
       if (all_zero(peak.data() + begin[first], begin[last] - begin[first])) continue;
@@ -95,7 +96,7 @@ class ContactList : public PairRows {
     return std::none_of(partner.begin() + begin[r], partner.begin() + begin[r + 1], moved);
   }
 
-  /* Have all rows evaluated next time, after a change of their history. */
+  /* Mark all rows for the next evaluation, after a change of their history. */
   void disturb()
   {
     resting.disturb();
@@ -109,7 +110,7 @@ class ContactList : public PairRows {
   Dent dent(int k) const { return {peak[k], front[k], time_peak[k], time_yield[k]}; }
   BlockView view(int k) const;
 
-  /* Return true if something ends when pair k parts. */
+  /* Return true if a spring or force ends when pair k separates. */
   bool has_spring(int k) const
   {
     return (has.friction && spring[k].compliance > 0.0) || (has.loss && has.loss_of(block(k)).step > 0.0) ||
@@ -122,7 +123,7 @@ class ContactList : public PairRows {
     if (turning[k] < 0 || turnings[turning[k]].peak < 0.0) renew_turning(k, contact);
     return turning[k];
   }
-  /* Have the turning point of a contact recomputed when it is needed next. */
+  /* Mark the turning point of a contact for recomputation. */
   void discard_turning(int k)
   {
     if (turning[k] >= 0) turnings[turning[k]].peak = -1.0;
@@ -144,13 +145,13 @@ class ContactList : public PairRows {
      whose history is kept. */
   void reset(int k, double peak, bool dented);
 
-  /* Set pair k to a contact that a file has whole; `yielded` if its peak is beyond the elastic limit. */
+  /* Set pair k to a complete contact of a file; `yielded` if its peak is beyond the elastic limit. */
   void set(int k, const KnownContact &, bool yielded);
 
   /* Have all turning points recomputed when they are needed next, after a change of laws or radii. */
   void discard_turnings();
 
-  /* Note which springs may end. */
+  /* Record the springs that may end. */
   void find_springs();
 
   /* Write the block of pair k, as seen from the sphere of the row (side 1) or its partner (-1), into a zero block. */
@@ -158,7 +159,7 @@ class ContactList : public PairRows {
 
   /* Records of the spheres, while the list is valid or atoms are put into another order. */
 
-  /* Make the list invalid. It still holds the histories of its pairs. */
+  /* Make the list invalid. It keeps the histories of its pairs. */
   void suspend(ContactHistory &);
 
   /* Write the pairs of all spheres that have touched to their records; histories stay in the list if that is valid. */
@@ -167,7 +168,7 @@ class ContactList : public PairRows {
   /* Move the pairs of sphere i that have touched to its records: it leaves the processor. */
   void hand_over(ContactHistory &, int i);
 
-  /* Move all of them, so that the next list begins with the records. */
+  /* Move all pairs, so that the next list begins with the records. */
   void release(ContactHistory &, int nlocal);
 
   /* Return true if a pair of sphere i, of an invalid list, has touched. */
@@ -176,8 +177,8 @@ class ContactList : public PairRows {
   double bytes() const;
 
  private:
-  static constexpr int FOUND = 2;     // a live record that has been taken up
-  static constexpr int UNUSED = 2;    // turning points are put in order where there are so many times those in use
+  static constexpr int FOUND = 2;     // a live record that has been transferred to the list
+  static constexpr int UNUSED = 2;    // turning points are sorted if their number exceeds this multiple of those in use
 
   struct Side {    // contact of a sphere
     int row, pair;
@@ -188,11 +189,11 @@ class ContactList : public PairRows {
     void clear() { *this = {}; }
   };
 
-  ContactMemory &has;           // of the pair style
+  ContactMemory &has;           // memory of the contacts of the pair style
   std::vector<double> extra;    // blocks of has.n doubles
-  bool holds = false;           // true if histories are in the list, not with the spheres
+  bool holds = false;           // true if the list, not the spheres, has the histories
   bool recorded = false;        // true if live records of its spheres have been written
-  Sides sides;                  // empty until it is needed
+  Sides sides;                  // empty until needed
 
   void begin_anew(int k, double new_peak, bool dented);
   void keep_start_of(int k);
@@ -238,7 +239,7 @@ class ContactList : public PairRows {
   template <class Forget>
   void forget_others(const CommonPairs &common, const PairRows &before, const ContactHistory &history, const Forget &forget)
   {
-    std::vector<int> now;    // index of each sphere of the list before, -1 if it has left
+    std::vector<int> now;    // index of each sphere of the previous list, -1 if it has left
     const BlockLayout layout = history.layout();
     std::vector<double> block(layout.size());
     common.each_left_out(before, [&](int r, int k) {
@@ -270,7 +271,7 @@ class ContactList : public PairRows {
     turning[k] = -1;
   }
 
-  /* Take up the live records of the spheres. Those whose pair is not within reach are passed to `forget`. */
+  /* Copy the live records of the spheres to the list. Those whose pair is not within reach are passed to `forget`. */
   template <class Forget> void restore(ContactHistory &history, const Forget &forget)
   {
     if (history.size() == 0) return;

@@ -68,7 +68,7 @@ void FixGranCylinder::init()
   if (!atom->radius_flag) error->all(FLERR, "Fix {} requires atom attribute radius (atom_style sphere)", STYLE);
   bool after = false;
   for (auto *other : modify->get_fix_list()) {
-    int dim;    // of walls only: their coefficient of friction
+    int dim;    // only walls have a coefficient of friction
     const auto *const friction = static_cast<const double *>(other->extract("friction", dim));
     if (after && friction && *friction > 0.0)
       error->all(FLERR,
@@ -96,7 +96,7 @@ void FixGranCylinder::setup(int)
   post_force(0);
 }
 
-/* The torque that moves a sphere of the same mass and radius as the present one does the cylinder. */
+/* Torque that gives a sphere of the same mass and radius the rotation of the cylinder. */
 void FixGranCylinder::post_force(int)
 {
   if (!atom->torque_flag) return;
@@ -110,7 +110,7 @@ void FixGranCylinder::post_force(int)
   }
 }
 
-/* Rotational energy of the cylinders beyond that of spheres with their masses and radii. */
+/* Rotational energy of the cylinders minus the energy of spheres with the same masses and radii. */
 double FixGranCylinder::compute_scalar()
 {
   if (!atom->omega_flag) return 0.0;

@@ -24,7 +24,7 @@ FixStyle(gran/cylinder,FixGranCylinder);
 
 namespace granwave {
 
-/* Cylinders by type, from 1; shared by all who use them, whatever becomes of the fix. */
+/* Cylinders by type, from 1; shared with the styles that use them, also after the fix is deleted. */
 class Cylinders {
  public:
   explicit Cylinders(int types) : shapes(types + 1) {}

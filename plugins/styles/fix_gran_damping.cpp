@@ -38,7 +38,7 @@ void FixGranDamping::init()
   if (group->count(igroup) == 0) error->all(FLERR, "Fix {} {}: its group {} has no atoms", style, id, group->names[igroup]);
 }
 
-/* Add the forces. Returns the power that they take, as an exact sum, which is the same on any number of processors. */
+/* Add the forces. Returns the dissipated power, as an exact sum, which is the same on any number of processors. */
 double FixGranDamping::total_power(double until_end)
 {
   ExactSum mine, all;
@@ -145,7 +145,7 @@ void FixGranHolder::init()
   }
 }
 
-/* Add the friction, which is to bring the velocity to rest at the end of the step. */
+/* Add the friction that would stop the motion at the end of the step. */
 void FixGranHolder::add_forces(double until_end, ExactSum &power)
 {
   const double until_stop = until_end + 0.5 * update->dt;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Forces against the motion of atoms, and the energy that they take.
+/* Forces against the motion of atoms, and the dissipated energy.
 
    Fix gran/absorb: damping that lets waves run out of a system.
 
@@ -57,7 +57,7 @@ class FixGranDamping : public Fix {
   double total_power(double until_end);
 
   double taken = 0.0;    // energy so far
-  double power = 0.0;    // taken at the end of the step
+  double power = 0.0;    // power dissipated at the end of the step
 };
 
 class FixGranAbsorb : public FixGranDamping {

@@ -68,7 +68,7 @@ void FixGranHystereticHistory::grow_arrays(int nmax)
   images_.resize(nmax);
 }
 
-/* The new list of a minimization begins with the histories at its start, too. */
+/* The new list of a minimization also begins with the initial histories. */
 void FixGranHystereticHistory::min_pre_exchange()
 {
   if (return_to_start) return_to_start();
@@ -93,7 +93,7 @@ void FixGranHystereticHistory::set_arrays(int i)
   images_[i] = {};
 }
 
-/* Ghosts learn the birth of their sphere, and the periodic boundaries that are between. */
+/* Send ghosts the birth number of their sphere, and the periodic boundaries in between. */
 int FixGranHystereticHistory::pack_border(int n, int *spheres, double *buf)
 {
   double *at = buf;

@@ -71,12 +71,12 @@ class FixGranHystereticHistory : public Fix {
   std::function<void(int)> hand_over_contacts;
 
  private:
-  static constexpr int RANKS = 24;      // bits of the number of a birth that are those of the processor
+  static constexpr int RANKS = 24;      // bits of a birth number that identify the processor
   static constexpr int N_BORDER = 7;    // numbers of a ghost: birth, position of its sender and images of that
 
-  std::int64_t births = 0;    // of spheres on any processor so far, at least; those before the fix are not counted
+  std::int64_t births = 0;    // births on any processor so far, at least; earlier spheres are not counted
   std::vector<Images> images_;
-  int in_list = 0;    // largest number of contacts of a sphere that are in the list only
+  int in_list = 0;    // largest number of contacts of a sphere that are only in the list
 
   void gather();
   int most_numbers(int further) const;

@@ -24,7 +24,8 @@ constexpr const char *USAGE =
     "LAST DURATION RAMP, noise AMPLITUDE FIRST LAST "
     "DURATION RAMP SEED, table FILE";
 
-constexpr double ROUNDING = 1e-12;    // of the mass of a group, whose sum depends on the order of its atoms
+// relative tolerance of the mass of a group, whose sum depends on the order of its atoms
+constexpr double ROUNDING = 1e-12;
 
 /* Numbers of a shape: their names, and how many may be left out. */
 struct Words {
@@ -159,14 +160,14 @@ void FixGranLoad::init()
   }
 }
 
-/* Count the atoms of the group, some of which may have got lost, been deleted, or left it since. */
+/* Count the atoms of the group, some of which may have been lost, deleted, or removed from it. */
 void FixGranLoad::count_atoms()
 {
   atoms = static_cast<double>(group->count(igroup));
   if (atoms == 0.0) error->all(FLERR, "Fix {} {}: its group {} has lost all its atoms", STYLE, id, group->names[igroup]);
 }
 
-/* Atoms that got lost take their motion with them; the work and impulse of the load that made it stay. */
+/* Lost atoms remove their motion; the work and impulse of the load on them are kept. */
 void FixGranLoad::post_neighbor()
 {
   const double atoms_then = atoms, mass_then = mass;
@@ -176,7 +177,7 @@ void FixGranLoad::post_neighbor()
   keep_motion(mass_then - mass, moved / update->dt);
 }
 
-/* Add the work and impulse that a mass got which has left the group. */
+/* Add the work and impulse on a mass that has left the group. */
 void FixGranLoad::keep_motion(double lost_mass, double speed)
 {
   if (comm->me != 0) return;
@@ -184,7 +185,7 @@ void FixGranLoad::keep_motion(double lost_mass, double speed)
   total[IMPULSE] += lost_mass * speed;
 }
 
-/* Subtract the motion of the atoms beyond that which they have from the load. */
+/* Subtract the motion of the atoms that is not due to the load. */
 void FixGranLoad::subtract_foreign_motion()
 {
   for (int i = 0; i < atom->nlocal; i++) {
@@ -267,7 +268,7 @@ void FixGranLoad::post_force(int)
     if (atom->mask[i] & groupbit) speeds += along(atom->v[i]);
   if (!std::isfinite(speeds)) require_finite_motion(lmp);
   const double moved = speeds / atoms * dt, mean = 0.5 * (before + force);
-  // the atoms that are left had their part alone of the force before
+  // the remaining atoms had only their part of the force before
   total[WORK] += 0.5 * (before * (atoms / atoms_before) + force) * moved;
   atoms_before = atoms;
   total[DISPLACEMENT] += moved;

@@ -49,7 +49,7 @@ class FixGranLoad : public Fix {
 
  private:
   enum { WORK, IMPULSE, DISPLACEMENT, FORCE, N_TOTALS };
-  static constexpr int N_STATE = 2 + N_TOTALS - 1;    // in restart files: started, moves, totals
+  static constexpr int N_STATE = 2 + N_TOTALS - 1;    // numbers in restart files: started, moves, totals
 
   int read_direction(int narg, char **arg);
   void read_table(const char *file);
@@ -59,7 +59,7 @@ class FixGranLoad : public Fix {
   void apply_force(double whole);
   void set_velocity(double speed);
   double along(const double *vector) const { return way[0] * vector[0] + way[1] * vector[1] + way[2] * vector[2]; }
-  /* Add a part along the direction; components across it keep their bits. */
+  /* Add a component along the direction; perpendicular components are unchanged. */
   void add_along(double *vector, double size) const
   {
     for (int k = 0; k < 3; k++)
@@ -73,13 +73,13 @@ class FixGranLoad : public Fix {
   std::array<double, 3> way = {0.0, 0.0, 1.0};    // direction of the load, a unit vector
   bool moves = false;                             // prescribed displacement
   granwave::LoadShape shape;
-  double atoms = 0.0, mass = 0.0;    // of the group; atoms may get lost
-  double atoms_before = 0.0;         // at the last step
+  double atoms = 0.0, mass = 0.0;    // number of atoms and mass of the group; atoms may be lost
+  double atoms_before = 0.0;         // number at the last step
   bool started = false;
-  double stepped = 0.0;    // timestep that the force is a mean over
+  double stepped = 0.0;    // timestep over which the force is averaged
   // part of this processor in the totals so far; after a restart the first processor has the totals
   double total[N_TOTALS - 1] = {};
-  double force = 0.0;         // on the group, from the shape
+  double force = 0.0;         // force on the group, from the shape
   double resistance = 0.0;    // force on the atoms of this processor, before the step
   double place = 0.0, moved = 0.0,
          velocity = 0.0;    // present values of the prescribed motion, and displacement in this step

@@ -28,7 +28,7 @@ void FixGranNVE::reset_dt()
   dtf = 0.5 * update->dt * force->ftm2v;
 }
 
-/* Make a half kick, and move the atoms if it is that of the start of a step. */
+/* Make a half kick, and move the atoms at the start of a step. */
 template <bool MOVES> void FixGranNVE::integrate()
 {
   double *const *const x = atom->x, *const *const v = atom->v, *const *const f = atom->f;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix gran/nve: velocity Verlet as fix nve, which passes over blocks of atoms at rest.
+/* Fix gran/nve: velocity Verlet as in fix nve, but skipping blocks of atoms at rest.
 
    fix ID group gran/nve
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix gran/nve/sphere: velocity Verlet with rotation as fix nve/sphere, which passes over blocks of spheres at rest.
+/* Fix gran/nve/sphere: velocity Verlet with rotation as in fix nve/sphere, but skipping blocks of spheres at rest.
 
    fix ID group gran/nve/sphere
 

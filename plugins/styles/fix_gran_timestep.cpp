@@ -29,8 +29,8 @@ constexpr std::int64_t MOST_TICKS = std::int64_t(1) << 20;
 constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
 constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
 
-constexpr double AIM = 0.85;                          // of the tolerance: what the choice reckons with
-constexpr double SHARE_OF_TOLERANCE = 1.0 / 65536;    // to which a measured error is taken
+constexpr double AIM = 0.85;                          // fraction of the tolerance that the choice uses
+constexpr double SHARE_OF_TOLERANCE = 1.0 / 65536;    // resolution of a measured error, over the tolerance
 constexpr const char *USAGE = "expected N TOLERANCE ENERGY, optionally followed by first M, until T, balance v_NAME K";
 
 // Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
@@ -40,7 +40,7 @@ constexpr std::int64_t MAGIC_BITS = 0x4338000000000000;    // its bits
 
 std::int64_t units_of(double term)
 {
-  const double bounded = term > 2.0 ? 2.0 : term < -2.0 ? -2.0 : term;    // a term that is no number stays none
+  const double bounded = term > 2.0 ? 2.0 : term < -2.0 ? -2.0 : term;    // a term that is not a number stays not a number
   const double shifted = bounded * UNITS + MAGIC;
   std::int64_t bits;
   std::memcpy(&bits, &shifted, sizeof(bits));
@@ -179,7 +179,7 @@ void FixGranTimestep::init()
   if (n_steps == 0) report();
 }
 
-/* Stop with an error if another fix would take a step for a tick. */
+/* Stop with an error if another fix would count ticks as steps. */
 void FixGranTimestep::refuse_fixes_that_count_steps() const
 {
   if (longest == 1) return;    // a step is a tick
@@ -202,7 +202,7 @@ void FixGranTimestep::refuse_fixes_that_count_steps() const
   }
 }
 
-/* Stop with an error if a variable has a function that takes a step for a tick. */
+/* Stop with an error if a variable has a function that counts ticks as steps. */
 void FixGranTimestep::refuse_variables_that_count_steps() const
 {
   if (longest == 1) return;
@@ -246,7 +246,7 @@ void FixGranTimestep::setup(int)
   last = sums();
 }
 
-/* Value of a variable now, which will be asked for at the step `next` again. */
+/* Present value of a variable, which is needed again at the step `next`. */
 double FixGranTimestep::value_of(const std::string &variable, bigint next) const
 {
   modify->clearstep_compute();

@@ -64,13 +64,13 @@ class FixGranTimestep : public Fix {
   double tick = 0.0;
   double origin = 0.0;    // clock at step 0
   double tolerance;
-  int integrated = 0;    // bits of the groups whose spheres follow the forces on them
+  int integrated = 0;    // bits of the groups whose spheres move with the forces on them
   std::string energy_name;
   double energy = 0.0;
   std::string balance_name;
   bigint balance_every = 0;
   std::int64_t longest, first = 1, taken = 1;    // ticks: the most, of the first step, of the present one
-  double bound = 1.0;                            // ticks, for the collisions that may come
+  double bound = 1.0;                            // ticks, limited by possible collisions
   double until = -1.0;                           // time up to which no step is longer than the first
   granwave::StepController controller;
   std::int64_t shortest_taken = 0, longest_taken = 0, n_steps = 0;
@@ -79,11 +79,11 @@ class FixGranTimestep : public Fix {
   double reported[5] = {};    // output: the same throughout a step, and when a run goes on from a restart file
   bigint reached = 0;         // step counter when the last step ended
   bool pending = false;       // the counter is to be set as the next step begins
-  int rotates = 0;            // bits of the groups whose spheres follow the torques on them
+  int rotates = 0;            // bits of the groups whose spheres rotate with the torques on them
   std::shared_ptr<const granwave::Cylinders> cylinders;
-  bigint n_atoms = 0;                                        // when the last step ended
-  std::vector<const Fix *> others;                           // that act in some steps
-  std::vector<const Fix *> rebuilders;                       // that ask for new neighbor lists at some step
+  bigint n_atoms = 0;                                        // number of atoms at the end of the last step
+  std::vector<const Fix *> others;                           // fixes that act in some steps
+  std::vector<const Fix *> rebuilders;                       // fixes that request new neighbor lists at some step
   std::vector<const class FixWallGranHysteretic *> walls;    // that may move
 };
 

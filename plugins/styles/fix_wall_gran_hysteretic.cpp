@@ -171,7 +171,7 @@ void FixWallGranHysteretic::min_setup(int)
   setup(0);
 }
 
-/* Spheres are about to be exchanged between processors, with the histories at the start of the minimization. */
+/* Prepare the exchange of spheres between processors, with the initial histories of the minimization. */
 void FixWallGranHysteretic::min_pre_exchange()
 {
   return_to_start();
@@ -323,7 +323,7 @@ void FixWallGranHysteretic::evaluate()
         }
       } else {
         mine.touching = 0.0;
-        if (loss) end_viscous(i, side, overlap[side]);
+        if (loss) part_viscous(loss, has, scaled_law(i), extra(i, side), overlap[side], step(), simulated_time(*update));
       }
       if (friction > 0.0) compute_tangential(i, side, overlap[side], contact);
       if (resistance) compute_resistance(i, side, contact);

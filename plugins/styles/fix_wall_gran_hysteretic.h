@@ -24,7 +24,7 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #ifndef LMP_FIX_WALL_GRAN_HYSTERETIC_H
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
 
-#include "../laws/contact_memory.h"
+#include "../laws/contact_step.h"
 #include "../laws/exact_sum.h"
 #include "../laws/front.h"
 #include "../laws/mesh_wall.h"
@@ -69,7 +69,8 @@ class FixWallGranHysteretic : public Fix {
 
   /* Set the initial dent of a sphere at its present position, on the nearer of the two walls. */
   void set_dent(int i, double peak);
-  /* Set all that the contact of a sphere with the nearer of the two walls remembers. Returns false if this wall remembers something else. */
+  /* Set the complete history of the contact of a sphere with the nearer of the two walls. Returns false if the history of
+     this wall differs. */
   bool set_contact(int i, const granwave::KnownContact &);
   /* Turn all dents so far into initial dents, and reset the totals. */
   void begin(bool keeps);
@@ -122,7 +123,7 @@ class FixWallGranHysteretic : public Fix {
   struct Contact {    // present contact of a sphere with a wall
     double force;
     double stiffness;    // largest slope of the force over the overlap, on loading or unloading; with a support only
-    double circle_sq;    // squared radius of the contact circle; with friction, resistance or cohesion only
+    double circle;       // radius of the contact circle; with friction, resistance or cohesion only
     double pressing;     // normal force that limits friction
     double damping;      // coefficient of damping along the surface; below 0: a run is continued, or there is none
   };
@@ -148,7 +149,6 @@ class FixWallGranHysteretic : public Fix {
   bool has_dashpot() const { return loss.kind == granwave::LossKind::DASHPOT; }
   double effective_mass(int i, int side, double stiffness) const;
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
-  void end_viscous(int i, int side, double overlap);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   void advance_friction(int i, int side, double lever, const Contact &);
   void friction_force(int i, int side, double force[3]);
@@ -172,23 +172,22 @@ class FixWallGranHysteretic : public Fix {
   // histories at one of the walls
   granwave::Stored<granwave::CohesionHistory> sticking(int i, int side) { return has.cohesion_of(extra(i, side)); }
   granwave::Stored<granwave::ResistanceHistory> resisted(int i, int side) { return has.resistance_of(extra(i, side)); }
-  granwave::Stored<granwave::ViscousHistory> viscous(int i, int side) { return has.loss_of(extra(i, side)); }
   double viscous_loss(int i, int side) { return has.viscous_loss(extra(i, side)); }
   int n_state() const { return N_REPORTED + granwave::Front::LEVELS + histories.size(); }
 
   int axis = 2;
-  std::unique_ptr<granwave::CurvedWall> curved;    // in place of planes
+  std::unique_ptr<granwave::CurvedWall> curved;    // curved wall instead of planes
   double plane[2];                                 // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
   granwave::Material body{}, wall{};                       // materials of the spheres and of the wall
   bool plane_strain = false;                               // of cylinders
   std::shared_ptr<const granwave::Cylinders> cylinders;    // null if there are none
   std::vector<char> stands;      // by type: 1 for cylinders on their end, which the wall does not touch
-  std::vector<char> admitted;    // by type: 1 if cylinders of it can be at the wall
-  std::map<std::pair<int, double>, granwave::ElasticContact> lines;    // of cylinders, by type and radius
+  std::vector<char> admitted;    // by type: 1 if cylinders of this type can be at the wall
+  std::map<std::pair<int, double>, granwave::ElasticContact> lines;    // laws of cylinders, by type and radius
   bool has_lines = false;                                              // true if any of them touches along a line
   granwave::LineBatch line_batch{};
-  std::vector<double> line_force, line_stiffness;    // two for each of `spheres`, of those that touch along a line
+  std::vector<double> line_force, line_stiffness;    // two values for each of `spheres`, for those that touch along a line
   struct LastLaw {
     double radius = -1.0;
     granwave::ScaledLaw scaled;
@@ -200,17 +199,17 @@ class FixWallGranHysteretic : public Fix {
   granwave::ResistanceModel resistance;
   granwave::ViscousLoss loss;
   granwave::MovedMass masses;                    // with a dashpot
-  std::unique_ptr<granwave::Support> support;    // of the plane, if it can move
+  std::unique_ptr<granwave::Support> support;    // support of the plane, if it can move
   int moving = 0;                                // index of the movable plane
 
   std::vector<char> near;       // 0: the sphere touched no wall at the last evaluation, and has not just arrived here
   std::vector<char> touched;    // 0: the sphere has touched no wall; 1: it may have
-  std::vector<int> spheres;     // that can reach a wall before the next reneighboring, in their order
+  std::vector<int> spheres;     // spheres that can reach a wall before the next reneighboring, in order
   bool listed = false;          // true if this list is current
   bool grows = false;           // true if radii may change during a run
-  double listed_level = 0.0;    // position of the movable plane when it was made
+  double listed_level = 0.0;    // position of the movable plane when the list was made
   granwave::WallHistory histories;
-  std::vector<granwave::Front> fronts;    // of the largest force of each sphere
+  std::vector<granwave::Front> fronts;    // arrival of the largest force of each sphere
 
   /* Histories and output of the spheres at the start of a minimization, which every evaluation in it continues from: a position that
      it tries and does not keep leaves no dent. */

@@ -101,28 +101,30 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   }
   Contact contact{};
   contact.damping = -1.0;
+  double circle_squared = 0.0;
   if (scaled.line()) {
     contact.force = line_force[line];
     if (support) contact.stiffness = line_stiffness[line];
-    if (has.friction) contact.circle_sq = scaled.circle_squared(line_stiffness[line]);
+    if (has.friction) circle_squared = scaled.circle_squared(line_stiffness[line]);
   } else if (!scaled.yielded(side.dent)) {
     contact.force = scaled.elastic_force(overlap);
     if (support)
       contact.stiffness = scaled.is_hertzian() ? 1.5 * contact.force / overlap : scaled.elastic_stiffness(overlap);
     if (has.friction)
-      contact.circle_sq = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
+      circle_squared = scaled.is_hertzian() ? effective * overlap : scaled.circle_squared(overlap, law_history(i, which));
   } else {
     const Turning turning = scaled.turning(law_history(i, which));
     contact.force = raised ? scaled.peak_force(turning) : scaled.unloading(overlap, turning);
     if (support) contact.stiffness = scaled.stiffness(turning);
     if (has.friction)
-      contact.circle_sq = raised ? scaled.loading_circle(overlap, extra(i, which))
-                                 : scaled.unloading_circle(overlap, turning, scaled.area(turning.peak, extra(i, which)));
+      circle_squared = raised ? scaled.loading_circle(overlap, extra(i, which))
+                              : scaled.unloading_circle(overlap, turning, scaled.area(turning.peak, extra(i, which)));
     if (raised) {
       if (state[TIME_YIELD] < 0.0) state[TIME_YIELD] = now;
       state[DISSIPATED] = lost(i, 0, scaled) + lost(i, 1, scaled);
     }
   }
+  contact.circle = std::sqrt(circle_squared);
   if (has.cohesion) compute_cohesion(i, which, overlap, scaled, contact);
   if (loss) compute_viscous(i, which, overlap, scaled, contact);
   if (!has.cohesion) contact.pressing = contact.force;
@@ -136,7 +138,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
   return contact;
 }
 
-/* Note the largest force of sphere i on the walls so far, and when the part of it passed that is an arrival. */
+/* Record the largest force of sphere i on the walls so far, and the time of arrival of the wave. */
 void FixWallGranHysteretic::note_largest_force(int i, double force, double now)
 {
   double *const state = array_atom[i];
@@ -147,7 +149,7 @@ void FixWallGranHysteretic::note_largest_force(int i, double force, double now)
   state[TIME_FIRST] = front.passed(force, ARRIVED);
 }
 
-/* Return true if sphere i touches one wall, is held by a neck, or has just parted. */
+/* Return true if sphere i touches one wall, is joined to it by a neck, or has just separated. */
 bool FixWallGranHysteretic::joins(int i, int which, double overlap)
 {
   return !(overlap <= ROUNDING * atom->radius[i]) || (has.cohesion && sticking(i, which)->active());    // also true for NaN
@@ -162,11 +164,9 @@ void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, c
   const CohesiveState state = advance_cohesion(scaled, *sticking(i, which), h, yielded ? &turning : nullptr, overlap,
                                                ROUNDING * atom->radius[i], approach(i, which), step());
   contact.force = state.force;
-  contact.circle_sq = state.circle_squared;
+  contact.circle = std::sqrt(state.circle_squared);
   contact.pressing = state.pressing;
-  if (support)
-    contact.stiffness =
-        std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * std::sqrt(state.circle_squared));
+  if (support) contact.stiffness = std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * contact.circle);
 }
 
 /* Effective mass of sphere i and one wall, from the tangent stiffness of their contact. */
@@ -178,69 +178,35 @@ double FixWallGranHysteretic::effective_mass(int i, int which, double stiffness)
   return masses.effective(i, MovedMass::BODY, normal, moves ? 1.0 / support->moved_mass(atom->rmass[i], stiffness) : 0.0);
 }
 
-/* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */
+/* Add the viscous force of one wall on sphere i to the normal force; there is none in a minimization. */
 void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
 {
-  Stored<ViscousHistory> history = viscous(i, which);
-  if (update->whichflag != 1) {
-    history->forget_state();
-    if (has.prony) *has.prony_of(extra(i, which)) = {};
-    if (has.damping) has.damping_of(extra(i, which)).release();
-    return;
-  }
-  if (loss.relaxes()) {
-    contact.force += advance_prony(loss.prony, *history, *has.prony_of(extra(i, which)), scaled, overlap,
-                                   ROUNDING * atom->radius[i], contact.force, step(), simulated_time(*update));
-    return;
-  }
-  if (has.cohesion && !(contact.pressing > 0.0)) {
-    history->release(overlap);
-    return;
-  }
-  const double pressing = contact.force + scaled.pull_off();
-  contact.force += advance_loss(*history, overlap, ROUNDING * atom->radius[i], pressing, approach(i, which), step(), [&] {
-    const LawHistory h = law_history(i, which);
-    const double stiffness = has.cohesion && !scaled.yielded(h.peak) ? 2.0 * law.modulus() * std::sqrt(contact.circle_sq)
-                                                                     : scaled.tangent_stiffness(overlap, h);
-    const double coefficient = loss.coefficient(stiffness, has_dashpot() ? effective_mass(i, which, stiffness) : 0.0);
-    contact.damping = loss.tangential * coefficient;
-    return coefficient;
-  });
+  if (update->whichflag != 1) return has.forget_viscous(extra(i, which));
+  const LawHistory h = law_history(i, which);
+  const PresentContact present{
+      scaled,        extra(i, which),  h.peak,        overlap, ROUNDING * atom->radius[i], approach(i, which),
+      contact.force, contact.pressing, contact.circle};
+  const ViscousForce viscous = advance_viscous(
+      loss, has, present, step(), simulated_time(*update), [&] { return scaled.tangent_stiffness(overlap, h); },
+      [&](double stiffness) { return effective_mass(i, which, stiffness); });
+  contact.force += viscous.normal;
+  contact.damping = viscous.damping;
 }
 
-/* End the contact with one wall, with this overlap below 0. */
-void FixWallGranHysteretic::end_viscous(int i, int which, double overlap)
-{
-  Stored<ViscousHistory> history = viscous(i, which);
-  if (!loss.relaxes()) return history->release(overlap);
-  part_prony(loss.prony, *history, *has.prony_of(extra(i, which)), scaled_law(i), step(), simulated_time(*update));
-}
-
-/* Advance spring and damping of one wall at sphere i, with this lever arm, if a timestep was made. Where a run begins, the damping is
-   that of the present velocities. */
+/* Advance spring and damping of one wall at sphere i, with this lever arm. */
 void FixWallGranHysteretic::advance_friction(int i, int which, double lever, const Contact &contact)
 {
-  const Step now = step();
-  const bool starts = has.damping && !now.advances && contact.damping >= 0.0;
-  if (!now.advances && !starts) return;
-  TangentialSpring &spring = histories.spring(i, which);
-  double *const block = extra(i, which);
   const double *const v = atom->v[i], *const omega = atom->omega[i];
   const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
-  SlipContact slipping{{},
-                       {},
-                       std::sqrt(contact.circle_sq),
-                       law.tangential_stiffness(contact.circle_sq),
-                       friction * contact.pressing,
-                       scaled_law(i).effective_radius()};
-  inward(i, which, slipping.normal);
-  slip_of_step(velocity, spin, slipping.normal, now.dt, slipping.slip);
-  if (starts)
-    has.damping_of(block).start(slipping.normal, slipping.slip, spring.force, contact.damping, slipping.limit, now.dt);
-  else has.advance_friction(spring, block, slipping, tangential_model, has.damping ? &contact.damping : nullptr, now.dt);
+  double normal[3];
+  inward(i, which, normal);
+  const SlipContact slipping =
+      slip_contact(scaled_law(i), contact.circle, friction * contact.pressing, normal, velocity, spin, update->dt);
+  step_friction(has, histories.spring(i, which), extra(i, which), slipping, tangential_model,
+                has.damping ? &contact.damping : nullptr, step());
 }
 
-/* Force of one wall along itself on sphere i: of the spring and of the damping. */
+/* Tangential force of one wall on sphere i, by the spring and by damping. */
 void FixWallGranHysteretic::friction_force(int i, int which, double force[3])
 {
   std::copy_n(histories.spring(i, which).force, 3, force);
@@ -274,30 +240,24 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
   if (contact.force == state[FORCE]) state[TANGENTIAL] = std::sqrt(dot(force, force));
 }
 
-/* Compute the torque by which one wall resists rolling and twisting of sphere i, as the pair style does. */
+/* Compute the torque by which one wall resists rolling and twisting of sphere i. */
 void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &contact)
 {
-  Stored<ResistanceHistory> history = resisted(i, which);
-  if (contact.pressing > 0.0) {
-    const double *const omega = atom->omega[i], circle = std::sqrt(contact.circle_sq);
-    RollingContact rolling{{},
-                           {omega[0], omega[1], omega[2]},
-                           scaled_law(i).effective_radius(),
-                           contact.pressing,
-                           circle,
-                           law.tangential_stiffness(contact.circle_sq),
-                           friction};
-    inward(i, which, rolling.normal);
-    if (step().advances) history->advance(resistance, rolling, update->dt);
-    double sum[3];
-    history->torque(rolling.normal, rolling.arm, sum);
-    for (int d = 0; d < 3; d++) atom->torque[i][d] += sum[d];
-  } else {
-    history->release();
-  }
+  const double *const omega = atom->omega[i];
+  RollingContact rolling{{},
+                         {omega[0], omega[1], omega[2]},
+                         scaled_law(i).effective_radius(),
+                         contact.pressing,
+                         contact.circle,
+                         law.tangential_stiffness(contact.circle),
+                         friction};
+  inward(i, which, rolling.normal);
+  double torque[3];
+  step_resistance(resistance, *resisted(i, which), rolling, step(), torque);
+  for (int d = 0; d < 3; d++) atom->torque[i][d] += torque[d];
 }
 
-/* Update the columns of the energies that viscous forces, sliding, rolling and twisting took at both walls. */
+/* Update the columns of the energies dissipated by viscous forces, sliding, rolling and twisting at both walls. */
 void FixWallGranHysteretic::report_losses(int i)
 {
   double *const state = array_atom[i];
@@ -307,15 +267,14 @@ void FixWallGranHysteretic::report_losses(int i)
   if (resistance) state[FRICTION_LOSS] += resisted(i, 0)->loss() + resisted(i, 1)->loss();
 }
 
-/* End the contacts of a sphere that does not meet the walls any more. Its losses stay in the totals. */
+/* End the contacts of a sphere that no longer touches the walls. Its losses stay in the totals. */
 void FixWallGranHysteretic::part(int i)
 {
   near[i] = 0;
   array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;
   for (int side = 0; side < 2; side++) {
     histories.side(i, side).touching = 0.0;
-    if (loss) viscous(i, side)->forget_state();
-    if (has.prony) *has.prony_of(extra(i, side)) = {};
+    if (loss) has.forget_viscous(extra(i, side));
     if (friction > 0.0) has.release_spring(histories.spring(i, side), extra(i, side));
     if (resistance) resisted(i, side)->release();
     if (has.cohesion) sticking(i, side)->forget_state();

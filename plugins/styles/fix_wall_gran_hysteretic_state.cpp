@@ -48,7 +48,7 @@ void FixWallGranHysteretic::list_spheres()
 
 /* ---------------------------------------------------------------------- cylinders */
 
-/* Find out which cylinders touch the wall, along which line. */
+/* Determine the cylinders that touch the wall along a line. */
 void FixWallGranHysteretic::init_cylinders()
 {
   cylinders = FixGranCylinder::find(lmp);
@@ -66,7 +66,7 @@ void FixWallGranHysteretic::init_cylinders()
     if (present[type]) admit_type(type);
 }
 
-/* Find out how atoms of a type touch the wall, if they are cylinders. Some may come, or change their type, during a run. */
+/* Determine how atoms of a type touch the wall, if they are cylinders. Some may come, or change their type, during a run. */
 void FixWallGranHysteretic::admit_type(int type)
 {
   const Cylinder &cylinder = cylinders->shape(type);
@@ -87,7 +87,7 @@ void FixWallGranHysteretic::admit_type(int type)
 /* True for a cylinder, which touches the wall along a line. */
 bool FixWallGranHysteretic::is_line(int i) const { return !cylinders->shape(atom->type[i]).is_sphere(); }
 
-/* Law of the contact of sphere or cylinder i with the wall; of each type the one asked for last is kept. */
+/* Law of the contact of sphere or cylinder i with the wall; for each type the last law is cached. */
 const ScaledLaw &FixWallGranHysteretic::scaled_law(int i)
 {
   const double radius = atom->radius[i];
@@ -275,7 +275,7 @@ int FixWallGranHysteretic::pack_exchange(int i, double *buf)
   return n_state();
 }
 
-/* Take up the reported values of a sphere, and its front. */
+/* Read the reported values of a sphere, and its front. */
 void FixWallGranHysteretic::unpack_reported(int i, const double *values)
 {
   std::copy_n(values, static_cast<int>(N_REPORTED), array_atom[i]);

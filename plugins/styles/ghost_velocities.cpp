@@ -12,7 +12,7 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr int BITS = 64;    // of a number of the buffer: it holds those of so many ghosts
+constexpr int BITS = 64;    // bits of a number in the buffer, one for each ghost
 
 bool is_positive_zero(const double *values)
 {

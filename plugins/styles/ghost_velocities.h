@@ -18,10 +18,10 @@ class GhostVelocities {
  public:
   static constexpr int SIZE = 1 + 6;    // most numbers for each ghost
 
-  /* Ghosts turn if their angular velocities are needed too. */
+  /* Send angular velocities of ghosts if they are needed too. */
   void start(LAMMPS_NS::LAMMPS *, bool turn);
 
-  /* Forget what the ghosts had: there are new ones, from which nothing has been received. */
+  /* Discard the stored velocities: there are new ghosts, for which nothing has been received. */
   void renew();
 
   /* Write the velocities of these atoms to a buffer, as ghosts have them behind a periodic boundary; returns how many numbers. */

@@ -23,7 +23,7 @@ using namespace granwave;
 
 namespace {
 
-constexpr std::size_t N_DENT = 3, N_SPRING = 4, N_PLACE = 2;    // words of a line: a dent, and what may follow
+constexpr std::size_t N_DENT = 3, N_SPRING = 4, N_PLACE = 2;    // words of a line: a dent, and optional values
 
 enum { FIRST_SEEN = 1, SECOND_SEEN = 2 };    // spheres of a line, combined over processors
 
@@ -69,7 +69,7 @@ void GranDents::command(int narg, char **arg)
     compute->invoked_flag = 0;    // their values of this timestep are outdated
 }
 
-/* Begin anew with the dents so far, or without any. */
+/* Restart the history with the present dents, or without dents. */
 void GranDents::begin(bool keeps)
 {
   pair->begin_initial_dents(keeps);

@@ -37,7 +37,7 @@ class GranDents : public Command {
   void command(int, char **) override;
 
  private:
-  using Ids = std::pair<tagint, tagint>;    // of two spheres, the lower first
+  using Ids = std::pair<tagint, tagint>;    // IDs of two spheres, the lower first
   struct Line {
     bigint number;
     FixWallGranHysteretic *wall;    // null for a pair of spheres

@@ -56,7 +56,7 @@ void granwave::require_finite_motion(LAMMPS *lmp)
 
 std::string granwave::causes_of_overlap(LAMMPS *lmp, double speed, double radius, const std::string &placed)
 {
-  constexpr double LARGE = 0.02;    // of the radius: a contact would be loaded in less than 50 steps
+  constexpr double LARGE = 0.02;    // fraction of the radius: a contact would be loaded in fewer than 50 steps
   std::vector<std::string> causes = {"the load is too strong or the impact too fast for these materials", placed,
                                      "the timestep is far too large"};
   const int likely = lmp->update->setupflag ? 1 : speed * lmp->update->dt > LARGE * radius ? 2 : 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* What the styles share: checks that motion is finite, the time, numbers and files of commands.
+/* Common functions of the styles: checks that motion is finite, the time, numbers and files of commands.
 
    The checks of LAMMPS itself do not detect a NaN: every comparison with NaN is false, so that such an atom never counts as
    moved, and the neighbor lists are not rebuilt. */
@@ -45,7 +45,7 @@ inline double mass_of(const LAMMPS_NS::Atom *atom, int i)
 /* Stop with an error with run_style respa, with which `what` does not work. */
 void refuse_respa(LAMMPS_NS::LAMMPS *, const std::string &what);
 
-/* Return the number that a word of a fix is; stop with an error if it is not positive, or 0 where it may be that. */
+/* Return the number in a word of a fix; stop with an error if it is not positive (or 0, where allowed). */
 double positive_number(LAMMPS_NS::LAMMPS *, const std::string &style, const std::string &name, const char *word,
                        bool may_be_zero = false);
 

@@ -12,11 +12,11 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr double LEAST = 1e-12;    // of an inverse mass, relative to that of free bodies: less is rounding of the normal
+constexpr double LEAST = 1e-12;    // tolerance of an inverse mass relative to free bodies, for rounding of the normal
 
 bool is_holder(const std::string &style) { return style == "setforce" || style == "lineforce" || style == "planeforce"; }
 
-/* True for a fix that moves its spheres whatever the forces on them are. */
+/* True for a fix that moves its spheres independently of the forces on them. */
 bool prescribes(const std::string &style)
 {
   return utils::strmatch(style, "^move") || utils::strmatch(style, "^nve/noforce") || style == "gran/load";

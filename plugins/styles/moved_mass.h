@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Masses with which spheres resist a contact. Dashpots need them.
+/* Effective masses of spheres in a contact, for dashpots.
 
    A force F accelerates a sphere by P F/m, so that along a unit normal n it counts with the mass m/(n.P n). P is the unit matrix of
    a free sphere, and 0 of one whose motion no force changes: a sphere of fix freeze, one in the group of no fix that integrates,
@@ -18,7 +18,8 @@
 
 namespace granwave {
 
-/* Bits of the groups whose spheres follow the forces on them: those of fixes that integrate and do not prescribe the motion. */
+/* Bits of the groups whose spheres follow the forces on them: groups of fixes that integrate and do not prescribe the
+   motion. */
 int integrated_groups(const LAMMPS_NS::LAMMPS *);
 
 class MovedMass {
@@ -59,8 +60,8 @@ class MovedMass {
   int frozen = 0;                           // bits of the groups of fix freeze
   int integrated = 0;                       // bits of the groups whose spheres follow the forces on them
   std::vector<LAMMPS_NS::Fix *> rigid;      // fixes of rigid bodies
-  std::vector<LAMMPS_NS::Fix *> holders;    // fixes that take components of a force away
-  std::vector<Sphere> spheres;              // owned ones and ghosts; empty if they do not differ
+  std::vector<LAMMPS_NS::Fix *> holders;    // fixes that remove components of a force
+  std::vector<Sphere> spheres;              // for owned spheres and ghosts; empty if they do not differ
 };
 
 }    // namespace granwave

@@ -50,13 +50,11 @@ PairGranHysteretic::~PairGranHysteretic()
 void PairGranHysteretic::allocate()
 {
   allocated = 1;
-  atom_types = atom->ntypes;
-  const int n = atom_types + 1;
+  const int n = atom->ntypes + 1;
   memory->create(setflag, n, n, "pair:setflag");
   for (int i = 0; i < n; i++) std::fill_n(setflag[i], n, 0);
   memory->create(cutsq, n, n, "pair:cutsq");
-  laws.assign(n * n, ContactLaw());
-  coefficients.assign(n * n, LawArguments());
+  laws.allocate(atom->ntypes);
   largest_radius.assign(n, 0.0);
 }
 
@@ -102,7 +100,7 @@ void PairGranHysteretic::coeff(int narg, char **arg)
     for (int j = std::max(jlo, i); j <= jhi; j++) {
       if (i == j && args.second)
         error->all(FLERR, "Incorrect pair_coeff for gran/hysteretic: a second material requires two different types");
-      coefficients[i * (atom_types + 1) + j] = args;
+      laws.arguments(i, j) = args;
       setflag[i][j] = 1;
       count++;
     }
@@ -127,10 +125,10 @@ void PairGranHysteretic::init_style()
   has_dashpot = false;
   int n_extra = 0;
   has_rate = false;
-  for (int i = 1; i <= atom_types; i++)
-    for (int j = i; j <= atom_types; j++) {
+  for (int i = 1; i <= laws.types(); i++)
+    for (int j = i; j <= laws.types(); j++) {
       if (!setflag[i][j]) continue;
-      const LawArguments &args = coefficients[i * (atom_types + 1) + j];
+      const LawArguments &args = laws.arguments(i, j);
       args.extend(wanted);
       has_dashpot = has_dashpot || args.loss.kind == LossKind::DASHPOT;
       n_extra = std::max(n_extra, args.n_extra());
@@ -148,7 +146,7 @@ void PairGranHysteretic::init_style()
         : has.resistance ? "a resistance to rolling or twisting"
         : has.cohesion   ? "cohesion"
                          : "partial slip");
-  contacts.discard_turnings();    // a law may be another one
+  contacts.discard_turnings();    // the law may be different
   wanted.n = has.n;               // until a new list is built
   has = wanted;
   if (has_dashpot) masses.find(lmp);
@@ -197,34 +195,29 @@ void PairGranHysteretic::init_style()
                  atom->rmass[i]);
   }
 
-  cylinders = FixGranCylinder::find(lmp);
-  find_initial_places();
-  has_special = false;
-  special_types.assign((atom_types + 1) * (atom_types + 1), 0);
-  geometries.clear();
-  geometries.resize(special_types.size());
-  special_pairs.clear();
+  laws.begin_run(FixGranCylinder::find(lmp));
+  geometry.begin_run(fix_history, find_initial_places());
 
   // the largest radius of each type determines the cutoff
-  std::vector<double> mine(atom_types + 1, 0.0);
+  std::vector<double> mine(laws.types() + 1, 0.0);
   for (int i = 0; i < atom->nlocal; i++) mine[atom->type[i]] = std::max(mine[atom->type[i]], atom->radius[i]);
   for (auto *fix : modify->get_fix_list())    // spheres to be inserted
     if (std::strncmp(fix->style, "pour", 4) == 0 || std::strncmp(fix->style, "deposit", 7) == 0)
-      for (int i = 1; i <= atom_types; i++) {
+      for (int i = 1; i <= laws.types(); i++) {
         int itype = i;
         if (const auto *radius = static_cast<double *>(fix->extract("radius", itype))) mine[i] = std::max(mine[i], *radius);
       }
-  MPI_Allreduce(mine.data(), largest_radius.data(), atom_types + 1, MPI_DOUBLE, MPI_MAX, world);
+  MPI_Allreduce(mine.data(), largest_radius.data(), laws.types() + 1, MPI_DOUBLE, MPI_MAX, world);
 }
 
-/* A line search tries positions that it does not keep, and each would leave its dent. */
+/* A line search evaluates trial positions, each of which would leave a dent. */
 void PairGranHysteretic::refuse_line_searches()
 {
   const std::string search = update->minimize_style;
   if (search != "cg" && search != "sd" && search != "hftn") return;
-  for (int i = 1; i <= atom_types; i++)
-    for (int j = i; j <= atom_types; j++) {
-      const LawArguments &args = coefficients[i * (atom_types + 1) + j];
+  for (int i = 1; i <= laws.types(); i++)
+    for (int j = i; j <= laws.types(); j++) {
+      const LawArguments &args = laws.arguments(i, j);
       if (setflag[i][j] && (args.law->yields() || args.options.cohesion))
         error->all(FLERR,
                    "Pair style gran/hysteretic: min_style {} evaluates trial positions, each of which would change the "
@@ -235,69 +228,39 @@ void PairGranHysteretic::refuse_line_searches()
 
 double PairGranHysteretic::init_one(int i, int j)
 {
-  const int n = atom_types + 1;
-  LawArguments &args = coefficients[i * n + j];
+  LawArguments &args = laws.arguments(i, j);
   if (!setflag[i][j]) {
     if (!setflag[i][i] || !setflag[j][j])
       error->all(FLERR, "All pair coeffs are not set: gran/hysteretic has none for types {} and {}", i, j);
-    const LawArguments &a = coefficients[i * n + i], &b = coefficients[j * n + j];
+    const LawArguments &a = laws.arguments(i, i), &b = laws.arguments(j, j);
     if (!a.same_options(b))
       error->all(FLERR, "Types {} and {} have different laws or options for identical spheres: give pair_coeff {} {}", i, j,
                  i, j);
     args = a;
     args.second = b.first;
   }
-  const Material second = args.second.value_or(args.first);
-  law(i, j) = args.contact(args.first, second);
-  law(j, i) = args.contact(second, args.first);
-  coefficients[j * n + i] = args;
+  laws.make(i, j);
   return init_shape(i, j);
-}
-
-PairGranHysteretic::PairParameters PairGranHysteretic::pair_parameters(int itype, int jtype, double ri, double rj)
-{
-  const LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
-  const ContactLaw &contact_law = law(itype, jtype);
-  PairParameters p;
-  p.radius_i = ri;
-  p.radius_j = rj;
-  p.radsum = ri + rj;
-  p.touch_sq = TouchingPairs::touch_squared(p.radsum);
-  p.largest_overlap = largest_overlap(ri, rj);
-  p.contact = scaled_law(itype, jtype, ri, rj);
-  p.root_radius = std::sqrt(p.contact.effective_radius());
-  if (has_special) p.largest_overlap = std::min(p.largest_overlap, p.contact.largest_overlap());
-  p.friction = ri > 0.0 && rj > 0.0 ? args.friction : 0.0;
-  p.shear_stiffness = contact_law.tangential_stiffness(1.0);
-  p.tangential_model = args.tangential;
-  p.loss = args.loss;
-  if (args.resistance && ri > 0.0 && rj > 0.0) p.resistance = &args.resistance;
-  return p;
 }
 
 /* Set the parameters of the pairs as far as they are the same in all steps: of all pairs if all spheres are equal, and by types
    if spheres of a type are. */
 void PairGranHysteretic::set_parameters()
 {
-  parameters_by_type.clear();
+  laws.discard_table();
   if (radii_vary) return;
   if (uniform) {
-    batch.parameters[0] = pair_parameters(atom->type[0], atom->type[0], atom->radius[0], atom->radius[0]);
+    batch.parameters[0] = pair_parameters(0, 0);
     for (int m = 0; m < Batch::CAPACITY; m++) batch.set(m, batch.parameters[0]);
     return;
   }
-  const int n = atom_types + 1;
-  std::vector<double> radius(n, -1.0);    // of the spheres of a type
+  std::vector<double> radius(laws.types() + 1, -1.0);    // of the spheres of a type
   for (int i = 0; i < atom->nlocal + atom->nghost; i++) {
     double &of_type = radius[atom->type[i]];
     if (of_type >= 0.0 && of_type != atom->radius[i]) return;
     of_type = atom->radius[i];
   }
-  parameters_by_type.resize(n * n);
-  for (int i = 1; i < n; i++)
-    for (int j = 1; j < n; j++)
-      if (radius[i] >= 0.0 && radius[j] >= 0.0 && radius[i] + radius[j] > 0.0)
-        parameters_by_type[i * n + j] = pair_parameters(i, j, radius[i], radius[j]);
+  laws.fill_table(radius);
 }
 
 /* ---------------------------------------------------------------------- restart */
@@ -331,10 +294,9 @@ void PairGranHysteretic::write_restart(FILE *fp)
 {
   write_restart_settings(fp);
   std::string text;
-  for (int i = 1; i <= atom_types; i++)
-    for (int j = i; j <= atom_types; j++)
-      if (setflag[i][j])
-        text += fmt::format("{} {} {}\n", i, j, utils::join_words(coefficients[i * (atom_types + 1) + j].words, " "));
+  for (int i = 1; i <= laws.types(); i++)
+    for (int j = i; j <= laws.types(); j++)
+      if (setflag[i][j]) text += fmt::format("{} {} {}\n", i, j, utils::join_words(laws.arguments(i, j).words, " "));
   std::vector<double> state(text.size() / sizeof(double) + 1);
   text.resize(state.size() * sizeof(double), ' ');
   std::memcpy(state.data(), text.data(), text.size());

@@ -37,12 +37,12 @@ void PairGranHysteretic::build_contacts()
       const int j = jlist[jj] & NEIGHMASK;
       if (radius[i] == 0.0 && radius[j] == 0.0) continue;    // two faces
       const double far = (radii_vary ? largest_radius[type[i]] + largest_radius[type[j]] : radius[i] + radius[j]) + reach;
-      if (is_special(type[i], type[j])) {
-        const CylinderPair::Separation found = separation(i, j);
+      if (laws.is_special(type[i], type[j])) {
+        const CylinderPair::Separation found = geometry.separation(i, j);
         if (found.distance < far && found.beyond < reach) special.emplace_back(i, j);
         continue;
       }
-      if (distance_squared(i, j) < far * far) (crosses(i, j) ? special : plain).emplace_back(i, j);
+      if (geometry.distance_squared(i, j) < far * far) (geometry.crosses(i, j) ? special : plain).emplace_back(i, j);
     }
   }
   ContactList &c = contacts;
@@ -71,10 +71,11 @@ void PairGranHysteretic::build_contacts()
 /* Stop with an error if two spheres could meet both directly and across a periodic boundary. */
 void PairGranHysteretic::require_room()
 {
+  const Cylinders *const cylinders = laws.cylinders();
   const double reach = 2.0 * *std::max_element(largest_radius.begin(), largest_radius.end()) + gap + neighbor->skin;
   for (int axis = 0; axis < domain->dimension; axis++) {
     double least = 2.0 * reach;
-    for (int type = 1; cylinders && type <= atom_types; type++)    // the longest of the cylinders along this axis
+    for (int type = 1; cylinders && type <= laws.types(); type++)    // the longest of the cylinders along this axis
       least = std::max(least, 2.0 * reach + cylinders->shape(type).length * std::fabs(cylinders->shape(type).axis[axis]));
     if (domain->periodicity[axis] && domain->prd[axis] < least)
       error->all(FLERR,
@@ -101,7 +102,7 @@ void PairGranHysteretic::require_room()
         nearest, 2.0 * reach);
 }
 
-/* Stop with an error if a sphere has grown beyond those that the neighbor lists reckon with. */
+/* Stop with an error if a sphere has grown beyond the radii assumed in the neighbor lists. */
 void PairGranHysteretic::require_largest_radii()
 {
   for (int i = 0; i < atom->nlocal; i++)
@@ -131,7 +132,7 @@ void PairGranHysteretic::check_displacements()
   }
 }
 
-/* Stop with an error if a sphere with contacts has got another ID. */
+/* Stop with an error if the ID of a sphere with contacts has changed. */
 void PairGranHysteretic::require_same_ids()
 {
   const ContactHistory &history = fix_history->history;
@@ -204,7 +205,7 @@ void PairGranHysteretic::begin_initial_dents(bool keeps)
   contacts.each_dent([&](int, int k, int i, int j) {
     const double peak = contacts.peak[k];
     const PairParameters p = pair_parameters(i, j);
-    const double apart = distance(i, j), rounding = TouchingPairs::ROUNDING * p.radsum;
+    const double apart = geometry.distance(i, j), rounding = TouchingPairs::ROUNDING * p.radsum;
     double overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;
     if (has.cohesion && has.cohesion_of(contacts.block(k))->active())
       overlap = std::max(overlap, rounding);    // so that its record is kept
@@ -227,10 +228,10 @@ PairGranHysteretic::set_contacts(const std::map<Ids, KnownContact> &known)
     const auto &[ids, contact] = *given;
     const double peak = contact.peak;
     const double ri = atom->radius[i], rj = atom->radius[j];
-    found[ids] = peak > largest_overlap(ri, rj)   ? DentStatus::TOO_DEEP
-                 : distance(i, j) > ri + rj + gap ? DentStatus::OUT_OF_REACH
-                 : !has.takes(contact)            ? DentStatus::OTHER_LAW
-                                                  : DentStatus::SET;
+    found[ids] = peak > PairLaws::largest_overlap(ri, rj)  ? DentStatus::TOO_DEEP
+                 : geometry.distance(i, j) > ri + rj + gap ? DentStatus::OUT_OF_REACH
+                 : !has.takes(contact)                     ? DentStatus::OTHER_LAW
+                                                           : DentStatus::SET;
     if (found[ids] != DentStatus::SET) return;
     const bool yielded = pair_parameters(i, j).contact.yielded(peak);
     if (contact.whole) return contacts.set(k, contact, yielded);

@@ -5,7 +5,6 @@
 #include "pair_gran_hysteretic.h"
 
 #include "comm.h"
-#include "domain.h"
 #include "error.h"
 #include "motion.h"
 #include "neighbor.h"
@@ -15,7 +14,7 @@ using namespace granwave;
 
 namespace {
 
-constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks are fetched meanwhile
+constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks are prefetched
 
 }    // namespace
 
@@ -23,7 +22,7 @@ constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks ar
 double PairGranHysteretic::approach(const Batch &batch, int m) const
 {
   if (update->whichflag != 1) return 0.0;
-  const Vector velocity = relative_velocity(batch.i[m], batch.j[m]);
+  const PairGeometry::Vector velocity = geometry.relative_velocity(batch.i[m], batch.j[m]);
   double sum = 0.0;
   for (int d = 0; d < 3; d++) sum -= batch.del[d][m] * velocity[d];
   return sum / batch.r[m];
@@ -96,7 +95,8 @@ void PairGranHysteretic::compute_plastic(Batch &batch, std::uint64_t beyond, std
 
 /* ---------------------------------------------------------------------- cohesion */
 
-/* Overwrite force and contact circle of pairs with cohesion, whose surfaces touch, are held by a neck, or have just parted. */
+/* Overwrite force and contact circle of pairs with cohesion, whose surfaces touch, are joined by a neck, or have just
+   separated. */
 void PairGranHysteretic::compute_cohesion(Batch &batch)
 {
   ContactList &c = contacts;
@@ -117,42 +117,18 @@ void PairGranHysteretic::compute_cohesion(Batch &batch)
 
 /* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
 
-/* End the spring of a pair that has parted, and its viscous force. */
+/* End the spring and the viscous force of a pair that has separated. */
 void PairGranHysteretic::release_contact(int k)
 {
   ContactList &c = contacts;
   if (has.loss && has.loss_of(c.block(k))->step > 0.0) {
     const auto row = std::upper_bound(c.begin.begin(), c.begin.end(), k) - c.begin.begin() - 1;
     const int i = c.row[row], j = c.partner[k];
-    Stored<ViscousHistory> history = has.loss_of(c.block(k));
-    if (has.prony && has.prony_of(c.block(k))->surface > 0.0) {
-      const PairParameters p = pair_parameters(i, j);
-      part_prony(p.loss.prony, *history, *has.prony_of(c.block(k)), p.contact, step, now);
-    } else {
-      history->release(atom->radius[i] + atom->radius[j] - distance(i, j));
-    }
+    const PairParameters p = pair_parameters(i, j);
+    part_viscous(p.loss, has, p.contact, c.block(k), p.radsum - geometry.distance(i, j), step, now);
   }
   if (has.friction) has.release_spring(c.spring[k], c.block(k));
   if (has.resistance) has.resistance_of(c.block(k))->release();
-}
-
-void PairGranHysteretic::send(Message content)
-{
-  message = content;
-  comm->forward_comm(this);
-}
-
-int PairGranHysteretic::pack_forward_comm(int n, int *list, double *buf, int pbc_flag, int *pbc)
-{
-  if (message == Message::VELOCITIES) return ghosts.pack(n, list, buf, pbc_flag != 0, pbc);
-  for (int k = 0; k < n; k++) masses.pack(list[k], buf + k * MovedMass::SIZE);
-  return n * MovedMass::SIZE;
-}
-
-void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
-{
-  if (message == Message::VELOCITIES) return ghosts.unpack(n, first, buf);
-  for (int k = 0; k < n; k++) masses.unpack(first + k, buf + k * MovedMass::SIZE);
 }
 
 /* Effective mass of a pair along its normal. The body of a flat face is taken as much heavier than the sphere. */
@@ -161,6 +137,19 @@ double PairGranHysteretic::effective_mass(const Batch &batch, int m) const
   const int i = batch.i[m], j = batch.j[m];
   const double normal[3] = {batch.del[0][m] / batch.r[m], batch.del[1][m] / batch.r[m], batch.del[2][m] / batch.r[m]};
   return masses.effective(atom->radius[i] > 0.0 ? i : MovedMass::BODY, atom->radius[j] > 0.0 ? j : MovedMass::BODY, normal);
+}
+
+/* Slope of the force of the law over the overlap, of a touching pair without cohesion. */
+double PairGranHysteretic::tangent_stiffness(const Batch &batch, int m)
+{
+  ContactList &c = contacts;
+  const ScaledLaw &contact = batch.pair[m]->contact;
+  const int k = batch.k[m];
+  const double overlap = batch.overlap[m];
+  if (!contact.yielded(c.peak[k]))
+    return contact.is_hertzian() ? 1.5 * batch.force[m] / overlap : contact.elastic_stiffness(overlap);
+  if (overlap >= c.peak[k]) return contact.tangent_stiffness(overlap, c.law_history(k));
+  return contact.tangent_stiffness(overlap, c.turnings[c.cached_turning(k, contact)]);
 }
 
 /* Add the viscous forces of touching pairs to the normal forces; there are none in a minimization. */
@@ -172,38 +161,24 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
     batch.damping[m] = -1.0;
     if (!p.loss) continue;
     const int k = batch.k[m];
-    Stored<ViscousHistory> history = has.loss_of(c.block(k));
-    const double overlap = batch.overlap[m], force = batch.force[m];
-    const bool sticks = p.contact.cohesive();
     if (update->whichflag != 1) {
-      history->forget_state();
-      if (has.prony) *has.prony_of(c.block(k)) = {};
-      if (has.damping) has.damping_of(c.block(k)).release();
+      has.forget_viscous(c.block(k));
       continue;
     }
-    if (p.loss.relaxes()) {
-      batch.force[m] += advance_prony(p.loss.prony, *history, *has.prony_of(c.block(k)), p.contact, overlap,
-                                      TouchingPairs::ROUNDING * p.radsum, force, step, now);
-      continue;
-    }
-    if (sticks && !(batch.pressing[m] > 0.0)) {
-      history->release(overlap);
-      continue;
-    }
-    const double pressing = sticks ? force + p.contact.pull_off() : force;
-    batch.force[m] =
-        force + advance_loss(*history, overlap, TouchingPairs::ROUNDING * p.radsum, pressing, approach(batch, m), step, [&] {
-          double stiffness = p.contact.is_hertzian() ? 1.5 * force / overlap : p.contact.elastic_stiffness(overlap);
-          if (sticks) stiffness = 2.0 * p.contact.law().modulus() * batch.circle[m];
-          if (p.contact.yielded(c.peak[k]))
-            stiffness = overlap >= c.peak[k]
-                            ? p.contact.tangent_stiffness(overlap, c.law_history(k))
-                            : p.contact.tangent_stiffness(overlap, c.turnings[c.cached_turning(k, p.contact)]);
-          const double mass = p.loss.kind == LossKind::DASHPOT ? effective_mass(batch, m) : 0.0;
-          const double coefficient = p.loss.coefficient(stiffness, mass);
-          batch.damping[m] = p.loss.tangential * coefficient;
-          return coefficient;
-        });
+    const PresentContact contact{p.contact,
+                                 c.block(k),
+                                 c.peak[k],
+                                 batch.overlap[m],
+                                 TouchingPairs::ROUNDING * p.radsum,
+                                 approach(batch, m),
+                                 batch.force[m],
+                                 batch.pressing_force(m),
+                                 batch.circle[m]};
+    const ViscousForce viscous = advance_viscous(
+        p.loss, has, contact, step, now, [&] { return tangent_stiffness(batch, m); },
+        [&](double) { return effective_mass(batch, m); });
+    batch.force[m] += viscous.normal;
+    batch.damping[m] = viscous.damping;
   }
 }
 
@@ -227,34 +202,12 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
   batch.read(components(atom->v), components(atom->omega), c.spring.data());
-  if (flows) set_relative_velocities(batch);
-  if (step.advances) {
-    batch.advance_forces_and_torques(step.dt);
-    if (has.slip || has.damping) advance_friction(batch);
-    batch.write(c.spring.data());
-  } else {
-    batch.compute_forces_and_torques();
-  }
+  if (geometry.flows()) set_relative_velocities(batch);
+  if (step.advances) batch.advance_forces_and_torques(step.dt);
+  else batch.compute_forces_and_torques();
+  if (has.slip || has.damping) advance_friction(batch);
+  if (step.advances) batch.write(c.spring.data());
   if (has.damping) add_damping(batch);
-}
-
-/* A pair with friction as partial slip and damping need it. */
-SlipContact PairGranHysteretic::slip_contact(const Batch &batch, int m) const
-{
-  SlipContact contact{{},
-                      {},
-                      batch.circle[m],
-                      batch.shear_stiffness[m] * batch.circle[m],
-                      batch.limit[m],
-                      batch.pair[m]->contact.effective_radius()};
-  double velocity[3], spin[3];
-  for (int d = 0; d < 3; d++) {
-    contact.normal[d] = batch.normal[d][m];
-    velocity[d] = batch.velocity[d][m];
-    spin[d] = batch.spin[d][m];
-  }
-  slip_of_step(velocity, spin, contact.normal, step.dt, contact.slip);
-  return contact;
 }
 
 /* Replace the tangential forces of the pairs with partial slip by those of their rows of springs, and of the pairs with damping along
@@ -265,12 +218,19 @@ void PairGranHysteretic::advance_friction(Batch &batch)
   for (int m = 0; m < batch.size; m++) {
     const PairParameters &p = *batch.pair[m];
     const bool damps = p.loss.tangential > 0.0;
-    if (!(damps || p.tangential_model == TangentialModel::PARTIAL_SLIP) || !(batch.limit[m] > 0.0)) continue;
+    const bool slips = step.advances && p.tangential_model == TangentialModel::PARTIAL_SLIP;
+    if (!(damps || slips) || !(batch.limit[m] > 0.0)) continue;
     any = true;
+    double normal[3], velocity[3], spin[3];
+    for (int d = 0; d < 3; d++) {
+      normal[d] = batch.normal[d][m];
+      velocity[d] = batch.velocity[d][m];
+      spin[d] = batch.spin[d][m];
+    }
+    const SlipContact contact = slip_contact(p.contact, batch.circle[m], batch.limit[m], normal, velocity, spin, step.dt);
     const int k = batch.k[m];
     TangentialSpring spring = contacts.spring[k];
-    has.advance_friction(spring, contacts.block(k), slip_contact(batch, m), p.tangential_model,
-                         damps ? &batch.damping[m] : nullptr, step.dt);
+    step_friction(has, spring, contacts.block(k), contact, p.tangential_model, damps ? &batch.damping[m] : nullptr, step);
     for (int d = 0; d < 3; d++) batch.tangential[d][m] = spring.force[d];
     batch.compliance[m] = spring.compliance;
     batch.loss[m] = spring.loss;
@@ -278,19 +238,14 @@ void PairGranHysteretic::advance_friction(Batch &batch)
   if (any) batch.compute_forces_and_torques();
 }
 
-/* Add the damping along the surface to the tangential forces. Where a run begins it is that of the present velocities. */
+/* Add the damping along the surface to the tangential forces. */
 void PairGranHysteretic::add_damping(Batch &batch)
 {
   bool any = false;
   for (int m = 0; m < batch.size; m++) {
     if (!(batch.pair[m]->loss.tangential > 0.0 && batch.limit[m] > 0.0)) continue;
     any = true;
-    DampingHistory history = has.damping_of(contacts.block(batch.k[m]));
-    if (!step.advances && batch.damping[m] >= 0.0) {
-      const SlipContact contact = slip_contact(batch, m);
-      history.start(contact.normal, contact.slip, contacts.spring[batch.k[m]].force, batch.damping[m], contact.limit,
-                    step.dt);
-    }
+    const DampingHistory history = has.damping_of(contacts.block(batch.k[m]));
     for (int d = 0; d < 3; d++) batch.tangential[d][m] += history.force()[d];
   }
   if (any) batch.compute_forces_and_torques();
@@ -304,20 +259,13 @@ void PairGranHysteretic::compute_resistance(const Batch &batch, const double *ci
     std::fill_n(moment[m], 3, 0.0);
     const PairParameters &p = *batch.pair[m];
     if (!p.resistance) continue;
-    Stored<ResistanceHistory> history = has.resistance_of(contacts.block(batch.k[m]));
-    const double pressing = p.contact.cohesive() ? batch.pressing[m] : batch.force[m];
-    if (!(pressing > 0.0)) {
-      history->release();
-      continue;
-    }
-    RollingContact contact{{},        {}, p.contact.effective_radius(), pressing, circle[m], p.shear_stiffness * circle[m],
-                           p.friction};
+    RollingContact contact{
+        {}, {}, p.contact.effective_radius(), batch.pressing_force(m), circle[m], p.shear_stiffness * circle[m], p.friction};
     for (int d = 0; d < 3; d++) {
       contact.normal[d] = batch.normal[d][m];
       contact.spin[d] = omega[batch.i[m]][d] - omega[batch.j[m]][d];
     }
-    if (step.advances) history->advance(*p.resistance, contact, step.dt);
-    history->torque(contact.normal, contact.arm, moment[m]);
+    step_resistance(*p.resistance, *has.resistance_of(contacts.block(batch.k[m])), contact, step, moment[m]);
   }
 }
 
@@ -362,10 +310,10 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
   if (!uniform)
     for (int m = 0; m < batch.size; m++) {
       const int i = batch.i[m], j = batch.j[m], itype = atom->type[i], jtype = atom->type[j];
-      if (!parameters_by_type.empty()) {
-        batch.set(m, parameters_by_type[itype * (atom_types + 1) + jtype]);
+      if (laws.has_table()) {
+        batch.set(m, laws.from_table(itype, jtype));
       } else {
-        batch.parameters[m] = pair_parameters(itype, jtype, atom->radius[i], atom->radius[j]);
+        batch.parameters[m] = laws.parameters(itype, jtype, atom->radius[i], atom->radius[j]);
         batch.set(m, batch.parameters[m]);
       }
     }
@@ -399,7 +347,7 @@ void PairGranHysteretic::forget_far_pairs(int r)
     if (contacts.peak[k] == 0.0) continue;
     const int j = contacts.partner[k];
     const double reach = atom->radius[i] + atom->radius[j] + gap;
-    if (distance_squared(i, j) > reach * reach) forget(r, k);
+    if (geometry.distance_squared(i, j) > reach * reach) forget(r, k);
   }
 }
 
@@ -441,7 +389,7 @@ void PairGranHysteretic::compute_forces(Tally what)
   compute_special(what);
 }
 
-/* In a minimization, begin with the histories at its start: of the positions it tries only the last ones leave dents. */
+/* In a minimization, begin with its initial histories: only the final positions leave dents. */
 void PairGranHysteretic::begin_evaluation()
 {
   if (update->whichflag != 2) contacts.start.kept = false;
@@ -460,7 +408,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
         "more than a dent grows");
   if (neighbor->ago == 0) renew_ghosts();
   if (!contacts.valid) build_contacts();
-  flows = domain->deform_vremap != 0;
+  geometry.begin_evaluation();
   if (sends_velocities) {
     if (neighbor->ago == 0) ghosts.renew();
     send(Message::VELOCITIES);
@@ -487,7 +435,7 @@ void PairGranHysteretic::overlap_error(int i, int j, double overlap)
   for (const int sphere : {i, j}) require_finite_motion(lmp, sphere);
   const bool face = atom->radius[i] == 0.0 || atom->radius[j] == 0.0;
   const double speed = std::max(speed_of(lmp, i), speed_of(lmp, j));
-  const double radius = largest_overlap(atom->radius[i], atom->radius[j]);
+  const double radius = PairLaws::largest_overlap(atom->radius[i], atom->radius[j]);
   error->one(FLERR, "Spheres {} and {} overlap by {:.3g}, more than {}: {}", atom->tag[i], atom->tag[j], overlap,
              face ? "half the radius of the sphere that touches a flat face" : "the radius of the smaller sphere",
              causes_of_overlap(lmp, speed, radius, "their initial positions overlap"));

@@ -10,40 +10,6 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-/* Largest force of this run: at the peak, where it is `at_peak` without cohesion, or below the initial dent. */
-double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const LawHistory &h, const BlockView &view,
-                                                double overlap, double at_peak) const
-{
-  const double viscous = has.loss_of(h.extra).peak_force, reached = has.dents ? std::max(view.reached, overlap) : h.peak;
-  if (viscous > 0.0) return viscous - (contact.cohesive() ? contact.pull_off() : 0.0);
-  if (contact.cohesive()) return std::max(contact.cohesive_state(reached, h).force, 0.0);
-  if (!has.dents) return at_peak;
-  if (!contact.yielded(h.peak)) return reached > 0.0 ? contact.elastic_force(reached) : 0.0;
-  return reached >= h.peak ? contact.loading_beyond_yield(reached, h.extra) : contact.unloading(reached, contact.turning(h));
-}
-
-/* Time at which the force of a contact first passed a part of its largest one of this run, without viscous forces and the pull
-   of cohesion; -1 = never. */
-double PairGranHysteretic::arrival(const ScaledLaw &contact, const Dent &dent, const BlockView &view) const
-{
-  const double largest = has.dents ? view.reached : dent.peak;
-  if (!(largest > 0.0)) return -1.0;
-  const double there = contact.overlap_at_part(largest, ARRIVED, view.extra, {view.initial, view.initial_extra});
-  return dent.front.passed(largest, there / largest);
-}
-
-namespace {
-
-/* Return 1 if the peak of a contact is beyond half of the range of its law, 2 if beyond all of it, else 0. */
-int beyond_range(const ScaledLaw &contact, double peak)
-{
-  if (!contact.is_hertzian()) return peak > contact.valid_overlap() ? 2 : peak > 0.5 * contact.valid_overlap() ? 1 : 0;
-  if (!contact.yielded(peak) || !contact.law().entry().fitted) return 0;
-  return peak > 0.2 * contact.effective_radius() ? 2 : peak > 0.1 * contact.effective_radius() ? 1 : 0;
-}
-
-}    // namespace
-
 /* Sum the totals; a pair shared with another processor counts half. */
 double PairGranHysteretic::tally_totals()
 {
@@ -67,7 +33,7 @@ double PairGranHysteretic::tally_totals()
       pvector[TWISTED] += weight * resisted.twisting.loss;
     }
     if (contact.cohesive()) pvector[ADHESIVE] += weight * has.cohesion_of(h.extra).lost;
-    largest_force = std::max(largest_force, largest_force_of_run(contact, h, view, overlap, peak_force));
+    largest_force = std::max(largest_force, largest_force_of_run(has, contact, h, view, overlap, peak_force));
     const int beyond = beyond_range(contact, h.peak);
     if (beyond > 0) pvector[BEYOND_HALF] += weight;
     if (beyond > 1) pvector[BEYOND_LAW] += weight;
@@ -82,7 +48,7 @@ double PairGranHysteretic::tally_totals()
     const double peak = c.peak[k];
     const double weight = i < nlocal && j < nlocal ? 1.0 : 0.5;
     if (!uniform) p = pair_parameters(i, j);
-    const double overlap = p.radsum - distance(i, j);
+    const double overlap = p.radsum - geometry.distance(i, j);
     const LawHistory h = c.law_history(k);
     double dissipated = 0.0, peak_force = 0.0;
     if (p.contact.yielded(peak)) {
@@ -134,58 +100,6 @@ double PairGranHysteretic::tally_totals()
   return elastic;
 }
 
-/* Compute forces and energies of a contact with this overlap, from the dent of its report. */
-void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, const BlockView &view, double overlap) const
-{
-  report.share_i = contact.law().share_of_first();
-  report.effective_radius = contact.effective_radius();
-  const double *const damping = has.damping_of(view.extra);
-  for (int d = 0; d < 3; d++)
-    report.tangential[d] = view.spring.force[d] + view.side * (damping ? damping[DampingHistory::FORCE + d] : 0.0);
-  report.tangential_force = std::sqrt(dot(report.tangential, report.tangential));
-  report.tangential_elastic = has.tangential_energy(view.spring, view.extra);
-  report.frictional_loss = view.spring.loss;
-  report.initial = view.initial;
-  const ViscousHistory viscous = has.loss_of(view.extra);
-  report.viscous_loss = has.viscous_loss(view.extra);
-  if (has.resistance) {
-    const ResistanceHistory resisted = has.resistance_of(view.extra);
-    report.rolling_loss = resisted.rolling.loss;
-    report.twisting_loss = resisted.twisting.loss;
-    report.tangential_elastic += resisted.stored();
-    report.frictional_loss += resisted.loss();
-  }
-  // a pair that was moved since the last step may be beyond its peak
-  const LawHistory h{std::max(report.dent.peak, overlap), view.extra};
-  if (contact.yielded(h.peak)) {
-    const Turning turning = contact.turning(h);
-    report.yielded = h.peak > view.initial;
-    report.peak_force = contact.peak_force(turning);
-    if (overlap > 0.0) report.force = overlap >= h.peak ? report.peak_force : contact.unloading(overlap, turning);
-    if (overlap > 0.0) report.elastic = contact.elastic_energy(overlap, turning);
-    if (report.yielded)
-      report.dissipated =
-          contact.dissipated_energy(turning, h.extra) - contact.dissipated_energy({view.initial, view.initial_extra});
-  } else {
-    report.force = contact.elastic_force(overlap);
-    report.peak_force = contact.elastic_force(h.peak);
-    report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.elastic_energy(overlap);
-    if (overlap > 0.0) report.elastic = has.elastic_energy(report.elastic, view.extra);
-  }
-  report.peak_force = largest_force_of_run(contact, h, view, overlap, report.peak_force);
-  report.time_first = report.peak_force > 0.0 ? arrival(contact, report.dent, view) : -1.0;
-  report.touches = report.force > 0.0;
-  if (contact.cohesive()) {
-    const CohesionHistory history = has.cohesion_of(view.extra);
-    report.touches = history.joined > 0.0;
-    const CohesiveState state = report.touches ? contact.cohesive_state(overlap, h) : CohesiveState();
-    report.force = state.force;
-    report.elastic = state.energy;
-    report.adhesive_loss = history.lost;
-  }
-  if (overlap > 0.0 || report.touches) report.force += viscous.force;
-}
-
 /* Report on spheres i and j, whose pair k (-1: not in the list) is in the row of i (side 1) or of j (-1). */
 PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, double side, double rsq)
 {
@@ -196,7 +110,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
   report.tag_i = atom->tag[i];
   report.tag_j = atom->tag[j];
   report.live = true;
-  report.overlap = p.radsum - distance(i, j, rsq);
+  report.overlap = p.radsum - geometry.distance(i, j, rsq);
   std::vector<double> fresh;    // zero history of a pair that is not in the list
   BlockView view;
   if (k >= 0) {
@@ -209,20 +123,8 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
     view.extra = view.initial_extra = fresh.data();
   }
   const bool near = p.contact.cohesive() || report.overlap > TouchingPairs::ROUNDING * p.radsum;
-  fill_report(report, p.contact, view, near ? report.overlap : 0.0);
+  fill_report(report, has, p.contact, view, near ? report.overlap : 0.0);
   return report;
-}
-
-/* Unit vector along which the surface of sphere j presses sphere i. */
-void PairGranHysteretic::unit_normal(int i, int j, double (&normal)[3]) const
-{
-  if (is_special(atom->type[i], atom->type[j])) {
-    std::copy_n(separation(i, j).normal, 3, normal);
-    return;
-  }
-  const Vector del = vector_between(i, j);
-  const double apart = std::sqrt(distance_squared(i, j));
-  for (int d = 0; d < 3; d++) normal[d] = del[d] / apart;
 }
 
 /* Report on pair k of row r. The first sphere is that of the row unless that is a ghost. */
@@ -231,9 +133,9 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(std::size_t r, int k)
   int i = contacts.row[r], j = contacts.partner[k];
   const bool ghost = i >= atom->nlocal;
   if (ghost) std::swap(i, j);
-  Report report = report_pair(i, j, k, ghost ? -1.0 : 1.0, distance_squared(i, j));
+  Report report = report_pair(i, j, k, ghost ? -1.0 : 1.0, geometry.distance_squared(i, j));
   double normal[3];
-  unit_normal(i, j, normal);
+  geometry.unit_normal(i, j, normal);
   for (int d = 0; d < 3; d++) report.on_first[d] = report.force * normal[d] + report.tangential[d];
   return report;
 }
@@ -259,7 +161,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_forgotten(int i, const Con
   report.tag_j = static_cast<tagint>(record.partner);
   report.dent = record.dent;
   report.overlap = -gap;
-  fill_report(report, law_of(i, record), BlockView(fix_history->history.layout(), block), 0.0);
+  fill_report(report, has, law_of(i, record), BlockView(fix_history->history.layout(), block), 0.0);
   return report;
 }
 
@@ -304,7 +206,7 @@ void PairGranHysteretic::write_lammps_columns(const Report &report)
   std::copy_n(report.tangential, 3, svector + TANGENTIAL_FORCE);
   svector[TANGENTIAL_MAGNITUDE] = report.tangential_force;
   double normal[3];
-  unit_normal(report.i, report.j, normal);
+  geometry.unit_normal(report.i, report.j, normal);
   const double *const vi = atom->v[report.i];
   const double *const vj = atom->v[report.j];
   const double velocity[3] = {vi[0] - vj[0], vi[1] - vj[1], vi[2] - vj[2]};
@@ -318,7 +220,7 @@ void PairGranHysteretic::write_lammps_columns(const Report &report)
 double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, double, double &fforce)
 {
   require_contacts();
-  const double square = distance_squared(i, j);    // with the rounding of the run across a periodic boundary
+  const double square = geometry.distance_squared(i, j);    // with the rounding of the run across a periodic boundary
   if (std::fabs(rsq - square) > 1e-9 * rsq)
     error->one(FLERR, "Pair style gran/hysteretic has forces of present contacts only: pair_write is not supported");
   const auto [lower, higher] = std::minmax(atom->tag[i], atom->tag[j]);

@@ -14,19 +14,16 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-constexpr double VALID = 0.2;    // largest overlap of a line contact over its effective radius: 0.1 R of equal cylinders
-
 namespace {
 
 constexpr const char *INITIAL_PLACES = "initial";    // custom array, d2_initial in commands
 
 }
 
-/* Find the places at which normals are taken, if they are the initial ones. */
-void PairGranHysteretic::find_initial_places()
+/* Index of the custom array with the places at which normals are taken, if they are the initial ones; else -1. */
+int PairGranHysteretic::find_initial_places()
 {
-  initial_places = -1;
-  if (!normals_initial) return;
+  if (!normals_initial) return -1;
   int is_double = 0, columns = 0;
   const int index = atom->find_custom(INITIAL_PLACES, is_double, columns);
   bool on_ghosts = false;
@@ -41,23 +38,24 @@ void PairGranHysteretic::find_initial_places()
     error->all(FLERR, "Pair style gran/hysteretic with initial normals requires boundaries that are not periodic");
   if (has.friction || has.cohesion)
     error->all(FLERR, "Pair style gran/hysteretic with initial normals does not support friction and cohesion");
-  if (cylinders) error->all(FLERR, "Pair style gran/hysteretic with initial normals requires spheres, found cylinders");
-  initial_places = index;
+  if (laws.cylinders())
+    error->all(FLERR, "Pair style gran/hysteretic with initial normals requires spheres, found cylinders");
+  return index;
 }
 
 /* Set whether pairs of these types are special, and how they touch. Returns their cutoff. */
 double PairGranHysteretic::init_shape(int i, int j)
 {
-  const int n = atom_types + 1;
   const double radsum = largest_radius[i] + largest_radius[j];
-  const bool shaped = cylinders && !(cylinders->shape(i).is_sphere() && cylinders->shape(j).is_sphere());
-  const bool sticks = bool(law(i, j).cohesion());
-  if (!shaped && !law(i, j).elastic() && !sticks && !normals_initial) return radsum + gap;
+  const bool shaped = laws.shaped(i, j);
+  const bool sticks = bool(laws.law(i, j).cohesion());
+  if (!shaped && !laws.law(i, j).elastic() && !sticks && !normals_initial) return radsum + gap;
   if (sticks && shaped)
     error->all(FLERR, "Pair style gran/hysteretic: types {} and {} have cohesion, which requires spheres, found cylinders",
                i, j);
   if (sticks && radsum > 0.0) {
-    const double neck = ScaledLaw(law(i, j), effective_radius(largest_radius[i], largest_radius[j])).neck_length();
+    const double neck =
+        ScaledLaw(laws.law(i, j), PairLaws::effective_radius(largest_radius[i], largest_radius[j])).neck_length();
     if (!(neck < gap))
       error->all(
           FLERR,
@@ -65,77 +63,15 @@ double PairGranHysteretic::init_shape(int i, int j)
           "gap of the pair style above it, found {:.3g}",
           i, j, neck, gap);
   }
-  has_special = true;
-  special_types[i * n + j] = special_types[j * n + i] = 1;
+  laws.make_special(i, j);
   if (!shaped) return radsum + gap;
-  for (const auto &[a, b] : {std::pair<int, int>{i, j}, {j, i}})
-    geometries[a * n + b] = std::make_unique<CylinderPair>(cylinders->shape(a), cylinders->shape(b));
-  const CylinderPair &geometry = *geometries[i * n + j];
-  if (geometry.nearly_parallel())
+  const CylinderPair &shapes = *laws.geometry(i, j);
+  if (shapes.nearly_parallel())
     error->all(FLERR,
                "Pair style gran/hysteretic: cylinders of types {} and {} are nearly parallel; expected parallel axes, or "
                "axes that cross at 1 degree or more",
                i, j);
-  return geometry.center_distance(radsum + gap);
-}
-
-/* Law of a special pair, in physical units. */
-ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, double rj)
-{
-  const ContactLaw &of_types = law(itype, jtype);
-  const CylinderPair *const geometry = geometries[itype * (atom_types + 1) + jtype].get();
-  if (!geometry) return ScaledLaw(of_types, effective_radius(ri, rj), ri, rj);
-  SpecialPair &pair = special_pairs[{itype, jtype, ri, rj}];
-  if (pair.contact.effective_radius() > 0.0) return pair.contact;
-  if (ri == 0.0 || rj == 0.0)
-    error->one(FLERR, "Pair style gran/hysteretic: a flat face touches a cylinder; flat faces can touch spheres only");
-  const double radius = geometry->effective_radius(ri, rj);
-  pair.contact = ScaledLaw(of_types, radius);
-  if (geometry->parallel()) {
-    const LawArguments &args = coefficients[itype * (atom_types + 1) + jtype];
-    const Material second = args.second.value_or(args.first);
-    const bool swapped = itype > jtype;
-    const double length = geometry->length();
-    const LineContact line =
-        cylinders->plane_strain ? LineContact::plane_strain(args.first, second, swapped ? rj : ri, swapped ? ri : rj, length)
-                                : LineContact(args.first, second, 2.0 * effective_radius(ri, rj), length);
-    pair.line = std::make_unique<ElasticContact>(line, VALID * radius);
-    pair.contact = ScaledLaw(of_types, radius, *pair.line);
-  }
-  return pair.contact;
-}
-
-/* Separation of the bodies of a special pair. */
-CylinderPair::Separation PairGranHysteretic::separation(int i, int j) const
-{
-  const Vector del = vector_between(i, j);
-  if (const auto *const geometry = geometries[atom->type[i] * (atom_types + 1) + atom->type[j]].get())
-    return geometry->separation(del.data());
-  if (initial_places >= 0) {
-    const double *const *const start = atom->darray[initial_places];
-    double normal[3];
-    for (int d = 0; d < 3; d++) normal[d] = start[i][d] - start[j][d];
-    const double apart = std::sqrt(dot(normal, normal));
-    for (double &component : normal) component /= apart;
-    const double along = del[0] * normal[0] + del[1] * normal[1] + del[2] * normal[2];
-    return {along, {normal[0], normal[1], normal[2]}, -1.0};
-  }
-  const double r = std::sqrt(del[0] * del[0] + del[1] * del[1] + del[2] * del[2]);
-  return {r, {del[0] / r, del[1] / r, del[2] / r}, -1.0};
-}
-
-double PairGranHysteretic::distance_squared(int i, int j) const
-{
-  const Vector del = vector_between(i, j);
-  return del[0] * del[0] + del[1] * del[1] + del[2] * del[2];
-}
-
-/* Distance that the overlap is counted from, from the squared one of the centers. Beyond the end of a cylinder it is that. */
-double PairGranHysteretic::distance(int i, int j, double rsq) const
-{
-  if (!is_special(atom->type[i], atom->type[j])) return std::sqrt(rsq);
-  const CylinderPair::Separation found = separation(i, j);
-  return found.beyond > 0.0 ? std::max(std::sqrt(rsq), atom->radius[i] + atom->radius[j]) : found.distance;
+  return shapes.center_distance(radsum + gap);
 }
 
 /* Overwrite the forces of contacts that are elastic with another law than Hertz's. */
@@ -184,13 +120,14 @@ void PairGranHysteretic::compute_special(Tally what)
   if (batch.size > 0) compute_batch(what, true);
 }
 
-/* Put special pair k of row r into the batch, or end what ends when it does not touch. Returns true if it is in the batch. */
+/* Put special pair k of row r into the batch, or end its spring and forces if it does not touch. Returns true if it is in
+   the batch. */
 bool PairGranHysteretic::add_special(int r, int k)
 {
   ContactList &c = contacts;
   const int i = c.row[r], j = c.partner[k];
   const double radsum = atom->radius[i] + atom->radius[j];
-  const CylinderPair::Separation found = separation(i, j);
+  const CylinderPair::Separation found = geometry.separation(i, j);
   const bool touches = !(found.distance * found.distance >= TouchingPairs::touch_squared(radsum));    // also true for NaN
   const bool sticks = has.cohesion && has.cohesion_of(c.block(k))->active();
   if (sticks || (touches && found.beyond <= 0.0)) {

@@ -31,7 +31,7 @@ class PairRows {
   int owned = 0;                  // number of owned spheres when the list was built
   std::vector<int> row, begin;    // sphere of each row, local or ghost; index of its first pair (one element longer)
   std::vector<int> partner;       // local or ghost index
-  std::vector<Sphere> spheres;    // by local or ghost index, also after LAMMPS has put the atoms into another order
+  std::vector<Sphere> spheres;    // by local or ghost index, also after LAMMPS has reordered the atoms
 
   int rows() const { return static_cast<int>(row.size()); }
   int size() const { return static_cast<int>(partner.size()); }
@@ -105,12 +105,12 @@ class CommonPairs {
   }
 
  private:
-  static constexpr int SPARE = 16;    // part of a list by which it may grow without being copied
+  static constexpr int SPARE = 16;    // inverse fraction by which a list may grow without being copied
   struct Run {
     int from, to, n;
   };
   int n_before_, n_after_;
-  std::vector<Run> runs_;    // in rising order in both lists
+  std::vector<Run> runs_;    // in ascending order in both lists
   std::vector<std::pair<int, int>> scattered_;
 
   void match(const PairRows &before, int first_before, int last_before, const PairRows &after, int first, int last);

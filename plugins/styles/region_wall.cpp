@@ -16,9 +16,9 @@ using namespace LAMMPS_NS;
 
 namespace {
 
-constexpr double ANYWHERE = 1e20;    // distance up to which a region looks for its surface
-constexpr double ASIDE = 0.05;       // of the width of a region, off its middle
-constexpr double OUTSIDE = 1e6;      // of the size of the box
+constexpr double ANYWHERE = 1e20;    // distance within which a region searches for its surface
+constexpr double ASIDE = 0.05;       // offset from the middle of a region, over its width
+constexpr double OUTSIDE = 1e6;      // distance of a point far outside, over the size of the box
 constexpr const char *WHOLE = "all";
 
 /* Faces of the inside of a region, in the order of their numbers in LAMMPS. */
@@ -96,7 +96,8 @@ void RegionWall::measure_curvature()
     point[d] = region_->interior ? 0.5 * (low[d] + high[d]) + ASIDE * width : far;
   }
   look(point);
-  // far from all axes the normal of an endless cylinder is across its own; at one with ends the rim is nearest
+  // far from all axes the normal of an infinite cylinder is perpendicular to its own; for a finite cylinder the rim is
+  // nearest
   const double *const normal = nearest_.normal;
   const bool is_rim = !is_sphere && !region_->interior && normal[0] * normal[1] * normal[2] != 0.0;
   if (!nearest_.found || nearest_.radius == 0.0 || is_rim)

@@ -20,10 +20,10 @@ namespace granwave {
 
 class RegionWall : public CurvedWall {
  public:
-  /* Raises std::invalid_argument if there is no such region, or it has no such face. */
+  /* Raises std::invalid_argument if there is no such region or face. */
   RegionWall(LAMMPS_NS::LAMMPS *, const std::string &id, const std::string &face);
 
-  /* Find the region again, which may have been defined anew, and its curvature. */
+  /* Find the region, which may have been redefined, and its curvature. */
   void init(double skin) override;
 
   bool is_in_space() const override { return true; }
@@ -44,16 +44,16 @@ class RegionWall : public CurvedWall {
   LAMMPS_NS::LAMMPS *lmp_;
   std::string id_, face_, name_;
   LAMMPS_NS::Region *region_ = nullptr;
-  int number_ = 0;            // of the face in the region
+  int number_ = 0;            // number of the face in the region
   double curvature_ = 0.0;    // negative where the wall is around the spheres
 
-  struct Nearest {    // point of the face to the place looked at last
+  struct Nearest {    // point of the face that is nearest to the last position
     double at[3], distance, radius, normal[3];
     bool found;
   };
   Nearest nearest_{};
   bool looked_ = false;
-  std::unordered_map<double, double> effective_;    // by radius of the spheres
+  std::unordered_map<double, double> effective_;    // cached by radius of the spheres
 };
 
 }    // namespace granwave

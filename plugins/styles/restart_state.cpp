@@ -22,8 +22,8 @@ constexpr int HEAD = 3;      // format, number of values, checksum
 
 // Mark of the format of states with atoms; no byte of it can be changed so that it becomes the whole number of earlier ones.
 constexpr double ATOM_STATE = 0.8660254037844386;
-constexpr int UNCHECKED = 3;                // numbers before those that the checksum is of
-constexpr double ROUNDING_OF_BOX = 1e-9;    // of positions, relative to the length of the box
+constexpr int UNCHECKED = 3;                // numbers before those covered by the checksum
+constexpr double ROUNDING_OF_BOX = 1e-9;    // tolerance of positions, relative to the length of the box
 
 /* Checksum of numbers, itself a whole number. */
 double checksum(const double *values, std::size_t n)
@@ -38,7 +38,7 @@ double checksum(const double *values, std::size_t n)
   return static_cast<double>(sum >> 12);    // all of its bits fit into a double
 }
 
-/* True if atom i is in this place, up to rounding. */
+/* True if atom i is at this position, up to rounding. */
 bool is_at(const LAMMPS *lmp, int i, const double *place)
 {
   for (int d = 0; d < 3; d++)
@@ -111,7 +111,7 @@ granwave::AtomState granwave::atom_state(LAMMPS *lmp, const Fix &fix, int i, int
 {
   const double *stored = lmp->atom->extra[i];
   int left = lmp->atom->nextra_store, size = 0;
-  for (; nth >= 0; nth--) {    // past the states of other fixes
+  for (; nth >= 0; nth--) {    // skip the states of other fixes
     left -= size;
     stored += size;
     const bool is_size = left > 1 && stored[0] >= 2 && stored[0] <= left && stored[0] == std::floor(stored[0]);

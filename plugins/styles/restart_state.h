@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* States of pair style and fixes in restart files, with checksums: a file that was damaged ends in an error, not in other contacts. */
+/* States of pair style and fixes in restart files, with checksums: a damaged file gives an error, not wrong contacts. */
 
 #ifndef GRANWAVE_RESTART_STATE_H
 #define GRANWAVE_RESTART_STATE_H

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* What spheres remember of a pair of walls: their dents, springs of friction, and doubles of the law and of further histories
+/* History of spheres at a pair of walls: their dents, springs of friction, and doubles of the law and of further histories
    (contact_memory.h). Messages and restart files hold them by sphere, in this order. */
 
 #ifndef GRANWAVE_WALL_HISTORY_H
@@ -49,7 +49,7 @@ class WallHistory {
   double *block(int i, int which) { return doubles(i) + which * n_block_; }
   double *initial(int i, int which) { return doubles(i) + WALLS * n_block_ + which * n_initial_; }
 
-  /* Take for sphere j what these walls or a copy of them have of sphere i. */
+  /* Copy the history of sphere i, from these walls or a copy of them, to sphere j. */
   void take(const WallHistory &from, int i, int j)
   {
     std::copy_n(from.sides_.begin() + from.at(i, 0), static_cast<int>(WALLS), sides_.begin() + at(j, 0));

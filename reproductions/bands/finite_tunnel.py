@@ -5,8 +5,8 @@ to 31, between two rigid walls that approach by a times the diameter. A harmonic
 on the first sphere for 5 ms. Peak velocities of sphere 75 are normalised by the static overlap of
 the row times sqrt(K/m), frequencies by sqrt(K/m). The level is the median velocity at 0.5 to 0.85,
 where every row passes waves. The linear row has the springs of the static state, and its motion is
-a sum of its modes: a twin without LAMMPS. In 5 ms slow waves near the edge of a band do not arrive,
-and above the edge the sudden start leaves a tail.
+a sum of its modes: a check without LAMMPS. In 5 ms slow waves near the edge of a band do not
+arrive, and above the edge the sudden start leaves a tail.
 """
 
 import math
@@ -20,24 +20,24 @@ import granwave as gw
 WHERE = "thesis Fig. 7.7b"
 APPROACHES = (-1.8e-5, 0.0, 3e-5)
 SPHERES = 300
-SPHERE = 75  # of the velocity
-GAPS = range(16, 32)  # of the tunnel
+SPHERE = 75  # sphere whose velocity is recorded
+GAPS = range(16, 32)  # gaps of the tunnel
 DRIVE = 0.1  # N
 END = 5e-3  # s
-LONGER = 15e-3  # s, before what the end of the row reflects is back
+LONGER = 15e-3  # s, before the reflection from the end of the chain returns
 STEP = 1e-6  # s
-HALF = 0.5  # of the level
+HALF = 0.5  # fraction of the level
 IN_BAND = 0.85  # end of the frequencies of the level, over sqrt(K/m)
 ROW_EDGE = 2.0  # cut-off of the row without a tunnel, over sqrt(K/m)
-DIGITS = 5.6e4  # rad/s, of the source's 5.6 kHz
-SAME = 1e-10  # of the places of walls, m
+DIGITS = 5.6e4  # rad/s, the source's 5.6 kHz
+SAME = 1e-10  # relative tolerance of the positions of walls
 # coordinates of a body
 ACROSS = 0
 ALONG = 1
 
 
 class LinearRow:
-    """Small motions of the row, as a sum of its modes; without a tunnel it has no cylinders."""
+    """Small motions of the chain, as a sum of its modes; without a tunnel it has no cylinders."""
 
     def __init__(self, tunnel, gaps, duration=END):
         row_spring = tunnel.mass * tunnel.row_frequency**2
@@ -86,7 +86,7 @@ def add(stiffness, first, second, spring):
 
 
 class DrivenRow:
-    """Peak velocities of the sphere by frequency, normalised: in runs, and of the linear row."""
+    """Normalised peak velocities of the sphere by frequency: runs, and linear chain."""
 
     def __init__(self, approach, runs):
         tunnel = Tunnel(approach or 0.0)
@@ -120,7 +120,7 @@ class DrivenRow:
 
     @property
     def difference(self):
-        """Largest difference of the velocities from those of the linear row, relative to these."""
+        """Largest difference of the velocities from the linear chain, relative to the latter."""
         return np.abs(self.velocity / self.linear - 1).max()
 
     def ratio(self, velocity):
@@ -240,7 +240,7 @@ def edges(row):
 
 
 def shown(crossings, index):
-    """Text of a crossing, which may lie beyond the frequencies of the runs."""
+    """Text of a crossing, which may be beyond the frequencies of the runs."""
     return f"{crossings[index]:.4g}" if index < len(crossings) else "beyond the last run"
 
 

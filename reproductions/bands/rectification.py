@@ -1,11 +1,11 @@
 """Row with a light bead: rectification and switching.
 
 A row under a static force with a light bead near one end, driven at its first bead at a frequency
-that the row does not pass. The mean power that its absorbing end takes in the last half of each run
-is drawn against the amplitude of the drive, with the light bead near the drive and near the other
-end. Dashed: the steady response of small motions, with the losses of contacts. Next to the
-amplitude at which the row opens, what opens it grows or dies so slowly that the mean is that of a
-state which still changes.
+above its cut-off. The mean power absorbed at its end in the last half of each run is drawn
+against the amplitude of the drive, with the light bead near the drive and near the other end.
+Dashed: the steady response of small motions, with the losses of contacts. Next to the amplitude at
+which the row opens, what opens it grows or dies so slowly that the mean belongs to a state that is
+not yet steady.
 """
 
 import math
@@ -25,7 +25,7 @@ from granwave.measures import Chain
 # and feeds two frequencies that the row passes and whose sum is that of the drive. From the other
 # end the drive hardly reaches the light bead, and the row stays shut up to a larger amplitude
 # (Boechler, Theocharis, Daraio, Nature Materials 10, 665, 2011).
-OPEN = 10.0  # power over that of small motions: above it the row has switched
+OPEN = 10.0  # power over the power of small motions, above which the chain has switched
 SIDES = ("near the drive", "at the far end")
 
 
@@ -45,8 +45,8 @@ class Driven:
 
     @cached_property
     def static(self):
-        """Static overlap of two like beads, m, and the highest frequency that the row passes alone,
-        Hz.
+        """Static overlap of two identical beads, m, and the cut-off frequency of the chain without
+        the light bead, Hz.
         """
         case = self.run.case
         diameter = self.run.case.packing.diameter
@@ -75,8 +75,8 @@ class Driven:
 
     @cached_property
     def below(self):
-        """Share of the last bead's motion at frequencies below the cut-off, in the last half of the
-        run.
+        """Fraction of the last bead's motion at frequencies below the cut-off, in the last half of
+        the run.
         """
         chain = Chain(self.run)
         last = chain.velocity[chain.time >= chain.time[-1] / 2, -1]
@@ -111,8 +111,8 @@ def measured(runs):
 
 
 def switch(same):
-    """Amplitudes, m, between which the power rises the most over that of small motions; None if it
-    stays.
+    """Amplitudes, m, between which the power over the power of small motions increases most; None
+    if it is constant.
     """
     if max(one.gain for one in same) < OPEN:
         return None
@@ -122,7 +122,7 @@ def switch(same):
 
 
 def ratios(found):
-    """Power with the light bead near the drive over that with it at the far end, for each
+    """Power with the light bead near the drive over the power with it at the far end, for each
     amplitude.
     """
     return np.array([near.through / far.through for near, far in zip(*found.values(), strict=True)])

@@ -1,8 +1,8 @@
 """Resonance of a bead on a plane.
 
-A bead under a static force, shaken at frequencies about its own. The frequency of the largest
-velocity falls as the square of the amplitude; where losses are small, the amplitude jumps as the
-load rises and falls.
+A bead under a static force, driven at frequencies near its natural frequency. The frequency of the
+largest velocity falls as the square of the amplitude; where losses are small, the amplitude jumps
+as the load rises and falls.
 """
 
 import math
@@ -21,11 +21,11 @@ from granwave.measures import amplitude_sweep
 #     omega = omega0 (1 + (3/8 a3 - 5/12 a2^2) xi^2) = omega0 (1 - xi^2/24)
 # on which the velocity of a weakly damped bead has its largest values. Above some force the answer
 # has three branches, two of which are stable: the bead jumps.
-SHIFT = -1 / 24  # of the frequency, for an amplitude of the static overlap
+SHIFT = -1 / 24  # relative change of the frequency, for an amplitude of the static overlap
 
 
 class Shaken:
-    """A run of a bead that is shaken; frequencies over that of small vibrations, amplitudes over
+    """A run of a driven bead; frequencies over the frequency of small vibrations, amplitudes over
     the static overlap.
     """
 
@@ -43,15 +43,15 @@ class Shaken:
         self.frequency, self.unit = (
             self.hertz / self.own,
             2 * math.pi * self.hertz * overlap,
-        )  # of its velocity, m/s
+        )  # amplitude of its velocity, m/s
         self.sweep = amplitude_sweep(run.result)
         self.velocity = 0.0 if self.sweep else run["driven_velocity_m_s"]
         self.overlap = overlap
 
 
 def measured(runs):
-    """Beads under a steady load by force, each in rising order of frequency; those whose load rises
-    and falls.
+    """Beads under a steady load by force, each in rising order of frequency; and beads under a
+    rising and falling load.
     """
     beads = sorted(map(Shaken, runs), key=lambda one: (one.force, one.hertz))
     steady = [one for one in beads if not one.sweep]

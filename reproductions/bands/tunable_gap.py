@@ -2,7 +2,7 @@
 
 Endless row of brass spheres of 9.525 mm under 1 N with a pair of brass cylinders of 4.76 mm in each
 gap, between two rigid walls that approach by a times the diameter; cylinders as long as the spheres
-are wide. The bands are those of the springs of its static state. Angular frequencies: the source's
+are wide. The bands follow from the springs of its static state. Angular frequencies: the source's
 axes say Hz, but hold rad/s.
 """
 
@@ -18,16 +18,16 @@ THESIS = "thesis 7.2"
 FIGURE = "thesis Fig. 7.8"
 APPROACHES = (-1.8e-5, 0.0, 3e-5)
 RATIOS = (0.3, 0.5, 0.65)
-# where and how long the source listens, s
+# position and duration of the source's record, s
 SPHERE = 75
 TIME = 5e-3
 PRINTED = 5.6e3  # Hz, the source's cut-off of the row
-DIGITS = 5.6e4  # rad/s, of its digits
-RADIUS_FOR_DIAMETER = 2 ** (-1 / 6)  # of a frequency, with sqrt(R) for sqrt(D) in k_bb
+DIGITS = 5.6e4  # rad/s, according to its digits
+RADIUS_FOR_DIAMETER = 2 ** (-1 / 6)  # factor of a frequency, with sqrt(R) for sqrt(D) in k_bb
 # rad/s: of Fig. 7.7a, and the source's third band
 TOP_OF_AXIS = 7e4
 THIRD = 3e5
-# spheres, cylinders: top of the axis of Fig. 7.8, rad/s, and what the source says of the width of
+# spheres, cylinders: top of the axis of Fig. 7.8, rad/s, and the source's statement on the width of
 # the gap
 PAIRS = {
     ("brass", "brass"): (9e4, ""), ("steel", "aluminium"): (14e4, "small"), ("aluminium", "steel"): (11e4, "large"),
@@ -154,7 +154,7 @@ def rows(runs):
 
 
 def single_cylinder():
-    """Rows of the gap with a cylinder in each gap, as 7.12 is printed, and with two."""
+    """Rows of the gap with one cylinder in each gap, as 7.12 is printed, and with two."""
     for words, cylinders in (("two cylinders in a gap", PAIR), ("one, as 7.12 is printed", 1)):
         low, high = Tunnel(0.0, cylinders=cylinders).edges[[0, 1], [1, 0]]
         remark = f"{low:.5g} to {high:.5g} rad/s."
@@ -171,8 +171,8 @@ def single_cylinder():
 
 
 def lighter_edges():
-    """Lowest and highest edge of the gap, rad/s, of steel spheres and aluminium as light as 7.1
-    prints it.
+    """Lowest and highest edge of the gap, rad/s, for steel spheres and aluminium with the density
+    printed in 7.1.
     """
     lighter = []
     for a in (-2e-5, 0.0, 3e-5):

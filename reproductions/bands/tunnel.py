@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 import granwave as gw
 
-# of the spheres, m; axial, N
+# diameter of the spheres, m; axial force, N
 DIAMETER = 9.525e-3
 FORCE = 1.0
 MATERIALS = {  # density, kg/m^3, and Young's modulus, Pa
@@ -31,10 +31,10 @@ PAIR = 2  # cylinders in a gap
 
 
 class Tunnel:
-    """A tunnel whose walls approach by a part of the diameter; 0: everything just touches without
-    force.
+    """A tunnel whose walls approach by a fraction of the diameter; 0: everything just touches
+    without force.
 
-    Waves move so many cylinders in each gap: two, or the single one of thesis 7.12.
+    Waves move ``cylinders`` in each gap: two, or one as in thesis 7.12.
     """
 
     def __init__(
@@ -75,11 +75,11 @@ class Tunnel:
         )  # (wave numbers, bands)
         self.edges = np.stack(
             [self.omega.min(axis=0), self.omega.max(axis=0)], axis=1
-        )  # of the bands, rad/s
+        )  # frequencies of the bands, rad/s
 
     def geometry(self, d0):
-        """Overlaps d1 and d2, and cosine of the contacts of the cylinder, if the spheres overlap by
-        d0.
+        """Overlaps d1 and d2, and cosine of the contacts of the cylinder, for an overlap d0 of the
+        spheres.
         """
         half = self.radius - d0 / 2
         reach = self.radius + self.small
@@ -90,7 +90,7 @@ class Tunnel:
         return d1, math.sqrt((reach - d1) ** 2 - half**2) - self.alone, half / (reach - d1)
 
     def miss(self, d0):
-        """Force on the cylinder across the row, N."""
+        """Transverse force on the cylinder, N."""
         d1, d2, cosine = self.geometry(d0)
         at_wall = gw.contact_force("hertz", self.wall, max(d2, 0.0))
         return 2 * math.sqrt(1 - cosine**2) * self.constants[1] * d1**1.5 - at_wall
@@ -114,7 +114,7 @@ class Tunnel:
             yield first, second, cells, spring
 
     def wall_spring(self):
-        """Stiffness of the walls across the row for the cylinders of a gap, N/m."""
+        """Transverse stiffness of the walls for the cylinders of a gap, N/m."""
         _, d2, _ = self.geometry(self.d0)
         return self.cylinders * gw.contact_stiffness("hertz", self.wall, d2)
 

@@ -1,9 +1,9 @@
 """Chains of brass and of PTFE: speeds that an interferometer measured.
 
-Olivares and others (Optica Applicata 47, 257, 2017) measured the speed of the wave of a ball that
-strikes a row of like balls: 346 ± 40 m/s in brass under 0.8 N, 102 ± 3 m/s in PTFE under 0.4 N.
-Their abstract gives neither diameter nor velocity of the striker. But far above the static force
-neither matters for the ratio of both speeds.
+Olivares and others (Optica Applicata 47, 257, 2017) measured the speed of the wave after the impact
+of a ball on a chain of equal balls: 346 ± 40 m/s in brass under 0.8 N, 102 ± 3 m/s in PTFE under
+0.4 N. Their abstract gives neither diameter nor velocity of the striker. Far above the static force
+the ratio of both speeds depends on neither.
 """
 
 import math
@@ -28,8 +28,8 @@ def ball(chain):
 
 
 def stiffness(chain):
-    """Effective modulus over density, m^2/s^2: speeds far above the static force go with its power
-    2/5.
+    """Effective modulus over density, m^2/s^2: speeds far above the static force are proportional
+    to its power 2/5.
     """
     return chain.law.effective_modulus / chain.case.material.density
 

@@ -1,9 +1,9 @@
 """Decorated chains: small beads between large ones.
 
-Ten beads that shrink by 5 % from one to the next, with a small bead between any two, the first
-struck at 1 m/s, the last free. Two limits are known: hard spheres that collide once each, and small
-beads without mass, two springs in a row, so that the large beads alone hand on the energy (Harbola
-and others 2009).
+Ten beads that shrink by 5 % from one to the next, with a small bead between any two, impact at 1
+m/s on the first, the last free. Two limits are known: hard spheres that collide once each, and
+small beads without mass, two springs in series, so that only the large beads transmit the energy
+(Harbola and others 2009).
 """
 
 import numpy as np
@@ -19,15 +19,15 @@ LIGHT = "Small beads without mass"
 
 
 def handed_on(diameters):
-    """Share of the energy that hard spheres hand on to the last one, each pair colliding once."""
+    """Fraction of the energy that reaches the last hard sphere if each pair collides once."""
     first = diameters[:-1] ** 3
     second = diameters[1:] ** 3
     return float(np.prod(4 * first * second / (first + second) ** 2))
 
 
 def measured(runs):
-    """Small over large diameter, energy of the last bead over the input, that of hard spheres, of
-    large beads alone.
+    """Small over large diameter, energy of the last bead over the input, the same for hard spheres,
+    and for large beads only.
     """
     found = []
     for chain in map(Chain, runs):

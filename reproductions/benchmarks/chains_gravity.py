@@ -15,7 +15,7 @@ WHERE = "Hong, Ji and Kim 1998, abstract"
 POWER = 1.5
 SPEED = (1 - 1 / POWER) / 2
 VELOCITY = -(1 / 3 + 1 / POWER) / 4
-STRETCHES = ((10, 30), (30, 90), (60, 180))  # of beads
+STRETCHES = ((10, 30), (30, 90), (60, 180))  # ranges of beads
 FAR = "The powers are those of great depth: ours come near as the stretch goes down."
 
 

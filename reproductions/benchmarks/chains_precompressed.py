@@ -2,8 +2,8 @@
 
 Coste, Falcon and Fauve (Phys. Rev. E 56, 6104, 1997) struck chains of steel beads of 8 mm under
 three static forces. Daraio and others (Phys. Rev. E 73, 026610, 2006) pressed chains of PTFE and of
-steel by a magnet. What their abstracts print needs no modulus: in units of the static state all
-such chains are one.
+steel by a magnet. The values in their abstracts need no modulus: in units of the static state all
+such chains are equivalent.
 """
 
 import numpy as np
@@ -21,12 +21,12 @@ FIRST = 20
 LAST = 40
 CURVE = "The source: one curve for its three static forces, that of Nesterenko's theory."
 SPREADS = " Ours still spreads and is a little slow."
-LEAST = 0.01  # of the pulse's largest velocity: its ends
+LEAST = 0.01  # fraction of the pulse's largest velocity at its ends
 
 
 def measured(runs):
-    """Largest and static force, speed over c0, and speed over that without a static force, of each
-    pressed chain.
+    """Largest and static force, speed over c0, and speed over the speed without a static force, of
+    each precompressed chain.
     """
     found = []
     for chain in map(Chain, runs):
@@ -42,8 +42,8 @@ def measured(runs):
 
 
 def faster(added):
-    """Speed over that without a static force, of the same force added, in static forces: travelling
-    waves.
+    """Speed over the speed without a static force for the same added force, in static forces:
+    travelling waves.
     """
     weakest = 1e6  # far above the static force
     alone = float(lattice_speed(np.array(weakest))) * (added / weakest) ** (1 / 6)
@@ -51,7 +51,7 @@ def faster(added):
 
 
 def pulse(runs):
-    """Length of the pulse under the least static force over that of the chain."""
+    """Length of the pulse under the smallest static force over the length of the chain."""
     chain = min(
         map(Chain, runs), key=lambda one: (one.case.precompression.force, -one.load.velocity)
     )

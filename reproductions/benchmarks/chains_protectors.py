@@ -1,9 +1,9 @@
-"""Protectors: which order of hard and soft beads spares a wall.
+"""Protectors: the best order of hard and soft beads in front of a wall.
 
 Fraternali, Porter and Daraio (arXiv:0802.1451) let an evolutionary algorithm arrange beads of steel
-and PTFE so that the largest force on a wall is least. Here twelve beads of 10 mm are struck at 1
-m/s: like beads, two halves, alternating beads, and what `granwave design` found among the 4096
-orders in 80 runs.
+and PTFE so that the largest force on a wall is least. Here twelve beads of 10 mm with an impact at
+1 m/s: equal beads, two halves, alternating beads, and the result of `granwave design` among the
+4096 orders in 80 runs.
 """
 
 import numpy as np

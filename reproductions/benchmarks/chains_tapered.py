@@ -1,9 +1,9 @@
 """Tapered chains: the energy that reaches the last bead.
 
-Chains of 20 beads whose diameters fall by the share q from bead to bead, the first of 10 mm struck
-at 1 m/s, the last free. Doney and Sen took hard spheres that collide one after the other: from bead
-to bead 4 e^3/(1 + e^3)^2 of the energy goes on, e = 1 - q. Melo and others (q = 5.60 and 8.27 %,
-measured) found the front of the wave to fall so.
+Chains of 20 beads whose diameters decrease by the fraction q from bead to bead, impact at 1 m/s on
+the first of 10 mm, the last free. Doney and Sen assumed hard spheres that collide one after
+another: from bead to bead 4 e^3/(1 + e^3)^2 of the energy goes on, e = 1 - q. Melo and others (q =
+5.60 and 8.27 %, measured) found the front of the wave to fall so.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ from granwave.measures import Chain
 HARD = "Doney and Sen 2005, hard spheres"
 MEASURED = "Melo et al. 2006, abstract"
 NEWS = "UB Reporter 38 (19)"
-# beads between which the front has its shape and has not met the end
+# beads between which the front has developed its shape and has not reached the end
 FIRST = 6
 LAST = 17
 SOURCE = "The source: hard spheres describe the measured front well, and better with a small loss. Ours falls more."
@@ -23,8 +23,8 @@ LEFT = "Hertz's wave is spread over some five beads: what it leaves behind does 
 
 
 class Tapered:
-    """Taper, energy of the last bead at the end over the input, and the fall of the front from bead
-    to bead.
+    """Taper, energy of the last bead at the end over the input, and the decrease of the front from
+    bead to bead.
     """
 
     def __init__(self, run):

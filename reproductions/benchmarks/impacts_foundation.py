@@ -14,14 +14,14 @@ import numpy as np
 
 import granwave as gw
 
-# of a contact time and of the reach: spins change by less than 0.5 % if both are doubled
+# steps of a contact time and of the reach: spins change by less than 0.5 % if both are doubled
 STEPS = 2000
 SPRINGS = 400
 
 
 class Rebound:
-    """Impact of a run's sphere on the plane or on a second one: velocities and spin about y, before
-    and after.
+    """Impact of a run's sphere on the plane or on a second sphere: velocities and spin about y,
+    before and after.
     """
 
     def __init__(self, run):
@@ -42,15 +42,13 @@ class Rebound:
 
     @property
     def surface(self):
-        """Velocity of the surface along the plane, where it touches, before the impact and after
-        it, m/s.
-        """
+        """Velocity of the contact point along the plane, before and after the impact, m/s."""
         pairs = ((self.across, self.spin), (self.across_after, self.spin_after))
         return np.array([across + self.radius * spin for across, spin in pairs])
 
     def with_partial_slip(self):
-        """The same impact by the row of springs: velocity away from the plane, along it, and spin
-        afterwards.
+        """The same impact computed with the row of springs: velocity away from the plane, along it,
+        and spin afterwards.
         """
         loss = gw.measures.Chain(self.run).loss
         motion = self.normal, self.across, self.spin
@@ -95,7 +93,7 @@ def rebound(material, radius, friction, dashpot, normal, across, spin):
         pressed = np.maximum(overlap - profile, 0.0)
         share = (
             force / (2 * stiff * width * pressed.sum()) if pressed.any() else 0.0
-        )  # of the elastic pressure
+        )  # fraction of the elastic pressure
         most = friction * share * stiff / shear * pressed
         stretch = np.clip(stretch + step * (across + lever * spin), -most, most)
         pull = -2 * shear * width * stretch.sum() * step

@@ -1,6 +1,6 @@
 """Normal impacts: tests 1 to 3 of Chung and Ooi.
 
-Two elastic spheres, a sphere and a rigid plane, and restitution that is asked for and comes out.
+Two elastic spheres, a sphere and a rigid plane, and specified restitution compared with the result.
 The largest force and overlap follow from Hertz's law and the energy.
 """
 
@@ -18,7 +18,7 @@ CURVES = {
 
 
 class Impact:
-    """An elastic impact: largest force and overlap, and those of Hertz's law by the energy."""
+    """An elastic impact: largest force and overlap, and Hertz's values from the energy."""
 
     def __init__(self, run):
         self.run = run
@@ -44,7 +44,7 @@ class Impact:
 
 
 def measured(runs):
-    """Elastic impacts, and restitutions asked for and found, (2, n)."""
+    """Elastic impacts, and specified and computed restitutions, (2, n)."""
     asked = [run for run in runs if run.case.material.youngs_modulus not in NAMES]
     losses = sorted(
         (

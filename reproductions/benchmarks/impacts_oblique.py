@@ -1,11 +1,11 @@
 """Oblique impacts at one speed: test 4 of Chung and Ooi.
 
 A sphere of aluminium oxide or alloy, 5 mm across, hits a rigid plane at 3.9 m/s and at angles from
-4 to 85 degrees from the normal; friction 0.092, restitution 0.98. The rebound angle is that of the
-surface. Beyond some 33 degrees the sphere slides all the time and every program agrees. Below, the
-spring of friction decides: the tests are defined for a spring of no slip, ours keeps its force and
-loses some of it as its circle shrinks, theirs keeps its elongation. The measurements show the
-annulus of slip that the theory of Mindlin and Deresiewicz has, and that contact.tangential =
+4 to 85 degrees from the normal; friction 0.092, restitution 0.98. The rebound angle is the angle of
+the contact point. Beyond about 33 degrees the sphere slides all the time and all programs agree.
+Below, the spring of friction decides: the tests are defined for a spring of no slip, ours keeps its
+force and loses some of it as its circle shrinks, theirs keeps its elongation. The measurements show
+the annulus of slip that the theory of Mindlin and Deresiewicz has, and that contact.tangential =
 "partial_slip" computes.
 """
 
@@ -37,8 +37,8 @@ def three(one, normal, across, spin):
 
 
 def measured(runs):
-    """Angle, the three ours and the three of theory, by rising angle: (7, n) of each material and
-    model.
+    """Angle, our three values and the three theoretical values, by rising angle: (7, n) for each
+    material and model.
     """
     found = {(name, model): [] for name in NAMES.values() for model in MODELS}
     for one in map(Rebound, runs):
@@ -71,7 +71,8 @@ def rows(runs):
     for k, ((quantity, unit), values) in enumerate(zip(KINDS, points, strict=True)):
         for (angle, source), (model, label) in itertools.product(values.T, MODELS.items()):
             columns = found["oxide", model]
-            for at in np.flatnonzero(columns[0] == angle):  # angles that were measured and run
+            # angles that were both measured and computed
+            for at in np.flatnonzero(columns[0] == angle):
                 ours, theory = columns[[1 + k, 4 + k], at]
                 name = f"{quantity.capitalize()} measured at {angle:g} degrees, oxide, {label}"
                 remark = MEASURED[model]

@@ -1,10 +1,10 @@
 """Spheres that hit a rigid plane at one normal velocity: tests 5 and 6 of Chung and Ooi.
 
-In test 5 they slide along the plane, friction 0.3 and no loss; incidence, rebound and spin are
-those of the surface, over friction times the normal velocity. In test 6 they spin, friction 0.4 and
-restitution 0.5. Where spheres slide all the time rigid bodies are enough. Below, theory is partial
-slip after Mindlin and Deresiewicz; finite elements of a steel sphere follow it in test 5, and so do
-runs with contact.tangential = "partial_slip"; single springs do not.
+In test 5 they slide along the plane, friction 0.3 and no loss; incidence, rebound and spin refer to
+the contact point, divided by friction times the normal velocity. In test 6 they spin, friction 0.4
+and restitution 0.5. Where spheres slide all the time rigid bodies are enough. Below, theory is
+partial slip after Mindlin and Deresiewicz; finite elements of a steel sphere follow it in test 5,
+and so do runs with contact.tangential = "partial_slip"; single springs do not.
 """
 
 import itertools
@@ -30,7 +30,7 @@ FINITE = {
 
 
 class Point:
-    """Incidence, and two numbers of the rebound: ours and with partial slip."""
+    """Incidence, and two values of the rebound: ours and with partial slip."""
 
     def __init__(self, run):
         one = Rebound(run)
@@ -51,8 +51,8 @@ class Point:
 
 
 def measured(runs, partial=False):
-    """Points by the name of their material, by rising incidence: (5, n) of incidence, two ours, two
-    of theory.
+    """Points by the name of their material, by rising incidence: (5, n) with incidence, two values
+    of ours, two of theory.
     """
     points = [point for point in map(Point, runs) if point.partial == partial]
     return {
@@ -80,8 +80,8 @@ def rows(runs):
         for column, name in enumerate(names if names[0] in found else ()):
             values = found[name]
             for k, quantity in enumerate(quantities):
-                # columns of test 5: both of a material; of test 6: rebounds of both, restitutions
-                # of both
+                # columns of test 5: both values of a material; of test 6: rebounds of both,
+                # restitutions of both
                 source = printed[1 + 2 * column + k] if test == 5 else printed[1 + column + 2 * k]
                 for incidence in chosen:
                     at = np.abs(values[0] - incidence).argmin()

@@ -6,11 +6,11 @@ his law, in which contacts yield and flow at one pressure: a yield factor of 1. 
 ours yields at 1.6 times the strength and flows at the strength, as the thesis has it; that returns
 less. K. L. Johnson (Contact Mechanics, 1985, 11.3) takes a constant dynamic pressure of 3 times the
 yield strength and elastic unloading after Hertz; then restitution falls with the power -1/4 of the
-velocity. His formula is no guide where contacts are hardly yielding. A yield strength that grows
+velocity. His formula is not valid where contacts yield little. A yield strength that grows
 with the strain rate (G. R. Johnson and W. H. Cook 1983, C = 0.009 of cartridge brass) returns more
 at high velocities: by his formula as its power 5/8, of the strength at the rate 0.2 d(a/R)/dt of
-both spheres, with his largest contact radius and the velocity of impact. Fits to finite elements
-and measurements of others are left out: their numbers could not be had in print.
+both spheres, with his largest contact radius and the velocity of impact. Published fits to finite
+elements and measurements are omitted, because their numbers were not available.
 """
 
 import math
@@ -50,7 +50,7 @@ class Curve:
         self.modulus = self.material.youngs_modulus / (2 * (1 - self.material.poisson_ratio**2))
 
     def at_yield(self):
-        """Velocity at which the pressure of Hertz reaches 1.6 times the yield strength, m/s."""
+        """Velocity at which Hertz's pressure reaches 1.6 times the yield strength, m/s."""
         pressure = 1.6 * self.material.yield_strength
         return 3.194 * math.sqrt(pressure**5 * self.radius**3 / (self.modulus**4 * self.mass))
 

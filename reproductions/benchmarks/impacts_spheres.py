@@ -2,8 +2,8 @@
 
 In test 7 two equal spheres with opposite spins hit each other: their surfaces do not slip, so that
 spins stay and nothing goes sideways. In test 8 a spinning sphere hits one that is five times as
-large and 125 000 times as heavy, stiffer (case A) or of the same stiffness (case B): that must give
-what a plane gives in test 6, from which the printed values are.
+large and 125 000 times as heavy, stiffer (case A) or of the same stiffness (case B): the result
+must equal test 6 with a plane, the source of the printed values.
 """
 
 import numpy as np
@@ -18,8 +18,8 @@ DAMPED = "Theory is partial slip on a plane. Theirs damps the tangential motion 
 
 
 class Pair:
-    """Two spheres; of unlike ones incidence and rebound, and the rebound with partial slip on a
-    plane.
+    """Two spheres; for dissimilar spheres incidence and rebound, and the rebound with partial slip
+    on a plane.
     """
 
     def __init__(self, run):
@@ -39,7 +39,7 @@ class Pair:
 
 
 def measured(runs):
-    """Pairs of equal spheres, and of unlike ones by case and incidence."""
+    """Pairs of equal spheres, and of dissimilar spheres by case and incidence."""
     pairs = list(map(Pair, runs))
     unlike = sorted(
         (one for one in pairs if not one.alike), key=lambda one: (one.case, one.incidence)

@@ -24,10 +24,10 @@ from granwave.theory import discrete_speed
 PLACE = "composite chain, "
 MEASURED = PLACE + "section 4, measured"
 FITTED = PLACE + "Fig. 11"
-# of the source's elements against its measurements, brass (%); its striker (m/s)
+# difference of the source's finite elements from its measurements, brass (%); its striker (m/s)
 ERROR = 4.2
 STRIKER = 0.626
-# m/s, of these elements in a chain of steel, with the striker of the composite chains (table 3)
+# m/s, from these elements in a chain of steel, with the striker of the composite chains (table 3)
 STEEL_SPEED = 595.0
 PULSE = 0.719  # force of the wave of an impulse (thesis 4.5)
 # m, between surfaces; slope of the holder; m/s^2
@@ -46,7 +46,7 @@ OF_CHANGE = (
 
 
 def select(runs):
-    """Chains by the material of the section, then by what yields, by rising length."""
+    """Chains by the material of the section, then by the yielding parts, by rising length."""
     groups = by(sections(runs), lambda section: section.light)
     return [by(groups[light], lambda section: section.kind) for light in SPEEDS if light in groups]
 
@@ -126,7 +126,9 @@ def of_speed(kind, found, measured):
 
 
 def over_steel(found, measured):
-    """V over the speed of the wave in a chain of steel, which no modulus, density or striker common to both changes."""
+    """V over the speed of the wave in a chain of steel; a common modulus, density or striker does
+    not affect it.
+    """
     scales = found[0].chain.scales
     force = PULSE * scales.impulse_force(found[0].chain.mass * STRIKER)
     steel = discrete_speed() * scales.nesterenko(force)

@@ -11,7 +11,7 @@ from section import SPEEDS, STRESSES, WATCHED, by, sections
 import granwave as gw
 
 STRIKER = 0.626  # m/s, in the runs and in the source's finite elements
-ERROR = 4.2  # of the source's elements against its measurements, brass (%)
+ERROR = 4.2  # difference of the source's finite elements from its measurements, brass (%)
 
 
 def restitution(section):

@@ -1,9 +1,9 @@
 """Friction of the holder in composite chains.
 
 Elastic composite chains whose beads lie in a level holder, press on it with their weight, and slide
-in it. V and lambda as in the study of composite chains: only friction takes energy. The source sees
-lambda fall with the section's length, and blames friction between beads and holder, of which it
-gives no coefficient.
+in it. V and lambda as in the study of composite chains: only friction dissipates energy. The source
+sees lambda fall with the section's length, and blames friction between beads and holder, of which
+it gives no coefficient.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ def series(runs):
 
 
 def taken(section):
-    """Friction times weight times the path of every bead, by its recorded velocity, J."""
+    """Friction times weight times the path of every bead, from its recorded velocity, J."""
     paths = np.trapezoid(np.abs(section.chain.velocity), section.time, axis=0)
     masses = section.run.spheres.mass.loc[section.chain.array("chain/id")].to_numpy()
     return friction_of(section) * GRAVITY * (masses * paths).sum()

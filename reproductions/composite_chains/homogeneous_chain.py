@@ -1,8 +1,8 @@
 """Homogeneous chain of the composite-chain source.
 
 15 elastic spheres of 4.76 mm, the first with 0.626 m/s. Speed: 5 diameters over the time between
-the peaks at contacts 5 and 10; force: the peak at contact 10. The source takes Nesterenko's formula
-for theory; the travelling wave of the discrete chain stands beside it.
+the peaks at contacts 5 and 10; force: the peak at contact 10. The source uses Nesterenko's formula
+as theory; it is compared with the travelling wave of the discrete chain.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ import granwave as gw
 from granwave.measures import Chain, power_law
 from granwave.theory import discrete_speed
 
-CONTACTS = EARLY, LATE = 4, 9  # from 0: of beads 5 and 6, 10 and 11, as the source takes them
+CONTACTS = EARLY, LATE = 4, 9  # contacts from 0: of beads 5 and 6, 10 and 11, as in the source
 # the source's best model; from where on the mesh is the same; m
 CHOSEN = 10
 FIRST_PENALTY = 5
@@ -33,7 +33,9 @@ FORCE, SPEED, PRINTED, TOOK = np.array([model[1:] for model in MODELS]).T
 
 
 class Wave:
-    """Force and speed of the wave, of theory for its impulse, and the contact of beads 5 and 6."""
+    """Force and speed of the wave, theoretical values for its impulse, and the contact of beads 5
+    and 6.
+    """
 
     def __init__(self, run):
         self.chain = chain = Chain(run)
@@ -52,8 +54,8 @@ class Wave:
         return discrete_speed() * self.chain.scales.nesterenko(force)
 
     def errors(self, force, speed):
-        """Errors of a force against the expected one, of a speed against that of the wave of this
-        force; per cent.
+        """Errors of a force relative to the expected force, and of a speed relative to the wave
+        with this force; per cent.
         """
         return 100 * abs(force / self.expected - 1), 100 * abs(speed / self.discrete(force) - 1)
 

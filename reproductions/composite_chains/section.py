@@ -9,13 +9,14 @@ import math
 
 from granwave.measures import Chain, first_peak
 
-# of the source, by the section's material: measured V by the beads in the section (m/s); when the
-# pulse comes back from the chain's end (ms); stresses in the section's first and last contact (MPa)
+# the source's values by the section's material: measured V by the beads in the section (m/s);
+# arrival of the reflection from the chain's end (ms); stresses in the section's first and last
+# contact (MPa)
 SPEEDS = {"brass-composite": {3: 469.0, 24: 424.0}, "ptfe": {}}
 FROM_END = {"brass-composite": 1.25, "ptfe": 1.85}
 STRESSES = {"brass-composite": (1200.0, 1110.0), "ptfe": (35.0, 20.0)}
-# of the contact law, mean pressures over the yield strength: far beyond yield, at yield (2/3 of
-# 1.6), and their approach per overlap at yield
+# constants of the contact law, mean pressures over the yield strength: far beyond yield, at yield
+# (2/3 of 1.6), and the factor of their approach, over the overlap at yield
 DEEP_PRESSURE = 2.48
 YIELD_PRESSURE = 16 / 15
 PRESSURE_RATE = 0.098
@@ -23,7 +24,7 @@ WATCHED = 6  # beads of the section whose waves and pressures are shown, as in s
 
 
 class Section:
-    """The section, and the pulse before and behind it."""
+    """The section, and the pulse in front of it and behind it."""
 
     def __init__(self, run):
         self.run = run
@@ -62,7 +63,7 @@ class Section:
         return first_peak(self.time, self.force(bead))[1]
 
     def pressure(self, bead):
-        """Largest Hertzian pressure between this bead and the next in the first peak, Pa; of
+        """Largest Hertzian pressure between this bead and the next in the first peak, Pa; for
         elastic chains.
         """
         law = self.chain.law_between(bead, bead + 1)
@@ -71,7 +72,7 @@ class Section:
         ) ** (1 / 3)
 
     def yielded_pressure(self, bead):
-        """Mean pressure at the largest overlap between this bead and the next, Pa; of yielding
+        """Mean pressure at the largest overlap between this bead and the next, Pa; for yielding
         chains (thesis 2.8).
         """
         law = self.chain.law_between(bead, bead + 1)
@@ -84,12 +85,12 @@ class Section:
 
 
 def sections(runs):
-    """Sections of runs by rising length, elastic ones first."""
+    """Sections of runs by rising length, elastic runs first."""
     return sorted(map(Section, runs), key=lambda section: (section.kind, section.n))
 
 
 def by(found, key):
-    """Groups of sections in the order of their first, by what a function gives of them."""
+    """Groups of sections in the order of their first members, by the value of a function."""
     groups = {}
     for section in found:
         groups.setdefault(key(section), []).append(section)

@@ -9,12 +9,12 @@ import granwave as gw
 from granwave.theory import hertz_von_mises_yield_factor
 
 PLACE = "composite chain, "
-EXPLAINED = 1.1  # of a printed ratio: up to there ours agrees
+EXPLAINED = 1.1  # factor on a printed ratio up to which ours agrees
 
 
 # fmt: off
 def of_reflections(waves, from_end):
-    """Times of the waves at the watched contact, and energy that turns back (source Fig. 6)."""
+    """Times of the waves at the watched contact, and reflected energy (source Fig. 6)."""
     found = waves.reflections
     for key, wave in ((key, found[key]) for key in NAMES if key in found):
         remark = f"{wave.force:.3g} N."
@@ -34,7 +34,7 @@ def of_reflections(waves, from_end):
 
 
 def of_output(waves, longest, kind):
-    """Second peak of the output, and the wave of the incident train that makes it (source Fig. 7).
+    """Second peak of the output, and the wave of the incident train that causes it (source Fig. 7).
     """
     out = waves.transmitted
     train = longest.train
@@ -47,7 +47,7 @@ def of_output(waves, longest, kind):
         return
     behind = train[1].time - train[0].time
     remark = f"{1e6 * behind:.0f} µs later, before anything is reflected: the incident pulse becomes a train."
-    # the time between them may change on their way through the section
+    # the time between them may change while they pass the section
     if abs(late - behind) < 0.25 * behind:
         remark += " The second output peak is this wave; for the source it comes of a collision of the incident " \
             "pulse with the BRW."

@@ -9,7 +9,7 @@ import numpy as np
 
 from granwave.measures import maxima
 
-LEAST = 0.005  # of the largest force at a contact: smaller maxima are not told apart
+LEAST = 0.005  # fraction of the largest force at a contact: smaller maxima are not distinguished
 NAMES = {
     "incident": "Incident pulse",
     "BRW": "Back reflection (BRW)",
@@ -21,8 +21,8 @@ NAMES = {
 
 @dataclass(frozen=True)
 class Wave:
-    """A maximum of the force at a contact: time in s, force in N; ``forth``: its beads move from
-    the struck end on.
+    """A maximum of the force at a contact: time in s, force in N; ``forth``: its beads move away
+    from the struck end.
     """
 
     time: float
@@ -31,8 +31,8 @@ class Wave:
 
 
 class Waves:
-    """Waves of a section (`section.Section`), and energies of its beads: kinetic, and half of each
-    contact's.
+    """Waves of a section (`section.Section`), and energies of its beads: kinetic, and half of the
+    energy of each contact.
     """
 
     def __init__(self, section):
@@ -74,7 +74,11 @@ class Waves:
 
     @cached_property
     def reflections(self):
-        """Waves at the watched contact, by the source's names, as far as they are found.
+        """Waves at the watched contact, by the source's names, as far as they exist. ``BRW``: the
+        first backward wave, from the section's far end. ``FRW``: the next wave after the BRW has
+        reached the section's near end, where it may meet a later backward wave; ``DFRW`` the wave
+        after that. ``end``: the first backward wave after a wave from the chain's end has reached
+        the section's far end.
 
         ``BRW``: the first that runs back, from the section's far end. ``FRW``: the next one after
         the BRW has come to the section's near end, where it may meet a later wave back; ``DFRW``
@@ -99,7 +103,7 @@ class Waves:
         return found | {"BRW": back[0]} | dict(zip(("FRW", "DFRW"), again, strict=False))
 
     def until_back(self, bead):
-        """Waves between this bead and the next until the first one back: no reflection yet."""
+        """Waves between this bead and the next until the first backward wave: no reflection yet."""
         found = self.between(bead)
         return found[: next((n for n, wave in enumerate(found) if not wave.forth), len(found))]
 
@@ -110,7 +114,7 @@ class Waves:
 
     @cached_property
     def transmitted(self):
-        """Waves forth at the second contact behind the section, as in source Fig. 7."""
+        """Forward waves at the second contact behind the section, as in source Fig. 7."""
         return self.until_back(self.last + 2)
 
     @property
@@ -120,8 +124,8 @@ class Waves:
 
     @cached_property
     def before_return(self):
-        """Time at which the first wave back from the chain's end comes to the section, or the end
-        of the run, s.
+        """Time at which the first backward wave from the chain's end reaches the section, or the
+        end of the run, s.
         """
         back = (wave.time for wave in self.between(self.last + 1) if not wave.forth)
         return min(back, default=self.time[-1])
@@ -143,8 +147,8 @@ class Waves:
 
     @cached_property
     def shares(self):
-        """Energy of the first steel section with the striker, the light and the second steel one
-        over the input.
+        """Energy of the first steel section with the striker, the light section and the second
+        steel section over the input.
         """
         ends = list(self.chain.array("chain/id")).index(self.first), self.n
         parts = np.split(self.energy, np.cumsum(ends), axis=1)
@@ -160,8 +164,8 @@ class Waves:
         return self.energy[self.time <= self.before_return].max(axis=0) / volume
 
     def passed(self, bead):
-        """Energy that went forth and back through the contact of this bead and the next, until
-        `before_return`, J.
+        """Energy transmitted forward and backward through the contact of this bead and the next,
+        until `before_return`, J.
         """
         k = self.chain.contact_between(bead)
         until = self.time <= self.before_return

@@ -21,16 +21,14 @@ SERIES = (
     -1.153449,
     0.798267,
     0.266666,
-)  # of b^0, b, b^2, b^(5/2): Schwager and Poeschel, Phys. Rev. E 78 (2008)
-# contact from which on a wave has its shape; contacts at the end of a chain that are left out
+)  # coefficients of b^0, b, b^2, b^(5/2): Schwager and Poeschel, Phys. Rev. E 78 (2008)
+# first contact at which a wave has its final shape; contacts at the end of a chain that are omitted
 FIRST = 8
 END = 6
 
 
 class Wave:
-    """Largest force of each contact, over that of the first one shown, and the law of its kind of
-    loss.
-    """
+    """Largest force of each contact over the first force shown, and the law of its kind of loss."""
 
     def __init__(self, chain):
         peaks = chain.force.max(axis=0)
@@ -46,7 +44,7 @@ class Wave:
 
 
 def restitution(chain):
-    """Restitution by the series of viscoelastic spheres, or of a dashpot by the collision of the
+    """Restitution by the series of viscoelastic spheres, or for a dashpot by the collision of the
     law.
     """
     (kind, size), law, mass, speed = chain.loss, chain.law, chain.mass / 2, chain.load.velocity
@@ -58,7 +56,7 @@ def restitution(chain):
 
 
 def measured(runs):
-    """Velocities, restitutions and those by formula, (n, 3) by rising velocity, and the wave, for
+    """Velocities, restitutions and formula values, (n, 3) by rising velocity, and the wave, for
     each kind of loss.
     """
     found = {}

@@ -32,13 +32,13 @@ class Crystal:
         self.depth, self.peak = self.down.distance / packing.diameter, self.down.peak_speed
         self.decay = two_region_decay(
             self.down.distance, self.peak
-        )  # with the grains that the floor holds
+        )  # including the grains that the floor holds
         self.border = self.decay.border / packing.diameter
         self.walls = self.case.boundary.sides == "wall"
 
 
 def not_kept(value, remark=""):
-    """Remark with the value of a program that is not kept, and is no evidence."""
+    """Remark with the value of a program that is not kept, which is no evidence."""
     return f"{remark} A program that is not kept: {value:g}.".strip()
 
 

@@ -11,10 +11,11 @@ import math
 from crystal import OURS, SOURCE, Crystal, by_name, not_kept
 from matplotlib.figure import Figure
 from motion import Motion, later_peak
+from relaxation import is_of_equation
 
 import granwave as gw
 
-WIDE = 40  # grains a row: the sides do not reach the middle line
+WIDE = 40  # grains in a row: the sides do not affect the middle line
 SOFT = (
     "There the tangential spring stays as stiff as at P = 0.01 E* R, here it follows the contact."
 )
@@ -25,10 +26,10 @@ SIZES = {
 
 
 def measured(runs):
-    """Crystals of which all grains are recorded, with walls and with free sides; and the wide ones;
+    """Crystals with records of all grains, with walls and with free sides; and the wide crystals;
     by name.
     """
-    crystals = [Crystal(run) for run in runs]
+    crystals = [Crystal(run) for run in runs if not is_of_equation(run.case)]
     whole = [one for one in crystals if "all" in one.lines]
     wide = [one for one in crystals if one.count >= WIDE]
     return [
@@ -106,7 +107,9 @@ def rows(runs):
 
 
 def further(one, motion):
-    """Quantity, unit, ours, those of a program that is not kept (BCC, HCP), digits, and remark."""
+    """Quantity, unit, our values, values of a program that is not kept (BCC, HCP), digits, and
+    remark.
+    """
     line = one.down
     decay = one.decay
     speeds = one.lines["all"].distribution

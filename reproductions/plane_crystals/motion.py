@@ -9,13 +9,13 @@ from scipy.spatial import cKDTree
 # diameters
 SAME = 1e-6
 IN_ROW = 0.01
-# of the first peak: speed before a second pulse, and its least prominence
+# fraction of the first peak: speed before a second pulse, and its smallest prominence
 QUIET = 0.25
 SMALL = 0.05
 
 
 class Motion:
-    """Motion of a crystal, places and times in m and s."""
+    """Motion of a crystal, positions and times in m and s."""
 
     def __init__(self, crystal):
         self.crystal = crystal
@@ -28,7 +28,7 @@ class Motion:
         self.middle = 0.5 * (self.x.min() + self.x.max())
 
     def turned(self):
-        """Largest rotations of the grains at side walls, and of the others, degrees."""
+        """Largest rotations of the grains at side walls, and of the other grains, degrees."""
         rate = self.rate[:, :, 1]
         angle = np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(self.time)[:, None], axis=0)
         largest = np.degrees(np.abs(angle).max(axis=0))
@@ -36,14 +36,14 @@ class Motion:
         return largest[at_walls].max(), largest[~at_walls].max()
 
     def row_shift(self, when):
-        """Mean way of the left half of the second row outwards by a time, um."""
+        """Mean outward displacement of the left half of the second row at a time, um."""
         depth = self.position[:, 2] / self.diameter
         second = np.abs(depth - np.unique(np.round(depth, 3))[1]) < IN_ROW
         aside = -self.displacement[:, second & (self.x < self.middle - SAME), 0]
         return np.interp(when, self.time, 1e6 * aside.mean(axis=1))
 
     def mirrored(self):
-        """Largest difference of displacements of grains that mirror each other, over a diameter."""
+        """Largest difference of displacements of mirrored grains, over a diameter."""
         image = self.position.copy()
         image[:, 0] = 2 * self.middle - image[:, 0]
         partner = cKDTree(self.position).query(image)[1]
@@ -70,7 +70,7 @@ class Motion:
 
 
 def later_peak(crystal):
-    """Time of the second pulse's peak in the deepest grains that the floor does not hold, s."""
+    """Time of the second pulse's peak in the deepest grains that are not held by the floor, s."""
     time, velocity = (crystal.run.result[f"lines/down/{name}"] for name in ("time", "velocity"))
     speed = np.linalg.norm(velocity, axis=2)
     found = []

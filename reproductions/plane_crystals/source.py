@@ -7,41 +7,27 @@ a camera. What follows from its printed formulas is worked out here; its figures
 
 import numpy as np
 from crystal import OURS, SOURCE, not_kept
+from relaxation import LONG, MEGA, TERMS, secant
 from scipy.optimize import brentq
 
 import granwave as gw
 from granwave.measures import Chain
 
-# MPa and ms, equation 7; the source says seconds
-LONG = 15.7
-TERMS = ((253.1, 2.64), (1320.4, 0.55))
 MODULI = (150.0, 530.0, 740.0, 480.0)  # MPa, of contacts 1 to 4
-EVENT = 6.0  # ms, the longest that the source says of its experiment
+EVENT = 6.0  # ms, the longest duration that the source gives for its experiment
 INSTANTS = 4001
-FRAMES = 9  # of a rise; the history is exact for any number
+FRAMES = 9  # steps of a rise; the history is exact for any number
 STRAIN = 0.01
 MILLI = 1e3  # from s
-MEGA = 1e6  # from MPa
-
-
-def relaxed(time, scale=1.0):
-    """Relaxation modulus of equation 7, MPa, at a time in ms; its time constants times ``scale``."""
-    return LONG + sum(size * np.exp(-time / (scale * tau)) for size, tau in TERMS)
-
-
-def secant(rise, scale=1.0):
-    """Stress over strain, MPa, of a strain that has risen evenly for a time in ms."""
-    terms = ((size, scale * tau) for size, tau in TERMS)
-    return LONG + sum(size * tau / rise * -np.expm1(-rise / tau) for size, tau in terms)
 
 
 def rise_of(modulus):
-    """Time, ms, for which a strain rises evenly until the secant modulus is that in MPa."""
+    """Time, ms, after which the secant modulus of a linear rise has this value in MPa."""
     return brentq(lambda rise: secant(rise) - modulus, 1e-3, 1e3)
 
 
 def secant_of_history(rise):
-    """Stress over strain, MPa, at the end of an even rise in ms, of the stress history."""
+    """Stress over strain, MPa, at the end of a linear rise in ms, from the stress history."""
     time = np.linspace(0.0, rise / MILLI, FRAMES)
     terms = [(size * MEGA, tau / MILLI) for size, tau in TERMS]
     strain = STRAIN * time / time[-1]

@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import parted_at
 
-# depth where crystals part with walls and without by number of grains a row, D, by a program that
-# is not kept
+# depth at which crystals with and without walls separate, by number of grains per row, D, by a
+# program that is not kept
 TRIAL = {
     "BCC": {
         4: (2.8, 2.8),
@@ -42,8 +42,8 @@ PRINTED = {"BCC": (7.0, 7, 1.6, np.sqrt(2)), "HCP": (8.5, 8, 1.8, 2 / np.sqrt(3)
 
 
 class Widths:
-    """Crystals of one kind by width, with walls and with free sides, each with its depth of parting
-    from the wide one.
+    """Crystals of one kind by width, with walls and with free sides, each with its depth of
+    deviation from the wide crystal.
 
     The depth is NaN if they do not part.
     """
@@ -89,7 +89,7 @@ def rows(group):
                  where=f"{SOURCE}, Fig. 4 to 7", remark="Not a test: the source does not print how wide its crystals "
                  f"are. {count} a row was inferred from these layers, which it then explains.")
     yield gw.Row(f"Depth of region 1 over the width, {crystal}", "", 1.0, slope, theory=group.law, digits=2,
-                 where=f"{SOURCE}, conclusions",
+                 where=f"{SOURCE}, 3, Fig. 6e",
                  remark="Theory: where the signals of both top corners meet on the middle line.")
     yield gw.Row(f"Decay of the peak speed in region 1, {crystal}", "1/m", decay, alpha, f"{SOURCE}, Fig. 7", digits=2,
                  remark="In the wide crystal, by one exponential; plate and loss are not printed: the size alone "

@@ -1,10 +1,10 @@
 """Changes by a lasting dent.
 
 Each packing twice: dents kept (boundary.forget_gap of 0.1 diameters), and forgotten as soon as the
-undeformed spheres part (1e-9 diameters). The second is what LIGGGHTS, YADE and MercuryDPM do with
-laws that yield, and LAMMPS's own granular styles with the history of a contact: it ends where the
-distance exceeds the sum of the radii. Dents in rigid walls are kept in both. Rows that rattle move
-chaotically: sign and size of a change mean something there, its digits do not.
+undeformed spheres part (1e-9 diameters). The second is the treatment of laws that yield in
+LIGGGHTS, YADE and MercuryDPM, and of the contact history in LAMMPS's own granular styles: it ends
+where the distance exceeds the sum of the radii. Dents in rigid walls are kept in both. Rows that
+rattle move chaotically: sign and magnitude of a change are meaningful there, its digits are not.
 """
 
 import math
@@ -14,7 +14,7 @@ import numpy as np
 from granwave.measures import Chain
 
 LITTLE = 0.01  # relative
-SAME = 5e-4  # relative: no change to the digits shown
+SAME = 5e-4  # relative change below the digits shown
 VALUES = {
     "Dissipated": ("J", "energy_dissipated_J"),
     "Largest contact force": ("N", "peak_force_N"),
@@ -23,7 +23,7 @@ VALUES = {
 
 
 def pairs(runs):
-    """Runs with dents kept and forgotten, by what they are."""
+    """Runs with dents kept and forgotten, by their description."""
     found = {}
     for run in sorted(runs, key=lambda run: -run.case.boundary.forget_gap):
         found.setdefault(words(run), []).append(run)
@@ -53,7 +53,7 @@ def words(run):
 
 
 def change(pair, key):
-    """Relative change by forgetting; infinite where there was nothing before."""
+    """Relative change by forgetting; infinite if the value was 0."""
     before, after = (run[key] for run in pair)
     return after / before - 1 if before else math.inf if after else 0.0
 

@@ -1,6 +1,6 @@
 """A packing hit several times.
 
-Each run starts with the spheres in their first places and with the dents that the run before left.
+Each run starts with the spheres in their first places and with the dents of the previous run.
 The runs tell by themselves: contact.initial_overlap of a second hit is the result of the first one.
 
     granwave report first second --study reproductions/precompression/hits.py
@@ -24,7 +24,7 @@ def select(runs):
 
 
 def before(run):
-    """Directory of the run that left the dents; None of a first hit."""
+    """Directory of the run that left the dents; None for a first hit."""
     left = run.case.contact.initial_overlap
     if not isinstance(left, str):
         return None

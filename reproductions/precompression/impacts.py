@@ -1,7 +1,7 @@
 """An impact at 5 m/s on packings under uniform pressure, with contacts that yield, and elastic.
 
-FCC packings of 16 x 16 x 8 brass spheres of 10 mm with free sides under uniform static pressure,
-which stays on. What the static load made yield is not counted.
+FCC packings of 16 x 16 x 8 brass spheres of 10 mm with free sides under constant, uniform static
+pressure. Yielding by the static load is not counted.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ WORDS = {"elastoplastic": "elasto-plastic contacts", "hertz": "elastic contacts"
 
 
 def select(runs):
-    """The packing that yields, and the elastic one, by rising pressure."""
+    """The yielding packing and the elastic packing, by rising pressure."""
     found = ([run for run in runs if run.case.contact.law == law] for law in WORDS)
     return [sorted(group, key=pressure) for group in found if group]
 
@@ -25,7 +25,7 @@ def pressure(run):
 
 
 def added(run):
-    """Largest force at the bottom beyond the static one, N."""
+    """Largest dynamic force at the bottom, N."""
     force = run.result["walls/bottom/force"]
     return (force - force[0]).max()
 

@@ -20,7 +20,7 @@ UNEVEN = "Free sides: the static forces are not even."
 
 
 def measured(runs):
-    """Packing and load in words; pressure, Pa, speed and its theory, m/s."""
+    """Packing and load in words; pressure, Pa, speed and theoretical speed, m/s."""
     points = []
     for run in runs:
         case = run.case

@@ -1,7 +1,7 @@
 """Spheres that were pressed before.
 
-Contacts that have dents from the start, of one force everywhere: they shall stay elastic up to that
-force.
+Contacts that have dents from the start, corresponding to a uniform force: they should stay elastic
+up to this force.
 """
 
 from itertools import groupby
@@ -14,8 +14,8 @@ from released import released_energy
 import granwave as gw
 from granwave.measures import Chain
 
-ELASTIC = 1e-9  # share of the input: nothing is dissipated
-REACHED = 1e-3  # of the largest force along the chain: the pulse has come to a contact
+ELASTIC = 1e-9  # fraction of the input that counts as no dissipation
+REACHED = 1e-3  # fraction of the largest force along the chain that marks the arrival of the pulse
 CLOSED = {
     "chain": "are there at the impact.",
     "fcc": "are closed by a static load, which stays on.",
@@ -37,7 +37,7 @@ def select(runs):
 
 
 def level(run):
-    """Force that the contacts were pressed to before, N."""
+    """Earlier force on the contacts, N."""
     dents = run.case.contact.initial_overlap
     return dents[0].force if dents else 0.0
 

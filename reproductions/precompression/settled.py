@@ -24,7 +24,7 @@ COLOURS = {
 
 
 def state(run):
-    """Making of a packing in words."""
+    """Preparation of a packing in words."""
     stage = run.case.precompression
     if stage is None:
         return "as placed" if run.case.packing.diameter_scatter else "like spheres, as placed"
@@ -38,7 +38,7 @@ def by_state(runs):
 
 
 def added(run):
-    """Force at the bottom beyond the static one, N, by time, s."""
+    """Dynamic force at the bottom, N, by time, s."""
     time, force = (run.result[f"walls/bottom/{name}"] for name in ("time", "force"))
     return time, force - force[0]
 
@@ -48,9 +48,7 @@ def transmitted(runs):
 
 
 def contacts(run):
-    """Contacts of two spheres that bear force at the start, over the number of spheres; 0 as
-    placed.
-    """
+    """Loaded contacts of two spheres at the start, over the number of spheres; 0 as placed."""
     return (
         float(run.result["prestage/contacts"][-1]) / run["n_spheres"]
         if run.case.precompression

@@ -16,7 +16,7 @@ from granwave.measures import power_law
 
 
 def measured(runs):
-    """Waves by static force; that force, the speed found, and the one that the source prints."""
+    """Waves by static force; the force, our speed, and the speed printed in the source."""
     waves = sorted(map(Wave, runs), key=lambda wave: wave.static)
     return waves, *np.array(
         [(wave.static, wave.long_wave_speed, wave.printed_c0) for wave in waves]

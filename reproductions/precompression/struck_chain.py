@@ -13,15 +13,15 @@ from granwave.theory import crest_force, crest_speed, lattice_speed, precompress
 
 WHERE = "composite (3)"
 SMALL = 0.05  # F_m/F0 - 1 up to which a pulse is small: the speed of (3) is then within 0.3 % of c0
-PRINTED_FACTOR = 0.9314  # of c0, (3)
-EXACT_FACTOR = math.sqrt(9 / math.pi) * 3 ** (-1 / 3) * 4 ** (-1 / 6)  # of the lattice
-FIRST_BEAD = 10  # from which on the crests of small pulses are followed
-DISTURBED = 1e-3  # of the largest force added: the far end has felt the wave
-STEADY = 0.01  # by which the crest may fall while its speed is measured
+PRINTED_FACTOR = 0.9314  # factor of c0, (3)
+EXACT_FACTOR = math.sqrt(9 / math.pi) * 3 ** (-1 / 3) * 4 ** (-1 / 6)  # factor for the lattice
+FIRST_BEAD = 10  # first contact at which the crests of small pulses are followed
+DISTURBED = 1e-3  # fraction of the largest added force: the wave has reached the far end
+STEADY = 0.01  # fraction by which the crest may decrease while its speed is measured
 
 
 def solitary_speed(ratio):
-    """Speed of the solitary wave over c0 by (3), of the continuum, from F_m/F0."""
+    """Speed of the solitary wave over c0 by (3), for the continuum, from F_m/F0."""
     eps = ratio ** (2 / 3) - 1
     bracket = 4 / 15 * (3 + 2 * ratio ** (5 / 3) - 5 * ratio ** (2 / 3))
     near = 1 + eps / 12  # the next term; the bracket cancels there
@@ -32,7 +32,7 @@ def solitary_speed(ratio):
 
 class Wave:
     """Speed and height of the crest in the second half of the contacts that it passes before the
-    far end feels it.
+    wave reaches the far end.
     """
 
     def __init__(self, run):
@@ -48,7 +48,7 @@ class Wave:
         running = (crests[:, 0] < time[-1]) & (np.diff(crests[:, 0], prepend=-1) > 0)
         self.last = int(
             np.argmin(np.append(running, False))
-        )  # contact, from 1, that the crest has passed
+        )  # number of the contact, from 1, that the crest has passed
         self.window = window = slice(self.last // 2, self.last)
         self.middle = (window.start + window.stop) // 2
         when, height = crests[window].T
@@ -60,7 +60,7 @@ class Wave:
 
     @property
     def printed_c0(self):
-        """c0 by (3), m/s."""
+        """c0 according to (3), m/s."""
         own = self.chain.case.material
         diameter = self.chain.case.packing.diameter
         modulus = own.youngs_modulus / (1 - own.poisson_ratio**2)
@@ -70,12 +70,12 @@ class Wave:
 
     @property
     def printed(self):
-        """Speed of a solitary wave of that crest by (3), m/s."""
+        """Speed of a solitary wave with this crest according to (3), m/s."""
         return self.printed_c0 * float(solitary_speed(np.array(self.ratio)))
 
     @property
     def long_wave_speed(self):
-        """c0 by the crests of the beads' velocities, whose dispersion in a linear chain is known,
+        """c0 from the crests of the beads' velocities, whose dispersion in a linear chain is known,
         m/s.
         """
         numbers = np.arange(FIRST_BEAD, self.last)
@@ -98,5 +98,5 @@ class Wave:
 
     @property
     def uncompressed_speed(self):
-        """Speed of Nesterenko's wave of the same largest force added, m/s."""
+        """Speed of Nesterenko's wave with the same largest added force, m/s."""
         return self.chain.scales.nesterenko(self.added)

@@ -15,7 +15,7 @@ import granwave as gw
 from granwave.measures import power_law, pulse_peaks, speed_along_layers
 from granwave.theory import precompressed_line
 
-# spheres between which the speed is measured, from the struck one as 1
+# spheres between which the speed is measured, counted from the impacted sphere as 1
 FIRST = 6
 LAST = 10
 BACKGROUND = {"where": "square packing, 2-D Background"}

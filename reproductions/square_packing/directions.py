@@ -1,8 +1,8 @@
 """Directions of the waves.
 
 Share of the energy of the spheres, before the wave reaches an end, and of all dissipation, within
-15 degrees of the directions of contacts from the struck spheres. Theory: an even spread. Square
-packings: the fastest impact. Each run's own map is its figure `directions`.
+15 degrees of the directions of contacts from the struck spheres. Theory: an isotropic distribution.
+Square packings: the fastest impact. Each run's own map is its figure `directions`.
 """
 
 import granwave as gw

@@ -35,13 +35,13 @@ class Rubbing(Packing):
         self.largest = np.array([self.peaks[group].velocity[place - 1] for group, place in PLACES])
 
     def lost_at_struck(self):
-        """Share of the friction between spheres at contacts of the struck ones."""
+        """Fraction of the friction between spheres at contacts of the impacted spheres."""
         contacts = self.run.contacts
         at = contacts.i.isin(self.struck) | contacts.j.isin(self.struck)
         return contacts.friction_energy[at].sum() / contacts.friction_energy.sum()
 
     def floor_work(self):
-        """Coefficient of the floor times the weight of every sphere times its way, over the input."""
+        """Coefficient of the floor times weight and path of every sphere, over the input."""
         places = self.run.fields.displacement.values[:, : self.size[0] * self.size[1], :2]
         way = np.linalg.norm(np.diff(places, axis=0), axis=2).sum()
         weight = self.case.sphere_mass * self.case.precompression.acceleration
@@ -49,8 +49,8 @@ class Rubbing(Packing):
 
 
 def measured(runs):
-    """Packings with friction in rising order of it, and the losses of their largest velocity, %:
-    (n_runs, n_places).
+    """Packings with friction in rising order of friction, and the losses of their largest velocity,
+    %: (n_runs, n_places).
     """
     smooth, *found = sorted(map(Rubbing, runs), key=lambda one: one.frictions)
     return found, np.array([100 * (1 - one.largest / smooth.largest) for one in found])

@@ -19,7 +19,7 @@ ENERGIES = {
     "in-plane": {"central chains": 71.5, "edge chains": 24.5},
     "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "struck spheres": 47.7},
 }  # % of the input
-SETTLED = 0.02  # of its last length: what a settled pulse may differ by
+SETTLED = 0.02  # fraction of its last length by which a settled pulse may differ
 REBOUND = "The source: the remaining energy, which is 4.0 % of its numbers."
 ASYMPTOTIC = (
     "The source's 13 % are those of Chatterjee's asymptotic wave against Nesterenko's; it calls the decrease of its "
@@ -48,7 +48,7 @@ def text(one):
 
 
 def last_length(found):
-    """The last sphere of a chain, from 0, with a length of the pulse that the wall does not touch."""
+    """Last sphere of a chain, from 0, where the wall does not affect the length of the pulse."""
     return np.flatnonzero(np.isfinite(found[MEASURES[3]][:-2]))[-1]
 
 

@@ -47,7 +47,7 @@ def named(numbers):
 
 
 def by_end(runs):
-    """Readings at each end, that of like spheres first."""
+    """Readings at each end, identical spheres first."""
     found = sorted(map(Reading, runs), key=lambda one: (len(one.lighter), one.lighter))
     return {end: [one for one in found if one.end == end] for end in ENDS}
 

@@ -13,14 +13,14 @@ import numpy as np
 from granwave.measures import energy_by_region, line_velocity, pulse_lengths, pulse_peaks
 from granwave.theory import solitary_lengths
 
-MEASURES = tuple(solitary_lengths())  # of the length of a pulse
+MEASURES = tuple(solitary_lengths())  # measures of the length of a pulse
 COLOURS = {
     "central chains": "C0", "edge chains": "C9", "struck spheres": "C1", "strikers": "C4", "other spheres": "black",
     "walls": "0.5", "dissipated": "C2",
 }  # fmt: skip
 
 
-VELOCITY = {"in-plane": 0.29, "out-of-plane": 0.65}  # of the source's striker, m/s
+VELOCITY = {"in-plane": 0.29, "out-of-plane": 0.65}  # velocities of the source's striker, m/s
 
 
 def source_impacts(runs):
@@ -30,8 +30,8 @@ def source_impacts(runs):
 
 
 class Packing:
-    """A struck packing; what is of a group of chains is of its first one, for all are alike by
-    symmetry.
+    """An impacted packing; values of a group of chains are taken from its first chain, because all
+    are equal by symmetry.
     """
 
     def __init__(self, run):
@@ -88,7 +88,7 @@ class Packing:
 
     @cached_property
     def energies(self):
-        """Shares of the input in time, the struck spheres apart from their chains."""
+        """Fractions of the input in time; impacted spheres are separate from their chains."""
         n = self.size[0] * self.size[1]
         chains = self.chains.items()
         regions = {group: np.concatenate([ids[1:] for ids in members]) for group, members in chains}
@@ -98,8 +98,9 @@ class Packing:
 
     @cached_property
     def settled(self):
-        """Shares of the input: chains at most, struck spheres and strikers when they have
-        rebounded, losses at the end.
+        """Fractions of the input: largest of the chains, impacted spheres and strikers after their
+        rebound, losses at the end. They have rebounded when the impacted spheres have their largest
+        energy after the minimum.
 
         They have rebounded when the struck spheres hold most after they held least.
         """

@@ -1,8 +1,8 @@
 """A lighter sphere in a chain.
 
-Largest contact force of what comes back, over that of the incident wave, four contacts before the
-sphere, until waves from the far end can arrive. The source does not say which amplitude it took,
-nor where.
+Largest contact force of the reflected wave divided by the force of the incident wave, four contacts
+before the sphere, until waves from the far end can arrive. The source does not state the amplitude
+and position of its measurement.
 """
 
 import numpy as np
@@ -21,8 +21,8 @@ SETUP = {"where": "square packing, Experimental Setup"}
 
 
 def measured(runs):
-    """Mass of the sphere over the others', reflected share (%), record and force there, by rising
-    mass.
+    """Mass of the sphere over the others', reflected fraction (%), record and force there, by
+    rising mass.
     """
     found = []
     for run in runs:

@@ -30,7 +30,7 @@ DRAWN = {"in-plane": ("1C", "1D", "2B", "2C"), "out-of-plane": ("3B", "3C")}  # 
 # s between two samples of the source; m, of its diameters
 SAMPLING = 2e-6
 TOLERANCE = 1e-5
-STEEPEST = 3 * math.sqrt(3) / 16  # of cos^3 sin
+STEEPEST = 3 * math.sqrt(3) / 16  # largest value of cos^3 sin
 DOTTED = "Theory: the dotted line, Nesterenko's wave."
 ERROR_BAR = "By the source's formula, of 2 µs and 0.01 mm; it leaves gaps out, which make far more."
 

@@ -1,7 +1,7 @@
 """Sensor spheres in a square packing.
 
-What lighter spheres with sensors change at the sensors, beside spheres alike: peak velocity, and
-its time. The source found no trend in its experiments with a chain.
+Change at the sensors by lighter spheres with sensors, compared with equal spheres: peak velocity,
+and its time. The source found no trend in its experiments with a chain.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import first_peak, sensor_velocities
 
-FELT = 0.01  # of the largest velocity: the wave passes a sensor
+FELT = 0.01  # fraction of the largest velocity that marks the passage of the wave at a sensor
 SETUP = {"where": "square packing, Experimental Setup"}
 
 

@@ -18,11 +18,12 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import directions, estimate, first_peak, sensor_accelerations
 
-# of the source at each place of sensors; runs for a standard deviation
+# impacts of the source at each position of sensors; runs for a standard deviation
 IMPACTS = 15
 FEWEST = 4
 PATH = {"where": "square packing, Wave Propagation Path"}
-#: Of the source, mean and standard deviation: the second's delay, µs, and the first's excess in acceleration, %.
+#: Source's mean and standard deviation: delay of the second sensor, µs, and excess acceleration of
+#: the first, %.
 TWINS = {
     "1A and 1B (central chains, in-plane)": ((-21.0, 68.0), (4.0, 10.0)),
     "2A and 2B (edge chains, in-plane)": ((-0.5, 6.5), (-7.0, 18.0)),
@@ -31,8 +32,8 @@ TWINS = {
 
 
 class Sample:
-    """All runs of a setting as two twin sensors see them: delay, µs, excess, %, and arrival, µs, of
-    the peaks.
+    """All runs of a setting at two twin sensors: delay, µs, excess, %, and arrival, µs, of the
+    peaks.
     """
 
     def __init__(self, twins, setting, runs):
@@ -48,7 +49,7 @@ class Sample:
 
     @property
     def remark(self):
-        """Cause of the scatter, and runs that do not count."""
+        """Cause of the scatter, and runs that are excluded."""
         parts = []
         if "striker off centre" in self.setting:
             parts.append(
@@ -71,7 +72,7 @@ class Sample:
 
 
 def differences(run, first, second):
-    """Delay, excess and arrival of two sensors; None if the wave has reached one of them alone, or
+    """Delay, excess and arrival of two sensors; None if the wave has reached only one of them, or
     neither.
     """
     found = sensor_accelerations(run.result)
@@ -149,7 +150,9 @@ def rows(samples):
 
 
 def verdict(samples):
-    """Delay over the scatter of the amplitude, which the size of an imperfection hardly changes."""
+    """Delay over the scatter of the amplitude, which is almost independent of the size of an
+    imperfection.
+    """
     for twins, ((_, delay), (_, excess)), own in by_twins(samples):
         found = "; ".join(f"{one.setting}: {short(one.ratio)}" for one in own)
         yield (

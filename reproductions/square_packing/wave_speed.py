@@ -40,7 +40,7 @@ def measured(runs):
 
 
 def nesterenko(material, velocity):
-    """Speed of the solitary wave of a largest particle velocity, m/s (equation 3)."""
+    """Speed of the solitary wave with a largest particle velocity, m/s (equation 3)."""
     c2 = (
         2 * material.youngs_modulus / (math.pi * material.density * (1 - material.poisson_ratio**2))
     )

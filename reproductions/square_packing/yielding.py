@@ -1,6 +1,6 @@
 """Square packing with yielding.
 
-The same impacts with the elasto-plastic law, which the source did not do."""
+The same impacts with the elasto-plastic law, which are not in the source."""
 
 import numpy as np
 from matplotlib.figure import Figure

@@ -76,7 +76,7 @@ from granwave.analysis.result.not_a_run import why_no_run
 for name in ("run", "empty", "notes", "spectra", "design", "other", "none"):
     print(why_no_run(Path(name)))
 """
-    expected = "expected result.h5 in it, as  granwave run CASE -o"
+    expected = "expected result.h5 in it, written by  granwave run CASE -o"
     assert without("all", place, text).splitlines() == [
         "run/result.h5 is missing: make it with  granwave analyse run",
         f"empty: is no run: it is empty; {expected} empty  leaves it",

@@ -137,6 +137,16 @@ def test_refusal_names_the_ways_and_what_they_would_do() -> None:
     assert all(f'"{name}"' in message for name in CONTACT_WAYS)
     assert '"touch" moves grains by up to 5e-06 m until the 1 pairs within' in message
     assert "with up to" in message
+    assert "column clump" not in message
+
+
+def test_deep_overlaps_hint_at_clumps_and_units() -> None:
+    text = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.006,0.01\n"
+    with pytest.raises(InputError) as caught:
+        case_from_dict(case_of(text), "mine")
+    (message,) = caught.value.errors
+    assert "an overlap of 40 % of a diameter is more than a contact" in message
+    assert "number the spheres of one body in a column clump" in message
 
 
 @pytest.mark.parametrize(

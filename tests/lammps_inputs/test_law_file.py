@@ -69,7 +69,7 @@ def test_the_law_of_a_pair(case_file):
     [
         (None, r"contact\.law: .*fit\.toml: .*(no such|not found|cannot be read|there is no)"),
         ("[material]\n", r"contact\.law: .*fit\.toml: found no law in a table \[contact\]"),
-        ('[contact]\nlaw = "other.toml"\n', r"contact\.law: .*a file again; name that file"),
+        ('[contact]\nlaw = "other.toml"\n', r"contact\.law: .*another file; name that file"),
         ("[contact\n", r"contact\.law: .*fit\.toml.*not valid TOML"),
         ('[contact]\nlaw = "hooke"\n', r"contact\.law: found \"?hooke"),
     ],

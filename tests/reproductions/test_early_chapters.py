@@ -51,12 +51,14 @@ def test_decay_and_collapse(pulses: list[gw.Run]) -> None:
     assert row(found, "Largest difference").ours < 0.15
     for impulse, contact in ((0.46, 4), (0.046, 10)):
         tag = f"I {impulse} "
-        assert row(found, f"Start of the second regime, contact, {tag}").ours == contact
+        assert row(found, f"First contact that a later wave presses more, {tag}").ours == contact
         constant = row(found, f"C: mean of (x/R*) F/(E*R*^2 I), contacts 10 to 100, {tag}")
         assert constant.ours == pytest.approx(0.268, rel=0.1)
         power = row(found, f"Power of the peak force with distance, contacts 15 to 100, {tag}")
         assert power.ours == pytest.approx(-1, abs=0.15)
     assert row(found, "a: ").ours == pytest.approx(0.0374, rel=0.02)
+    assert row(found, "Start of the second regime, contact, I 0.46 ").ours == 7
+    assert row(found, "Contact at which a trailing wave meets the leading one, I 0.046 ").ours == 22
 
 
 def test_one_law_for_several_waves(pulses: list[gw.Run]) -> None:

@@ -1,4 +1,4 @@
-"""Arguments of the command line: texts to values, with one-line errors."""
+"""Arguments of the command line: conversion of texts to values, with one-line errors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number
 
 BENCH_PARTS = ("styles", "lists", "sizes", "ranks", "study")
-_LARGEST_OVERLAP = 1e6  # over the overlap at first yield; the size of spheres limits it to some 1e4
+# largest overlap over the overlap at first yield; the size of spheres limits it to about 1e4
+_LARGEST_OVERLAP = 1e6
 _SHORTEST, _LONGEST = POSSIBLE["m"]
 
 

@@ -103,7 +103,7 @@ def _cluster_plan(
 
 
 def _not_made(error: PackingNotMadeError, *, as_json: bool) -> int:
-    """Show the recipe of the bed of a case, whose plan follows once the bed is made."""
+    """Show the recipe of the bed of a case; the plan follows after the bed is made."""
     (packing,) = error.packings
     if as_json:
         print_json({"not_made": dict(packing.rows)})
@@ -156,7 +156,7 @@ def _values(
 def _table_of_other(
     kind: CaseKind, assembled: Any, name: str, expected: Any, parts: Sequence[CheckPart]
 ) -> str:
-    """Return the table of a case that is not of spheres."""
+    """Return the table of a case without spheres."""
     rows = [("case", name), (kind.parts, f"about {kind.size(assembled)}")]
     for part in parts:
         rows += part.rows

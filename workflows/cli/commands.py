@@ -59,12 +59,12 @@ class Command:
     group
         Heading that it is listed under, as `RUNNING`.
     what
-        Its line in the list, and the description in its own help.
+        Its line in the list of commands, and the description in its help.
     function
         Reference, "MODULE:NAME", of the function that is called with the parsed options and returns
         the exit status; its module is loaded then.
     options
-        Its options; of those in a list one alone may be given.
+        Its options; of options in a list only one may be given.
     after
         Command that it is listed behind; empty: it is the last one of its group.
     """
@@ -81,7 +81,7 @@ class Command:
         return int(load(self.function)(options))
 
     def each_option(self) -> Iterator[Option]:
-        """Iterate over the options, those in lists too."""
+        """Iterate over all options, including options in lists."""
         for entry in self.options:
             if isinstance(entry, Option):
                 yield entry
@@ -98,7 +98,8 @@ def chosen(options: argparse.Namespace, function: Callable[..., Any]) -> dict[st
     }
 
 
-# ----------------------------------------------------------------------------- makers of options
+# ----------------------------------------------------------------------------- functions that make
+# options
 
 
 def option(
@@ -133,7 +134,7 @@ def as_json(what: str) -> Option:
 
 
 def materials(what: str) -> Option:
-    """Make the option of the materials of one or two bodies."""
+    """Make the option for the materials of one or two bodies."""
     return option(
         "--material",
         nargs="+",
@@ -145,7 +146,7 @@ def materials(what: str) -> Option:
 
 
 def radii(what: str) -> Option:
-    """Make the option of the radii of one or two bodies, m."""
+    """Make the option for the radii of one or two bodies, m."""
     return option("--radius", nargs="+", type=read.radius, default=[0.005], metavar="R", help=what)
 
 
@@ -231,6 +232,6 @@ FIGURE_KEYS = {
 
 
 def figure_options(*keys: str) -> list[Option]:
-    """Return the options of a plane, and those of further keys of `FIGURE_KEYS`."""
+    """Return the options of a plane, and of further keys of `FIGURE_KEYS`."""
     further = (FIGURE_KEYS[key] for key in keys if key != "plane")
     return [FIGURE_KEYS["plane"], THROUGH, *further]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _MOST_VALUES = 12  # rows at the terminal
 _MOST_KEYS = 12
-_MOST_RUNS = 6  # with a column each
+_MOST_RUNS = 6  # most runs with a column each
 _WIDEST = 28  # characters of a cell
 
 

@@ -2,7 +2,7 @@
 their values.
 
 The shell calls ``granwave`` with ``_ARGCOMPLETE`` set, see https://kislyuk.github.io/argcomplete.
-Names are collected when they are asked for, as most need modules that the parser does without.
+Names are collected on demand, because most need modules that the parser does not need.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ def with_completers(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
 
 
 def _completers_of(command: Command) -> dict[str, Callable[..., list[str]]]:
-    """Return the completers of the options of a command whose words it gives; and of its case, if
-    it runs cases of a kind.
+    """Return the completers of the options of a command that list words; and of its case, if it
+    runs cases of a kind.
     """
     completers = {
         option.destination: _words_of(option)
@@ -82,7 +82,7 @@ def _completers_of(command: Command) -> dict[str, Callable[..., list[str]]]:
 
 
 def _words_of(option: Option) -> Callable[..., list[str]]:
-    """Completer of an option by the words that it gives."""
+    """Completer of an option with a list of words."""
     words = option.words
     assert words is not None
     return _names(lambda _: words())
@@ -125,12 +125,14 @@ def _overrides(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[s
 
 
 def _keys(*files: str, first: str = "") -> dict[str, Key]:
-    """Return the keys of kinds of files by dotted name; entries of lists have the number ``first``."""
+    """Return the keys of kinds of files by dotted name; entries of lists have the number
+    ``first``.
+    """
     from granwave.workflows.cli.keys import tables
 
     lists = {table.name for table in tables() if table.heading.startswith("[[")}
     keys: dict[str, Key] = {}
-    for table in reversed(tables()):  # the first of several counts
+    for table in reversed(tables()):  # the first of several is used
         if table.file in (files or (table.file,)):
             prefix = f"{_numbered(table.name, lists, first)}." if table.heading else ""
             keys |= {f"{prefix}{key.name}": key for key in table.keys}
@@ -148,11 +150,11 @@ def _numbered(name: str, lists: Collection[str], first: str) -> str:
 
 
 def _kinds_of_file(options: argparse.Namespace) -> list[str]:
-    """Return the kind of the case on the command line, or the kinds that it may have."""
+    """Return the kind of the case on the command line, or the possible kinds."""
     try:
         tables = read_toml(library.find(getattr(options, "case", None) or ""))
         return [solver_of(tables).file_kind]
-    except InputError:  # none is given yet
+    except InputError:  # no case is given yet
         command = options.command.name
     kinds = [kind.file_kind for kind in case_kinds() if kind.verb == command]
     return kinds or [GRANULAR.file_kind]

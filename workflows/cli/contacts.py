@@ -56,7 +56,7 @@ def law(options: argparse.Namespace) -> int:
 
 
 def _check_law(options: argparse.Namespace, output: Path) -> None:
-    """Raise InputError for options of ``granwave law`` that do not fit together."""
+    """Raise InputError for incompatible options of ``granwave law``."""
     rate = options.rate_sensitivity
     speed = options.velocity
     contact_law = LAWS[options.law]
@@ -107,7 +107,7 @@ def _parameters(options: argparse.Namespace) -> dict[str, dict[str, Any]]:
     them.
     """
     law = LAWS[options.law]
-    slow = {"rate_sensitivity": None}  # unless a rate is asked for
+    slow = {"rate_sensitivity": None}  # unless a rate is given
     parameters: dict[str, dict[str, Any]] = {"contact": {}, "material": slow}
     for name, parameter in PARAMETERS.items():
         value = getattr(options, name, None)
@@ -159,12 +159,12 @@ def _cohesion(options: argparse.Namespace) -> Cohesion | None:
     return found
 
 
-#: Message on radii that `are_radii` refuses.
+#: Message for radii that `are_radii` rejects.
 RADII = "--radius: expected positive lengths in m (the second may be inf, a plane)"
 
 
 def are_radii(radii: Sequence[float]) -> bool:
-    """Return True for one finite radius, and a second one that may be infinite."""
+    """Return True for one finite radius, and optionally a second radius, which may be infinite."""
     return math.isfinite(radii[0]) and all(radius > 0 for radius in radii)
 
 

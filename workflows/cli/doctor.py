@@ -70,7 +70,7 @@ if not known:
 
 
 _NOT_STARTED = "MPI_Init"  # in the messages of MPI libraries that cannot start
-_LONGEST = 60.0  # s that a check may take
+_LONGEST = 60.0  # time limit of a check, s
 
 
 @dataclasses.dataclass(frozen=True)
@@ -147,7 +147,9 @@ def _found(extension: Extension) -> FoundExtension:
 
 
 def examine(profile: Path | None = None) -> list[Finding]:
-    """Check all parts that a run needs, and those that a profile of a cluster names."""
+    """Check all parts that are required for a run, and for the profile of a cluster if one is
+    given.
+    """
     found = versions()
     path = plugins.library()
     wrong = check_release()
@@ -156,7 +158,7 @@ def examine(profile: Path | None = None) -> list[Finding]:
     )
     missing = {name for name, version in found.items() if version == "not installed"} - {
         "mpich"
-    }  # or a site's MPI
+    }  # or another MPI
     script = (
         "from granwave.workflows.run.lammps_engine import open_engine\n"
         "from granwave.workflows.run.mpi import world\n"

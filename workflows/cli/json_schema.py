@@ -1,8 +1,8 @@
-"""JSON Schema (2020-12) of the files that a user writes, made of the records of their keys; editors
-complete from it.
+"""JSON Schema (2020-12) of the files that a user writes, derived from the declarations of their
+keys; editors use it for completion.
 
-The declared types of keys are there: bounds, words, and tables in tables. What concerns several
-keys is not: ``granwave check`` says that.
+The declared types of keys are there: bounds, words, and tables in tables. Relations between several
+keys are not included: ``granwave check`` says that.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from granwave.workflows.cli.keys import Key, KeyTable, tables
 from granwave.workflows.file_kinds import CASE_FILE, FileKind, file_kinds
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-#: Required keys that something else may give: a preset, the table of grains.
+#: Required keys that may be set otherwise: by a preset or the table of grains.
 _NOT_ALWAYS = re.compile(r"material\..*|packing\.(size|diameter)")
 
 Schema = dict[str, Any]
@@ -102,8 +102,8 @@ def _of_key(key: Key) -> Schema:
         "examples": [_value(key.example)],
         **key.json,
     }
-    if key.default and key.default != "[]":  # an empty list stands for a key that is not given
-        with contextlib.suppress(tomllib.TOMLDecodeError):  # of defaults in words
+    if key.default and key.default != "[]":  # an empty list means a missing key
+        with contextlib.suppress(tomllib.TOMLDecodeError):  # defaults that are words
             found["default"] = _value(f"{key.name} = {key.default}")
     return found
 

@@ -1,8 +1,8 @@
 """Reference of the keys of all files that a user writes, collected from the code that reads them.
 
 ``granwave keys`` prints it, and the site of the documents shows it. Description, unit and default
-are those of the field, the accepted values are the words of its validator, and the examples stand
-in `key_examples.toml` here and in the folders of extensions.
+are taken from the field, accepted values from its validator, and examples from `key_examples.toml`
+here and in the folders of extensions.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Key:
     example
         A value as in a file.
     words
-        Words, numbers or truth values of which a value is one, if there are any.
+        Allowed words, numbers or booleans, if the values are a list.
     json
         JSON Schema of its values.
     """
@@ -79,7 +79,7 @@ class KeyTable:
     file
         Name of the `granwave.workflows.file_kinds.FileKind`.
     name
-        Its dotted name; that of the kind of file for the keys above all tables.
+        Its dotted name; for the keys above all tables the name of the kind of file.
     heading
         Its heading in a file; empty for the keys above all tables.
     """

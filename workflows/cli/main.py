@@ -37,7 +37,7 @@ _LONGEST_SHOWN = 300  # characters of a path in a message
 _NO_ROOM_FOR_LIBRARY = (
     "failed to map segment",
     "annot allocate memory",
-)  # what the loader of libraries says
+)  # messages of the loader of libraries
 _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
 
 
@@ -51,11 +51,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _set_up_output()
     try:
         parser = make_parser(words)
-    except InputError as error:  # of extensions
+    except InputError as error:  # errors of extensions
         return _report([line_of(item) for item in error.items], WRONG_INPUT)
     options = parser.parse_args(words)
     _set_up_logging()
-    if os.path.lexists("matplotlibrc"):  # of other programs; read, it could stop us
+    if os.path.lexists("matplotlibrc"):  # a file of other programs, which could stop granwave
         with contextlib.chdir(os.sep):
             import matplotlib  # noqa: F401
     _handle_signals()
@@ -63,7 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _run(options, words)
     finally:
         for repeated in _REPEATED:
-            repeated.cancel()  # one that came now would be the process's end, by signal
+            repeated.cancel()  # a later one would end the process by a signal
 
 
 def _handle_signals() -> None:
@@ -131,7 +131,7 @@ def _interrupt_again(lost: sys.UnraisableHookArgs) -> None:
 
 def _set_up_output() -> None:
     """Make printing and drawing work independently of terminal and settings."""
-    for number in range(3):  # a closed one would be the next file to be opened
+    for number in range(3):  # a closed one would be reused for the next file
         try:
             os.fstat(number)
         except OSError:

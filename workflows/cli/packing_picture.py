@@ -1,4 +1,4 @@
-"""Option ``--picture`` of ``granwave check``: a picture of the packing."""
+"""Option ``--picture`` of ``granwave check``: a drawing of the packing."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def draw_packing(path: Path | None, assembled: Any) -> None:
         raise InputError(
             "--picture: this case has no packing; remove the option, or use a case of granwave run"
         )
-    # takes longer to load than most checks
+    # imported on demand: slow to load
     from granwave.analysis.figures.packing_sketch import write_packing
 
     write_packing(assembled, path)

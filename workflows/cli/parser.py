@@ -1,4 +1,6 @@
-"""The commands of the core and their options, and the parser of all commands, those of extensions too."""
+"""The commands of the core and their options, and the parser of all commands, including
+extensions.
+"""
 
 from __future__ import annotations
 
@@ -261,8 +263,8 @@ def _core() -> tuple[Command, ...]:
             option("--repeats", type=read.positive, default=5, metavar="N", help="timings of each "
                 "style (default: 5)"),
             [option("--parts", type=read.bench_parts, default=BENCH_PARTS, metavar="PART,...",
-                     help=f"parts to measure: {', '.join(BENCH_PARTS)} (default: all, a "
-                         "quarter of an hour)"),
+                     help=f"parts to measure: {', '.join(BENCH_PARTS)} (default: all, "
+                         "ten minutes)"),
              option("--styles-only", action="store_const", const=("styles",), dest="parts",
                      help="the same as --parts styles")],
         )),
@@ -288,8 +290,7 @@ def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
     Parameters
     ----------
     words
-        Words of a command line: the parser then has only the command that they name, if they name
-        one.
+        Words of a command line: the parser then has only the named command, if there is one.
     """
     parser = _Parser(
         prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS."
@@ -341,7 +342,7 @@ class _Parser(argparse.ArgumentParser):
     """Parser that reports errors in one line, like other errors."""
 
     def format_help(self) -> str:
-        """Return the help, with titles that stand out on a terminal."""
+        """Return the help, with emphasised titles on a terminal."""
         return re.sub(
             r"(?m)^\S[^\n]*:$",
             lambda title: coloured(title[0], BOLD, sys.stdout),

@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
         mpi.check_cores(options.ranks)
         logging.getLogger("granwave").setLevel(
             logging.ERROR
-        )  # the ranks will give the warnings of the case
+        )  # the ranks will print the warnings of the case
     assembly = library.load_assembly(options.case, options.overrides)
     case = assembly.case
     directory = results_directory(options.directory or case.name)
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
 
     from granwave.workflows.run.driver import (
         run_assembly,
-    )  # loads the analysis, which starting ranks does without
+    )  # loads the analysis, which is not needed to start ranks
 
     comm = mpi.world()
     outcome = run_assembly(
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
         warn_of_zone(summary)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
-                f"{beyond} contacts were pressed beyond 0.2 R*, the limit of the contact law; "
+                f"{beyond} contacts exceeded an overlap of 0.2 R*, the limit of the contact law; "
                 "figures mark them with a ring"
             )
         if outcome.state == record.INTERRUPTED:

@@ -33,7 +33,7 @@ from granwave.workflows.scanning.scan_file import Scan, load_scan
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
 _WORTH_MEASURING = 20.0  # s; for a longer expected time the speed of this machine is measured first
-_PLANNED = 1000  # points that a plan is made of, taken at random: 5 to 20 s
+_PLANNED = 1000  # most points of a plan, chosen at random: 5 to 20 s
 
 
 def scan(options: argparse.Namespace) -> int:
@@ -126,7 +126,7 @@ def _check_directory(whole: Scan | Suite, directory: Path, options: argparse.Nam
             decide(whole, results, resume=options.resume, force=options.force)
         else:
             check_suite(whole, results, resume=options.resume, force=options.force)
-    except OSError as error:  # it cannot be looked into
+    except OSError as error:  # the directory cannot be read
         raise InputError(
             f"{directory}: {error.strerror or error}; choose another directory with -o"
         ) from None

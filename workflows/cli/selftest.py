@@ -1,7 +1,7 @@
 """``granwave selftest``: known answers, plugin, MPI ranks and restart, computed on this machine.
 
-Two of the answers are closed forms, written here again and not taken from the laws that the runs
-use; R and m are those of the pair, K = 4/3 E* sqrt(R):
+Two reference values are closed forms, written here independently of the laws used in the runs; R
+and m are the effective radius and mass of the pair, K = 4/3 E* sqrt(R):
 
     Hertz 1882       F = K a^1.5, a_max = (5 m v^2/(4 K))^(2/5); the contact lasts 2.943 a_max/v
     Thornton 1997    F_max = F_y sqrt(6/5 (v/v_y)^2 - 1/5) and, with r = v_y/v, restitution
@@ -67,13 +67,13 @@ _PACKING: dict[str, Any] = {
     "load": {"velocity": 5.0},
     "run": {"end_time": 1e-4, "frames": 3},
 }
-# of `_PACKING`: share of the input, contacts
+# expected fraction of the input, and contacts, of `_PACKING`
 _DISSIPATED = 0.83929649013269
 _YIELDED = 375
 _EXACT = 1e-9  # relative difference of a run that was stopped and resumed
 _FIELDS = ("spheres", "contacts", "wall_contacts", "particles")  # groups of result.h5
 _OF_THE_CLOCK = ("wall_time_s", "sphere_steps_per_s", "energy_balance_error")
-_LOOK = 0.002  # s between looks for the first steps of a run
+_LOOK = 0.002  # s between checks for the first steps of a run
 _WIDTHS = (32, 16, 16, 0)  # characters of the columns
 _WRONG = (
     "results of this installation are wrong; do not use it, and report this table with the "
@@ -217,7 +217,9 @@ def _number(what: str, unit: str, expected: float, found: float, digits: int = 5
 
 
 def _pair_constants() -> tuple[float, float, float]:
-    """Return mass (kg), radius (m) and modulus (Pa) of a pair of equal spheres, as Hertz has them."""
+    """Return mass (kg), radius (m) and modulus (Pa) of a pair of equal spheres, as Hertz has
+    them.
+    """
     mass = _BRASS["density"] * math.pi / 6 * _DIAMETER**3
     return (
         mass / 2,
@@ -235,7 +237,7 @@ def _hertz(scratch: Path) -> list[Check]:
     with Result(directory) as result:
         times = result["probes/time"]
         overlaps = result["probes/contact_1_2_overlap"]
-    last = np.flatnonzero(overlaps > 0)[-2:]  # there is hardly a force any more
+    last = np.flatnonzero(overlaps > 0)[-2:]  # the force is almost zero
     slope = np.diff(overlaps[last])[0] / np.diff(times[last])[0]
     end = times[last[-1]] - overlaps[last[-1]] / slope
     return [
@@ -248,7 +250,7 @@ def _hertz(scratch: Path) -> list[Check]:
 
 def _thornton(scratch: Path) -> list[Check]:
     mass, radius, modulus = _pair_constants()
-    pressure = _BRASS["yield_strength"]  # of first yield, and of flow
+    pressure = _BRASS["yield_strength"]  # pressure of first yield, and of flow
     force = math.pi**3 * radius**2 * pressure**3 / (6 * modulus**2)
     share = (
         math.sqrt(math.pi**5 * radius**3 * pressure**5 / (30 * modulus**4 * mass)) / _SPEED
@@ -289,11 +291,9 @@ def _packing(scratch: Path) -> list[Check]:
 
 
 def _ranks(scratch: Path, ranks: int, launcher: Sequence[str]) -> list[Check]:
-    """Run the begin of the packing on several ranks; every field must have the bits that one rank
-    gives.
-
-    Its steps are few: ranks that share a core with others, or with other programs, wait for each
-    other in each.
+    """Run the start of the packing on several ranks; every field must equal the result of one rank
+    bit by bit. There are few steps, because ranks that share a core wait for each other in each
+    step.
     """
     tables = _PACKING | {"run": {"end_time": 1.5e-5, "frames": 2}}
     alone = _run(scratch, "alone", tables)[0]

@@ -31,7 +31,7 @@ CASE = "case.toml"  # in the folder of a job
 
 
 def profile_of(value: Any) -> Profile:
-    """Return the profile that ``--submit`` names; without a name that of a usual Slurm."""
+    """Return the profile given by ``--submit``; without a name a standard Slurm profile."""
     return Profile() if value is True else load_profile(value)
 
 
@@ -43,7 +43,7 @@ def refuse_without_submit(options: argparse.Namespace) -> None:
 
 
 def ranks_of(options: argparse.Namespace, profile: Profile) -> int:
-    """Return the number of MPI ranks: ``--np``, or else that of the profile."""
+    """Return the number of MPI ranks: ``--np``, or otherwise the number in the profile."""
     given = any(word == "--np" or word.startswith("--np=") for word in options.given)
     return options.ranks if given else profile.ranks
 

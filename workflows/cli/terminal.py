@@ -21,7 +21,7 @@ GREEN = "32"
 YELLOW = "33"
 
 SHELLS = ("bash", "zsh", "fish")
-#: Lines that switch completion on, by shell, and the file that they belong into.
+#: Lines that enable completion, by shell, and the file for them.
 SWITCH_ON = {
     "bash": ('eval "$(granwave completion bash)"', "~/.bashrc"),
     "zsh": ('eval "$(granwave completion zsh)"', "~/.zshrc, after compinit"),
@@ -40,7 +40,7 @@ def coloured(text: str, code: str, stream: Any) -> str:
 
 
 def columns(rows: Sequence[Sequence[str]], left: Container[int] = ()) -> str:
-    """Format a table; the columns ``left`` are aligned left, the others right."""
+    """Format a table; the columns ``left`` are left-aligned, the other columns right-aligned."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     aligned = [
         [
@@ -79,7 +79,7 @@ def warn_of_lacks(name: str, afford: Callable[[], object]) -> list[str]:
     return lacks
 
 
-#: Options of functions in messages, and what they are called here.
+#: Options of functions in messages, and the corresponding options of the command line.
 _OPTIONS = {
     "force=True": "--force",
     "resume=True": "--resume",
@@ -100,6 +100,8 @@ def in_shell(text: str) -> str:
 
 
 def print_json(values: Any) -> None:
-    """Print one JSON document, and nothing else, on standard output; NaN and infinity become null."""
+    """Print one JSON document, and nothing else, on standard output; NaN and infinity become
+    null.
+    """
     print(json.dumps(plain(values), indent=2, allow_nan=False, default=os.fspath))  # paths as text
     sys.stdout.flush()

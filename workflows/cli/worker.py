@@ -71,7 +71,7 @@ class _Worker:
         self.driver = int(os.environ.get(layout.DRIVER, 0))
 
     def work(self) -> int:
-        """Run all points; return the number of those that are neither done nor failed for good."""
+        """Run all points; return the number of points that are neither done nor finally failed."""
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, lambda *_: self.stop())
         for name in set(os.environ) - set(mpi.alone()):
@@ -127,7 +127,7 @@ class _Worker:
     def _attempt(self, point: dict[str, Any]) -> None:
         place = layout.unfinished(self.directory, point["id"])
         results = RunDirectory(place)
-        while results.busy():  # a worker of an earlier scan is still there
+        while results.busy():  # a worker of an earlier scan is still running
             if self.stopping.wait(_POLL):
                 return
         if layout.is_done(self.directory, point["id"]) or not self._room(point):

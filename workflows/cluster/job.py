@@ -2,8 +2,8 @@
 of the results, with script, logs, and a record of the jobs.
 
 A chain is several jobs, each of which waits for the end of the previous job and continues from
-its checkpoint; all are submitted at the start, because compute nodes often must not submit. When
-the work is done, the jobs that are left end at once.
+its checkpoint; all are submitted at the start, because submission from compute nodes is often not
+allowed. When the work is done, the jobs that are left end at once.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from granwave.workflows.run import mpi
 SUFFIX = ".job"
 RECORD = "job.json"
 SCRIPT = "script.sh"
-ENDED = "ended"  # file: the work is done, or cannot be
+ENDED = "ended"  # file: the work is done, or cannot be done
 FAILURES = "failures"  # file: number of jobs whose command has failed
 _MOST_FAILURES = 2
 
@@ -140,8 +140,7 @@ def submit(job: CommandJob, profile: Profile) -> list[str]:
     Raises
     ------
     RunError
-        The scheduler does not take the first one; jobs that follow it are then missing from the
-        record.
+        The scheduler rejects the first job; the following jobs are then missing from the record.
     """
     folder = job.folder
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""PBS and its relatives: Torque, and Moab, which puts jobs into the same environment."""
+"""PBS and related schedulers: Torque, and Moab, which runs jobs in the same environment."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from granwave.workflows.cluster.scheduler import PENDING, Scheduler
 class Pbs(Scheduler):
     """PBS Professional and OpenPBS.
 
-    pysqa does not read lists with array jobs of any user. It takes jobs that have ended, which are
+    pysqa cannot read lists with array jobs. It takes jobs that have ended, which are
     listed for some time, for pending ones.
     """
 
@@ -47,7 +47,7 @@ class Torque(Pbs):
 
 
 class Moab(Pbs):
-    """Moab, whose answers pysqa does not read."""
+    """Moab, whose answers pysqa cannot read."""
 
     name = "moab"
     title = "Moab"

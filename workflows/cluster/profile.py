@@ -18,10 +18,10 @@ from granwave.workflows.cluster.schedulers import SCHEDULERS, scheduler
 from granwave.workflows.run import mpi
 
 CLUSTER = "cluster"  # table of a profile
-SLURM = "slurm"  # the same of profiles for Slurm alone
+SLURM = "slurm"  # the same for profiles of Slurm only
 _LINES_FORM = "shell commands, a string or a list of strings"
 _LEAST_MINUTES = 10  # shortest default time limit
-_LEFT_ALONE = 30  # s that ranks may go on after one has died
+_LEFT_ALONE = 30  # s for which ranks may continue after one has died
 _BYTES_PER_MB = 1e6
 
 
@@ -116,7 +116,9 @@ class Profile(SlurmProfile):
 
     @property
     def ranks(self) -> int:
-        """Usual number of ranks of a run: all cores of its nodes, or one where they are unknown."""
+        """Usual number of ranks of a run: all cores of its nodes, or one if the number is
+        unknown.
+        """
         return self.nodes * self.cores if self.cores is not None else 1
 
     def nodes_of(self, ranks: int) -> int:
@@ -155,8 +157,8 @@ class Profile(SlurmProfile):
         directory: Path,
         after: tuple[str, ...] = (),
     ) -> JobRequest:
-        """Return the request of a job; ``memory`` is what it needs on a node, bytes, and the others
-        are those of `JobRequest`.
+        """Return the request of a job; ``memory`` is the required memory on a node, bytes; the
+        other parameters are defined in `JobRequest`.
         """
         return JobRequest(
             name=name,

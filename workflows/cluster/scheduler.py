@@ -1,8 +1,8 @@
 """A scheduler of a cluster: its scripts, and the commands that submit, list and cancel jobs.
 
-`pysqa` knows the commands and reads their answers. Here is what it lacks: our templates, with the
-units and the signal before the time limit that runs need, reasons why jobs wait or have ended, and
-errors with the answer of a command.
+`pysqa` knows the commands and reads their answers. The missing parts are here: our templates, with
+the units and the signal before the time limit that runs need, reasons why jobs wait or have ended,
+and errors with the answer of a command.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class JobRequest:
     logs
         Folder of the log, relative to the folder that the job is submitted from.
     before
-        Shell commands that come first.
+        Shell commands that are executed first.
     words
         Command of the job.
     directory
@@ -185,7 +185,7 @@ class Scheduler:
             raise InputError(f"template of jobs: {error}") from None
 
     def commands_of_job(self, request: JobRequest) -> str:
-        """Return the shell commands of a job: those of the profile, then its own."""
+        """Return the shell commands of a job: the options of the profile, then its own."""
         lines = [
             "set -euo pipefail",
             f"cd {shlex.quote(str(request.directory))}",
@@ -248,7 +248,7 @@ class Scheduler:
         Raises
         ------
         RunError
-            The scheduler does not take it.
+            The scheduler rejects it.
         """
         kept = {
             name: value

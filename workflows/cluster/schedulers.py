@@ -17,7 +17,7 @@ SCHEDULERS = {kind.name: kind for kind in _ALL}
 
 @functools.cache
 def scheduler(name: str, status: str = "squeue") -> Scheduler:
-    """Return the scheduler of a name in `SCHEDULERS`; ``status`` is that of a profile."""
+    """Return the scheduler of a name in `SCHEDULERS`; ``status`` is the key of a profile."""
     if status == "sacct":
         return SlurmAccounting()
     return SCHEDULERS[name]()

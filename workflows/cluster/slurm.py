@@ -44,8 +44,9 @@ class Slurm(Scheduler):
     def starter(self, request: JobRequest) -> list[str]:
         """Return the words before the command of a job.
 
-        The signal goes to the steps of the job and not to its shell, which would end at once: one
-        rank is a step, and several ranks are started as one by the command itself.
+        The signal is sent to the steps of the job and not to its shell, which would end
+        immediately: a single rank is a step, and several ranks are started as a step by the command
+        itself.
         """
         if not request.is_step:
             return super().starter(request)
@@ -104,7 +105,7 @@ class Slurm(Scheduler):
 
 
 class SlurmAccounting(Slurm):
-    """Slurm whose accounting database is asked for the state of jobs."""
+    """Slurm with an accounting database for the state of jobs."""
 
     programs = (*Slurm.programs, "sacct")
     listed_after = 60.0

@@ -2,24 +2,24 @@
 
 import granwave as gw
 
-run = gw.run("fcc-small", load__velocity=10)    # a case: run, and loaded
+run = gw.run("fcc-small", load__velocity=10)    # run a case and load it
 scan = gw.scan("restitution", jobs=2)           # a scan
 best = gw.design("plate-design.toml").best      # a search for the best packing
-gw.load("fcc-small")                            # what is there
-gw.compare(["fcc-small", "hcp-small"])          # what differs most between runs
+gw.load("fcc-small")                            # load existing results
+gw.compare(["fcc-small", "hcp-small"])          # largest differences between runs
 gw.bands("precompressed-chain")                 # small waves: bands, modes, transmission
 gw.infer("grains.csv", "infer.toml")            # contact forces from measured grains
-gw.case("fcc-small", load__velocity=10)         # a case, checked and not run
+gw.case("fcc-small", load__velocity=10)         # a case that is checked but not run
 gw.contact_force("hertz", bodies, overlap)      # single contacts: force, stiffness, energy, overlap
-gw.measures, gw.theory                          # arrival, peaks, width, decay ...; Hertz's chain and impact
-gw.Row, gw.Picture                              # of studies of one's own
+gw.measures, gw.theory # arrival, peaks, width, decay ...; Hertz's chain and impact gw.Row,
+gw.Picture # for your own studies
 """
 
 from granwave._version import __version__ as __version__
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    # for editors; names of our extensions, too: a test holds them to what these give
+    # for editors; includes names of our extensions; a test compares them with these
     from granwave import measures, theory
     from granwave.extensions.design.python import Designs, design
     from granwave.extensions.inference.python import InferredForces, infer

@@ -78,13 +78,13 @@ __all__ = [
 
 logger = logging.getLogger(__name__)
 
-#: Classes that are loaded when they are asked for, with the drawing library.
+#: Classes that are loaded on demand, with matplotlib.
 _ON_DEMAND = {"Comparison": "granwave.analysis.reports.comparison.comparison:Comparison"}
 _STOPPED = "{}: interrupted; pass resume=True to continue"
 
 
 def public_names() -> list[str]:
-    """Return the names of ``import granwave`` that are no modules, with those of extensions."""
+    """Return the names of ``import granwave`` other than modules, including names of extensions."""
     return sorted({*__all__, *added_by_name("python")})
 
 
@@ -116,17 +116,17 @@ def case(source: CaseLike, changes: Mapping[str, Any] | None = None, /, **keys: 
     ----------
     source
         Name of a built-in case, path of a case file, tables of a case file as nested mappings, a
-        case, or a run, whose case is taken.
+        case, or a run, whose case is used.
     changes
-        Values by dotted key: ``{"load.velocity": 10}``. The name of a table replaces the whole
+        Values by dotted key: ``{"load.velocity": 10}``. The name of a table replaces the complete
         table.
     keys
-        The same as keywords, with two underscores for each dot: ``load__velocity=10``.
+        Changes as keywords, with two underscores for each dot: ``load__velocity=10``.
 
     Returns
     -------
     Case
-        The case; of another kind of case an object of its own class.
+        The case; for another kind of case an object of its class.
 
     Raises
     ------
@@ -161,7 +161,7 @@ def run(
     directory
         Directory of the results; by default the name of the case, in the working directory.
     ranks
-        Number of MPI ranks. More than one are started by mpiexec, as ``granwave run --np`` does.
+        Number of MPI ranks. Several ranks are started by mpiexec, as by ``granwave run --np``.
     figures
         Draw all figures into the directory. `Run.figure` draws one at any time.
     force
@@ -185,7 +185,7 @@ def run(
         The case is wrong, or the directory holds results or another case, or memory or disk space
         is insufficient. Nothing was run.
     RunError
-        LAMMPS failed, or the energy balance was rejected; what was computed is kept.
+        LAMMPS failed, or the energy balance was rejected; the results are kept.
     KeyboardInterrupt
         The run was interrupted; it wrote a checkpoint, and ``resume=True`` continues it.
     """
@@ -265,8 +265,8 @@ def scan(
     Parameters
     ----------
     source
-        Name of a built-in scan, path of a scan file, or the tables of one as nested mappings, in
-        which ``case`` may also be the tables of a case, or a case.
+        Name of a built-in scan, path of a scan file, or the tables of one as nested mappings, where
+        ``case`` may also be the tables of a case, or a case.
     changes, keys
         Keys of the case for all points, as in `case`.
     directory
@@ -294,7 +294,7 @@ def scan(
     Raises
     ------
     InputError
-        The scan or one of its points is wrong, the directory holds results or another scan, or
+        The scan or one of its points is invalid, the directory holds results or another scan, or
         there is no such scheduler. Nothing was run.
     RunError
         No job could start a point, or the disk is full.
@@ -358,8 +358,7 @@ def compare(
     measured_as
         Figure that it lies over: ``bottom_force``, ``peak_force_depth`` or ``fronts``.
     shift, scale
-        What is added to the times or lengths that were measured, s or m, and the factor of the
-        values.
+        Shift of the measured times or lengths, s or m, and factor of the values.
 
     Returns
     -------
@@ -411,7 +410,7 @@ def _run_on_ranks(
         words = ["run", str(file), "-o", str(place), "--checkpoint", str(checkpoint)]
         words += [option for option, wanted in options.items() if wanted]
         lines: list[str] = []
-        if progress and os.isatty(2):  # the bar of the first rank
+        if progress and os.isatty(2):  # the progress bar of the first rank
             status = mpi.launch(ranks, words, stdout=subprocess.DEVNULL)
         else:
             status, lines = mpi.launch_unseen(ranks, words)

@@ -28,7 +28,7 @@ logger = logging.getLogger(__name__)
 Values = float | NDArray[np.float64]
 Body = str | Mapping[str, Any]
 
-_LARGEST = 1e3  # m, below which the overlap of a force is sought
+_LARGEST = 1e3  # m, lower bound of the search for the overlap of a force
 _ROUNDING = 1e-9  # relative excess of an overlap that was computed from the limit itself
 _warned: set[tuple[str, float]] = set()  # law and limit of contacts that were warned about
 
@@ -78,7 +78,7 @@ def contact_force(
         Two tables with ``shape``: ``sphere``, ``cylinder``, ``plane`` or ``tube``; ``diameter`` or
         ``radius`` (m); ``length`` (m) and ``axis`` of cylinders ("x", "y", "z" or a vector; y by
         default); ``material``: a name, or a mapping as the table ``[material]``. Planes and tubes
-        without a material are rigid; ``"plane"`` is short for a rigid one.
+        without a material are rigid; ``"plane"`` means a rigid plane.
     overlap
         Of any shape, m; no force where it is negative, but for the neck of contacts with cohesion
         after JKR.
@@ -86,9 +86,9 @@ def contact_force(
         Largest overlap so far, m, for laws that leave a dent, and for necks; by default the overlap
         is reached for the first time.
     error
-        True to return the error bar as well: the largest deviation from finite elements that law
-        ``elastoplastic-fe`` states for itself, N; NaN beyond the range of its fit, with a yield
-        strength that follows the rate or with cohesion, and for other laws.
+        True to return the error bar as well: the largest deviation of law ``elastoplastic-fe`` from
+        finite elements, N; NaN beyond the range of its fit, with a rate-dependent yield strength or
+        with cohesion, and for other laws.
     options
         Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of
         law power, ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law;

@@ -73,7 +73,7 @@ def given_changes(changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) ->
     Raises
     ------
     InputError
-        A key is given twice, or has one underscore for its dot.
+        A key is given twice, or has one underscore instead of two for its dot.
     """
     if changes is not None and not isinstance(changes, Mapping):
         raise InputError(
@@ -103,7 +103,7 @@ def read_scan(
     Raises
     ------
     InputError
-        There is no such scan, or it or one of its points is wrong.
+        There is no such scan, or it or one of its points is invalid.
     """
     from granwave.workflows.scanning.scan_file import load_scan, scan_from_dict
 
@@ -134,8 +134,8 @@ def read_scan(
 
 
 def plain(value: Any) -> Any:
-    """Convert a value to those of TOML: numbers and arrays of numpy, paths and tuples; others stay
-    as they are.
+    """Convert a value to TOML types: numbers and arrays of numpy, paths and tuples; other values
+    are unchanged.
     """
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
@@ -178,8 +178,8 @@ def words_of_python(*options: str) -> Iterator[None]:
     Parameters
     ----------
     options
-        Further options of the command line, as "frame-rate", whose names here differ by underscores
-        alone.
+        Further options of the command line, such as "frame-rate", whose names here differ only by
+        underscores.
 
     Raises
     ------

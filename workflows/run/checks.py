@@ -29,7 +29,6 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
-from granwave.lammps_inputs.statics.stiffening import SETTLE_AS_RUN, hardened_without_friction
 from granwave.workflows.run.lammps_engine import Engine
 
 _LOG = logging.getLogger("granwave")
@@ -38,7 +37,8 @@ _DEEP = 1e-3  # diameters by which a striker may overlap its sphere before the i
 
 
 _MARGIN = (
-    1.5  # of net forces after the spin is set to zero, over those at the end of the damped run
+    # ratio of net forces after the spin is set to zero to net forces at the end of the damped run
+    1.5
 )
 _MOST_NAMED = 10  # ids in a warning
 _NET_FORCES = (
@@ -160,7 +160,7 @@ def _advice(case: Case) -> str:
 
 
 def _other_way(case: Case) -> str:
-    """Return the way of ``packing.contacts`` to take instead of that of a case."""
+    """Return the value of ``packing.contacts`` to use instead of the value of a case."""
     if case.contact.friction > 0 and case.packing.relaxation != DAMPED:
         return _HELD_BY_FRICTION
     return _AS_FOUND if case.may_rearrange else _NEAR_BALANCE
@@ -186,7 +186,7 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
     if not case.seeks_balance:
         return found
-    advice = SETTLE_AS_RUN if hardened_without_friction(assembly) > 1 else _advice(case)
+    advice = _advice(case)
     moved = found["displacement"] / case.packing.diameter
     limit = largest_move(assembly) / case.packing.diameter
     if not moved <= limit:
@@ -228,10 +228,8 @@ def _has_lost_load(assembly: Assembly, found: dict[str, float]) -> bool:
 
 
 def _is_calm(found: Mapping[str, float]) -> bool:
-    """Return True for a bed in which nothing but single grains still rolls.
-
-    All net forces together are then a negligible part of its weight, and none is larger than the
-    weight of its grain.
+    """Return True for a bed in which only single grains still roll. The sum of the net forces is
+    then a negligible fraction of its weight, and no net force exceeds the weight of its grain.
     """
     if "unbalanced" not in found:
         return False
@@ -302,10 +300,8 @@ def _listed(ids: list[int]) -> str:
 
 
 def _relative_net_force(assembly: Assembly, found: dict[str, float]) -> float:
-    """Return the largest net force on a sphere over the largest contact force.
-
-    Overlaps that push the grains of a free packing apart leave no forces: theirs is that at the
-    start.
+    """Return the largest net force on a sphere over the largest contact force. Overlaps that push
+    the grains of a free packing apart leave no forces: the reference is the initial force.
     """
     largest = found["largest_force"]
     if not largest or not may_lose_its_load(assembly):
@@ -325,18 +321,18 @@ def expected_neighbours(assembly: Assembly) -> tuple[int, float] | None:
     sites = assembly.sites
     unlike = sites.stacked is not None or packing.grains is not None
     if assembly.strikers or assembly.bars or unlike:
-        return None  # one cutoff does not tell contacts of unlike bodies
+        return None  # one cutoff cannot distinguish contacts of dissimilar bodies
     # The sites are one diameter apart, whatever the diameters of the spheres there.
     forget_gap = case.boundary.forget_gap
     reach = packing.diameter * (1 + min(1e-6, 0.5 * forget_gap))
     if sites.least_reach + forget_gap * packing.diameter < reach:
-        return None  # LAMMPS lists no pairs of spheres that are so small at neighbouring sites
+        return None  # LAMMPS lists no pairs of such small spheres at neighbouring sites
     return assembly.n_neighbours, reach
 
 
 def check_coordination(kind: str, expected: tuple[int, float] | None, engine: Engine) -> None:
-    """Check that LAMMPS sees the `expected_neighbours` of a kind of packing, none lost to rounding
-    of positions.
+    """Check that LAMMPS sees the `expected_neighbours` of a kind of packing, with none lost by
+    rounding of positions.
 
     Raises
     ------

@@ -47,7 +47,7 @@ CONTINUE = "continue"
 ANALYSE = "analyse"
 FINISHED = "finished"
 
-# in the name of the file that LAMMPS writes beside the parts, in place of the number of a rank
+# in the name of the file that LAMMPS writes next to the parts, in place of the rank
 _BASE = "base"
 _CHECKPOINT = re.compile(
     re.escape(files.CHECKPOINT_FILE).replace(r"\{\}", rf"\d+(\.({files.RANK}|{_BASE}))?")
@@ -70,7 +70,7 @@ class RunDirectory(ResultDirectory):
         """Read the record in result.h5, as of the analysis; None if there is none."""
         from granwave.analysis.result.reader import (
             Result,
-        )  # h5py takes longer to load than most commands need
+        )  # imported on demand: h5py is slow to load
 
         try:
             with Result(self) as result:
@@ -145,7 +145,7 @@ def sum_of_part(task: tuple[Path, int, tuple[int, int]]) -> int:
     return checksum(path, size, after=after)
 
 
-# ---------------------------------------------------------------------- start or continue
+# ---------------------------------------------------------------------- start or resume
 
 
 def decide(
@@ -244,7 +244,7 @@ def _remaining_work(results: RunDirectory, processes: Processes) -> str:
 
 
 def _without_figures(case: Case) -> dict[str, Any]:
-    """Return the tables that decide the results of a case, without how the box is divided."""
+    """Return the tables that determine the results of a case, without the division of the box."""
     tables = {name: table for name, table in case.to_dict().items() if name != files.FIGURES_TABLE}
     run = tables.get(_RUN_TABLE, {})
     tables[_RUN_TABLE] = {key: value for key, value in run.items() if key not in DIVISION_KEYS}
@@ -273,12 +273,12 @@ def run_files(assembly: Assembly, schedule: Schedule) -> list[str]:
 
 
 def start(assembly: Assembly, results: RunDirectory, *, force: bool = False) -> None:
-    """Make room for a run, after checking that its deck can be written; make it a run's directory.
+    """Prepare the directory for a run, after checking that the LAMMPS input can be written.
 
     Parameters
     ----------
     force
-        True to move earlier results into NAME.old; else they are removed.
+        True to move earlier results into NAME.old; otherwise they are removed.
 
     Raises
     ------

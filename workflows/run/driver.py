@@ -1,4 +1,5 @@
-"""One run from case to figures: deck, LAMMPS in pieces, energy balance, checkpoints, analysis.
+"""One run from case to figures: input script, LAMMPS in pieces, energy balance, checkpoints,
+analysis.
 
 LAMMPS executes the lines of in.granwave. Only the run section is replaced by pieces of the run;
 between them the energy balance is checked, the progress bar is updated, and a request to stop is
@@ -72,7 +73,7 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 MOST_ATTEMPTS = 4  # timesteps tried if the balance does not close, each half of the previous one
-_FIRST_ENDS = 1.0  # s until other ranks end all if the first has not
+_FIRST_ENDS = 1.0  # s until other ranks end all ranks if the first has not
 _PIECE = 1.0  # s of wall time between checks of the balance
 
 
@@ -199,10 +200,10 @@ class _Run:
         self.balance = checks.Balance(
             results / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly)
         )
-        self.state = record.RUNNING  # of the time integration; recorded after the analysis
+        self.state = record.RUNNING  # state of the time integration; recorded after the analysis
         self.reserve = on_first(
             comm, lambda: plan(assembly).disk_reserve
-        )  # disk space to keep free, bytes
+        )  # disk space to be kept free, bytes
         # dissipated energy at the start of the current block of end_time = "auto", J
         self.lost_before_block = 0.0
         self.began = False  # LAMMPS has opened its output
@@ -223,7 +224,7 @@ class _Run:
             raise
 
     def integrate(self, stop: StopRequest, *, go_on: bool) -> None:
-        """Integrate in time; halve an automatic timestep as long as the balance does not close."""
+        """Integrate in time; halve an automatic timestep until the balance closes."""
         if go_on:
             self.record = on_first(self.comm, lambda: self.results.read_record() or record.Record())
         self.record.energy_balance_accepted = self.balance.accepted
@@ -297,7 +298,9 @@ class _Run:
         return error
 
     def gone(self) -> str:
-        """Describe that the directory, or its output, was removed or moved meanwhile; empty if not."""
+        """Describe that the directory, or its output, was removed or moved meanwhile; empty if
+        not.
+        """
         places = [self.directory]
         if self.began:
             places += [self.directory / DUMPS, self.balance.path]
@@ -323,7 +326,7 @@ class _Run:
             )
 
         def work(ranks: Processes) -> dict[str, Any]:
-            self.results.clear_scratch([RESULT_FILE])  # of an analysis that was killed
+            self.results.clear_scratch([RESULT_FILE])  # files of an analysis that was killed
             return analyse(
                 self.results,
                 progress=self.show,
@@ -382,7 +385,7 @@ class _Run:
         log = "none" if go_on else LOG_FILE
         with open_engine(self.comm, log, self.directory) as engine:
             if saved:
-                # the snapshots that it will write, and what it will add to
+                # the expected snapshots, and the files to be extended
                 added = f"{DUMPS}/{frames_file(self.assembly, saved['file'])}"
 
                 def cut_back() -> str:
@@ -436,7 +439,7 @@ class _Run:
             return
         centres = zip(engine.per_atom("id").tolist(), engine.per_atom("x").tolist(), strict=True)
         gathered = self.comm.gather([row for row in centres if row[0] in chosen])
-        if gathered is not None:  # on the first rank
+        if gathered is not None:  # only on the first rank
             everywhere = {number: np.array(at) for number, at in chain.from_iterable(gathered)}
             checks.warn_of_strikers(self.assembly, everywhere)
 
@@ -445,7 +448,7 @@ class _Run:
         n = self.assembly.lattice.n_spheres
         forces = zip(engine.per_atom("id").tolist(), engine.per_atom("f").tolist(), strict=True)
         gathered = self.comm.gather([row for row in forces if row[0] <= n])
-        if gathered is not None:  # on the first rank
+        if gathered is not None:  # only on the first rank
             everywhere = {
                 number: np.array(force) for number, force in chain.from_iterable(gathered)
             }
@@ -496,7 +499,7 @@ class _Run:
         )
         begin = last_checkpoint = time.monotonic()
         before = self.record.wall_time_s
-        # pieces end where every timestep can
+        # pieces end at a common multiple of all possible timesteps
         unit = schedule.longest_step
         fresh = True
         piece = 20 * unit

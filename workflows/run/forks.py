@@ -32,8 +32,8 @@ def load(*, figures: bool = False) -> None:
 
 
 def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
-    """Do work in a copy of this process, which ends with a checkpoint if this one ends; return its
-    process id.
+    """Do work in a copy of this process, which ends with a checkpoint if this process ends; return
+    its process id.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
         return process
     status = 1
     try:
-        mpi.end_with_parent(signal.SIGTERM)  # with a checkpoint
+        mpi.end_with_parent(signal.SIGTERM)  # after writing a checkpoint
         for number in ours:
             signal.signal(number, signal.SIG_DFL)
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ours)

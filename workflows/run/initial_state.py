@@ -1,7 +1,8 @@
-"""Spheres at the start of a run, made by the ranks: each makes those in its own part of the box.
+"""Spheres at the start of a run, made by the ranks: each rank creates the spheres in its part of
+the box.
 
-LAMMPS would read data.granwave on one rank and hand every row to every rank, which takes as long on
-any number of them. What is made here has the same bits, in the same order.
+LAMMPS would read data.granwave on one rank and send every row to every rank, which takes equally
+long for any number of ranks. The spheres created here are bitwise identical, in the same order.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from granwave.lammps_inputs.packing.motion import own_spins, own_velocities
 from granwave.lammps_inputs.script_words import joined, num
 from granwave.workflows.run.lammps_engine import Engine
 
-_BATCH = 100_000  # sites looked at at once
-_MARGIN = 1e-3  # diameters by which more is offered to LAMMPS, which takes what is inside
+_BATCH = 100_000  # sites processed at a time
+_MARGIN = 1e-3  # margin in diameters of the centres passed to LAMMPS, which selects those inside
 _SPHERE = 4.0 * math.pi / 3.0  # in the order of operations of LAMMPS, for the same bits
 
 
@@ -31,7 +32,7 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
     Raises
     ------
     RunError
-        Spheres are lost, as their ranks do not make them.
+        Spheres are lost, because no rank creates them.
     """
     box = joined(num(bound) for bounds in box_of(assembly) for bound in bounds)
     engine.commands(
@@ -66,9 +67,7 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
 
 
 def _images(centres: NDArray[np.float64], assembly: Assembly) -> NDArray[np.int64]:
-    """Return the number of periods along x, y, z by which LAMMPS will move the centres back: (n,
-    3).
-    """
+    """Return the number of periods along x, y, z by which LAMMPS will shift the centres: (n, 3)."""
     inside = centres.copy()
     images = np.zeros(centres.shape, dtype=np.int64)
     low, high = box_of(assembly)[:2].T

@@ -25,14 +25,15 @@ if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
 
 
-# paths that LAMMPS takes as they are; it replaces % and *, and some characters beyond ASCII
+# characters of paths that LAMMPS does not change; it replaces % and *, and some characters beyond
+# ASCII
 _PLAIN_PATH = re.compile(r"[A-Za-z0-9_./+=@,:~ -]*")
 _DOUBLE = 2  # type of values in the interface of LAMMPS
 _OPEN_DIRECTORY = "/proc/self/fd/{}"  # path of an open directory under Linux
 
 
 class SingleRankError(RunError):
-    """Error of LAMMPS on one rank only; the other ranks wait for it and must be aborted."""
+    """Error of LAMMPS on one rank only; the other ranks wait for this rank and must be aborted."""
 
 
 class Engine:
@@ -49,7 +50,7 @@ class Engine:
         self._directory = directory
 
     def commands(self, text: str) -> None:
-        """Execute LAMMPS commands, one a line, with `&` at the end of continued lines."""
+        """Execute LAMMPS commands, one per line, with `&` at the end of continued lines."""
         with _translated():
             self.lammps.commands_string(with_absolute_files(text, self._directory))
 
@@ -61,7 +62,7 @@ class Engine:
         """Return the last line of thermodynamic output by column; may be called from another thread
         during a run.
         """
-        # not by lammps.last_thermo(), which takes away errors of the thread that runs LAMMPS
+        # lammps.last_thermo() would discard errors of the thread that runs LAMMPS
         read = self.lammps.lib.lammps_last_thermo
 
         def word(what: bytes, index: int = 0) -> int | None:
@@ -100,7 +101,7 @@ class Engine:
         *,
         n_atoms: int,
     ) -> None:
-        """Make those of the given atoms that lie in this rank's part of the box; collective.
+        """Create the given atoms in this rank's part of the box; collective.
 
         Parameters
         ----------
@@ -226,7 +227,8 @@ def _path_for_lammps(directory: Path | None) -> Iterator[str]:
 def check_release() -> str | None:
     """Describe the fault of the installed LAMMPS release; None if there is none.
 
-    LAMMPS does not guarantee binary compatibility between releases, nor between updates of one.
+    LAMMPS does not guarantee binary compatibility between releases, nor between updates of a
+    release.
     """
     wanted = plugins.lammps_release()
     try:

@@ -1,5 +1,5 @@
-"""Start of MPI: launchers that fork their ranks on this machine, and end when they are asked to; and
-an explanation where the MPI library ends the process in place of an error.
+"""Start of MPI: launchers that fork their ranks on this machine and end on request; and an
+explanation if the MPI library ends the process instead of raising an error.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ STARTED_FILE = "GRANWAVE_STARTED_FILE"
 # settings of MPICH's launcher; inside a job it would start the ranks by the commands of the cluster
 _FORKED = {"HYDRA_LAUNCHER": "fork", "HYDRA_BOOTSTRAP": "fork", "HYDRA_RMK": "user"}
 _OF_JOBS = "SLURM_"  # prefix of the variables by which launchers recognise a job of Slurm
-_LOOK = 0.2  # s between looks at a launcher
+_LOOK = 0.2  # s between checks of a launcher
 _PATIENCE = 5.0  # s that a launcher without ranks has to end after a request
 _SLOW = 30.0  # s without ranks until a warning
 _OTHERS_FIRST = 1.0  # s that ranks leave the first one to print the same error
@@ -105,7 +105,7 @@ def starting(*, first: bool = True) -> Iterator[None]:
     Parameters
     ----------
     first
-        False on ranks that leave the first one to print the error.
+        False on ranks that leave the error message to the first rank.
     """
     library = ctypes.CDLL(None)
     if not hasattr(library, "__cxa_atexit"):
@@ -133,7 +133,9 @@ def starting(*, first: bool = True) -> Iterator[None]:
 
 
 def start_fault(environment: Mapping[str, str]) -> str:
-    """Describe why MPI could not be started, from variables and limits that are known to stop it."""
+    """Describe why MPI could not be started, from variables and limits that are known to stop
+    it.
+    """
     what = "MPI cannot be started: "
     if "PMIX_RANK" in environment and "PMI_RANK" not in environment:
         return (

@@ -40,13 +40,15 @@ def scratch_directory(prefix: str = _PREFIX) -> Iterator[Path]:
 
 
 def note_segments() -> None:
-    """Note the shared memory that this process maps, for a later start if this one is killed."""
+    """Note the shared memory that this process maps, for a later start if this process is
+    killed.
+    """
     process = os.getpid()
     if process in _NOTED or not _MAPS.exists():
         return
     segments = sorted(set(_SEGMENT.findall(_MAPS.read_text(encoding="utf-8", errors="replace"))))
     path = Path(tempfile.gettempdir()) / f"{_PREFIX}{os.getuid()}-{process}{_NOTE}"
-    with contextlib.suppress(OSError):  # without it nothing is cleared up
+    with contextlib.suppress(OSError):  # without it no files are removed
         _NOTED[process] = path, _locked(path, "\n".join(segments))
         atexit.register(forget)
 

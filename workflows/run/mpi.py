@@ -51,14 +51,15 @@ _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", 
 # s of waiting at full speed, and then between looks
 _IMPATIENT = 0.1
 _PAUSE = 0.01
-_LOOK = 0.5  # s between looks for a stop file
+_LOOK = 0.5  # s between checks for a stop file
 _LAST_OUTPUT = 1.0  # s to wait for the output of ranks that were killed
-_MOST_RANKS = 8  # on a core, that are started here
+_MOST_RANKS = 8  # most ranks per core that are started here
 _C_LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
 _SET_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of <sys/prctl.h>
 _FIRST_IS_READY = 1  # tag of a message
 PYTHON = (sys.executable, "-P")  # takes no modules from the working directory
-SAFE_PATH = "PYTHONSAFEPATH"  # environment variable that does the same for all Python started below
+# environment variable with the same effect on all Python processes started below
+SAFE_PATH = "PYTHONSAFEPATH"
 # environment variable: file whose existence asks all ranks to stop
 STOP_FILE = "GRANWAVE_STOP_FILE"
 # environment variable: number of ranks requested from the launcher
@@ -66,7 +67,7 @@ EXPECTED_RANKS = "GRANWAVE_RANKS"
 # environment variable: file for the message of an abort
 LAST_WORDS_FILE = "GRANWAVE_LAST_WORDS_FILE"
 _KEPT_OUTPUT = 65536  # bytes of the last output of ranks
-_TOLD_BY = 60  # bytes by which a message is recognised in it
+_TOLD_BY = 60  # bytes that identify a message in the output
 
 
 def launched() -> bool:
@@ -168,8 +169,8 @@ def leave(status: int) -> NoReturn:
 
 
 def abort(comm: Intracomm, message: str, status: int = 1) -> NoReturn:
-    """Abort all ranks with an exit status; the message goes through `logging`, which has the words
-    of the command line there.
+    """Abort all ranks with an exit status; the message is logged, with the options of the command
+    line.
     """
     logger.error("granwave: %s", message)
     _note_last_words(f"granwave: {message}\n")
@@ -196,7 +197,7 @@ def on_first(comm: Intracomm, work: Callable[[], T]) -> T:
             outcome = (None, error)
         for rank in range(1, comm.size):
             comm.send(None, rank, _FIRST_IS_READY)
-    else:  # the first may need this processor for its work
+    else:  # the first rank may need this processor for its work
         wait_for(comm, 0, _FIRST_IS_READY)
         comm.recv(source=0, tag=_FIRST_IS_READY)
     result, fault = comm.bcast(outcome) if comm.size > 1 else outcome
@@ -214,7 +215,7 @@ def wait_for(comm: Intracomm, rank: int, tag: int = 0) -> None:
 
 
 def find_mpiexec() -> str | None:
-    """Return the path of mpiexec: in the environment, or else, for a site's own MPI, in PATH; None
+    """Return the path of mpiexec: in the environment, or otherwise, for a site's MPI, in PATH; None
     if there is none.
     """
     own = Path(sys.prefix) / "bin" / "mpiexec"
@@ -271,7 +272,7 @@ def start(
     Parameters
     ----------
     launcher
-        As in `command`; without one the ranks are forked on this machine.
+        As in `command`; by default the ranks are forked on this machine.
     variables
         Further environment variables of the ranks.
     """
@@ -320,7 +321,7 @@ def launch(
     """
     words = command(n_ranks, arguments, launcher)
 
-    errors = bytearray()  # what came on the standard error of the ranks
+    errors = bytearray()  # standard error of the ranks
 
     def pass_on(stream: IO[bytes], number: int, kept: bytearray | None) -> None:
         """Copy the output of a file descriptor of this process, as long as it is read."""
@@ -335,7 +336,7 @@ def launch(
         stop = scratch / "stop"
         started = scratch / "started"
         last_words = scratch / "last-words"
-        # its output goes through this process: mpiexec ends the ranks if nobody reads it
+        # its output passes through this process: mpiexec ends the ranks if nobody reads it
         out = subprocess.PIPE if stdout is None else stdout
         variables: dict[str, Any] = {STARTED_FILE: str(started), LAST_WORDS_FILE: str(last_words)}
         ranks = start(words, n_ranks, stop, out, subprocess.PIPE, launcher=launcher, **variables)

@@ -15,7 +15,7 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.streams import is_terminal
 
 _LOG = logging.getLogger("granwave")
-_LONG = 60.0  # s of wall time that a run tells before it starts
+_LONG = 60.0  # s of expected wall time above which a run reports it before it starts
 
 
 def each_warning_once() -> Callable[[logging.LogRecord], bool]:

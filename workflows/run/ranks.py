@@ -1,8 +1,8 @@
-"""Work that the first rank shares out: it hands tasks to all ranks in turn, and takes their results
-in order.
+"""Work that the first rank distributes: it hands tasks to all ranks in turn, and takes their
+results in order.
 
-A rank holds one result until the first takes it, so that memory does not grow with the number of
-ranks.
+A rank holds one result until the first rank receives it, so that memory does not grow with the
+number of ranks.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def shared(
     Parameters
     ----------
     stopped
-        Function that tells if a stop was requested; then KeyboardInterrupt is raised before the
-        next task.
+        Function that returns True if a stop was requested; KeyboardInterrupt is then raised before
+        the next task.
     most
         Largest number of ranks that work; None: all.
     """
@@ -76,7 +76,7 @@ class _Ranks(Processes):
                 self._given.append((rank, task, sent))
                 if (
                     len(self._given) >= 2 * self.number
-                ):  # the next task is there when a rank has done one
+                ):  # when a rank has done one, the next task is ready
                     yield self._take(work)
             while self._given:
                 yield self._take(work)
@@ -108,14 +108,14 @@ class _Ranks(Processes):
                 self._receive(rank, sent)
 
     def end(self) -> None:
-        """Dismiss the others."""
+        """Dismiss the other ranks."""
         self._await()
         for rank in range(1, self._comm.size):
             self._comm.send(None, rank)
 
 
 def _serve(comm: Intracomm) -> None:
-    """Work on the tasks that the first rank hands out, until there are no more."""
+    """Work on the tasks that the first rank distributes, until there are no more."""
     while True:
         wait_for(comm, 0)
         if (found := comm.recv(source=0, tag=0)) is None:

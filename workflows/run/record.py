@@ -52,8 +52,8 @@ class Record:
     n_steps, end_time_s
         Steps and simulated time so far.
     end_reason
-        Why it ended: ``end_time``, ``settled`` (end_time = "auto"), ``longest`` (the same, at its
-        limit), ...
+        Reason of the end: ``end_time``, ``settled`` (end_time = "auto"), ``longest`` (the same, at
+        its limit), ...
     wall_time_s
         Wall time of the time integration, over all sessions of a resumed run.
     nodes

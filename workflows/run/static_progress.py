@@ -1,7 +1,7 @@
 """Progress of the static stage: a bar on a terminal, lines in a batch log.
 
-The stage is a few commands of LAMMPS that each take long. A thread looks at the last line of
-thermodynamic output meanwhile, at nothing else: LAMMPS keeps it for other threads.
+The stage is a few commands of LAMMPS that each take long. A thread reads only the last line of
+thermodynamic output: LAMMPS keeps it for other threads.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from granwave.workflows.run.lammps_engine import Engine
 from granwave.workflows.run.progress import Progress
 
 _LOOK_EVERY = 0.5  # s
-_PARTS = 1000  # of the bar
+_PARTS = 1000  # steps of the progress bar
 _LONG_COMMAND = re.compile(r"^((?:minimize|run) +(?!0 ).*\n)", re.MULTILINE)
 
 
@@ -65,7 +65,7 @@ class StaticProgress:
 
     @contextlib.contextmanager
     def _watched(self) -> Iterator[None]:
-        """Look at the progress of a command until it ends."""
+        """Follow the progress of a command until it ends."""
         over = threading.Event()
         thread = threading.Thread(target=self._look, args=(over,), daemon=True)
         thread.start()
@@ -76,7 +76,7 @@ class StaticProgress:
             thread.join()
 
     def _look(self, over: threading.Event) -> None:
-        """Show the last line of output every now and then."""
+        """Show the last line of output from time to time."""
         while not over.wait(_LOOK_EVERY):
             values = self._engine.last_thermo()
             if self._bar is None:
@@ -90,7 +90,7 @@ class StaticProgress:
             self._bar.update(int(_PARTS * share), note, last=last)
 
     def _share_done(self, values: Mapping[str, float]) -> float:
-        """Return the fraction that is done, by the decay of net forces, or by the iterations."""
+        """Return the completed fraction, by the decay of net forces, or by the iterations."""
         ratio = net_over_largest(values)
         self._first_ratio = max(self._first_ratio, ratio)
         if ratio > 0 and self._first_ratio > QUIET:
@@ -107,7 +107,7 @@ def net_over_largest(values: Mapping[str, float]) -> float:
 
 
 def _largest(values: Mapping[str, float]) -> float | None:
-    """Return the largest force of a contact, N, as far as the output has it."""
+    """Return the largest force of a contact, N, from the available output."""
     return values.get(LARGEST_OF_ALL, values.get(LARGEST_OF_PAIRS))
 
 

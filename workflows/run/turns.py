@@ -1,6 +1,6 @@
-"""Turns of the threads of a process: LAMMPS and matplotlib serve one run at a time.
+"""Turns of the threads of a process: LAMMPS and matplotlib support one run at a time.
 
-Both keep state for the whole process. A thread that calls `granwave.run` waits for the thread that
+Both have process-wide state. A thread that calls `granwave.run` waits for the thread that
 is running; separate processes are independent.
 """
 

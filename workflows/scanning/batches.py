@@ -40,7 +40,7 @@ _LONGEST = 1800.0  # s, limit for a batch of several points
 
 @dataclasses.dataclass(frozen=True)
 class Batch:
-    """Points that one job runs one after the other.
+    """Points that a job runs one after another.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ def memory_on_node(plan: Any, ranks: int, nodes: int) -> float:
     Parameters
     ----------
     plan
-        Plan of the run; one that is not of a packing has its memory on one node.
+        Plan of the run; the memory of runs without packings is on one node.
     """
     if nodes == 1 or not isinstance(plan, Plan):
         return float(plan.memory)
@@ -196,7 +196,7 @@ class Outlook:
         self._machine = machine
         self._ids = {point.id for point in points}
         self._planned = machine.time(points)
-        self._taken = self._expected = 0.0  # by the points that are done, s
+        self._taken = self._expected = 0.0  # time taken and expected, of the completed points, s
         self._begin = time.monotonic()
 
     def done(self, point: ScanPoint, seconds: float) -> None:
@@ -228,15 +228,15 @@ class Outlook:
         return f"{passed}, about {duration(rest)} left"
 
 
-# s of wall time: warm-up, in which contacts get loaded, and measurement
+# s of wall time: warm-up, in which contacts are loaded, and measurement
 _WARM = 1.5
 _SPAN = 1.0
-_PIECE = 50  # steps between looks at the clock
-_MEASURED_WITHIN = 60.0  # s after which the measurement is given up
+_PIECE = 50  # steps between checks of the clock
+_MEASURED_WITHIN = 60.0  # s after which the measurement is abandoned
 
 
 def slowness_of(point: ScanPoint, jobs: int) -> float | None:
-    """Measure the wall time of a granular point over the planned one; None if not possible.
+    """Measure the wall time of a granular point over the planned wall time; None if not possible.
 
     The first part of the impact is timed, in which nearly all contacts are elastic, without the
     static stage.

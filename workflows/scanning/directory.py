@@ -53,7 +53,7 @@ def check_points(scan: Scan, results: ResultDirectory, *, force: bool) -> None:
     Parameters
     ----------
     force
-        True to move the points that are there into NAME.old.
+        True to move existing points into NAME.old.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def decide(scan: Scan, results: ResultDirectory, *, resume: bool, force: bool) -
     results.refuse_foreign([*layout.files(scan.distinct), f"{SCAN_WORK}/"])
     if resume and is_scan(results):
         there = None
-        with contextlib.suppress(OutputFormatError):  # a damaged index is written anew
+        with contextlib.suppress(OutputFormatError):  # a damaged index is rewritten
             there = ScanResult(results)
         if (
             there
@@ -155,5 +155,5 @@ def prepare(scan: Scan, results: ResultDirectory, scheduler: Scheduler | None) -
             layout.reopen(directory, point)
         state = layout.state(directory, point)
         begun = state.get("attempts") or state.get("state") == layout.FAILED
-        if begun and point not in adopted:  # it failed, or was killed with its job: another chance
+        if begun and point not in adopted:  # it failed, or was killed with its job: it is run again
             layout.change_state(directory, point, state=layout.INTERRUPTED, attempts=0)

@@ -31,7 +31,7 @@ from granwave.workflows.scanning.scan_file import Scan, ScanPoint
 
 logger = logging.getLogger(__name__)
 
-STOPPED = "stopped"  # by Ctrl-C or SIGTERM
+STOPPED = "stopped"  # stopped by Ctrl-C or SIGTERM
 _FORCED = 3  # signals that stop at once; the first one asks for checkpoints
 # s between checks of the directory, and of the queue
 _POLL = 0.3
@@ -41,7 +41,7 @@ _TABLE_EVERY = 5.0
 _FIGURES_EVERY = 60.0
 # a round that leaves points unfinished (jobs killed, time limit) is followed by another
 _MOST_ROUNDS = 20
-_MOST_SHOWN = 3  # running points, and labels of each, beside the bar
+_MOST_SHOWN = 3  # running points, and labels of each, next to the bar
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,5 +1,5 @@
 """Jobs of a scan, one for each batch: processes on this machine, or jobs of the scheduler of a
-cluster; as many at once as have room.
+cluster; as many at once as resources allow.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ EXECUTORS = (LOCAL, *SCHEDULERS)
 _POLL = 0.3
 _QUEUE_POLL = 2.0
 _PATIENCE = 60.0  # s that running jobs have to stop after a request
-_SCRIPT = "script.sh"  # of the jobs of a batch, beside their logs
+_SCRIPT = "script.sh"  # script of the jobs of a batch, in the folder of their logs
 _SETTINGS = {"OMP_NUM_THREADS": "1", mpi.SAFE_PATH: "1"}  # environment variables of all jobs
 
 
@@ -50,14 +50,14 @@ class Jobs:
     waiting
         Batches without a job so far.
     refusal
-        Reason why no job can be started for them; empty if they can.
+        Reason why no job can be started for them; empty if jobs can be started.
     """
 
     def __init__(self, directory: Path, batches: Iterable[Batch]) -> None:
         self.directory = directory
         self.waiting = list(batches)
         self.refusal = ""
-        self._live: dict[Any, Batch] = {}  # by process, or by id of the job
+        self._live: dict[Any, Batch] = {}  # batches by process, or by id of the job
         self._repeated: set[str] = set()
 
     def running(self) -> bool:
@@ -76,8 +76,8 @@ class Jobs:
         return bool(self._live) or (bool(self.waiting) and not self.refusal)
 
     def stop(self, in_haste: Callable[[], bool]) -> None:
-        """Start no further job, and wait until the running ones have stopped, which a file has
-        asked for.
+        """Start no further job, and wait until the running jobs have stopped at the request of a
+        file.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class Jobs:
 
 
 class LocalJobs(Jobs):
-    """Jobs on so many cores of this machine, and in its memory."""
+    """Jobs on a number of cores of this machine, within its memory."""
 
     def __init__(self, directory: Path, batches: Sequence[Batch], cores: int) -> None:
         super().__init__(directory, batches)
@@ -136,8 +136,8 @@ class LocalJobs(Jobs):
 
 
 class ClusterJobs(Jobs):
-    """Jobs of the scheduler of a cluster, so many at once, by the profile; ``name`` is the name of
-    the scan.
+    """Jobs of the scheduler of a cluster, with the number of simultaneous jobs in the profile;
+    ``name`` is the name of the scan.
     """
 
     def __init__(
@@ -148,7 +148,7 @@ class ClusterJobs(Jobs):
         self._profile = profile
         self._queue = profile.queue
         self._name = name
-        self._asked = -math.inf  # time of the last look at the queue
+        self._asked = -math.inf  # time of the last query of the queue
         self._reported: set[str] = set()  # reasons of pending jobs
         self._submitted: dict[str, float] = {}  # times, by id
 
@@ -162,7 +162,7 @@ class ClusterJobs(Jobs):
         return self._unended
 
     def stop(self, in_haste: Callable[[], bool]) -> None:
-        """Take pending jobs back, and wait for the others; then cancel them."""
+        """Withdraw pending jobs, and wait for the others; then cancel them."""
         self._queue.cancel(job.id for job in jobs_of(self.directory, self._queue) if job.pending)
         patience = time.monotonic() + _PATIENCE
         while jobs := jobs_of(self.directory, self._queue):
@@ -182,7 +182,7 @@ class ClusterJobs(Jobs):
         return [job for job in self._live if job not in unended and not self._is_new(job)]
 
     def _is_new(self, job: str) -> bool:
-        """Return True for a job that the scheduler may not list so far."""
+        """Return True for a job that the scheduler may not list yet."""
         return time.monotonic() < self._submitted[job] + self._queue.listed_after
 
     def _has_room(self, batch: Batch) -> bool:
@@ -196,7 +196,7 @@ class ClusterJobs(Jobs):
         try:
             job = self._queue.submit(script, self.directory)
         except RunError as error:
-            if not self._live:  # otherwise there may be a limit, and room later
+            if not self._live:  # otherwise there may be a limit, and capacity later
                 self.refusal = self._queue.refusal(error)
             return None
         note_submitted(self.directory, job, batch.id)

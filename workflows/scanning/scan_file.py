@@ -36,7 +36,7 @@ from granwave.workflows.solvers import AnyCase, CaseKind, Cost, case_commands, s
 _LOG = logging.getLogger("granwave")
 
 _ID_LENGTH = 12
-_MANY = 300  # points from which reading them, some 5 ms each, shows a bar
+_MANY = 300  # points above which reading them, about 5 ms each, shows a progress bar
 
 
 @dataclasses.dataclass(frozen=True)
@@ -169,7 +169,7 @@ def load_scan(
     here
         True if the points run on this machine and must fit into its memory.
     most
-        Number of points to make of a larger scan, taken at random, for its plan; None: all.
+        Number of random points of a larger scan to make for its plan; None: all.
 
     Raises
     ------
@@ -197,8 +197,8 @@ def scan_from_dict(
     Parameters
     ----------
     path
-        Name of the file in messages; its stem is the default name of the scan, and its folder that
-        of relative paths.
+        Name of the file in messages; its stem is the default name of the scan, and its folder is
+        the base of relative paths.
     changes
         Keys of the case for all points, by dotted key.
     here
@@ -225,7 +225,7 @@ def scan_from_dict(
         for key, value in flat(tables.get("set", {}), "set", errors).items()
         if not any(
             key.startswith(f"{changed}.") for changed in changes
-        )  # --set material=steel, all of it
+        )  # --set material=steel replaces the complete table
     } | dict(changes)
     variations = variations_of(tables, header, errors)
     if header is not None:
@@ -294,7 +294,7 @@ def _build(
 def _check_fixed(
     path: Path, fixed: Mapping[str, Any], varied: Sequence[str], changes: Mapping[str, Any]
 ) -> None:
-    """Reject keys that are set for all points and vary, too."""
+    """Reject keys that are both fixed for all points and varied."""
     twice = [key for key in fixed if key in varied]
     if twice:
         fault = "varies in the scan, expected a key that does not"
@@ -438,7 +438,7 @@ def _with(
     template: Mapping[str, Any], settings: Mapping[str, Any], path: Path, changes: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Apply settings to the tables of a case."""
-    # whole tables first, then keys inside them
+    # complete tables first, then keys inside them
     ordered = {key: settings[key] for key in sorted(settings, key=lambda key: key.count("."))}
     try:
         return apply_overrides(template, ordered)

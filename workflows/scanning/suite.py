@@ -1,9 +1,9 @@
-"""Suites: several scans run one after the other in one directory, with a common report.
+"""Suites: several scans run in sequence in one directory, with a common report.
 
 name = "packings"
 scans = ["velocity-fcc", "velocity-hcp"]            # built-in scans, or scan files
 cases = ["half-space"]                              # single runs, each as a scan of one point
-study = ["tolerance"]                               # of all runs, in addition to the studies of the scans
+study = ["tolerance"] # studies of all runs, in addition to the studies of the scans
 """
 
 from __future__ import annotations
@@ -229,7 +229,7 @@ def check_suite(suite: Suite, results: ResultDirectory, *, resume: bool, force: 
 
 
 def _make_room(suite: Suite, results: ResultDirectory) -> None:
-    """Move the suite that was there, with its scans, into NAME.old."""
+    """Move an existing suite, with its scans, into NAME.old."""
     old = results.free_old_path()
     results.make_room(force=True)
     for scan in suite.scans:

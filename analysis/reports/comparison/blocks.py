@@ -25,7 +25,7 @@ from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.figures import FIGURES
-from granwave.analysis.reports.comparison.measured import Deviation, relative_text
+from granwave.analysis.reports.comparison.measured import NEGLIGIBLE, Deviation, relative_text
 from granwave.analysis.reports.comparison.subjects import (
     MOST_SIDE_BY_SIDE,
     ComparedRun,
@@ -35,7 +35,7 @@ from granwave.analysis.reports.comparison.values import ComparedValue, factor
 from granwave.analysis.reports.figures import picture_of
 
 _MOST_VALUES = 10  # rows of the table of values
-_MOST_OPEN = 12  # rows of the table of keys that is not folded
+_MOST_OPEN = 12  # rows of a table of keys that is not folded
 _OF_VALUES = "Largest differences of results"
 _OF_CASES = "Differences between the cases"
 _OF_NUMERICS = "Differences in output and run control"
@@ -50,7 +50,7 @@ MISFIT_HEADS = (
     "Difference of the peaks",
     "Points",
 )
-_TIMES = 10.0  # relative difference from which on it is given as a ratio
+_TIMES = 10.0  # relative difference above which it is given as a ratio
 _NO_RANGE = "no common range"
 _NO_CELLS = ("",) * (len(MISFIT_HEADS) - 1)
 
@@ -175,7 +175,7 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
     blocks: list[DocumentTable] = []
     for name, curve in comparison.measured.items():
         units = FIGURES[name].units
-        assert units is not None  # else no curve can lie over it
+        assert units is not None  # a measured curve cannot be drawn over it
         x_unit, y_unit = units
         peak = quantity_in(curve.peak, y_unit)
         place = quantity_in(curve.peak_at, x_unit)
@@ -184,7 +184,7 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
         for run, difference in comparison.deviations(name).items():
             cells: tuple[str, ...] = (_NO_RANGE, *_NO_CELLS)
             if difference is not None:
-                cells = misfit_cells(difference, units)
+                cells = misfit_cells(difference, units, curve.peak)
             rows.append((run.name, *cells))
         for run, why in comparison.data(name).lacking.items():
             rows.append((run.name, why, *_NO_CELLS))
@@ -192,14 +192,21 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
     return blocks
 
 
-def misfit_cells(difference: Deviation, units: tuple[str, str]) -> tuple[str, ...]:
+def misfit_cells(
+    difference: Deviation, units: tuple[str, str], measured_peak: float
+) -> tuple[str, ...]:
     """Return the difference from a measured curve in words, below the `MISFIT_HEADS`."""
     x_unit, y_unit = units
+    peak = quantity_in(difference.peak, y_unit)
+    place = quantity_in(difference.peak_at, x_unit)
+    if abs(difference.peak) < NEGLIGIBLE * measured_peak:
+        peak = "0"
+        place = ""
     return (
         quantity_in(difference.rms, y_unit),
         relative_text(difference.relative_rms).removesuffix(" of"),
-        quantity_in(difference.peak, y_unit),
-        quantity_in(difference.peak_at, x_unit),
+        peak,
+        place,
         _peak_text(difference.peak_difference),
         str(difference.n_points),
     )

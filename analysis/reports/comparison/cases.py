@@ -16,18 +16,18 @@ from granwave.analysis.reports.comparison.subjects import (
     is_physical,
     value_text,
 )
-from granwave.analysis.reports.setting import differing
+from granwave.analysis.reports.setting import differing, setting_of
 from granwave.lammps_inputs.errors import GranwaveError
 
-_SAME = 1e-12  # relative difference of diameters that are equal
-_SAME_PLACE = 1e-9  # diameters, between positions that are equal
-_MOST_RANGES = 4  # of ids in a row of the table
-_MOST_ROWS = 12  # for grains; further ones are counted
+_SAME = 1e-12  # relative tolerance of equal diameters
+_SAME_PLACE = 1e-9  # tolerance of equal positions, diameters
+_MOST_RANGES = 4  # most ranges of ids in a row of the table
+_MOST_ROWS = 12  # most rows for grains; further grains are counted
 NOT_RECORDED = "not recorded"
-_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # of ordinal numbers
-UNNAMED = "unnamed"  # material without a name
+_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # endings of ordinal numbers
+UNNAMED = "unnamed"  # name of a material without a name
 _OF_PACKING = "packing."
-_REPLACED = "replace"  # key whose changes are said grain by grain
+_REPLACED = "replace"  # key whose changes are listed by grain
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Difference:
     Attributes
     ----------
     what
-        Dotted key, or the grains.
+        Dotted key, or grains.
     values
         In words, by run: (n_runs,).
     is_numerical
@@ -64,7 +64,7 @@ def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
     with_case = [run.run for run in runs if run.run.case]
     keys = differing(with_case) if len(with_case) > 1 else []
     rows = _kind_rows(runs)
-    if rows:  # keys that a kind alone has say nothing of other kinds
+    if rows:  # the keys of one kind only do not apply to the other kinds
         keys = comparable_keys(keys, with_case)
     own = [key for key in keys if is_physical(key)]
     rest = [key for key in keys if not is_physical(key)]
@@ -79,9 +79,12 @@ def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
 
 
 def _kind_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
-    """Return a row with the kinds of the runs, where they differ."""
+    """Return rows with the kinds and the settings of the runs, where the kinds differ."""
     nouns = tuple(run.run.kind.noun for run in runs)
-    return [Difference("kind of run", nouns)] if len(set(nouns)) > 1 else []
+    if len(set(nouns)) < 2:
+        return []
+    settings = tuple(setting_of(run.run.case) if run.run.case else NOT_RECORDED for run in runs)
+    return [Difference("kind of run", nouns), Difference("setting", settings)]
 
 
 def _key_row(key: str, runs: Sequence[ComparedRun], *, is_numerical: bool = False) -> Difference:
@@ -128,7 +131,7 @@ def _material_rows(grains: Sequence[_Grains]) -> list[Difference]:
     if all(column == columns[0] for column in columns):
         return []
     if all(len(set(column)) == 1 for column in columns):
-        return []  # the key of the material says it
+        return []  # the change is listed under the key of the material
     for sphere, combination in zip(grains[0].ids.tolist(), zip(*columns, strict=True), strict=True):
         if len(set(combination)) > 1:
             groups.setdefault(combination, []).append(sphere)
@@ -145,7 +148,7 @@ def _number_rows(grains: Sequence[_Grains], *, places: bool) -> list[Difference]
     sizes = [other.diameter - first.diameter for other in grains]
     moves = [np.linalg.norm(other.position - first.position, axis=1) for other in grains]
     rows: list[Difference] = []
-    if not _is_constant(sizes):  # else a key says it
+    if not _is_constant(sizes):  # the change is listed under another key
         rows += _changed_row("diameter", first.ids, sizes, _SAME * scale)
     if places:
         rows += _changed_row("position", first.ids, moves, _SAME_PLACE * scale)
@@ -155,7 +158,7 @@ def _number_rows(grains: Sequence[_Grains], *, places: bool) -> list[Difference]
 def _changed_row(
     what: str, ids: NDArray[np.int64], changes: Sequence[NDArray[np.float64]], least: float
 ) -> list[Difference]:
-    """Return the row of the grains that changed by more than ``least``, m; nothing without any."""
+    """Return the row of the grains that changed by more than ``least``, m; None without any."""
     changed = ids[np.max(np.abs(changes), axis=0) > least]
     if not len(changed):
         return []
@@ -199,7 +202,7 @@ def _ordinal(number: int) -> str:
 
 
 def _step(numbers: Sequence[int]) -> int:
-    """Return the even distance of at least four numbers that are further apart than one; else 0."""
+    """Return the constant spacing (above 1) of at least four numbers; 0 if it is not constant."""
     steps = set(np.diff(numbers).tolist())
     if len(numbers) > _MOST_RANGES and len(steps) == 1 and steps != {1}:
         return int(steps.pop())

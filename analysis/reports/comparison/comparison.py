@@ -11,6 +11,7 @@ from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
+from granwave.analysis.reports.comparison.definitions import definition_notes
 from granwave.analysis.reports.comparison.figures import FIGURES, FigureData, read_figure
 from granwave.analysis.reports.comparison.measured import (
     Deviation,
@@ -44,12 +45,12 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.axes import Axes
 
-BOTTOM_FORCE = "bottom_force"  # what a measured curve is compared with by default
+BOTTOM_FORCE = "bottom_force"  # default quantity for a measured curve
 _UNITS = "units"  # key of ``attrs`` of a table
 _RATIO = "ratio"
 _LEAST_RUNS = 2
 _MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
-_LATER = 1.01  # latest over earliest end from which on runs end at different times
+_LATER = 1.01  # latest over earliest end above which the note on different ends is printed
 
 
 class Comparison:
@@ -62,7 +63,7 @@ class Comparison:
     measured
         Measured curve by the name of the figure that it lies over; empty if there is none.
     quantities
-        Names that were asked for: of values and of figures; empty for all.
+        Requested names: of values and of figures; empty for all.
     left_out
         Messages about unfinished runs without a summary, which are not compared.
     """
@@ -85,7 +86,9 @@ class Comparison:
 
     @cached_property
     def values(self) -> list[ComparedValue]:
-        """Values of the summaries: those asked for, or all results, the most different first."""
+        """Values of the summaries: the requested values, or all results, the most different
+        first.
+        """
         names = [name for name in self.quantities if name not in FIGURES]
         if self.quantities and not names:
             return []
@@ -103,7 +106,9 @@ class Comparison:
 
     @cached_property
     def sentence(self) -> str:
-        """The values that differ most, in a sentence; of one run the misfit to a measurement."""
+        """The values that differ most, in a sentence; for a single run the misfit to a
+        measurement.
+        """
         is_alone = len(self.runs) < _LEAST_RUNS
         measured = [
             closest_sentence(curve, self._named_deviations(name), _units_of(name), alone=is_alone)
@@ -121,7 +126,7 @@ class Comparison:
     @property
     def protection(self) -> list[str]:
         """Sentences on which run protects better, by the force on the bottom and by the depth of
-        the plastic zone; empty where values were asked for, or nothing differs.
+        the plastic zone; empty if values were requested, or if nothing differs.
         """
         if self.quantities or len(self.runs) < _LEAST_RUNS or not self.differs:
             return []
@@ -160,7 +165,7 @@ class Comparison:
 
     @property
     def wanted_figures(self) -> list[str]:
-        """Names of the figures that are drawn, as far as runs have what they show."""
+        """Names of the figures that are drawn, as far as runs have their data."""
         asked = [name for name in FIGURES if name in self.quantities]
         asked += [name for name in self.measured if name not in asked]
         return asked if self.quantities else list(FIGURES)
@@ -229,7 +234,7 @@ class Comparison:
         Raises
         ------
         MissingDataError
-            There is no figure of this name, or no run has what it shows.
+            There is no figure of this name, or no run has its data.
         """
         from granwave.analysis.figures.series import draw_axes, no_figure
 
@@ -240,7 +245,7 @@ class Comparison:
             lacking = self.data(name).lacking
             reasons = [f"{run.name}: {why}" for run, why in lacking.items()]
             why = "; ".join(reasons) or (
-                "the runs do not differ in this quantity, or share no grains"
+                "the runs do not differ in this quantity, or have no common grains"
             )
             raise MissingDataError(f"comparison: figure {name} does not apply ({why})")
         return axes
@@ -251,7 +256,7 @@ class Comparison:
         """Return the difference of each run from the measured curve over a figure."""
         curve_of = FIGURES[name].curve
         measured = self.measured[name]
-        assert curve_of is not None  # else no curve can lie over it
+        assert curve_of is not None  # a measured curve cannot be drawn over it
         return {
             run: deviation(measured, curve_of(data))
             for run, data in self.data(name).present.items()
@@ -269,7 +274,7 @@ class Comparison:
     def misfits(self) -> pandas.DataFrame:
         """Difference of each run from the measured curve: rms, rms over the measured peak, relative
         difference of the peaks, number of points, and peak of the run in the measured range with
-        its place; empty without a measured curve.
+        its position; empty without a measured curve.
         """
         import pandas
 
@@ -284,13 +289,17 @@ class Comparison:
 
     @property
     def notes(self) -> list[str]:
-        """Sentences on runs that are omitted, that ended early, or that no figure shows."""
+        """Sentences on runs that are omitted, ended early, or that no figure shows, and on values
+        that runs define differently or that a boundary limits.
+        """
         early = [f"{run.name} ({run.unfinished})" for run in self.runs if run.unfinished]
         notes = [f"Left out: {message}." for message in self.left_out]
         if early:
             listed = ", ".join(early)
             notes.append(f"Unfinished, compared up to the last output: {listed}.")
         notes += self._unlike_ends()
+        if len(self.runs) >= _LEAST_RUNS:
+            notes += definition_notes(self.runs)
         for name, curve in self.measured.items():
             notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
         return notes + self._undrawn()
@@ -352,7 +361,7 @@ def compare_runs(
     measured_as
         Figure that it lies over.
     shift, scale
-        What is added to its times or lengths, s or m, and the factor of its values.
+        Shift of its times or lengths, s or m, and factor of its values.
     left_out
         Messages about unfinished runs without a summary.
 

@@ -12,7 +12,13 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, both_decays
+from granwave.analysis.measures.dynamic_force import dynamic_peak_forces
+from granwave.analysis.measures.force_decay import (
+    ForceDecay,
+    PowerDecay,
+    both_decays,
+    still_rising,
+)
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
 from granwave.analysis.measures.signals import Array
@@ -23,8 +29,10 @@ from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
-FORMS = ("kinetic", "elastic", "dissipated")  # of energy, in the order of their panels
-_LEAST_SHARE = 1e-4  # of the largest peak force: layers that a wave reached
+FORMS = ("kinetic", "elastic", "dissipated")  # forms of energy, in the order of their panels
+_LEAST_LAYERS = 2  # fewest layers of a curve
+_STATIC_LOAD = "precompression"  # beginning of the keys of a static load
+_LEAST_SHARE = 1e-4  # fraction of the largest peak force: layers that the wave reached
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +45,7 @@ class SampledCurve:
 
 @dataclass(frozen=True, eq=False)
 class PeaksByDepth:
-    """Peak forces of the spheres of each layer that the load reached.
+    """Peak forces of the spheres of each layer that the load reached, above their static forces.
 
     Attributes
     ----------
@@ -48,12 +56,15 @@ class PeaksByDepth:
     decays
         Fits of the largest by an exponential and by a power of the depth; None with fewer than
         four layers below the impacted one.
+    n_rising
+        Number of layers that are left out, since their force still rises at the end.
     """
 
     depth: Array
     largest: Array
     median: Array
     decays: tuple[ForceDecay, PowerDecay] | None
+    n_rising: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +91,22 @@ def force_at_bottom(run: ComparedRun) -> SampledCurve:
         if record is None:
             raise LackingError("the force on its bottom is not recorded")
         return SampledCurve(record.time, record.force)
+
+
+def has_static_load(run: ComparedRun) -> bool:
+    """Return True if the case of a run has a static load."""
+    return any(key.startswith(_STATIC_LOAD) for key in run.run.case)
+
+
+def static_force_at_bottom(run: ComparedRun) -> float:
+    """Return the force on the bottom before the impact, N; 0 without a static load."""
+    if not has_static_load(run):
+        return 0.0
+    try:
+        force = force_at_bottom(run).y
+    except LackingError:
+        return 0.0
+    return float(force[0]) if len(force) else 0.0
 
 
 def energy_shares(run: ComparedRun) -> dict[str, SampledCurve]:
@@ -115,16 +142,21 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
     """Return the peak forces of the layers of a run."""
     with run.opened() as result:
         mean, layer = _layers_below(result)
-        force = result["spheres/peak_force"]
+        force = dynamic_peak_forces(result)
         decays = both_decays(result)
         largest = np.array([force[layer == n].max() for n in range(len(mean))])
         median = np.array([np.median(force[layer == n]) for n in range(len(mean))])
+        rising = still_rising(result, layer, largest) & (largest > 0)
     if len(mean) < 2 or not largest.any():
         raise LackingError("no force reaches two layers")
     shown = largest > _LEAST_SHARE * largest.max()
+    if np.count_nonzero(shown & ~rising) >= _LEAST_LAYERS:
+        shown &= ~rising
+    else:
+        rising[:] = False
     depth = mean[shown]
     largest = largest[shown]
-    return PeaksByDepth(depth, largest, median[shown], decays)
+    return PeaksByDepth(depth, largest, median[shown], decays, int(np.count_nonzero(rising)))
 
 
 def dissipation_by_depth(run: ComparedRun) -> SampledCurve:

@@ -1,5 +1,5 @@
-"""Peak forces on a vertical section of several packings side by side, on one colour scale, and
-their difference where grains correspond.
+"""Peak forces on a vertical section of several packings side by side, on one colour scale, and the
+difference of corresponding grains.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from granwave.analysis.figures.grain_discs import disc_radii, draw_discs, sticks
 from granwave.analysis.figures.sections import cut_of, frame_axes, window_around
 from granwave.analysis.figures.series import column_name
 from granwave.analysis.figures.style import BOTH_SIDES_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
+from granwave.analysis.measures.dynamic_force import dynamic_peak_forces, has_static_forces
 from granwave.analysis.measures.geometry import SpheresOnPlane
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
@@ -32,13 +33,16 @@ _ACROSS = 3  # most panels in a row ...
 _IN_PAIRS = 2  # ... and panels in a row of four
 MOST_PANELS = 6
 _MILLI = 1e3
-_FONT = 8  # of the labels of the axes, points
+_FONT = 8  # font size of the labels of the axes, points
 _TALLEST = 8.0  # inches
-_SAME_PLACE = 1e-3  # diameters, between grains that correspond
-_LINEAR = 1e-2  # of the largest difference, within which its scale is linear
+_SAME_PLACE = 1e-3  # distance between corresponding grains, diameters
+_LINEAR = 1e-2  # fraction of the largest difference within which its scale is linear
 _LINEAR_PART = 0.4  # length of the linear part of that scale on each side, decades
+_DECADE = (
+    10.0  # upper part of the usual scale of the smallest forces that a common scale leaves out
+)
 _TICKS = 2  # powers of ten on each side of zero
-_DISC = 0.96  # drawn over actual diameter
+_DISC = 0.96  # ratio of drawn to actual diameter
 _NO_EDGE = 0.2  # width of edges, points
 
 
@@ -51,7 +55,7 @@ class ForceField:
     cut
         Grains on the plane.
     force
-        Largest contact force of each, N: (n,).
+        Largest contact force of each, above the static force of the contact, N: (n,).
     ids
         Their ids: (n,).
     radius
@@ -60,6 +64,8 @@ class ForceField:
         Half axes of cylinders, as of `granwave.analysis.figures.grain_discs.sticks_of`.
     diameter
         Nominal, m.
+    has_static
+        True if contacts carried a static force, which is subtracted.
     """
 
     cut: SpheresOnPlane
@@ -68,6 +74,7 @@ class ForceField:
     radius: Array
     sticks: Array | None
     diameter: float
+    has_static: bool = False
 
     def window(self, least: float) -> Window:
         """Return the part of the plane where forces are not below ``least``, N."""
@@ -80,27 +87,32 @@ def force_field(run: ComparedRun) -> ForceField:
         cut = next(filter(None, (cut_of(result, name) for name in _PLANES)), None)
         if cut is None:
             raise LackingError("it has no vertical section of several rows")
-        force = result["spheres/peak_force"][cut.index]
+        force = dynamic_peak_forces(result)[cut.index]
         ids = result["spheres/id"][cut.index]
         radius = disc_radii(result, cut)
         sticks = sticks_of(result, cut)
         diameter = result.case.packing.diameter
+        has_static = has_static_forces(result)
     if not force.any():
         raise LackingError("no contact carried a force")
-    return ForceField(cut, force, ids, radius, sticks, diameter)
+    return ForceField(cut, force, ids, radius, sticks, diameter, has_static)
 
 
 def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
     """Draw the sections of several runs side by side, on one scale of lengths and of colours."""
     runs = list(fields)[:MOST_PANELS]
     largest = max(float(fields[run].force.max()) for run in runs)
+    least = min(float(fields[run].force.max()) for run in runs)
     low, high = decades_up_to(largest, None)
+    low = min(low, decades_up_to(least, None)[0] * _DECADE)
     window = _joint([fields[run].window(low) for run in runs])
     figure, panels = _panels(len(runs), window, _depth_label([fields[run] for run in runs]))
     columns: dict[str, Array] = {}
+    is_dynamic = any(fields[run].has_static for run in runs)
+    title = "Peak dynamic force (N)" if is_dynamic else "Peak force (N)"
     for axes, run in zip(panels, runs, strict=True):
         field = fields[run]
-        colouring = Colouring(field.force, "Peak force (N)", "peak_force_N", FORCE_MAP, low, high)
+        colouring = Colouring(field.force, title, "peak_force_N", FORCE_MAP, low, high)
         draw_discs(axes, field.cut, field.force, colouring, field.radius, sticks=field.sticks)
         frame_axes(axes, window)
         axes.set_title(run.label, pad=2, fontsize=7)
@@ -119,7 +131,8 @@ def corresponding(first: ForceField, other: ForceField) -> bool:
 
 
 def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
-    """Draw the peak force of each run less that of the first, for runs with the same grains.
+    """Draw the peak force of each run minus the peak force of the first, for runs with the same
+    grains.
 
     None where no run corresponds to the first, or none differs from it.
     """
@@ -158,7 +171,9 @@ def _ticks(largest: float) -> list[float]:
 
 
 def difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
-    """Return the runs whose grains do not correspond to those of the first, in a sentence."""
+    """Return a sentence on the runs whose grains do not correspond to the grains of the first
+    run.
+    """
     reference, *others = list(fields)
     unlike = [run.name for run in others if not corresponding(fields[reference], fields[run])]
     if not unlike:

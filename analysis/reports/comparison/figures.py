@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
+from granwave.analysis.document.model import named
 from granwave.analysis.figures.series import (
     COLOURS,
     against_time,
@@ -20,7 +21,7 @@ from granwave.analysis.figures.series import (
     panels,
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
-from granwave.analysis.formatting.numbers import interval
+from granwave.analysis.formatting.numbers import interval, quantity_in
 from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
@@ -33,7 +34,9 @@ from granwave.analysis.reports.comparison.curves import (
     force_at_bottom,
     front,
     growth,
+    has_static_load,
     peaks_by_depth,
+    static_force_at_bottom,
 )
 from granwave.analysis.reports.comparison.fields import (
     MOST_PANELS,
@@ -54,21 +57,25 @@ from granwave.analysis.reports.comparison.subjects import (
 Decay = ForceDecay | PowerDecay
 
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
-#: Lines of the runs, which tell curves apart in grey; dotted are fits and measured curves.
+#: Line styles of the runs, which distinguish curves in grey prints; fits and measured curves are
+#: dotted.
 _LINES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (2, 1)))
 _MICRO = 1e6
 _MILLI = 1e3
 _KILO = 1e3
 _DECADES = 1e-4  # lowest over highest value of a logarithmic axis
-_FONT = 7  # of legends, points
+_FONT = 7  # font size of legends, points
 _LETTER = 0.054  # width of a letter of a legend, inches
 _HANDLE = 0.45  # width of its line and gaps, inches
 _ROW = 0.15  # height of a row of a legend, inches
 _FREE_ROWS = 2  # rows of a legend for which a figure has room
 _THIN = 0.9  # points
-_NOTHING = 1e-9  # of the input: energy that is rounding
+_MOST_MARKED = 40  # points of a curve with markers
+_NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 _POINTS_OF_FIT = 30
 _ROOM_ABOVE = 1.06  # upper end of a linear axis over the largest value
+_HIDES = 30.0  # ratio of the largest to the smallest peak that a linear axis hides
+_BELOW = 1e-2  # lowest force of a logarithmic axis, divided by the smallest peak
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
 
 
@@ -81,17 +88,17 @@ class ComparisonFigure:
     caption
         What it shows.
     read
-        Function that reads of a run what is drawn, or raises `LackingError`.
+        Function that reads the data of a run, or raises `LackingError`.
     draw
-        Function that draws what was read, by run, and measured curves; None: there is nothing.
+        Function that draws the data by run, and measured curves; None: there is nothing.
     units
         SI units of the axes of a measured curve over it; empty: none can lie over it.
     look
-        What to look for.
+        Feature to look for.
     notes
-        Function that returns sentences on what was read.
+        Function that returns sentences on the data.
     curve
-        Function that returns the curve of a run that a measured one is compared with.
+        Function that returns the curve of a run for comparison with a measured curve.
     most
         Largest number of runs that it shows.
     """
@@ -108,12 +115,12 @@ class ComparisonFigure:
 
 @dataclass(frozen=True, eq=False)
 class FigureData:
-    """Data of the runs for a figure, and the reasons for which others give none.
+    """Data of the runs for a figure, and the reasons why other runs have no data.
 
     Attributes
     ----------
     present
-        What was read of each run that has it.
+        Data of each run that has data.
     lacking
         Reason by run without it.
     """
@@ -163,6 +170,11 @@ def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
     }
 
 
+def _markers(places: Array) -> dict[str, Any]:
+    """Return the markers of a curve; none for many points, which would hide its line."""
+    return {"marker": ".", "markersize": 4} if len(places) <= _MOST_MARKED else {}
+
+
 def _legend(figure: MatplotlibFigure) -> None:
     """Put the legend of the lines of the first panel above a figure, which grows by its rows."""
     axes = figure.axes[0]
@@ -176,7 +188,9 @@ def _legend(figure: MatplotlibFigure) -> None:
 
 
 def _end_of_time(axes: Axes, ends: Sequence[float]) -> None:
-    """Show all of the longest run; with a logarithmic axis where runs differ a lot in length."""
+    """Show the longest run completely; the axis is logarithmic where the lengths of the runs differ
+    a lot.
+    """
     longest = max(ends) * _MICRO
     shortest = min(ends) * _MICRO
     if 0 < shortest * _UNLIKE < longest:
@@ -227,9 +241,25 @@ def draw_bottom_force(
     columns |= _measured_lines(axes, measured, _MICRO, scale)
     label(axes, "Time (µs)", f"Force on the bottom ({unit})")
     _end_of_time(axes, [float(curve.x[-1]) for curve in curves.values()])
-    axes.axhline(0, color="black", linewidth=0.4, zorder=0)
+    _show_small_forces(axes, [scale * float(curve.y.max()) for curve in curves.values()])
     _legend(figure)
     return Drawing(figure, columns)
+
+
+def _show_small_forces(axes: Axes, peaks: Sequence[float]) -> None:
+    """Make the vertical axis logarithmic where a linear one would hide the lowest peak.
+
+    Parameters
+    ----------
+    peaks
+        Largest force of each run, in the unit of the axis: (n_runs,).
+    """
+    present = [peak for peak in peaks if peak > 0]
+    if not present or max(present) < _HIDES * min(present):
+        axes.axhline(0, color="black", linewidth=0.4, zorder=0)
+        return
+    axes.set_yscale("log")
+    axes.set_ylim(min(present) * _BELOW, 2 * max(present))
 
 
 def draw_energies(
@@ -279,10 +309,10 @@ def draw_peaks(
     for run, look in _styles(list(peaks)).items():
         one = peaks[run]
         depth = one.depth * _MILLI
-        left.plot(depth, one.largest, marker=".", markersize=4, **look)
+        left.plot(depth, one.largest, **_markers(depth), **look)
         for right in others:
             is_loaded = one.median > 0
-            right.plot(depth[is_loaded], one.median[is_loaded], marker=".", markersize=4, **look)
+            right.plot(depth[is_loaded], one.median[is_loaded], **_markers(depth), **look)
         if run in fits:
             decay = fits[run]
             ends = np.linspace(decay.first, decay.last, _POINTS_OF_FIT)
@@ -295,7 +325,8 @@ def draw_peaks(
             f"{name}_median_N": one.median,
         }
     columns |= _measured_lines(left, measured, _MILLI, 1.0)
-    label(left, "Depth (mm)", "Peak force (N)")
+    is_dynamic = any(has_static_load(run) for run in peaks)
+    label(left, "Depth (mm)", "Peak dynamic force (N)" if is_dynamic else "Peak force (N)")
     _log_if_wide(left)
     for right in others:
         left.set_title("largest of the layer")
@@ -315,7 +346,7 @@ def _log_if_wide(axes: Axes) -> None:
 
 
 def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
-    """Return the fit of each run that has one, of the law that fits all of them better.
+    """Return the fit of each run that has one, for the law that fits all runs better.
 
     The law is the same for all runs, so that its constants can be compared: the exponential or
     the power with the smaller sum of squared misfits.
@@ -329,7 +360,7 @@ def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, 
 
 
 def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return the fits of the decay in a sentence."""
+    """Return a sentence on the fits of the decay."""
     fits = common_fits(peaks)
     if not fits:
         return ""
@@ -369,7 +400,7 @@ def draw_dissipation(
     for run, look in _styles(list(curves)).items():
         curve = curves[run]
         shown = curve.y > 0
-        axes.plot(curve.x[shown] * _MILLI, curve.y[shown], marker=".", markersize=4, **look)
+        axes.plot(curve.x[shown] * _MILLI, curve.y[shown], **_markers(curve.x), **look)
         name = column_name(run.label)
         columns |= {f"{name}_depth_m": curve.x, f"{name}_dissipated_over_input": curve.y}
     label(axes, "Depth (mm)", "Dissipation of the layer / input", log="y")
@@ -411,7 +442,7 @@ def draw_fronts(
     columns: dict[str, Array] = {}
     for run, look in _styles(list(curves)).items():
         curve = curves[run]
-        axes.plot(curve.x * _MILLI, curve.y * _MICRO, marker=".", markersize=4, **look)
+        axes.plot(curve.x * _MILLI, curve.y * _MICRO, **_markers(curve.x), **look)
         name = column_name(run.label)
         columns |= {f"{name}_depth_m": curve.x, f"{name}_arrival_s": curve.y}
     columns |= _measured_lines(axes, measured, _MILLI, _MICRO)
@@ -422,8 +453,45 @@ def draw_fronts(
     return Drawing(figure, columns)
 
 
+def static_notes(curves: Mapping[ComparedRun, Any]) -> str:
+    """Return the static forces on the bottom in a sentence; empty without a static load."""
+    forces = {run.name: static_force_at_bottom(run) for run in curves}
+    parts = [f"{quantity_in(force, 'N')} ({name})" for name, force in forces.items() if force]
+    if not parts:
+        return ""
+    return f"The forces are total; before the impact, static: {', '.join(parts)}."
+
+
+def dynamic_notes(curves: Mapping[ComparedRun, Any]) -> str:
+    """Return a sentence on forces that are drawn above the static ones; empty without a static
+    load.
+    """
+    names = [run.name for run in curves if has_static_load(run)]
+    if not names:
+        return ""
+    return f"Forces above the static force of each contact: {named(names, len(names))}."
+
+
+def _peak_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the sentences below the peak forces against depth."""
+    return " ".join(filter(None, [dynamic_notes(peaks), decay_notes(peaks), _rising_notes(peaks)]))
+
+
+def _rising_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on layers that are left out; empty if there are none."""
+    parts = [f"{one.n_rising} ({run.name})" for run, one in peaks.items() if one.n_rising]
+    if not parts:
+        return ""
+    return f"Without layers whose force still rises at the end: {', '.join(parts)}."
+
+
+def _difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
+    """Return the sentences below the difference of the peak forces."""
+    return " ".join(filter(None, [dynamic_notes(fields), difference_notes(fields)]))
+
+
 def speed_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
-    """Return the speeds of the fronts in a sentence, of runs that have one."""
+    """Return a sentence on the front speeds of the runs that have one."""
     speeds = [(run.name, run.run.number("wave_speed_m_s")) for run in curves]
     parts = [f"{speed:.4g} m/s ({name})" for name, speed in speeds if speed is not None]
     if not parts:
@@ -457,11 +525,11 @@ def _itself(curve: SampledCurve) -> SampledCurve:
 FIGURES: dict[str, ComparisonFigure] = {
     "bottom_force": ComparisonFigure(
         "Force on the bottom against time", force_at_bottom, draw_bottom_force,
-        units=("s", "N"), curve=_itself,
+        units=("s", "N"), notes=static_notes, curve=_itself,
     ),
     "peak_force_depth": ComparisonFigure(
         "Peak force against depth: largest and median sphere of each layer", peaks_by_depth,
-        draw_peaks, units=("m", "N"), notes=decay_notes, curve=_largest,
+        draw_peaks, units=("m", "N"), notes=_peak_notes, curve=_largest,
     ),
     "energies": ComparisonFigure(
         "Kinetic, elastic and dissipated energy against time, relative to the input", energy_shares,
@@ -482,10 +550,10 @@ FIGURES: dict[str, ComparisonFigure] = {
     "peak_force_field": ComparisonFigure(
         "Peak force on the lattice plane below the impact in which spheres touch, on a common "
         "colour scale", force_field,
-        draw_field_panels, most=MOST_PANELS,
+        draw_field_panels, notes=dynamic_notes, most=MOST_PANELS,
     ),
     "peak_force_difference": ComparisonFigure(
         "Difference of the peak force of corresponding grains", force_field,
-        draw_field_difference, notes=difference_notes, most=MOST_PANELS,
+        draw_field_difference, notes=_difference_notes, most=MOST_PANELS,
     ),
 }  # fmt: skip

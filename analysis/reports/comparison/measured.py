@@ -2,7 +2,7 @@
 
 The curve is a table of text with a column of times or lengths and one of forces or other values,
 each with its unit in its name, ``time_us, force_kN`` or ``t (ms); F (N)``, or in the row below the
-names, as oscilloscopes write it. It is shifted and scaled only where that is asked for.
+names, as oscilloscopes write it. It is shifted and scaled only on request.
 """
 
 from __future__ import annotations
@@ -35,13 +35,14 @@ UNITS: dict[str, dict[str, int]] = {
 _JOINED = re.compile(r"(.+)_([a-zA-Zµμ]+)")  # ``time_us``
 _SPELLINGS = {"µs": "us", "μs": "us"}
 _LEAST_POINTS = 2
-_TIMES = 10.0  # ratio from which on it is given as a factor
+NEGLIGIBLE = 1e-4  # fraction of the measured peak below which a value counts as zero
+_TIMES = 10.0  # ratio above which a difference is given as a factor
 _MOST_LISTED = 4  # runs that a sentence lists
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredCurve:
-    """A measured curve, shifted and scaled as was asked for.
+    """A measured curve, shifted and scaled as requested.
 
     Attributes
     ----------
@@ -52,7 +53,7 @@ class MeasuredCurve:
     x, y
         Rising times or lengths, and values: (n,) each, SI units.
     shift
-        What was added to ``x``, in its unit.
+        Shift added to ``x``, in its unit.
     scale
         Factor of ``y``.
     """
@@ -94,8 +95,8 @@ class Deviation:
     peak_at
         Its time or length, s or m.
     outside_at
-        Time or length of the largest value of the whole run, where that lies outside the measured
-        range; None: it lies inside.
+        Time or length of the largest value of the run, if it is outside the measured range; None:
+        it lies inside.
     """
 
     rms: float
@@ -115,9 +116,9 @@ def read_measured(
     Parameters
     ----------
     path
-        Table of text; the first column of each unit is taken.
+        Text table; the first column with each unit is used.
     units
-        SI units of what it is compared with: of the axis, and of the values.
+        SI units of the compared quantities: of the axis, and of the values.
     shift
         Added to times or lengths, s or m.
     scale
@@ -190,7 +191,7 @@ def closest_sentence(
     units
         SI units of the curve.
     alone
-        True if there is one run only.
+        True if there is only one run.
     """
     if not deviations:
         return f"No run has a common range with {measured.source}."
@@ -202,6 +203,8 @@ def closest_sentence(
     own = f"{quantity_in(closest.peak, y_unit)} at {quantity_in(closest.peak_at, x_unit)}"
     other = f"{quantity_in(measured.peak, y_unit)} at {quantity_in(measured.peak_at, x_unit)}"
     peaks = f"its peak in the measured range is {own}, the measured peak {other}"
+    if abs(closest.peak) < NEGLIGIBLE * measured.peak:
+        peaks = f"it is zero in the measured range, the measured peak is {other}"
     if alone:
         return f"{name} differs from {measured.source} by {rms}; {peaks}."
     return f"Closest to {measured.source} is {name}, with a difference of {rms}; {peaks}."

@@ -1,4 +1,4 @@
-"""A comparison as a page of its own, with its figures as files next to it."""
+"""A comparison as a separate page, with its figures as files next to it."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def write_comparison(
     Parameters
     ----------
     directories
-        Directories of runs and scans, of which the finished points are compared.
+        Directories of runs and scans, whose finished points are compared.
     output
         Path of the page: ``.html``, ``.pdf`` or ``.md``; figures go to ``NAME_figures`` next to it.
     quantities, measured, measured_as, shift, scale
@@ -52,7 +52,7 @@ def write_comparison(
     ------
     InputError
         A directory is no result, a name is unknown, a file cannot be read, or another file has the
-        name of one that is written. Nothing was written.
+        name of an output file. Nothing was written.
     RunError
         Writing failed, on a full disk for instance.
     """

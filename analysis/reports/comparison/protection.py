@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from granwave.analysis.formatting.numbers import number, plain, quantity_in
+from granwave.analysis.reports.comparison.curves import static_force_at_bottom
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 from granwave.analysis.reports.setting import target_of
 
@@ -14,7 +15,7 @@ _FORCE = "wall_peak_force_N"
 _REDUCTION = "peak_reduction"
 _INPUT = "energy_input_J"
 _DEPTH = "zone_depth_90_interpolated_m"
-_SAME_INPUT = 1e-6  # relative difference of energies that are equal
+_SAME_INPUT = 1e-6  # relative tolerance of equal energies
 _SAME = 5e-3  # relative difference of results that are called equal
 _MOST_LISTED = 4  # runs that a sentence lists; of more the best and the worst
 _LEAST_RUNS = 2
@@ -54,7 +55,8 @@ class _Phrase:
 def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[str]:
     """Return which run protects better, with all values and their ratios.
 
-    Runs with the same energy input are ordered by the peak force on the bottom, others by the
+    Runs with the same energy input are ordered by the peak force on the bottom, above its static
+    force if there is one, others by the
     peak force relative to the impact without the packing. The second sentence orders them by the
     depth that contains 90 % of the plastic dissipation.
 
@@ -75,10 +77,12 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     """Return the order of the runs by the peak force below the packing; empty without one."""
     place = "target" if all(target_of(run.run.case) for run in runs) else "bottom"
     if _have_same_input(runs):
-        entries = _entries(_FORCE, runs, names)
+        static = [static_force_at_bottom(run) for run in runs]
+        force = "peak dynamic force" if any(static) else "peak force"
+        entries = _entries(_FORCE, runs, names, static)
         phrase = _Phrase(
-            f"{{}} protects the {place} {{}}: its peak force is {{}}",
-            f"The peak force on the {place} is {{}}",
+            f"{{}} protects the {place} {{}}: its {force} is {{}}",
+            f"The {force} on the {place} is {{}}",
             "{} times as high",
             "better",
             "best",
@@ -141,12 +145,25 @@ def _ordered(phrase: _Phrase, entries: Sequence[_Entry], text: Callable[[float],
     return f"{best}, compared with {listed}{most}."
 
 
-def _entries(key: str, runs: Sequence[ComparedRun], names: Sequence[str]) -> list[_Entry]:
-    """Return the runs that have a value above zero."""
+def _entries(
+    key: str,
+    runs: Sequence[ComparedRun],
+    names: Sequence[str],
+    subtracted: Sequence[float] | None = None,
+) -> list[_Entry]:
+    """Return the runs that have a value above zero.
+
+    Parameters
+    ----------
+    subtracted
+        Subtracted from the value of each run, such as its static force, N: (n_runs,).
+    """
     entries: list[_Entry] = []
-    for run, name in zip(runs, names, strict=True):
-        value = run.run.number(key)
-        if value is not None and value > 0:
+    for place, (run, name) in enumerate(zip(runs, names, strict=True)):
+        value = run.run.number(key) or 0.0
+        if subtracted is not None:
+            value -= subtracted[place]
+        if value > 0:
             entries.append(_Entry(name, value))
     return entries
 

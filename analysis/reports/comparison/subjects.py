@@ -23,14 +23,17 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 MOST_SIDE_BY_SIDE = 6  # runs with a column each in a table
 MOST_CURVES = 12  # runs in a figure of curves
-_NO_PHYSICS = ("run.", "output.", "figures.", "sensor")  # keys that no label shows
+_NO_PHYSICS = ("run.", "output.", "figures.", "sensor")  # keys that labels omit
 _MATERIAL = "material.name"
-_NONE_AT_ZERO = ("contact.initial_overlap",)  # keys whose value 0 says that there is none
+_NONE_AT_ZERO = ("contact.initial_overlap",)  # keys whose value 0 means that the feature is absent
+_REPLACED = "replace"  # key of replaced grains ...
+_DIAMETER = "diameter"
+_INDEX = "index"  # ... and of their ids
 _OF_MATERIAL = "material."
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
-_BETWEEN_WORDS = r"[-_ /]"  # of the name of a run
+_BETWEEN_WORDS = r"[-_ /]"  # separators in the name of a run
 _KILO = 1e3
 _MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
 _LEAST_RANGE = 3  # runs in a row that are named by the first and the last
@@ -49,9 +52,9 @@ class ComparedRun:
     run
         The run, as a report reads it.
     label
-        Its label in figures: its name and what differs in its case.
+        Its label in figures: its name and the differences of its case.
     number
-        Its place among the runs, from 0.
+        Its position among the runs, from 0.
     look
         Number of its colour and line, from 0, which are the same in all figures.
     """
@@ -126,8 +129,7 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
 
 
 def spread_first(n_runs: int, most: int) -> list[int]:
-    """Return the positions of runs, ``most`` that are evenly spread from first to last before
-    others.
+    """Return the positions of runs, starting with ``most`` evenly spaced ones from first to last.
 
     Parameters
     ----------
@@ -169,7 +171,7 @@ def by_reason(lacking: Mapping[ComparedRun, str]) -> str:
 
 
 def ranges_of(runs: Sequence[ComparedRun]) -> str:
-    """Return the names of runs, of three or more that follow one another the first and the last."""
+    """Return the names of runs; for three or more consecutive runs, the first and the last."""
     groups: list[list[ComparedRun]] = []
     for run in sorted(runs, key=lambda run: run.number):
         if groups and run.number == groups[-1][-1].number + 1:
@@ -211,6 +213,10 @@ def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> s
     is_none = value == 0 and key in _NONE_AT_ZERO
     if value is None or value == "" or is_none:
         return missing
+    if isinstance(value, str) and "\n" in value:
+        return f"table of {len(value.splitlines()) - 1} rows"
+    if key == _REPLACED and isinstance(value, list):
+        return ", ".join(_replacement(table) for table in value)
     if isinstance(value, list | tuple) and all(isinstance(part, int) for part in value):
         return size_text(value)
     unit = unit_in_cases(key, [case])
@@ -219,6 +225,17 @@ def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> s
     if isinstance(value, float | int) and unit:
         return _with_unit(value, unit)
     return as_label(value)
+
+
+def _replacement(table: Mapping[str, Any]) -> str:
+    """Return an entry of ``[[replace]]`` in words: ``aluminium at 3, 4``."""
+    changes = [
+        quantity_in(value, "m") if name == _DIAMETER else as_label(value)
+        for name, value in table.items()
+        if name != _INDEX
+    ]
+    places = ", ".join(map(str, np.atleast_1d(table.get(_INDEX, []))))
+    return f"{', '.join(changes)} at {places}"
 
 
 def _with_unit(value: float, unit: str) -> str:
@@ -239,7 +256,11 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     keys = keys[:_MOST_KEYS]
     texts: list[str] = []
     for run in runs:
-        parts = [value_text(key, run.case, missing="") for key in keys]
+        parts = [
+            value_text(key, run.case, missing="")
+            for key in keys
+            if "\n" not in str(run.case.get(key))  # no table of grains
+        ]
         in_name = re.split(_BETWEEN_WORDS, run.label)
         said = [part for part in parts if 0 < len(part) <= _LONGEST_VALUE and part not in in_name]
         texts.append(", ".join(said))

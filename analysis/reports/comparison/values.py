@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, unit_of_value
@@ -18,7 +18,7 @@ from granwave.analysis.reports.comparison.subjects import (
 )
 from granwave.analysis.reports.sentences import share
 
-#: Values that are no result of the run: what was put in, how it was computed, and how well.
+#: Values that are no results: input, method, and accuracy.
 _NO_OUTCOME = (
     "energy_input_J", "energy_input_normalised", "velocity_normalised", "energy_balance_error",
     "energy_balance_accepted", "deck_changed", "n_spheres", "n_elements", "n_cylinders",
@@ -32,7 +32,15 @@ _OF_ONE_KIND = (
     "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "peak_force_N",
     "impactor_velocity_m_s",
 )  # fmt: skip
-#: Beginnings of the names of values that say much the same; a sentence has one of each.
+#: Values that are left out where they equal another value in every run.
+_REPEATED = {
+    "ground_peak_force_N": "wall_peak_force_N",
+    "target_peak_force_N": "wall_peak_force_N",
+    "peak_force_with_walls_N": "peak_force_N",
+    "plastic_fraction": "dissipated_fraction",
+    "ground_peak_reduction": "peak_reduction",
+}
+#: Beginnings of the names of similar values; a sentence has only one of each.
 _FAMILIES = (
     ("plastic_fraction", "dissipated_fraction"),
     ("n_plastic", "n_dissipating", "plastic_zone", "zone_"),
@@ -40,7 +48,7 @@ _FAMILIES = (
     ("wall_", "unprotected", "ground", "target", "energy_target", "peak_reduction"),
 )
 _OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
-_ROUNDING = 1e-12  # over the largest value of the runs: zero
+_ROUNDING = 1e-12  # value over the largest value of the runs that counts as zero
 _SAME = 1e-9  # relative difference of values that are equal
 _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
 _IN_SENTENCE = 3
@@ -57,7 +65,7 @@ class ComparedValue:
     values
         By run; None where a run does not have it: (n_runs,).
     label
-        What it is, in words.
+        Name in words.
     unit
         SI unit; empty if there is none.
     """
@@ -112,16 +120,28 @@ class ComparedValue:
 
 
 def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> list[ComparedValue]:
-    """Return the values of the runs: those of some names, or all results, the most different first.
+    """Return the values of the runs: the requested values, or all results, the most different
+    first.
 
-    Values that are zero in every run are omitted, unless they are requested by name.
+    Values that are zero in every run, or repeat another value, such as the force on the ground
+    below a bottom at rest, are omitted unless they are requested by name.
     """
     asked = list(names)
     values = [_value(name, runs) for name in asked or _outcomes(runs)]
     if asked:
         return values
-    shown = [value for value in values if len(value.numbers) > 1 and not value.is_zero]
+    by_name = {value.name: value.values for value in values}
+    shown = [
+        value
+        for value in values
+        if len(value.numbers) > 1 and not value.is_zero and not _repeats(value, by_name)
+    ]
     return sorted(shown, key=_rank)
+
+
+def _repeats(value: ComparedValue, by_name: Mapping[str, tuple[float | None, ...]]) -> bool:
+    """Return True for a value that equals the value that it may repeat in every run."""
+    return by_name.get(_REPEATED.get(value.name, "")) == value.values
 
 
 def unknown_values(
@@ -150,7 +170,7 @@ def differing_values(values: Iterable[ComparedValue]) -> list[ComparedValue]:
 def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> str:
     """Return the values that differ most in a sentence, with both values and the ratio.
 
-    Of values that say much the same the first is taken.
+    Of similar values only the first is used.
     """
     different = differing_values(value for value in values if None not in value.values)
     if not different:

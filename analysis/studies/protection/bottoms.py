@@ -45,16 +45,16 @@ def text(runs: Sequence[TargetRun]) -> str:
     """Describe the comparison."""
     return (
         f"The same impact through {_layers(runs)} on each bottom. Reduction: the peak force of the "
-        "same impact directly on the target over that on the target below the packing. Impulse: "
-        "of the last layer on the target, up to the end of the run; a packing spreads it in space "
-        "and time, it does not take it away, and spheres that rebound add to it. Energy: the work "
-        "that it has done on the target, at most. A rigid wall takes none."
+        "same impact directly on the target divided by the peak force on the target below the "
+        "packing. Impulse: of the last layer on the target, up to the end of the run; a packing "
+        "spreads it in space and time but does not reduce it, and rebounding spheres add to it. "
+        "Energy: the largest work on the target. A rigid wall absorbs none."
     )
 
 
 def tables(runs: Sequence[TargetRun]) -> list[DocumentTable]:
     """All runs."""
-    return [table("What reaches the target, by bottom", runs, "B")]
+    return [table("Force, impulse and energy at the target, by bottom", runs, "B")]
 
 
 def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
@@ -81,8 +81,8 @@ def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
     through = f"{_layers(runs)}, friction {plain[0].friction:g}"
     caption = (
         f"Force, impulse and energy that reach the target through {through}, against time. The "
-        "lower the peak of the force, the better the target is protected; the impulse is spread "
-        "in time, not taken away"
+        "lower the peak of the force, the better the target is protected; the impulse is spread in "
+        "time, not reduced"
     )
     yield Picture("", caption, Drawing(figure, columns))
 

@@ -15,14 +15,14 @@ from granwave.lammps_inputs.case.boundary import Boundary, Plate
 
 TEXT = (
     "A single elastic sphere on each bottom. Theory: Hertz's impact on a rigid wall; a plate after "
-    "a short impulse, or on a spring so stiff that it follows the force; what an impedance takes "
-    "from a force that it hardly changes."
+    "a short impulse, or on a spring so stiff that it follows the force; the energy that an "
+    "impedance absorbs from a nearly unchanged force."
 )
 _MICRO = 1e6
 _MILLI = 1e3
 _SHORT = 20.0  # period of a plate / contact time above which an impact is short
 _SLOW = 0.2  # period of a plate / contact time below which an impact is slow
-_SLIGHT = 0.005  # momentum of the sphere / momentum of an impedance that hardly gives way
+_SLIGHT = 0.005  # momentum of the sphere over the momentum of a nearly rigid impedance
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:

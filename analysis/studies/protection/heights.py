@@ -35,10 +35,10 @@ _MARKERS = "os^Dv"  # one for each friction
 _SHOWN = {"peak_reduction": "reduction", "gain_per_kg": "per_kg", "packing_mass_kg": "mass_kg"}
 _LABELS = ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)")
 TEXT = (
-    "The same impact through packings of more and more layers. Reduction: the peak force of the "
-    "same impact directly on the target over that on the target below the packing; also over the "
-    "mass of the packing and over its height. What a kilogram adds: the reduction less 1, which is "
-    "that of no packing, over the mass."
+    "The same impact through packings with an increasing number of layers. Reduction: the peak "
+    "force of the same impact directly on the target divided by the peak force on the target below "
+    "the packing; also per mass and per height of the packing. Gain per kilogram: the reduction "
+    "minus 1 (the value without packing), divided by the mass."
 )
 
 
@@ -77,7 +77,8 @@ def verdict(all_series: AllSeries) -> Iterator[str]:
             f"{n:g} layers": exactly(value) for n, value in zip(layers, reduction, strict=True)
         }
         exponent = power(layers, reduction).exponent
-        yield f"{span(f'Peak reduction, {name}', values)} It goes about as layers^{exponent:.2g}."
+        trend = f"It is about proportional to layers^{exponent:.2g}."
+        yield f"{span(f'Peak reduction, {name}', values)} {trend}"
 
 
 def _names(all_series: AllSeries) -> list[str]:
@@ -119,8 +120,8 @@ def pictures(all_series: AllSeries) -> Iterator[Picture]:
     row[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
     legend_outside(figure, 3, fontsize=7)
     caption = (
-        "Peak force without the packing over that with it, and what a kilogram adds to it, against "
-        "the number of layers. Above 1 the packing protects; where the right-hand curve is "
-        "highest, its mass pays most"
+        "Peak force without the packing divided by the peak force with it, and gain per kilogram, "
+        "against the number of layers. Above 1 the packing protects; where the right-hand curve is "
+        "highest, its mass is most effective"
     )
     yield Picture("", caption, Drawing(figure, columns))

@@ -34,7 +34,7 @@ QUANTITIES: dict[str, tuple[str, str, float, str]] = {
     "peak_reduction": ("Peak reduction", "", 1.0, "HB"),
     "peak_reduction_per_kg": ("Reduction per mass", "1/kg", 1.0, "H"),
     "peak_reduction_per_m": ("Reduction per height", "1/m", 1.0, "H"),
-    "gain_per_kg": ("What a kilogram adds", "1/kg", 1.0, "H"),
+    "gain_per_kg": ("Gain per kilogram", "1/kg", 1.0, "H"),
     "ground_peak_force_N": ("Peak force on the ground", "N", 1.0, "B"),
     "ground_peak_reduction": ("Reduction on the ground", "", 1.0, "B"),
     "wall_impulse_Ns": ("Impulse", "mN s", 1e3, "HB"),
@@ -67,7 +67,7 @@ class TargetRun(FinishedRun):
 
     @property
     def layers(self) -> int:
-        """Layers of spheres, one below the other."""
+        """Number of layers of spheres."""
         return self.assembly.lattice.shape[2]
 
     @property
@@ -88,7 +88,7 @@ class TargetRun(FinishedRun):
 
     @property
     def held(self) -> bool:
-        """The bottom is a plane that does not move."""
+        """True if the bottom is a fixed plane."""
         return self.case.boundary.bottom_rule.has_plane and not self.moves
 
     @property
@@ -212,7 +212,7 @@ def table(caption: str, runs: Sequence[TargetRun], kind: str) -> DocumentTable:
     table ("H" or "B") that any of the runs has.
     """
     headings = []
-    factors = {}  # of the shown quantities
+    factors = {}  # factors of the shown quantities
     for name, (heading, unit, factor, kinds) in QUANTITIES.items():
         if kind in kinds and any(math.isfinite(run.value(name)) for run in runs):
             headings.append((heading, unit))

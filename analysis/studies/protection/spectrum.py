@@ -20,17 +20,16 @@ from granwave.analysis.studies.study import Picture, Row, span
 from granwave.lammps_inputs.case.boundary import Plate, time_label
 
 TEXT = (
-    "How far a plate on a spring moves below the packing, and without it. The line is an "
-    "oscillator under the force that the same packing gives a wall of the plate's material, held "
-    "in place; its limits are those of a short impulse, J/(M omega), and of a slow force, F/k. "
-    "Where a plate gives way, less force reaches it than a wall held in place, and its point lies "
-    "below the line."
+    "Displacement of a plate on a spring with the packing and without. The line is an "
+    "oscillator under the force of the same packing on a fixed wall of the plate's material; its "
+    "limits are a short impulse, J/(M omega), and a slow force, F/k. If a plate moves, the force "
+    "on it is smaller than on a fixed wall, and its point is below the line."
 )
 _FEWEST = 4  # smallest number of stiffnesses
 _MICRO = 1e6
-_CURVE = 60  # points of the theory
-_BELOW = 0.05  # relative deviation below the theory from which a remark names it
-_TURNED = 0.98  # part of a run: a displacement that is largest later may still grow
+_CURVE = 60  # points of the theoretical curve
+_BELOW = 0.05  # relative deviation below the theory above which a remark is printed
+_TURNED = 0.98  # fraction of a run: a displacement that is largest later may still grow
 
 #: A packing on a wall of the plates' material, and the runs with plates of one mass below it, by
 #: rising period. Columns of the runs: run, plate, period (s), largest displacement with the packing
@@ -41,7 +40,7 @@ Spectrum = tuple[TargetRun, DataFrame]
 def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
     """Spectra of plates with at least four stiffnesses, for each impact.
 
-    The same packing was also run on a wall of the plates' material.
+    True if the same packing was also run on a wall of the plates' material.
     """
     all_spectra = [spectra(impact) for impact in impacts(runs)]
     return [spectra_of_impact for spectra_of_impact in all_spectra if spectra_of_impact]
@@ -109,7 +108,7 @@ def rows(groups: Sequence[Spectrum]) -> Iterator[Row]:
             remark = ""
             if below > _BELOW:
                 remark = (
-                    f"{100 * below:.2g} % below the oscillator: the plate gives way to the force."
+                    f"{100 * below:.2g} % below the oscillator: the plate moves under the force."
                 )
             what = f"Largest displacement of the plate, {run.mass:g} kg, {time_label(run.period)}"
             yield Row(
@@ -173,7 +172,7 @@ def pictures(groups: Sequence[Spectrum]) -> Iterator[Picture]:
     legend_outside(figure, 2, fontsize=7)
     caption = (
         "Largest displacement of the plate against its period, with the packing and without, and "
-        "of an oscillator under the force on a plate held in place. The packing helps where full "
-        "marks lie below open ones"
+        "of an oscillator under the force on a fixed plate. The packing protects where full marks "
+        "are below open ones"
     )
     yield Picture("", caption, Drawing(figure, columns))

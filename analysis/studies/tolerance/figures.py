@@ -36,8 +36,8 @@ _LEGEND_HEIGHT = 0.35  # inches
 _MAP_ROW_HEIGHT = 0.32  # inches
 _MAP_MARGIN = 1.25  # inches
 _MOST_LEGEND_COLUMNS = 4
-_FEWEST_SEEDS = 4  # whose convergence is worth a figure
-_FEWEST_SHOWN = 3  # the interval of two is thirteen standard deviations wide
+_FEWEST_SEEDS = 4  # fewest seeds whose convergence is drawn
+_FEWEST_SHOWN = 3  # the confidence interval of two values is thirteen standard deviations wide
 _TICKS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 30, 50, 100)
 _POINT_COLUMNS = (
     "quantity",
@@ -191,7 +191,7 @@ def _left_of_ideal(
 
 
 def _has_only(setting: Setting, axes: Sequence[ToleranceQuantity]) -> bool:
-    """Return True if a setting has no imperfections but these, if any."""
+    """Return True if a setting has no imperfections other than these."""
     return not any(axis.of(setting) for axis in AXES if axis not in axes)
 
 

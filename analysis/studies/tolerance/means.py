@@ -23,9 +23,9 @@ from granwave.analysis.studies.tolerance.quantities import (
 )
 from granwave.analysis.studies.tolerance.runs import Means, PackingRuns
 
-KEPT = 0.9  # of the ideal packing's performance: how large may a tolerance be?
+KEPT = 0.9  # fraction of the ideal packing's performance that defines the largest tolerance
 _SAME = 0.005
-_PRECISE = 0.1  # of the mean: half-width of the confidence interval that seeds are counted for
+_PRECISE = 0.1  # half-width of the confidence interval over the mean, for the number of seeds
 _KEPT_HEADINGS = (
     "Imperfection",
     "Quantity",
@@ -39,7 +39,7 @@ _KEPT_HEADINGS = (
 )
 _ALIKE_HEADINGS = ("Imperfection", "Quantity", "From", "To", "At")
 
-Heading = str | tuple[str, str]  # of a column, with its unit
+Heading = str | tuple[str, str]  # heading of a column, with its unit
 Columns = Mapping[Heading, Mapping[Setting, Cell]]
 
 

@@ -29,7 +29,7 @@ Means = dict[Setting, statistics.Estimate]
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class PackingRuns:
-    """All runs of one impact on one packing, ideal and not.
+    """All runs of one impact on one packing, ideal and imperfect.
 
     Attributes
     ----------
@@ -111,8 +111,8 @@ class PackingRuns:
         return {setting: mean.over(ideal.mean) for setting, mean in means.items()}
 
     def left(self, quantity: ToleranceQuantity) -> Means:
-        """Fractions of the ideal packing's performance; of a force that shall be small, the ideal
-        value divided by the present one.
+        """Fractions of the ideal packing's performance; for a force that should be small, the ideal
+        value divided by the actual value.
         """
         shares = self.over_ideal(quantity)
         if quantity.better != "less":
@@ -212,7 +212,7 @@ def imperfections(case: Case) -> dict[str, Any]:
     if not isinstance(packing.vacancies, tuple):
         vacancies = packing.vacancies
         left_out.append("packing.vacancies")
-    if case.boundary.friction == case.contact.friction:  # as where it is left out
+    if case.boundary.friction == case.contact.friction:  # the default
         left_out.append("boundary.friction")
     setting = Setting(
         scatter=_without_rounding(packing.diameter_scatter),

@@ -20,7 +20,7 @@ TEXT = (
     "scatter, diameters lie between the nominal diameter minus this value and the nominal "
     "diameter. A lower peak force and a larger dissipated fraction protect better."
 )
-_LATE = 0.05  # of a run
+_LATE = 0.05  # fraction of a run
 
 
 def name(packing: PackingRuns) -> str:
@@ -56,7 +56,7 @@ def verdict(packing: PackingRuns) -> Iterator[str]:
 
 
 def missing(packing: PackingRuns, undone: Sequence[Mapping[str, Any]]) -> Iterator[str]:
-    """Say that the ideal packing has not finished, where a point of a scan asked for it."""
+    """Return a note if the ideal packing is a point of a scan but has not finished."""
     present = imperfections(packing.case)["setting"]
     asked = any(_is_ideal(present._asdict(), labels) for labels in undone)
     if IDEAL not in packing.runs and asked:
@@ -67,13 +67,13 @@ def missing(packing: PackingRuns, undone: Sequence[Mapping[str, Any]]) -> Iterat
 
 
 def _is_ideal(imperfections: Mapping[str, float], labels: Mapping[str, Any]) -> bool:
-    """Return True if values of the varied keys leave a packing with these imperfections none."""
+    """Return True if values of the varied keys leave a packing without these imperfections."""
     return not any(labels.get(axis.key, imperfections[axis.name]) for axis in AXES)
 
 
 def _cut_short(run: FinishedRun) -> bool:
-    """True if the force on the bottom was largest in the last part of the run, so that it may have
-    grown on.
+    """Return True if the force on the bottom was largest in the last part of the run and may still
+    grow.
     """
     try:
         with Result(run.directory) as result:

@@ -1,4 +1,4 @@
-"""Fit of the elasto-plastic law's constants to a force-overlap curve.
+"""Fit of the constants of the elasto-plastic law to a force-overlap curve.
 
 Least squares over the rows beyond first yield, of the residuals
 
@@ -55,10 +55,11 @@ BOUNDS = {
     "residual_offset": (
         1.0,
         500.0,
-    ),  # above residual_slope, so that residual overlaps stay below the largest overlap
+    ),  # above residual_slope, so that residual overlaps remain below the largest overlap
     "residual_rate": (1e-4, 1.0),
     "unloading_exponent": (1.0, 3.0),
-    YIELD: (0.3, 3.0),  # over the strength that fits best with the published constants
+    # bounds relative to the strength that fits best with the published constants
+    YIELD: (0.3, 3.0),
 }
 RANGES = (
     1.0,
@@ -66,7 +67,7 @@ RANGES = (
     50.0,
     177.6,
     math.inf,
-)  # ranges of the overlap over that at first yield, for misfits
+)  # ranges of overlap over the overlap at first yield, for misfits
 
 _LOG = logging.getLogger("granwave")
 _LEAST_LOADING = 1e-3  # smallest scale of residuals / largest force
@@ -76,13 +77,14 @@ _FEWEST = 5  # smallest number of rows of loading beyond first yield
 _SMALL_TURN = (
     1.5  # overlap / first yield below which a turn does not determine the residual overlap
 )
-_UNIT_ERROR = 30.0  # ratio to the law's force that no material reaches: the unit is wrong
+_UNIT_ERROR = 30.0  # ratio to the law's force above which the unit is probably wrong
 _YIELD_SPAN = math.log(10.0)  # range of the search around a yield strength, logarithmic
 _HUGE = 1e3  # residual of an invalid law
 
 _BAD = 3.0  # deviation of a fit, rms, per cent, above which another zero of the overlap is tried
-_BETTER = 1 / 3  # deviation with that zero / without it, from which on it is named
-_PART = 3  # smallest number of rows of a part of the curve that counts for this
+# deviation with the fitted zero over deviation without it, below which the zero is reported
+_BETTER = 1 / 3
+_PART = 3  # fewest rows of a part of the curve that counts here
 _MICRO = 1e6  # micrometres in a metre
 
 _LEAST_RISE = 0.01  # smallest slope of a_R at first yield
@@ -111,7 +113,7 @@ class Fit(FittedLaw):
         return self.zero if name == ZERO else super().value(name)
 
     def published_value(self, name: str) -> float:
-        """Return the published value of a constant; that of the zero is 0."""
+        """Return the published value of a constant; 0 for the zero of the overlap."""
         return 0.0 if name == ZERO else super().published_value(name)
 
     def undetermined(self, name: str) -> bool:
@@ -141,24 +143,25 @@ def fit_law(
 ) -> Fit:
     """Fit the law to a curve.
 
-    If the fit is bad and would be good with another zero of the overlap, a warning says which.
+    If the fit is poor and would be good with another zero of the overlap, a warning states this
+    zero.
 
     Parameters
     ----------
     materials, radii
         One or two materials and radii (m), which determine force and overlap at first yield.
     free
-        Constants to fit; by default those that the curve can determine, and a warning names the
-        rest.
+        Constants to fit; by default the constants that the curve can determine; a warning names the
+        others.
     fit_yield
         True to fit the yield strength too, starting from the value of the softer material.
     fit_zero
-        True to fit the reading of the overlap at the touch, too; else it is 0.
+        True to fit also the reading of the overlap at first contact; otherwise it is 0.
 
     Raises
     ------
     InputError
-        The curve does not suit the contact or is too short, or the law with the fitted constants
+        The curve does not match the contact or is too short, or the law with the fitted constants
         is not passive.
     """
     if fit_zero:
@@ -197,7 +200,7 @@ def _fit(
     curve = shifted(reading, zero)
     _refuse(curve, published, radii)
     first = published
-    least_peak = 1.0  # of fitted rows, relative to first yield
+    least_peak = 1.0  # smallest peak of fitted rows, relative to first yield
     if fit_yield:
         yield_strength = _yield_alone(curve, materials, radii)
         first = contact_of(with_yield(materials, yield_strength), radii)
@@ -260,7 +263,7 @@ def _with_zero(
     *,
     fit_yield: bool,
 ) -> Fit | None:
-    """Return the fit with the zero of the overlap fitted, too; None if there is none."""
+    """Return the fit with a fitted zero of the overlap; None if there is none."""
     with _silent():
         try:
             return _fit(curve, materials, radii, free, fit_yield=fit_yield, fit_zero=True)
@@ -269,7 +272,7 @@ def _with_zero(
 
 
 def _zero_said(fit: Fit) -> str:
-    """Return the sentence on a zero that a curve has been fitted with."""
+    """Return the sentence on a fitted zero of the overlap."""
     zero = fit.zero * _MICRO
     spread = fit.uncertainty[ZERO] * _MICRO
     return (
@@ -286,7 +289,7 @@ def _worst(fit: Fit) -> float:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """Let a trial fit give no warnings."""
+    """Suppress the warnings of a trial fit."""
     _LOG.addFilter(_drop)
     try:
         yield
@@ -342,7 +345,7 @@ class _Problem:
         )
 
     def shift(self, x: Array) -> float:
-        """Return the reading at the touch less that of the start, m."""
+        """Return the reading at first contact minus the initial estimate, m."""
         if ZERO not in self.names:
             return 0.0
         return float(x[self.names.index(ZERO)] - 1) * self.unit(ZERO)

@@ -20,13 +20,13 @@ Rows = NDArray[np.bool_]
 Residuals = Callable[[Array], Array]
 
 _WIDTHS = (0.05, 1e-3)  # residual above which the loss is linear: initial and smallest width
-_OUTLIER = 3.0  # this residual in standard deviations
+_OUTLIER = 3.0  # the same in standard deviations
 _STEP = 1e-5  # relative step of derivatives
 _SINGULAR = 1e-10  # relative size of singular values that count as zero
 _ROUGH = 1e-5  # tolerance of the first search
 _FINE = 1e-9  # tolerance of the last search
-_FIRST_JOINT = 20.0  # smallest area_switch that is tried
-_JOINTS = 10  # number of values of area_switch that are tried
+_FIRST_JOINT = 20.0  # smallest value of area_switch in the search
+_JOINTS = 10  # number of values of area_switch in the search
 _RELEASED = 3  # number of them that are refined
 _NEAR = 25.0  # largest excess cost of other fits that affect the uncertainties, variances
 _OF_UNLOADING = ("residual_", "unloading_")
@@ -77,7 +77,7 @@ class Search:
         tried = [(0.0, np.ones(every.size))]
         if (
             self.joint is not None
-        ):  # each row that changes sides of it gives a local minimum: try several positions
+        ):  # each row that changes branch gives a local minimum: try several positions
             others = every[~dents & (every != self.joint)]
             tried = sorted(
                 (self.solve(x, others, self.loading, rough=True) for x in self.joints),
@@ -147,8 +147,8 @@ def _joints(names: Sequence[str], largest: float) -> list[Array]:
 
 
 def uncertainties(search: Search, x: Array, at_bound: Rows) -> Array:
-    """Return the standard uncertainties of the values, infinite if undetermined or at a bound:
-    (n_values,).
+    """Return the standard uncertainties of the values, infinite for undetermined values and at a
+    bound: (n_values,).
 
     A fit with another joint whose sum of squares is larger by d variances, and which differs by e
     in a value, implies that the uncertainty of this value is at least e/sqrt(d).

@@ -1,4 +1,4 @@
-"""A contact law whose constants were fitted to measurements, as all fits give it."""
+"""A contact law whose constants were fitted to measurements, the result of all fits."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ YIELD = "yield_strength"
 
 
 def place_of_softer(materials: Sequence[Material]) -> int:
-    """Return the place of the material that yields first; a material without a yield strength
+    """Return the index of the material that yields first; a material without a yield strength
     yields last, and the first of equal materials counts.
     """
     strengths = [material.yield_strength or math.inf for material in materials]
@@ -44,7 +44,7 @@ class FittedLaw:
     materials, radii
         Materials of the two bodies, with the fitted yield strength, and radii, m.
     softer
-        Place of the softer material in ``materials``: the lower yield strength before the fit.
+        Index of the softer material in ``materials``: the lower yield strength before the fit.
     correlation
         Correlation of the residuals of neighbouring rows.
     misfit

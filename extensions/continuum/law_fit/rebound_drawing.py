@@ -9,7 +9,7 @@ from granwave.analysis.figures.style import BLUE, GREY, Drawing
 from granwave.extensions.continuum.law_fit.restitution_fit import RestitutionFit, restitution_at
 
 _POINTS = 300
-_MARGIN = 1.5  # velocities that are drawn beyond the slowest and the fastest impact
+_MARGIN = 1.5  # factor by which curves extend beyond the slowest and the fastest impact
 
 
 def rebound_drawing(fit: RestitutionFit) -> Drawing:

@@ -18,7 +18,7 @@ from granwave.lammps_inputs.tables.layout import read_rows
 RESTITUTION = "restitution"
 CONTACT = "contact"  # names of several contacts in a table of `granwave law --restitution`
 _VELOCITIES = {"velocity_m_s": 1.0, "velocity_cm_s": 1e-2, "velocity_mm_s": 1e-3}
-_MOST = 1.1  # coefficient above which it is no noise
+_MOST = 1.1  # coefficient that exceeds 1 by more than noise
 
 Array = NDArray[np.float64]
 

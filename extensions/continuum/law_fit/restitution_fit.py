@@ -1,10 +1,10 @@
 """Fit of the elasto-plastic law to measured coefficients of restitution.
 
 An impact of effective mass m at the velocity v loads the contact until the work of loading W is
-m v^2/2, and dissipates D:  e = sqrt(1 - D/W). With given constants of the law the velocity over
-that of first yield determines e, and this velocity is proportional to the 5/2-th power of the yield
-strength: restitution determines it best. What the same measurements would tell of each other
-constant, if it were fitted together with the yield strength, is stated for each.
+m v^2/2, and dissipates D:  e = sqrt(1 - D/W). With given constants of the law, e depends on the
+velocity over the velocity of first yield, and this velocity is proportional to the 5/2-th power of
+the yield strength: restitution determines it best. For each other constant, the uncertainty that
+these measurements would give, if it were fitted together with the yield strength, is stated.
 
 Least squares of e_law - e, with Huber's loss from three times the scatter on, and uncertainties as
 of fits to curves.
@@ -39,19 +39,19 @@ from granwave.lammps_inputs.errors import InputError
 
 _LOG = logging.getLogger("granwave")
 _STRENGTHS = (1e-5, 0.1)  # range of the search for the yield strength over Young's modulus
-_TRIALS = 120  # of the search
-_OF_VELOCITY = 2.5  # power of the yield strength that velocities go with
-_YIELD_RANGE = (0.03, 30.0)  # bounds of the yield strength over that of the search
+_TRIALS = 120  # most trials of the search
+_OF_VELOCITY = 2.5  # power of the yield strength to which velocities are proportional
+_YIELD_RANGE = (0.03, 30.0)  # bounds of the yield strength relative to the result of the search
 _POINTS = 400  # overlaps from first yield to R* between which velocities are interpolated
-_END_OF_FIT = 0.2  # overlap / R* up to which the law was fitted
-_ENOUGH = 5  # smallest number of impacts too slow to yield whose loss is judged
+_END_OF_FIT = 0.2  # largest overlap over R* in the fit of the law
+_ENOUGH = 5  # fewest elastic impacts whose loss is tested
 _FEWEST = 3  # smallest number of rows beyond the number of fitted values
 _STEP = 1e-4  # relative step of derivatives
 _OUTLIER = 3.0  # residual in standard deviations beyond which the loss is linear
-_SURE = 4.0  # mean loss of slow impacts in its standard deviations that is no chance
+_SURE = 4.0  # mean loss of slow impacts in its standard deviations that is significant
 _NARROWEST = 1e-6  # smallest width of the quadratic loss
 _SINGULAR = 1e-10  # relative size of singular values that count as zero
-_TOLD = 0.2  # relative uncertainty below which the measurements tell a constant
+_TOLD = 0.2  # relative uncertainty below which the measurements determine a constant
 
 Array = NDArray[np.float64]
 
@@ -67,8 +67,8 @@ class RestitutionFit(FittedLaw):
     mass
         Effective mass of the two bodies, kg.
     told
-        Relative uncertainty that the measurements would give to each constant that was held, if it
-        were fitted as well as the yield strength; infinite if they say nothing of it.
+        Relative uncertainty of each fixed constant if it were fitted together with the yield
+        strength; infinite if the measurements do not determine it.
     """
 
     rebounds: Rebounds
@@ -91,7 +91,7 @@ class RestitutionFit(FittedLaw):
     def scale(self) -> str:
         """Sentence on the velocity at first yield."""
         work = float(self.law.loading_work(np.array([self.law.yield_overlap]))[0])
-        return f"impacts yield from {math.sqrt(2 * work / self.mass):.4g} m/s on"
+        return f"contacts yield from {math.sqrt(2 * work / self.mass):.4g} m/s on"
 
 
 def fit_restitution(
@@ -108,7 +108,7 @@ def fit_restitution(
         One or two materials and radii (m; the second may be infinite, a plane). Their yield
         strengths are not used.
     free
-        Constants to fit as well as the yield strength.
+        Constants to fit in addition to the yield strength.
 
     Raises
     ------
@@ -181,8 +181,8 @@ def restitution_at(law: ContactLaw, mass: float, velocity: Array) -> Array:
 
 
 def overlap_at(law: ContactLaw, mass: float, velocity: Array) -> Array:
-    """Return the largest overlaps of impacts at velocities, m/s; those of impacts that do not yield
-    are not above that at first yield: (n,), m.
+    """Return the largest overlaps of impacts at velocities, m/s; overlaps of elastic impacts are at
+    most the overlap at first yield: (n,), m.
     """
     peak = _overlaps(law)
     return np.interp(0.5 * mass * velocity**2, law.loading_work(peak), peak)
@@ -195,7 +195,7 @@ def _overlaps(law: ContactLaw) -> Array:
 
 
 def effective_mass(materials: Sequence[Material], radii: Sequence[float]) -> float:
-    """Return the effective mass of two spheres, or of one on a plane (its radius infinite), kg."""
+    """Return the effective mass of two spheres, or of a sphere on a plane (infinite radius), kg."""
     first = sphere_mass(materials[0], radii[0])
     if math.isinf(radii[-1]):
         return first
@@ -223,7 +223,7 @@ class _Problem:
         modulus = min(solid.youngs_modulus for solid in self.materials)
         strengths = modulus * np.geomspace(*_STRENGTHS, _TRIALS)
         law = self._law_of({YIELD: strengths[0]})
-        # the weakest material at velocities that make up for its strength
+        # the weakest material at velocities that compensate for its strength
         factors = (strengths[0] / strengths) ** _OF_VELOCITY
         tried = restitution_at(law, self.mass, np.outer(factors, self.rebounds.velocity))
         off = np.sum(np.abs(tried - self._measured), axis=1)

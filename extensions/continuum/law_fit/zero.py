@@ -19,7 +19,8 @@ ZERO = "zero"
 
 _NO_FORCE = 1e-3  # force / largest force below which the bodies do not touch
 _SURE_FORCE = 0.05  # force / largest force at which they touch
-_REACH = 0.5  # of zeros below the first reading with a force / its distance from the largest one
+# reach of zeros below the first reading with a force, over its distance from the largest overlap
+_REACH = 0.5
 _TRIALS = 200
 
 Array = NDArray[np.float64]
@@ -49,10 +50,11 @@ def zero_range(curve: Curve) -> tuple[float, float]:
 
 
 def estimated_zero(curve: Curve, law: ContactLaw) -> float:
-    """Return the reading at the touch from the shape of first loading, a start of the fit, m.
+    """Return an initial estimate of the reading at first contact from the shape of first loading,
+    m.
 
-    The ratio of the forces to those of the law varies least there; its size is of no account, so
-    that the law need not have the strength of the measured material.
+    With this zero the ratio of the forces to the forces of the law varies least; its magnitude does
+    not matter, so that the law need not have the strength of the measured material.
     """
     loading = curve.loading & touching(curve)
     overlap = curve.overlap[loading]

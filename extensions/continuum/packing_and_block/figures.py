@@ -42,7 +42,7 @@ FRACTION = "Dissipation / input energy"
 GRANULAR_ENERGY = r"Input energy $e_\mathrm{in}/(F_\mathrm{y}\,\alpha_\mathrm{y})$"
 CONTINUUM_ENERGY = r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$"
 
-_SHOWN_SHARE = 0.95  # of the dissipation: how far curves of cumulated dissipation go
+_SHOWN_SHARE = 0.95  # fraction of the dissipation up to which cumulated curves are drawn
 _COLOURS = ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
 _MARKERS = "os^DvP*"
 _OF_PACKINGS = (BLUE, SKY, "black")
@@ -69,8 +69,8 @@ def look(n: int, *, lines: bool = True) -> dict[str, Any]:
     return appearance | {"markerfacecolor": "none", "linestyle": "none", "markersize": 5}
 
 
-_LETTERS = 120  # of a legend across two panels
-_GAP = 9  # letters that the mark and the gaps of an entry take
+_LETTERS = 120  # characters of a legend across two panels
+_GAP = 9  # characters that the mark and the gaps of an entry occupy
 
 
 def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Drawing:
@@ -95,7 +95,7 @@ def dissipated_fraction(impacts: Impacts) -> Drawing:
     """Draw the fraction against input energy of both, by sigma_y^2 D^3/E with the diameter of the
     punch.
 
-    Spheres of the reference material alone are shown, by diameter: the unit is then the same for
+    Only spheres of the reference material are shown, by diameter: the unit is then the same for
     all.
     """
     first = impacts.reference.iloc[0]
@@ -242,21 +242,21 @@ _ON_RAY = (
     4,
     8,
     12,
-)  # contacts of a preferred direction, from the struck sphere, that are drawn
+)  # contacts of a preferred direction, from the impacted sphere, that are drawn
 _LAYERS_LISTED = (1, 4, 8, 16)  # layers below the impacted one in the table of uniformity
 _MOST_FRONTS = 4  # largest number of fronts
 _BANDS = 5  # number of ranges of depth
 _MILLI = 1e3
 _WEAK = 1.0  # normalised force at the largest velocity below which contacts are left out
 _INSIDE = -1e-6  # least coordinate along preferred directions inside the cone of these, diameters
-_LAYERS = 1e3  # number of distinguished depths in a diameter
+_LAYERS = 1e3  # resolved depths in a diameter
 _IMPULSE = (
     "Granular: peak force against impulse. Points on their line, and exponents of 1 at every "
-    "depth, tell that force is proportional to impulse"
+    "depth, show that force is proportional to impulse"
 )
 _FRONT = (
-    "Granular: the front by layer. Below F_y the front is elastic; a mean that comes near the "
-    "largest force of its layer tells that it gets planar"
+    "Granular: the front by layer. Below F_y the front is elastic; a mean close to the largest "
+    "force of its layer shows that it becomes planar"
 )
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 
@@ -285,7 +285,7 @@ def linear(runs: DataFrame) -> Linearity | None:
 
     Contacts count that lie within the cone of the preferred directions, are pressed beyond F_y at
     the largest velocity and were pressed at all at every other. Beyond the cone a contact may be
-    loaded by the rebound alone.
+    loaded only by the rebound.
     """
     if len(runs) < _FEWEST_RUNS:
         return None
@@ -377,7 +377,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable]:
         for velocity, front in front_tables.items():
             weak = front.depth[
                 front.largest[::-1].cummax()[::-1] <= 1
-            ]  # from here on no force is above F_y
+            ]  # no later force is above F_y
             uniformity = [
                 float(front.uniformity.iloc[n]) if n < len(front) else None for n in _LAYERS_LISTED
             ]
@@ -464,7 +464,9 @@ def _peak_force_against_impulse(linearity: Linearity) -> Drawing:
 
 
 def _front_by_depth(front_tables: dict[float, DataFrame]) -> Drawing:
-    """Draw the largest peak force and its uniformity by layer: the front gets elastic, then planar."""
+    """Draw the largest peak force and its uniformity by layer: the front becomes elastic, then
+    planar.
+    """
     figure, left, right = panels(2.6, 2)
     columns: dict[str, NDArray] = {}
     for n, (velocity, front) in enumerate(front_tables.items()):

@@ -33,10 +33,10 @@ from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
-SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
+SAME = 1e-4  # relative difference of nominally equal normalised velocities and energies
 _FEWEST_FITTED = 5
 
-_FAST = 0.1  # of the largest velocity
+_FAST = 0.1  # fraction of the largest velocity
 _CONSTANTS = ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
 _DIFFERENCES = {  # properties that distinguish substances: word, size of the unit, and unit
     "diameter": ("diameter", 1e-3, "mm"),
@@ -53,7 +53,7 @@ _KEYS = (
     "but_for_taper",
     "but_for_block",
 )  # equal numbers for equal content
-_MEASURED = (  # columns that a table without rows has, too
+_MEASURED = (  # columns that an empty table has too
     "run", "label", "packing", "energy_J", "energy_normalised", "velocity_normalised", "dissipated_fraction", "struck_spheres",
     "diameter", "mass_kg", "taper", "fine",
 )  # fmt: skip
@@ -118,10 +118,10 @@ class Impacts:
 
 
 def collect(runs: Iterable[AnyRun[Any]]) -> Impacts:
-    """The runs that can be compared, without the others.
+    """The comparable runs.
 
-    What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by
-    the elasto-plastic law, and of punches on blocks.
+    Compared quantities: impacts on ideal packings (like spheres, no friction) whose contacts yield
+    by the elasto-plastic law, and of punches on blocks.
     """
     runs = list(runs)
     granular = [
@@ -159,8 +159,8 @@ def rising(runs: DataFrame, column: str) -> DataFrame:
 
 
 def equal(runs: DataFrame, others: DataFrame, column: str) -> DataFrame:
-    """Pairs of runs and others that are meant to be equal in a column; those of the others have an
-    underscore.
+    """Pairs of runs and other runs that should be equal in a column; columns of the other runs have
+    an underscore.
     """
     pairs = runs.merge(others, how="cross", suffixes=("", "_"))
     return pairs[np.abs(pairs[column] / pairs[f"{column}_"] - 1) < SAME]
@@ -177,7 +177,7 @@ def substances(runs: DataFrame, reference: DataFrame) -> Curves:
 
 
 def differences(first: pd.Series, other: pd.Series) -> str:
-    """Label of another substance by what differs, for a legend: such as "modulus 230 GPa".
+    """Label of another substance by its differences, for a legend: such as "modulus 230 GPa".
 
     Materials with different names are distinguished by name.
     """
@@ -204,8 +204,8 @@ def energy_unit(run: pd.Series | DataFrame, diameter: float | None = None) -> An
 
 
 def variants(impacts: Impacts) -> Curves:
-    """The reference and the groups that differ from it in material or diameter, one sphere struck;
-    with their names.
+    """The reference and the groups that differ from it in material or diameter, with one impacted
+    sphere; with their names.
     """
     alike = impacts.like_reference
     return substances(alike[alike.struck_spheres == 1], impacts.reference)

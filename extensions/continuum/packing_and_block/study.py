@@ -48,32 +48,32 @@ _ELSEWHERE = (
     "Impacts on ideal packings are compared here; all other runs are in the tables above and below"
 )
 _REFERENCE_ONLY = (
-    "The quadratic law, the peak force against impulse and the front are those of the reference; "
-    "not in them"
+    "The quadratic law, the peak force against impulse and the front are computed for the "
+    "reference; excluded"
 )
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
 _GRANULAR_LISTED = 6  # largest number of packings in the table
 _OTHERS_LISTED = 24  # largest number of impacts with other materials, diameters or loading areas
 _FIT_REMARK = (
-    "D2 is 0.5 where fast impacts lose all that they bring: {:.3g} to {:.3g} of the input in the "
+    "D2 is 0.5 if fast impacts dissipate all their energy: {:.3g} to {:.3g} of the input in the "
     "fitted runs. A constant whose standard deviation is as large as itself is undetermined."
 )
 _CAPTIONS = {
-    "dissipated_fraction": "Dissipated fraction, granular and continuum. At equal input the higher curve dissipates a "
-    "larger share",
-    "plastic_volume": "Volume involved, granular and continuum. At equal dissipated fraction the curve that lies "
-    "higher spreads the dissipation over more material",
+    "dissipated_fraction": "Dissipated fraction, granular and continuum. At equal input the higher "
+    "curve dissipates a larger fraction",
+    "plastic_volume": "Volume involved, granular and continuum. At equal dissipated fraction the "
+    "higher curve spreads the dissipation over more material",
     "granular_scaling": "Granular: diameter, density, modulus and yield strength. Where similarity holds, all points "
     "lie on the curve of the reference on the normalised axis",
     "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to the fast "
     "impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",
-    "loading_area": "Granular: number of struck spheres. Points beside the curve of one sphere tell that the loading "
-    "area matters at equal input",
+    "loading_area": "Granular: number of impacted spheres. Points off the curve of one sphere show "
+    "that the loading area matters at equal input",
     "continuum_scaling": "Continuum: modulus and yield strength. Where similarity holds, all points lie on one curve "
     "on the normalised axis",
-    "continuum_mass": "Continuum: mass of the punch. Curves that differ at equal input tell that the velocity matters "
-    "beside the energy",
+    "continuum_mass": "Continuum: mass of the punch. Curves that differ at equal input show that "
+    "the velocity matters in addition to the energy",
 }
 
 

@@ -42,29 +42,32 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     rising,
 )
 
-_MARKERS = "os^"  # of the shares
+_MARKERS = "os^"  # markers of the fractions
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
 _LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
 _CUT_REMARK = (
-    "Where the zone reaches a bound (open marks in the figure), or still grew when the run ended, "
-    "the outermost yield lies farther out than found: ≥."
+    "Where the zone reaches a boundary (open marks in the figure), or still grew when the run "
+    "ended, the total extent is a lower limit: ≥."
 )
 _WAVE_REMARK = (
-    "Half open marks: a wave could be back from a bound while the last part of the energy was "
-    "dissipated, at most {:.2g} % of the energy of yielding."
+    "Half open marks: a reflected wave could return from a boundary while the last part of the "
+    "energy was dissipated, at most {:.2g} % of the plastic dissipation."
 )
-_COMPARED_REMARK = "Influence of the bounds: {} computed in {} of different sizes. Between the two largest of each, {}."
+_COMPARED_REMARK = (
+    "Influence of the boundaries: {} computed in {} of different sizes. Between the two largest "
+    "of each, {}."
+)
 _NOT_COMPARED_REMARK = (
-    "Influence of the bounds: no impact was computed in two {} of different sizes, so that these "
-    "runs do not show how much the bounds change what holds 50, 90 and 99 %."
+    "Influence of the boundaries: no impact was computed in two {} of different sizes, so that "
+    "these runs do not show how much the boundaries change the extent with 50, 90 and 99 %."
 )
 
 
 def zones(impacts: Impacts) -> dict[str, DataFrame]:
     """Plastic zones by energy, of packings and of blocks.
 
-    The packings have the spheres of the reference, of which one is impacted; of each energy the
-    largest packing counts.
+    The packings have the spheres of the reference, of which one is impacted; for each energy the
+    largest packing is used.
 
     Returns
     -------
@@ -90,8 +93,8 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     sizes = [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
     if sizes and len(sides["packing"]) and len(every) > 1:
         caption = (
-            "Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding. "
-            "Straight lines are powers of the input; open marks reach a bound"
+            "Size of the plastic zone: extent with 50, 90 and 99 % of the plastic dissipation. "
+            "Straight lines are powers of the input; open marks reach a boundary"
         )
         yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
 
@@ -114,9 +117,11 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         *numeric(*((f"Radius {percent} %", "D") for percent in SHARES), ("Outermost radius", "D")),
         *numeric(*((f"Volume {percent} %", "pi D^3/6") for percent in SHARES)),
         TableColumn("Zone reaches"),
-        *numeric("Dissipated after waves came back"),
+        *numeric("Dissipated after reflections returned"),
     )
-    caption = "Plastic zone: what holds 50, 90 and 99 % of the energy of yielding, and the outermost yield"
+    caption = (
+        "Plastic zone: extent with 50, 90 and 99 % of the plastic dissipation, and total extent"
+    )
     yield table_of(caption, columns, map(_row, rows), sortable=True)
     is_open = [
         zone["outermost_depth_open_ended"] or zone["outermost_radius_open_ended"] for zone in rows
@@ -210,7 +215,7 @@ def _influence_of_bounds(impacts: Impacts, what: str) -> str:
             if not math.isnan(change):
                 influences.append(f"{name} by up to {100 * change:.2g} %")
         if influences:
-            parts.append(f"what holds {share} % differs in {', '.join(influences)}")
+            parts.append(f"the extent with {share} % differs in {', '.join(influences)}")
     if not parts:
         return _NOT_COMPARED_REMARK.format(bodies)
     n_impacts = len(differences_by_size(impacts, what))
@@ -352,5 +357,5 @@ def _axis_of_contacts(axes: Axes, packing: Any) -> None:
     top.set_xlabel(GRANULAR_ENERGY.removeprefix("Input energy ") + ", packing", fontsize=7)
     top.tick_params(labelsize=7)
     low, high = forward(axes.get_xlim())
-    # else the interval of the axis below arrives only when the figure is drawn
+    # otherwise the interval of the axis below is updated only when the figure is drawn
     top.xaxis.set_view_interval(low, high, ignore=True)

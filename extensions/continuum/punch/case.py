@@ -15,13 +15,13 @@ from granwave.lammps_inputs.errors import Mismatch
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ELEMENTS = 62_500
-TAPER = 0.01  # of the punch's diameter, in the built-in case
+TAPER = 0.01  # taper over the punch's diameter, in the built-in case
 
 # Largest von Mises stress at the edge / largest mean pressure in elastic finite elements:
 # 1.54, 2.11 and 3.00 for 4000, 16 000 and 62 500 elements, as the stress grows with the root of
 # the distance to the edge; 2.97 for a punch of 4.45 g in place of 100 g
-_STRESS_AT_EDGE = 3.0  # of `ELEMENTS`
-_LARGEST_TAPER = 0.1  # diameters; with larger ones the contact is no flat punch's
+_STRESS_AT_EDGE = 3.0  # ratio of stresses for `ELEMENTS`
+_LARGEST_TAPER = 0.1  # diameters; larger values do not give the contact of a flat punch
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -54,7 +54,7 @@ class Punch:
         """Initial kinetic energy of the punch, which is the energy input, J."""
         return (
             0.5 * self.mass * self.velocity * self.velocity
-        )  # products overflow to infinity, powers to an error
+        )  # products overflow to infinity, powers raise an error
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -36,7 +36,7 @@ _MILLI = 1e3
 _MEGA = 1e-6
 _SHOWN = 1.5  # smallest depth, and width, of a section in punch diameters
 _PANELS = 6
-_LINES = {  # of the energies
+_LINES = {  # lines of the energies
     "punch": ("-", GREY), "kinetic": ("-", BLUE), "elastic": ("-", GREEN), "plastic": ("-", ORANGE),
     "viscous": ("--", PURPLE), "hourglass": ("--", SKY), "contact": ("--", "black"),
 }  # fmt: skip

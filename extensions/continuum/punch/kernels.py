@@ -12,7 +12,7 @@ numbers per column and row: with ``br = 1/(2 hr)``, ``bz = 1/(2 hz)``, ``bt = 1/
 The contact of the rigid flat punch is frictionless, and kinematic, not a penalty: it has no
 parameter, no compliance, and no effect on the stable timestep. With lumped masses the positions at
 the end of a step depend on a single unknown, the position X of the punch: a node that the punch
-would overtake gets the impulse ``m_i (X - X_i)/dt`` that keeps it at the punch, which loses the
+would overtake receives the impulse ``m_i (X - X_i)/dt`` that keeps it at the punch, which loses the
 sum,
 
     M (X* - X) = sum_i m_i max(0, X - X_i)        X_i = u_i* + gap_i        * : without contact

@@ -7,7 +7,7 @@ Its rectangles, a tensor product, grow in proportion to the distance from the pu
 with L = `NEAR` times the radius a, k = `ASPECT` and ``I`` the integrals of ``s dx/h``: the number
 ``elements`` refines the whole mesh without changing its grading. The plastic zone begins at the
 edge and grows from there, and the wavelength scales with the contact time, so every length scale
-gets the same fraction of elements. If an edge size is given, L follows from it.
+has the same fraction of elements. If an edge size is given, L follows from it.
 
 The radius a of the contact area (`contact_end`) lies midway between two nodes, as the contact of a
 mesh ends half an element beyond the last touching node. On the rounded edge it grows with the load,
@@ -118,8 +118,8 @@ def block_mesh(
     elements
         Approximate number of elements.
     edge_size
-        Width of the elements at the edge in place of the rule's width, m; too large a width gives
-        equal elements.
+        Width of the elements at the edge instead of the default, m; too large a width gives equal
+        elements.
     """
 
     def counts(near: float) -> tuple[float, float, float]:

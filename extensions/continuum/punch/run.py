@@ -40,7 +40,7 @@ WINDOW = 1e-5
 QUIET = 1e-4
 MOST_FRAMES = 64  # snapshots; if there are more, every second one is dropped
 TOLERANCE = 0.02  # largest accepted error of the energy balance over the input
-_RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported one
+_RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported value
 LARGE_STRAIN = 0.1
 _ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
 _IN_SUMMARY = ("kinetic", "elastic", "plastic", "punch", "hourglass", "viscous", "contact")
@@ -58,7 +58,7 @@ class BlockRun(ElementRun):
     """
 
     KIND = "continuum"
-    FINISHED = ("end_time", "settled", "longest")  # the last two: end_time = "auto"
+    FINISHED = ("end_time", "settled", "longest")  # the last two are used with end_time = "auto"
     UNIT = "us"
     PACKAGES = ("numpy", "numba", "scikit-fem", "h5py", "matplotlib")
 

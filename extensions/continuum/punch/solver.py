@@ -4,15 +4,16 @@
 
 The operators of the one-point quadrilateral and the lumped masses are those of scikit-fem. One
 quadrature point does not lock in plastic flow, as it imposes one incompressibility condition per
-element. The two hourglass modes, which it does not see, are resisted by `hourglass_stiffness`. The
-radius at the centre of an element is never zero, so that the axis needs no special treatment; for
-rectangles one point integrates the volume 2 pi r dr dz exactly, and a field of equal radial and
+element. The two hourglass modes, to which it is insensitive, are resisted by `hourglass_stiffness`.
+The radius at the centre of an element is never zero, so that the axis needs no special treatment;
+for rectangles one point integrates the volume 2 pi r dr dz exactly, and a field of equal radial and
 hoop stress is exactly in equilibrium. The mass is lumped with the same point, a quarter of the
-element to each node; as forces are distributed alike, a plane wave stays plane up to the axis.
+element to each node; because forces are distributed in the same way, a plane wave stays plane up to
+the axis.
 
 All energies are computed independently, so that their sum checks the solution: elastic from the
-stresses, plastic from stress times plastic strain increment, viscous and contact losses from their
-work, kinetic at whole steps.
+stresses, plastic from stress times plastic strain increment, viscous and contact dissipation from
+their work, kinetic at whole steps.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
 
     ``dt = (2/omega) (sqrt(1 + xi^2) - xi)`` with xi the fraction of critical damping that the
     linear bulk viscosity adds and omega the highest frequency of any single element, which bounds
-    that of the mesh.
+    the highest frequency of the mesh.
     """
     br, bz = np.meshgrid(operators.br, operators.bz)
     bt = np.broadcast_to(operators.bt, br.shape)
@@ -129,7 +130,7 @@ def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
     stiffness[:, 4:, 4:] += mode
     scale = np.repeat(
         2 / np.sqrt(material.density * volume)[:, None], 8, axis=1
-    )  # for a quarter of the mass
+    )  # a quarter of the mass
     scale[np.ix_(axis, [0, 3])] = 0.0  # no radial motion on the axis
     scaled = stiffness * scale[:, :, None] * scale[:, None, :]
     omega = math.sqrt(np.linalg.eigvalsh(scaled)[:, -1].max())
@@ -138,7 +139,7 @@ def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
 
 
 class PunchSolver:
-    """Block struck by a rigid punch.
+    """Block impacted by a rigid punch.
 
     Parameters
     ----------
@@ -152,7 +153,7 @@ class PunchSolver:
     bottom
         ``fixed`` or ``free``.
     timestep
-        Timestep, s; by default the stable one.
+        Timestep, s; by default the stable timestep.
     """
 
     def __init__(

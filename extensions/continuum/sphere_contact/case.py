@@ -148,7 +148,9 @@ class SphereContactCase(ElementCase):
 
     @property
     def yield_unit(self) -> float:
-        """Yield overlap alpha_y, m, or a fraction of the largest overlap if that does not reach it."""
+        """Yield overlap alpha_y, m, or a fraction of the largest overlap if first yield is not
+        reached.
+        """
         unit = self.law.yield_overlap
         return unit if unit < self.max_overlap else self.max_overlap * _ELASTIC_UNIT
 

@@ -92,7 +92,7 @@ def _cycle(case: SphereContactCase, history: pd.DataFrame, number: int) -> dict[
     law = case.law
     up = history[own & (history["branch"] == RELOADING)]
     down = history[own & (history["branch"] == UNLOADING)]
-    down = history.loc[down.index[0] - 1 : down.index[-1]]  # from where it began
+    down = history.loc[down.index[0] - 1 : down.index[-1]]  # from the start of unloading
     start = down.iloc[0]
     peak = float(start["overlap"])
     most = float(start["force"])

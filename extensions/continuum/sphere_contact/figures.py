@@ -35,7 +35,7 @@ _BESIDE: dict[str, Any] = {
     "loc": "center left",
     "bbox_to_anchor": (1.0, 0.5),
     "fontsize": 7,
-}  # of a legend
+}  # names in a legend
 _SHOWN = 2.5  # half-width of the section, contact radii
 
 
@@ -54,8 +54,8 @@ class SphereContactResult(ElementResult):
 
     @property
     def units(self) -> tuple[float, float]:
-        """Overlap (m) and force (N) for normalisation: those at first yield, or at the overlap in
-        its place.
+        """Overlap (m) and force (N) for normalisation: values at first yield, or at the substitute
+        overlap.
         """
         unit = self.case.yield_unit
         return unit, float(self.hertz(np.array([unit]))[0])
@@ -90,8 +90,8 @@ class SphereContactResult(ElementResult):
         return stiffness * overlap**1.5
 
     def branch(self, branch: int, cycle: int = 0) -> NDArray[np.int64]:
-        """Return the indices of the entries of one branch; of unloading with that at which it
-        began.
+        """Return the indices of the entries of one branch; unloading includes the entry where it
+        begins.
         """
         rows = np.flatnonzero((self["history/branch"] == branch) & (self["history/cycle"] == cycle))
         return np.append(rows[0] - 1, rows) if branch == UNLOADING else rows
@@ -161,7 +161,7 @@ def pressure_profiles(result: SphereContactResult) -> Drawing:
 
 
 def _family(curves: dict[str, tuple[Array, Array]], names: tuple[str, str]) -> tuple[Drawing, Axes]:
-    """Draw curves in the colours of a map; ``names`` are the columns of abscissae and ordinates."""
+    """Draw curves in the colours of a map; ``names`` are the columns of the axes."""
     figure, axes = one_panel(2.9, "", "")
     shares = np.linspace(0, 0.92, len(curves))
     for (name, (x, y)), share in zip(curves.items(), shares, strict=True):
@@ -177,8 +177,8 @@ def _family(curves: dict[str, tuple[Array, Array]], names: tuple[str, str]) -> t
 def _compared(
     result: SphereContactResult, columns: dict[str, Array], ylabel: str
 ) -> tuple[Drawing, Axes]:
-    """Draw columns against the first, the overlap: those of the finite elements, of the law, and of
-    Hertz.
+    """Draw columns against the first, the overlap: results of the finite elements, of the law, and
+    of Hertz.
     """
     overlap, *curves = columns.values()
     order = np.argsort(overlap)
@@ -329,7 +329,9 @@ def deviation(result: SphereContactResult) -> Drawing:
 
 
 def quasi_static(result: SphereContactResult) -> Drawing:
-    """Draw the non-static energies over the internal energy, and the force balance, during loading."""
+    """Draw the non-static energies over the internal energy, and the force balance, during
+    loading.
+    """
     rows = result.branch(LOADING)
     overlap = result["history/overlap"] / result.units[0]
     rows = rows[(overlap[rows] >= RESOLVED) & (result["history/force"][rows] > 0)]
@@ -363,7 +365,9 @@ def quasi_static(result: SphereContactResult) -> Drawing:
 
 
 def von_mises(result: SphereContactResult) -> Drawing | None:
-    """Draw the von Mises stress in both spheres at the largest overlap; None if it was not reached."""
+    """Draw the von Mises stress in both spheres at the largest overlap; None if it was not
+    reached.
+    """
     if "fields/von_mises" not in result.values:
         return None
     position = result["fields/position"] * _MILLI

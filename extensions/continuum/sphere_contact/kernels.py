@@ -9,7 +9,7 @@ Each element has one quadrature point, its centre. With b = grad N there, from c
     sigma <- Q sigma Q^T, + C : D    Q: rotation by Hughes and Winget (1980); then radial return
     f = V b^T sigma                  at the end of the step, V = 2 pi r A
 
-Hourglass control is that of Flanagan and Belytschko (1981) in stiffness form; the hourglass
+Hourglass control follows Flanagan and Belytschko (1981) in stiffness form; the hourglass
 displacement rotates with the element and is reduced by plastic flow like the deviator. The state of
 an element has the layout of `granwave.extensions.continuum.material`, but ``PLASTIC`` is in J,
 as volumes change.
@@ -32,7 +32,8 @@ from granwave.extensions.continuum.material import (
     compiled,
 )  # fmt: skip
 
-#: overlap (m), its change in a step, that change before smoothing (m), force (N); sums of work and losses (J)
+#: overlap (m), change of overlap in a step, change before smoothing (m), force (N); sums of work
+#: and losses (J)
 OVERLAP, RATE, TARGET_RATE, FORCE, WORK, VISCOUS, HOURGLASS, DAMPING, KINETIC, PENALTY = range(10)
 N_TALLY = 10
 STABLE = 0.9  # timestep over the stability limit of central differences
@@ -357,7 +358,7 @@ def advance(
     mesh,
     contact,
 ):
-    """Take ``n_steps``; energies and force in ``tally`` are those at the end.
+    """Take ``n_steps``; energies and force in ``tally`` refer to the end.
 
     Parameters
     ----------

@@ -5,8 +5,9 @@ and its error bars.
 
 prints the largest errors. With HEADER (elastoplastic_fe_constants.h of the plugin) it fits first,
 from the present constants on, and writes it with the error bars; with PICTURE it draws the errors
-of this law and of the default one; in each PAGE (Markdown) it renews the tables of errors and bars.
-Two equal spheres to great depth are one on a rigid flat: the law has that symmetry.
+of this law and of the default law; in each PAGE (Markdown) it updates the tables of errors and
+error bars. Two equal spheres at large depth are equivalent to one sphere on a rigid flat: the law
+has that symmetry.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ Array = NDArray[np.float64]
 
 LAW = "elastoplastic-fe"
 _DEEPEST = 0.2  # largest overlap of the fit over R*; beyond it the law is a straight line
-_PLACES = np.linspace(0, 1, 40)  # places of an unloading from the residual overlap to the peak
+_PLACES = np.linspace(0, 1, 40)  # positions on an unloading from the residual overlap to the peak
 _FIRST = 6.0  # first unloading / first yield below which it shows the onset of dissipation
-_BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # places from yield to the first unloading
+_BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # positions from yield to the first unloading
 _POWERS = (2, 4, 6, 8)  # powers of the errors whose sums are minimised in turn
 _ERROR = 0.02  # relative error that counts as 1 in these sums
 _QUADRATURE = 400  # points of the work of loading
@@ -354,7 +355,7 @@ def draw(contacts: list[Measured], constants: Mapping[str, float] | None, path: 
 
 
 def main() -> None:
-    """Fit if a header is named, and print the errors of this law and of the default one."""
+    """Fit if a header is given, and print the errors of this law and of the default law."""
     contacts = measured()
     constants = None
     paths = [Path(argument) for argument in sys.argv[1:]]

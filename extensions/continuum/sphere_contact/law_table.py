@@ -2,11 +2,11 @@
 
     python -m granwave.extensions.continuum.sphere_contact.law_table DIR [--all] [--worker K/N]
 
-runs the contacts that neither the table nor DIR has, or with ``--all`` those that DIR lacks. It
-leaves a file for each contact in DIR, may be stopped and called again, and at the end writes
-``law_table.csv`` next to this module: contacts by their name in `contacts`, those without a file in
-DIR as they were. Lengths are in units of R*, forces of E* R*^2. Each contact is unloaded from
-several depths; after each, loading continues from a copy of the state before.
+runs the contacts that are neither in the table nor in DIR, or with ``--all`` all contacts that are
+not in DIR. It leaves a file for each contact in DIR, may be stopped and called again, and at the
+end writes ``law_table.csv`` next to this module: contacts by their name in `contacts`, those
+without a file in DIR as they were. Lengths are in units of R*, forces of E* R*^2. Each contact is
+unloaded from several depths; after each, loading continues from a copy of the state before.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from granwave.extensions.continuum.sphere_contact.deviations import LOADING, UNL
 from granwave.extensions.continuum.sphere_contact.run import ContactRun
 from granwave.lammps_inputs.files import replacing
 
-_MODULUS = 1e11  # of the first sphere, Pa; results do not depend on it
-_RADIUS = 0.01  # of the first sphere, m; results do not depend on it
+_MODULUS = 1e11  # modulus of the first sphere, Pa; results do not depend on it
+_RADIUS = 0.01  # radius of the first sphere, m; results do not depend on it
 TABLE = Path(__file__).with_name("law_table.csv")
 CONTACTS = Path(__file__).with_name("law_contacts.csv")
 _DEEPEST = 0.22  # largest overlap / R*
@@ -44,8 +44,9 @@ def contacts() -> dict[str, dict[str, float]]:
 
     ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and
     of the second its ``radius, modulus, strength`` over those of the first, and ``nu2``; equal ones
-    are omitted. A radius of 100 counts as a flat. Names that begin with ``held`` do not enter the
-    fit. Two equal spheres to a depth of 0.88 R* are one on a rigid flat to 0.22 R*.
+    are omitted. A radius of 100 counts as a flat. Names that begin with ``held`` are excluded from
+    the fit. Two equal spheres to a depth of 0.88 R* are equivalent to one sphere on a rigid flat to
+    0.22 R*.
     """
     table = pd.read_csv(CONTACTS, index_col="name", float_precision="round_trip")
     return {name: row.dropna().to_dict() for name, row in table.iterrows()}
@@ -126,7 +127,7 @@ def run(name: str, values: dict[str, float], path: Path) -> None:
 
 
 def stored() -> pd.DataFrame:
-    """Return the table as it stands in the file."""
+    """Return the table of the file."""
     return pd.read_csv(TABLE)
 
 
@@ -157,7 +158,7 @@ def reduce(directory: Path) -> pd.DataFrame:
 
 
 def _smoothed_loading(history: pd.DataFrame, start: float) -> Iterator[tuple[float, float]]:
-    """Give overlaps and smoothed forces on loading, given the overlap at first yield over R*."""
+    """Return overlaps and smoothed forces on loading, given the overlap at first yield over R*."""
     is_loading = history["branch"] == LOADING
     loading = history[is_loading & (history["overlap"] > 0.3 * start) & (history["force"] > 0)]
     x = np.log(loading["overlap"].to_numpy())

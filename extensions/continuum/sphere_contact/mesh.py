@@ -1,7 +1,7 @@
 """Mesh of a half-sphere, squares at the contact point surrounded by rings that grow with distance,
 and a run's cost.
 
-A block of ``n`` by ``n`` equal squares covers the initial contact. Around it lie rings of ``2 n``
+A block of ``n`` by ``n`` equal squares covers the initial contact. Around it are rings of ``2 n``
 elements, each ring thicker by the same factor, so that elements stay about square and the contact
 radius is resolved by the same number of elements (``4 n/pi``) at any size. The last ring ends at
 the flat face.

@@ -1,12 +1,12 @@
 """One sphere-contact study, from case to figures: its summary, ``contact.csv`` and ``result.h5``.
 
     /history/{branch, cycle, overlap, force, face_force, contact_radius, mean_pressure, penetration}
-    /energy/{kinetic, elastic, plastic, hourglass, viscous, damping, contact, input}     at the same instants
-    /loading/{overlap, force, contact_radius, mean_pressure, law_force, law_contact_radius}
-    /deviation/{force, contact_radius, mean_pressure}                                    per cent of the law's
-    /cycles/{peak_overlap, peak_force, residual_overlap, exponent, ...}                  a row a cycle
-    /pressure/N/{radius, pressure}                                     profiles, each with its overlap as attribute
-    /fields/{position, elements, body, von_mises, plastic_strain}      at the largest overlap, (r, z) from the contact
+    /energy/{kinetic, elastic, plastic, hourglass, viscous, damping, contact, input} at the same
+    instants /loading/{overlap, force, contact_radius, mean_pressure, law_force, law_contact_radius}
+    /deviation/{force, contact_radius, mean_pressure} per cent of the law's /cycles/{peak_overlap,
+    peak_force, residual_overlap, exponent, ...} a row a cycle /pressure/N/{radius, pressure}
+    profiles, each with its overlap as attribute /fields/{position, elements, body, von_mises,
+    plastic_strain} at the largest overlap, (r, z) from the contact
 
 ``branch``: 0 loading, 1 unloading, 2 reloading. The root carries ``kind``, ``name``, ``case``
 (TOML), ``summary`` and ``versions`` (JSON) as attributes; every data set a ``unit``.
@@ -18,10 +18,10 @@ elastic stiffness 2 E* a. Changes of rate are smooth. All this is slow compared 
 time of waves through the mesh, which is proportional to its number of elements in a row; hence the
 numbers of steps in `mesh` are multiples of ``n``, the elements along a side of the mesh's core.
 
-The overlap is that of the flat faces; Hertz's is that of remote points in half-spaces. A
-half-sphere is therefore stiffer: the elastic force at a given overlap exceeds Hertz's by 0.3 a/R to
-0.45 a/R (1 % at a = 0.03 R, 3.5 % at a = 0.08 R; a: contact radius). At yield of brass, a = 0.011
-R, the difference is 0.4 %.
+The overlap is measured between the flat faces; Hertz's overlap is measured between remote points in
+half-spaces. A half-sphere is therefore stiffer: the elastic force at a given overlap exceeds
+Hertz's by 0.3 a/R to 0.45 a/R (1 % at a = 0.03 R, 3.5 % at a = 0.08 R; a: contact radius). At yield
+of brass, a = 0.011 R, the difference is 0.4 %.
 
 The constants were chosen by convergence for brass up to 0.2 R*. The contact grows by one element at
 a time, so that the force has small steps: +-0.5 % with 6000 elements beyond 50 alpha_y. Averaged
@@ -73,7 +73,7 @@ TOLERANCE = 0.02  # largest accepted error of the energy balance over the work o
 PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*
 _ENTRIES = 200, 100  # entries of the history in an e-fold of loading and in an unloading
 _AT_REST = 1e-3  # rate over the loading rate at which the faces count as at rest
-_MOST_KINETIC = 0.01  # of the internal energy
+_MOST_KINETIC = 0.01  # fraction of the internal energy
 _OF_HISTORY = {
     "overlap": "m",
     "force": "N",
@@ -102,15 +102,15 @@ _OF_LOADING = {"overlap": "m", "force": "N", "contact_radius": "m", "mean_pressu
 
 
 class _Refused(Exception):
-    """Error of an energy balance that does not close."""
+    """Return the error of an energy balance that does not close."""
 
 
 class ContactRun(ElementRun):
     """Run of a sphere contact through loading and all cycles.
 
-    Rows of its history hold what `SphereContactSolver.ledger` gives, the ``branch`` (`LOADING`, `UNLOADING` or
-    `RELOADING`), the number of the ``cycle`` (from 1; 0: loading), ``contact_radius`` and
-    ``penetration`` (m).
+    Rows of its history contain the values of `SphereContactSolver.ledger`, the ``branch``
+    (`LOADING`, `UNLOADING` or `RELOADING`), the number of the ``cycle`` (from 1; 0: loading),
+    ``contact_radius`` and ``penetration`` (m).
 
     Attributes
     ----------
@@ -217,7 +217,9 @@ class ContactRun(ElementRun):
             self._enter(RELOADING, cycle)
 
     def _unloading_rate(self) -> float:
-        """Return the change of overlap in a step that unloads the contact in about the set time, m."""
+        """Return the change of overlap in a step that unloads the contact in about the set time,
+        m.
+        """
         radius = max(self.solver.contact().contact_radius, 1e-12)
         return 1.5 * self.solver.force / (2 * self.case.law.effective_modulus * radius) / self._way
 
@@ -253,8 +255,8 @@ class ContactRun(ElementRun):
             raise _Refused
 
     def progress(self) -> tuple[float, str]:
-        """Fraction of the loading that is done, by the logarithm of the overlap, as its rate
-        goes.
+        """Completed fraction of the loading, by the logarithm of the overlap, according to its
+        rate.
         """
         last = self.rows[-1]
         note = f"overlap {last['overlap'] / self._unit:.1f} alpha_y, cycle {last['cycle']}"
@@ -383,8 +385,8 @@ def _of_cycles(cycles: pd.DataFrame) -> dict[str, float]:
 
 
 def _quasi_static(late: pd.DataFrame) -> dict[str, float]:
-    """Compare, from first yield on, kinetic and internal energy, forces at face and contact, and
-    penetrations.
+    """Compare, from first yield on, kinetic and internal energy, forces at faces and contact, and
+    overlaps.
     """
     loading = late[(late["branch"] == LOADING) & (late["force"] > 0)]
     difference = 100 * (loading["face_force"] / loading["force"] - 1)
@@ -398,7 +400,9 @@ def _quasi_static(late: pd.DataFrame) -> dict[str, float]:
 
 
 def contact_table(case: SphereContactCase, history: pd.DataFrame) -> dict[str, NDArray]:
-    """Return the columns of contact.csv: loading, then unloading_N and reloading_N of each cycle."""
+    """Return the columns of contact.csv: loading, then unloading_N and reloading_N of each
+    cycle.
+    """
     down = history["branch"] == UNLOADING
     first = history[down & (history["branch"].shift() == LOADING)]
     begun = history.loc[first.index - 1].assign(
@@ -413,7 +417,7 @@ def contact_table(case: SphereContactCase, history: pd.DataFrame) -> dict[str, N
     law = case.law
     yields = (
         1.0 if math.isfinite(law.yield_overlap) else math.nan
-    )  # what scales with yield is empty without it
+    )  # values in units of first yield are empty without it
     return {
         "branch": np.array(names),
         "overlap_m": overlap,
@@ -428,5 +432,5 @@ def contact_table(case: SphereContactCase, history: pd.DataFrame) -> dict[str, N
     }
 
 
-#: Run a study, as `run_elements` does; leaves contact.csv besides.
+#: Run a study, as `run_elements` does, and write contact.csv.
 run_sphere_contact = partial(run_elements, ContactRun)

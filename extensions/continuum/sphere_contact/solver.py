@@ -1,10 +1,11 @@
 """Two half-spheres pressed together slowly: explicit steps with updated geometry and scaled masses.
 
 The flat faces are displaced towards each other and may move radially; the curved surfaces are free
-of traction except for the frictionless contact. Each body is solved in the frame of its own flat
-face, where the face is at rest and the overlap enters the contact only,
+of traction except for the frictionless contact. Each body is solved in the frame of its flat face,
+where the face is at rest and the overlap enters only in the contact,
 
-    gap(r) = z_1(r) + z_2(r) - overlap        z: height of the surface over the contact point, into its body
+    gap(r) = z_1(r) + z_2(r) - overlap z: height of the surface over the contact point, into its
+    body
 
 so that moving the faces causes no inertia forces. Equal spheres are symmetric about the contact
 plane: one of them against a rigid frictionless plane that advances by half the overlap is exactly
@@ -14,9 +15,9 @@ The contact is a penalty on the gap at two points of each surface segment of bot
 `PENALTY` times the stiffness of an element; mass added to the surface nodes keeps it stable. The
 remaining penetration is reported.
 
-The overlap is that of the flat faces, not of remote points as in Hertz's theory: a half-sphere
-between its face and its contact is somewhat stiffer than a half-space, by the amount given in
-`sphere_contact.run`.
+The overlap is measured between the flat faces, not between remote points as in Hertz's theory: a
+half-sphere between its face and its contact is somewhat stiffer than a half-space, by the amount
+given in `sphere_contact.run`.
 """
 
 from __future__ import annotations
@@ -149,7 +150,7 @@ class SphereContactSolver:
             np.add.at(self._extra, surface.around[:, 1], on_segment / 2)
             np.add.at(self._extra, surface.around[:, 2], on_segment / 2)
         if len(bodies) == 1:
-            self._extra[-2:] = 1.0  # nodes of the plane, which do not move
+            self._extra[-2:] = 1.0  # fixed nodes of the plane
         self._contact = tuple(map(tuple, self._surfaces))
         self.mass = np.zeros(len(nodes))
         self._set_masses()
@@ -286,7 +287,7 @@ class SphereContactSolver:
         r, z = body.nodes[body.surface].T
         line = body.surface[
             np.arctan2(r, body.radius - z) <= _STEEPEST
-        ]  # that may touch, from the axis outwards
+        ]  # nodes that may touch, from the axis outwards
         r, z = body.nodes[line].T
         length = np.hypot(np.diff(r), np.diff(z))
         stiffness = (

@@ -1,6 +1,6 @@
 """The contact law against finite elements of two spheres pressed together.
 
-One base everywhere: finite elements over the law, less 1, at equal overlap.
+Common basis: finite elements over the law, less 1, at equal overlap.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ TEXT = (
     "finite elements over the contact law, less 1, at equal overlap; alpha_y is the overlap at "
     "first yield. The contact grows element by element, so single values have steps."
 )
-_SPOTS = (3.0, 10.0)  # alpha_y: where the law is farthest off, and where its plateau begins
-_SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
+_SPOTS = (3.0, 10.0)  # alpha_y: where the law deviates most, and where its plateau begins
+_SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class SphereLoading:
     name
         Materials and radii in a few words.
     place
-        Key to sort by: spheres alike first.
+        Key to sort by: equal spheres first.
     scaled
         Overlap over that at first yield: (n_entries,).
     over_law
@@ -84,7 +84,7 @@ def tables(loadings: Sequence[SphereLoading]) -> Iterator[DocumentTable]:
         "Most, beyond",
         "Smallest unloading exponent",
         "Largest unloading exponent",
-        "Energy of yielding in the softer sphere",
+        "Plastic dissipation in the softer sphere",
     )
     columns = (TableColumn("Spheres", key=True), *numeric(*headings))
     yield table_of("Finite elements over the contact law, less 1", columns, map(_row, loadings))
@@ -131,8 +131,9 @@ def pictures(loadings: Sequence[SphereLoading]) -> Iterator[Picture]:
     label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements over law (%)", log="x")
     axes.legend(fontsize=6)
     caption = (
-        "Force of finite elements over that of the contact law, less 1, against overlap, on "
-        "loading. At zero they agree; above it the contact is stiffer than the law, below it softer"
+        "Force of finite elements divided by the force of the contact law, minus 1, against "
+        "overlap, on loading. Zero is agreement; above zero the contact is stiffer than the law, "
+        "below zero softer"
     )
     yield Picture("", caption, Drawing(figure, data))
 

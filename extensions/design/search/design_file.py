@@ -1,6 +1,4 @@
-"""A design file: a case, what may vary, limits, objectives, uncertainty, and the cases that follow
-from it.
-"""
+"""A design file: a case, variables, limits, objectives, uncertainty, and the resulting cases."""
 
 from __future__ import annotations
 
@@ -62,7 +60,7 @@ _OF_LAYERS = ("materials", "diameters")  # keys of this table, which may also ha
 _ALIASES = {"velocity": "load.velocity", "tolerance": "packing.diameter_scatter"}
 #: Keys by which a packing may become random.
 _RANDOM = ("packing.diameter_scatter", "packing.vacancies", "striker.misalignment", "replace.share")
-#: Tables of a case that can be a value as a whole.
+#: Tables of a case that can be a single value.
 _WHOLE = {"replace", "replace.material", "striker", "striker.material", "contact.loss"}
 #: Values of a summary that need a target.
 _OF_TARGET = (
@@ -85,7 +83,7 @@ def load_problem(
     source
         Path of the file, or its tables.
     budget
-        Number of designs to run, in place of ``search.evaluations``.
+        Number of designs to run, instead of ``search.evaluations``.
 
     Raises
     ------
@@ -177,10 +175,10 @@ def _refuse_twice(name: str, written: Iterable[tuple[str, Any]], errors: ErrorLi
 
 
 def _of_set(table: Mapping[str, Any], base: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Give the dotted keys of ``[set]`` with their values.
+    """Return the dotted keys of ``[set]`` with their values.
 
-    A nested table changes the keys of a table of the base one by one, unless it replaces the table
-    as a whole.
+    A nested table changes the keys of a table of the base one by one, unless it replaces the
+    complete table.
     """
     for key, value in table.items():
         current = base.get(key) if isinstance(base, Mapping) else None
@@ -191,7 +189,8 @@ def _of_set(table: Mapping[str, Any], base: Any, prefix: str = "") -> Iterator[t
 
 
 def _replaces(value: Any, current: Any) -> bool:
-    """Return True if a value of ``[set]`` replaces the value of the base as a whole.
+    """Return True if a value of ``[set]`` replaces the complete value of the base. A table does so
+    if it is of another kind, such as ``{plate = ...}`` for ``{half_space = ...}``, or has a preset.
 
     A table does so if it is of another kind, such as ``{plate = ...}`` for ``{half_space = ...}``,
     or has a preset.
@@ -496,8 +495,8 @@ def _range(value: Any) -> tuple[float, float]:
 def _samples(
     problem: DesignProblem, ranges: Mapping[str, tuple[float, float]], replicates: int
 ) -> Iterator[dict[str, Any]]:
-    """Give the changes of the case for each run of a design: values spread evenly over the ranges,
-    and a seed.
+    """Return the changes of the case for each run of a design: values spread evenly over the
+    ranges, and a seed.
     """
     varied = [key for key, (low, high) in ranges.items() if high > low]
     random = _may_be_random(problem, ranges)

@@ -48,12 +48,12 @@ from granwave.workflows.run.progress import Progress
 
 logger = logging.getLogger(__name__)
 
-_REFUSED_AT_ONCE = 10  # designs that are refused until the model is made anew
-_MOST_STOPPED = 3  # number of stops from elsewhere after which a run has failed
+_REFUSED_AT_ONCE = 10  # rejected designs until the model is updated
+_MOST_STOPPED = 3  # number of external stops after which a run has failed
 _MOST_LONGER = 3  # number of times that the duration of a run is doubled
-# ratio to the best design beyond which a design is not run further, by the statistic of its runs
+# ratio to the best design above which a design is run no further, by the statistic of its runs
 _LOST = {"worst": 1.2}
-_LOST_IN_THE_MEAN = 1.5  # for the mean and quantiles
+_LOST_IN_THE_MEAN = 1.5  # ratio for the mean and quantiles
 _OF_PEAK = ("target_*", "wall_peak_force_N", "ground_*", "peak_reduction*")
 _FILES = (DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME, SCAN_REPORT, *BEST_DESIGNS)
 
@@ -93,7 +93,7 @@ def run_design(
     Raises
     ------
     InputError
-        The directory holds results, another search, or files of others; no design meets the limits;
+        The directory holds results, another search, or foreign files; no design meets the limits;
         or scikit-learn is missing.
     """
     results = ResultDirectory(results_directory(directory))
@@ -244,7 +244,8 @@ class _Search:
             self.study.write()
 
     def _put_back(self, design: Design, n: int, ended: Ended) -> None:
-        """Queue a run that a signal has stopped once more.
+        """Queue a run that was stopped by a signal again. If this search is stopped itself, its
+        next start resumes the run.
 
         If this search is stopped itself, its next start resumes the run.
         """

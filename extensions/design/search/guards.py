@@ -16,6 +16,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from granwave.analysis.document.model import label_of, unit_of_value
+from granwave.analysis.formatting.numbers import in_any_unit
 from granwave.extensions.design.files import DESIGN_OUTCOME
 from granwave.extensions.design.search.points import Points, names
 from granwave.extensions.design.search.problem import (
@@ -42,8 +44,9 @@ from granwave.workflows.run.progress import Progress
 Tables = dict[str, Any]
 NOTABLE = 0.05  # relative change of an objective that the report names first
 FALLEN = 0.1  # fraction of the peak to which the force on a target falls once the impact has passed
-_STILL = 0.05  # fraction of the impulse that may come in the last tenth of a run
-_MOVING = 0.3  # fraction of the energy that may be kinetic at the end
+_UNCHANGED = 5e-4  # relative change that a percentage with one digit does not show
+_STILL = 0.05  # fraction of the impulse that is allowed in the last tenth of a run
+_MOVING = 0.3  # fraction of the energy that is allowed to be kinetic at the end
 _TOLERANCE = 5e-4  # scatter of diameters divided by the diameter
 
 
@@ -56,7 +59,7 @@ class GuardOutcome:
     name
         Name of the check; for a further run the name of its directory, without ``best-``.
     what
-        Quantity that is changed or inspected.
+        Changed or inspected quantity.
     text
         Finding, in a sentence.
     changes
@@ -108,7 +111,7 @@ def _run_further(
     *,
     show: bool,
 ) -> Iterator[GuardOutcome]:
-    """Make the further runs of the best design, whose own run is ``run``; give their findings."""
+    """Make the further runs of the best design, whose own run is ``run``; return their findings."""
     waiting = deque(further_runs(problem, best, run["longer"]))
     total = len(waiting)
     started = {}
@@ -130,7 +133,7 @@ def _run_further(
 
 
 def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Give the further runs that apply to a case: name, what is changed, and the changed keys."""
+    """Return the further runs that apply to a case: name, description, and changed keys."""
     packing = tables["packing"]
     run = tables["run"]
     boundary = tables.get("boundary", {})
@@ -171,7 +174,7 @@ def _is_periodic(boundary: Tables) -> bool:
 def further_runs(
     problem: DesignProblem, best: Design, longer: float
 ) -> Iterator[tuple[str, str, Tables]]:
-    """Give the further runs of a design that make a case: name, what is changed, and the tables.
+    """Return the further runs of a design that need a case: name, description, and tables.
 
     ``longer``: duration of its run divided by that of the design file.
     """
@@ -195,8 +198,17 @@ def _compared(
         if isinstance(old, int | float) and isinstance(new, int | float) and old:
             changes[objective.name] = new / old - 1
     return changes, ", ".join(
-        f"{name} {after[name]:.4g} ({100 * change:+.1f} %)" for name, change in changes.items()
+        _changed_value(name, after[name], change) for name, change in changes.items()
     )
+
+
+def _changed_value(name: str, value: float, change: float) -> str:
+    """Return an objective with its unit and its relative change, in words."""
+    label = label_of(name)
+    text = f"{label[:1].lower()}{label[1:]} {in_any_unit(value, unit_of_value(name))}"
+    if abs(change) < _UNCHANGED:
+        return f"{text} (unchanged)"
+    return f"{text} ({100 * change:+.1f} %)"
 
 
 def finding_of(
@@ -252,7 +264,7 @@ def of_neighbours(
 def _moves(
     problem: DesignProblem, best: Design, designs: Sequence[Design]
 ) -> Iterator[GuardOutcome]:
-    """Give the change by moves from the best design of the search to designs next to it."""
+    """Return the change by moves from the best design of the search to designs next to it."""
     searched = [design for design in designs if design.state == COMPLETE and not design.next_to]
     if not best.next_to or not searched:
         return
@@ -272,7 +284,7 @@ def _moves(
 def findings_without_runs(
     problem: DesignProblem, best: Design, summary: Mapping[str, Any], place: Path
 ) -> Iterator[GuardOutcome]:
-    """Give the findings of the best design's own run, in the directory ``place``."""
+    """Return the findings of the best design's run in the directory ``place``."""
     for note in best.notes:
         yield GuardOutcome("end", "the end of the run", note, warning=True)
     for variable in problem.space.variables:
@@ -302,9 +314,8 @@ def findings_without_runs(
 def _kinetic_energy_at_end(
     problem: DesignProblem, best: Design, summary: Mapping[str, Any]
 ) -> Iterator[GuardOutcome]:
-    """Give the fraction of the energy that is kinetic at the end of the run.
-
-    It is no warning for elastic packings and chains, which rattle without end.
+    """Return the kinetic fraction of the energy at the end of the run. It is no warning for elastic
+    packings and chains, which rattle indefinitely.
     """
     energy_input = summary.get("energy_input_J")
     kinetic = summary.get("energy_kinetic_J")
@@ -347,7 +358,7 @@ def has_come(force: np.ndarray) -> bool:
 
 
 def late_impulse(time: np.ndarray, force: np.ndarray) -> float:
-    """Return the fraction of the impulse that comes in the last tenth of a run."""
+    """Return the fraction of the impulse in the last tenth of a run."""
     impulse = np.diff(time) * (force[1:] + force[:-1]) / 2
     total = float(impulse.sum())
     is_late = time[1:] > 0.9 * time[-1]

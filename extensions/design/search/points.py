@@ -1,10 +1,10 @@
-"""Runs of designs on this machine: several at once, each in a directory of its own, stopped and
-resumed as any run.
+"""Runs of designs on this machine: several at once, each in a separate directory, stopped and
+resumed like any run.
 
-A run on one rank is made by a forked copy of this process, which has loaded all modules; one on
-several ranks by mpiexec. Where MPI was started in this process (in Python, after a run), which a
-copy must not share, by a new process. In a job of Slurm on several nodes each run is a step of that
-job, which srun starts where there is room.
+A run on one rank is made by a forked copy of this process, which has loaded all modules; a run on
+several ranks by mpiexec. If MPI was started in this process (in Python, after a run), a new process
+is used, because a copy must not share MPI. In a job of Slurm on several nodes each run is a step of
+that job, which srun starts where there is room.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from granwave.workflows.run import forks, mpi, record
 from granwave.workflows.run.directory import RunDirectory
 from granwave.workflows.run.launchers import of_this_machine
 
-_POLL = 0.05  # time between two looks at the runs, s
+_POLL = 0.05  # time between checks of the runs, s
 # command of a step of the Slurm job in which this process runs
 _STEP = ("srun", "--mpi=pmi2", "--exact", "-N", "1")
 
@@ -183,7 +183,7 @@ def _mpi_started() -> bool:
 
 
 def nodes_of_job() -> int:
-    """Return the number of nodes of the job of Slurm that this process runs in; 1 without one."""
+    """Return the number of nodes of the Slurm job of this process; 1 without a job."""
     return int(os.environ.get("SLURM_JOB_NUM_NODES", 1))
 
 

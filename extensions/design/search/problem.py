@@ -29,14 +29,14 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.workflows.scanning.header import TABLE_OF_KEYS
 
 _REPLACE = "replace"
-_MOST_IDS = 1_000_000  # of grains that one key changes
+_MOST_IDS = 1_000_000  # most ids of grains that one key changes
 #: Values of a packing that limits may concern and that are known before a run.
 KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
 _DERIVED = (
     "yielded_share",
     "kinetic_share",
     "overlap_over_radius",
-)  # values that are made of those of the summary
+)  # values that are computed from the summary
 _NO_NUMBERS = (
     "name",
     "end_reason",
@@ -238,7 +238,7 @@ class DesignProblem:
     tables
         Tables of the file, for comparison when a search is resumed.
     samples
-        Changes of the case by dotted key for each run of a design; one empty mapping without
+        Changes of the case by dotted key for each run of a design; a single empty mapping without
         uncertainty.
     tolerance
         ``run.energy_tolerance`` of the search; the best designs are run again with the tolerance
@@ -286,7 +286,7 @@ class DesignProblem:
         return dict(tables)
 
     def assembly(self, tables: Mapping[str, Any]) -> Assembly:
-        """Read a case, and place its bodies; raise InputError if it is wrong."""
+        """Read a case, and place its bodies; raise InputError if it is invalid."""
         return assembly_from_dict(tables, self.path)
 
     def case(self, tables: Mapping[str, Any]) -> Case:
@@ -330,8 +330,8 @@ def examined(
 
 
 def _values_before(assembly: Assembly, limit: DesignLimit | None) -> dict[str, float]:
-    """Return `known_before`; only the number of spheres if it is beyond its limit, which saves the
-    memory for their positions.
+    """Return `known_before`; only the number of spheres if it exceeds its limit, to save the memory
+    for their positions.
     """
     n_spheres = assembly.lattice.n_spheres
     if limit is not None and n_spheres and limit.fault(n_spheres):
@@ -340,7 +340,9 @@ def _values_before(assembly: Assembly, limit: DesignLimit | None) -> dict[str, f
 
 
 def known_before(assembly: Assembly) -> dict[str, float]:
-    """Return the values of a packing that are known before a run, by the names of `KNOWN_BEFORE`."""
+    """Return the values of a packing that are known before a run, by the names of
+    `KNOWN_BEFORE`.
+    """
     n = assembly.lattice.n_spheres
     diameters = assembly.sphere_diameters()[:n]
     positions = assembly.positions()[:n]
@@ -356,7 +358,7 @@ def known_before(assembly: Assembly) -> dict[str, float]:
 
 
 def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[str, Any]:
-    """Return a summary with the values that limits and objectives derive from others.
+    """Return a summary with the derived values for limits and objectives.
 
     ``overlap_over_radius`` is the largest overlap divided by the effective radius of two of the
     smallest spheres, a quarter of their diameter. ``kinetic_share`` is the kinetic energy at the
@@ -389,11 +391,11 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
     Raises
     ------
     InputError
-        Part of a key is no table or list, or there is no such place.
+        Part of a key is not a table or list, or there is no such position.
     """
     changed = copy.deepcopy(dict(tables))
     errors = []
-    # whole tables before keys inside them; the new position of a grain after its other keys
+    # complete tables before keys inside them; the new position of a grain after its other keys
     for key in sorted(values, key=lambda key: (key.count("."), key.endswith(".index"))):
         try:
             _set(changed, key.split("."), values[key])
@@ -452,7 +454,7 @@ def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[di
 
     An added entry has the values of the last entry that covers its grains.
     """
-    covering: dict[int, int | None] = dict.fromkeys(grains, None)  # place of the entry by grain
+    covering: dict[int, int | None] = dict.fromkeys(grains, None)  # position of the entry by grain
     for place, entry in enumerate(entries):
         with contextlib.suppress(ValidationError):
             covering |= dict.fromkeys(covering.keys() & INDEX.read(entry.get("index", [])), place)

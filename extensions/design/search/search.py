@@ -4,10 +4,10 @@ improvement.
 First designs are drawn at random. From then on a Gaussian process (Matern 5/2, one length for each
 variable; scikit-learn) of the logarithm of the objective gives mean and deviation of every
 candidate, and the candidates are ordered by expected improvement times the probability that they
-meet the limits. Candidates are all designs of a small space, else random ones and changes of the
-best. Two objectives are joined by weights that are drawn again for each design (ParEGO, Knowles,
-IEEE Trans. Evol. Comput. 10, 2006). A choice depends on the seed, its number and the earlier
-designs only.
+meet the limits. Candidates are all designs of a small space, otherwise random designs and changes
+of the best. Two objectives are joined by weights that are drawn again for each design (ParEGO,
+Knowles, IEEE Trans. Evol. Comput. 10, 2006). A choice depends on the seed, its number and the
+earlier designs only.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ from granwave.extensions.design.search.variables import Space, Values
 Array = NDArray[np.float64]
 _ENUMERATED = 3000  # number of designs of a space up to which all are candidates
 _RANDOM = 1024  # random candidates of a larger space
-_OF_BEST = 8  # best designs of which changed ones are candidates
+_OF_BEST = 8  # best designs whose changes are candidates
 _CHANGES = 64  # candidates made from each of these
-_MOST_RANDOM = 20_000  # draws in search of a design that was not tried
+_MOST_RANDOM = 20_000  # draws in the search for an untried design
 _LEAST_DEVIATION = 1e-9  # smallest standard deviation of a prediction
-_LEAST_PROBABLE = 0.01  # probability to meet the limits, below which a candidate comes last
+_LEAST_PROBABLE = 0.01  # probability of meeting the limits, below which a candidate comes last
 _MOST_MODELLED = 300  # largest number of designs in the model of the objective
 _MOST_ROWS = 120  # largest number of designs in the model of a limit
 _LATEST = 40  # latest designs that the model of a limit always contains
-_FAR = -6  # below it the two terms of the expected improvement cancel to rounding
+_FAR = -6  # below this value the two terms of the expected improvement cancel to rounding
 _JOINT = 0.05  # weight of the sum of two objectives in their joint loss (ParEGO)
 _FEWEST_MODELLED = 4  # complete designs that a model of the whole space needs
 
@@ -74,7 +74,7 @@ def n_first(space: Space, evaluations: int) -> int:
 
 
 def random_designs(space: Space, seed: int, start: int = 0) -> Iterator[Values]:
-    """Give random designs without end; the same ones for the same seed and start."""
+    """Yield random designs without end, reproducible for the same seed and start."""
     rng = np.random.default_rng([seed, start])
     while True:
         yield space.at(rng.random(len(space.variables)).tolist())
@@ -127,12 +127,14 @@ def _names(designs: Iterable[TriedDesign]) -> set[str]:
 
 
 def _by_loss(design: TriedDesign) -> tuple[bool, tuple[float, ...]]:
-    """Return the rank of a complete design: by its losses, after those that meet the limits."""
+    """Return the rank of a complete design by its losses; designs within the limits come first."""
     return not design.feasible, design.losses or ()
 
 
 def _candidates(space: Space, designs: Sequence[TriedDesign], rng: Generator) -> list[Values]:
-    """Return all untried designs of a small space, else random ones and changes of the best."""
+    """Return all untried designs of a small space, otherwise random designs and changes of the
+    best.
+    """
     tried = _names(designs)
     if space.size <= _ENUMERATED:
         return [values for values in space.all() if repr(values) not in tried]
@@ -147,7 +149,7 @@ def _candidates(space: Space, designs: Sequence[TriedDesign], rng: Generator) ->
 def _drawn(
     space: Space, designs: Sequence[TriedDesign], seed: int, rng: Generator
 ) -> Iterator[Values]:
-    """Give untried designs at random; of a small space at last all others."""
+    """Yield untried designs at random; of a small space finally all others."""
     tried = _names(designs)
     left: dict[str, Values] = {}
     is_small = space.size <= _ENUMERATED
@@ -171,7 +173,8 @@ def worth_of(
     """Return the worth of candidates, by which they are ordered: (n,).
 
     The worth is the logarithm of the expected improvement plus the logarithm of the probability
-    that the limits are met. Candidates with a small probability come last, ordered by it.
+    that the limits are met. Candidates with a small probability come last, ordered by this
+    probability.
     """
     complete = _best_and_latest(_complete(tried))
     designs = [design.values for design in complete]
@@ -180,11 +183,11 @@ def worth_of(
     x = space.features(candidates)
     model = fitted(space, designs, scores)
     running = [design.values for design in tried if design.losses is None and design.in_work]
-    if running:  # with their predictions for results
+    if running:  # predictions replace the results of running designs
         predictions = model.predict(space.features(running))
         model = fitted(space, [*designs, *running], np.concatenate([scores, predictions]))
     mean, deviation = model.predict(x, return_std=True)
-    worth = np.zeros(len(x))  # without a feasible design the limits alone count
+    worth = np.zeros(len(x))  # without a feasible design only the limits count
     if feasible.any():
         least = float(scores[feasible].min())
         worth = _log_improvement(least, mean, np.maximum(deviation, _LEAST_DEVIATION))
@@ -269,8 +272,8 @@ def importance(space: Space, designs: Sequence[TriedDesign], n: int = 512) -> di
     """Return the fraction of the variance of the first objective due to each variable alone
     (first-order Sobol index).
 
-    The variance is taken over the whole space by the fitted model; the rest to 1 is due to joint
-    effects of several variables.
+    The variance is computed over the complete space with the fitted model; the remainder to 1 is
+    due to joint effects of several variables.
     """
     complete = _complete(designs)
     if len(complete) < _FEWEST_MODELLED:
@@ -299,7 +302,7 @@ def front(losses: Sequence[Sequence[float]]) -> list[int]:
     """Return the positions of the designs on the Pareto front, by the first objective.
 
     A design is on the front if no other design is at least as good in all objectives and better in
-    one. Of equal designs the first is taken.
+    one. Of equal designs the first is used.
     """
     table = [tuple(row) for row in losses]
     places = {row: n for n, row in reversed(list(enumerate(table)))}
@@ -338,7 +341,7 @@ def expected_random(
 
 
 def _limits(space: Space, designs: Sequence[TriedDesign], rng: Generator) -> Iterator[Any]:
-    """Give a model of the margin of each limit that some designs exceed."""
+    """Return a model of the margin of each limit that some designs exceed."""
     names: dict[str, None] = {}
     for design in designs:
         names.update(dict.fromkeys(design.margins))

@@ -49,7 +49,7 @@ COMPLETE = "complete"
 PRUNED = "pruned"
 REFUSED = "refused"
 FAILED = "failed"
-MOST_REFUSED = 200  # designs refused one after the other before the search ends
+MOST_REFUSED = 200  # consecutive rejected designs after which the search ends
 _MAY_CHANGE = ("evaluations", "guards", "neighbours")  # keys of [search] of a resumed search
 
 

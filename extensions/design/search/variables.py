@@ -22,10 +22,10 @@ _EXPECTED = (
 _RANGE_KEYS = ("low", "high", "log", "integer", "step")
 _DIGITS = 6  # significant digits of values in a range
 _MOST_STEPS = 10_000  # largest number of values of a range with steps
-_STEPS = (0.15, 0.03, 0.006)  # sizes of random changes, divided by the range
-_ROUNDING = 1e-9  # part of a step by which the last value may be beyond the range
-_TO_NEIGHBOUR = 0.05  # distance of neighbours in a continuous range, divided by the range
-_LOW_END = 0.01  # places below which a value is at the low end of its range ...
+_STEPS = (0.15, 0.03, 0.006)  # sizes of random changes over the range
+_ROUNDING = 1e-9  # fraction of a step by which the last value may exceed the range
+_TO_NEIGHBOUR = 0.05  # distance of neighbours in a continuous range over the range
+_LOW_END = 0.01  # positions below which a value is at the low end of its range ...
 _HIGH_END = 0.99  # ... and above which at the high end
 _CHANGED = 1.5  # mean number of changed variables, in addition to a variable that always changes
 
@@ -63,7 +63,7 @@ class Variable:
         return _rounded(self.low + share * (self.high - self.low))
 
     def share(self, value: float) -> float:
-        """Return the place of a number in the range, from 0 to 1."""
+        """Return the position of a number in the range, from 0 to 1."""
         if self.high == self.low:
             return 0.5
         if self.log:
@@ -71,7 +71,7 @@ class Variable:
         return (value - self.low) / (self.high - self.low)
 
     def features(self, value: Any) -> list[float]:
-        """Return the coordinates of a value: its place in the range from 0 to 1, or a vector for
+        """Return the coordinates of a value: its position in the range from 0 to 1, or a vector for
         words, whose distances are 1.
         """
         if self.ordered:
@@ -227,7 +227,7 @@ class Space:
         return coordinates
 
     def changed(self, design: Values, rng: Generator) -> Values:
-        """Return a design with one variable changed, or a few."""
+        """Return a design with one or a few variables changed."""
         is_changed = rng.random(len(self.variables)) < _CHANGED / len(self.variables)
         is_changed[rng.integers(len(self.variables))] = True
         values = {}
@@ -237,7 +237,7 @@ class Space:
         return values
 
     def neighbours(self, design: Values) -> Iterator[tuple[str, Values]]:
-        """Give the designs with one variable at its next value, with that variable's key."""
+        """Yield the designs with one variable at its next value, with the key of the variable."""
         for variable in self.variables:
             for value in variable.neighbours(design[variable.key]):
                 yield variable.key, {**design, variable.key: value}

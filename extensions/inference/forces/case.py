@@ -61,7 +61,8 @@ _WALL_FORM = (
     "{point = [x, y], normal = [nx, ny]} under any name"
 )
 _NOISE_FORM = "a table of standard deviations above 0: strain, stress (Pa), acceleration (m/s^2), angular_acceleration"
-#: Smallest and largest standard deviations: rounding of a measurement, and far above all measured grains.
+#: Smallest and largest standard deviations: rounding of a measurement, and above the modulus of all
+#: measured grains.
 NOISE = {
     "strain": (1e-15, 1.0),
     "stress": (1e-6, 1e12),

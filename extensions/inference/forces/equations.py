@@ -71,7 +71,7 @@ class Equations:
 
     @property
     def matrix(self) -> sparse.csr_array:
-        """Both matrices, one below the other."""
+        """Both matrices, concatenated by rows."""
         return sparse.csr_array(sparse.vstack([self.motion, self.stress]))
 
     def data(self, factor: float = 1.0) -> Array:

@@ -2,9 +2,9 @@
 
 A sliding contact keeps its direction within its cone of friction, and an unloaded contact stays
 unloaded: near the solution the forces f + T c are free, with a column of T for each free component.
-A sliding contact has one free component of two in the plane, and two of three in space. In space
-the component that turns the tangential force about the normal is resisted by the curvature of the
-cone. With the weighted equations A f = d, the covariance C of their noise, and the stiffness S
+A sliding contact has one free component out of two in the plane, and two out of three in space. In
+space the component that turns the tangential force about the normal is resisted by the curvature of
+the cone. With the weighted equations A f = d, the covariance C of their noise, and the stiffness S
 against c (curvature and ridge), the residuals are the noise outside of A T:
 
     <chi^2> = |(1 - H) C^(1/2)|^2,   H = A T (T^T A^T A T + S)^(-1) T^T A^T
@@ -24,9 +24,9 @@ from granwave.extensions.inference.forces.equations import Covariance
 from granwave.extensions.inference.forces.grains import NORMAL, TANGENTIAL, Array
 from granwave.extensions.inference.forces.solve import DENSE_UNKNOWNS
 
-_LOADED = 1e-8  # of the largest force; smaller ones are errors of the solver
-_SLIDING = 1e-6  # of the limit of friction
-_SMALL = 1e-12  # of the largest force: tangential forces without direction
+_LOADED = 1e-8  # fraction of the largest force; smaller forces are errors of the solver
+_SLIDING = 1e-6  # fraction of the limit of friction
+_SMALL = 1e-12  # fraction of the largest force: tangential forces without direction
 
 
 class Freedom(NamedTuple):

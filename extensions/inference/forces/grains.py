@@ -4,7 +4,7 @@ contacts.
 In the plane (cylinders) vectors have two components, in space (spheres) three. Symmetric tensors
 are rows of their components: xx, yy, xy in the plane; xx, yy, zz, yz, xz, xy in space. Strains are
 components of the tensor, so that exy is half the shear angle. Stretching and tension are positive,
-as in displacement fields of a camera. In the plane rotations have one component, about z. Possible
+as in displacement fields of a camera. In the plane, rotations have one component, about z. Possible
 contacts are pairs, and grains at walls, within a tolerance.
 """
 
@@ -68,7 +68,8 @@ class MeasuredGrains:
     known_force
         Sum of the known forces that are no contact forces, such as the weight: (n, d), N.
     stress
-        Average stresses: (n, 3) or (n, 6), Pa; of strains, those at the ``modulus``.
+        Average stresses: (n, 3) or (n, 6), Pa; stresses from strains are computed with the
+        ``modulus``.
     compliance
         Strain over stress: (n, k, k), 1/Pa; None if stresses were measured.
     modulus

@@ -61,8 +61,8 @@ class Inference:
     weights
         Weights in use.
     chi2
-        Weighted sum of squares of the residuals, without those of a ridge; in units of the noise
-        unless weights are equal.
+        Weighted sum of squares of the residuals, without the ridge; in units of the noise unless
+        weights are equal.
     search
         Search for the modulus, if there was one.
     condition
@@ -103,8 +103,7 @@ class Inference:
     @cached_property
     def n_free(self) -> float:
         """Mean of chi^2 over noise: the number of equations minus the number of free components of
-        forces, with weights that whiten the noise; see `freedom`. A modulus that is found is one
-        more.
+        forces, with weights that whiten the noise; see `freedom`. A fitted modulus is one more.
         """
         settings = self.settings
         noise = settings.deviations

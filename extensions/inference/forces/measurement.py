@@ -90,7 +90,9 @@ def _number(text: str) -> float:
 
 
 def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
-    """Return the columns of numbers, NaN where a cell is empty; the index has the line of each row."""
+    """Return the columns of numbers, NaN where a cell is empty; the index has the line of each
+    row.
+    """
     rows = read_rows(Path(path))
     if not rows:
         raise InputError(
@@ -118,7 +120,7 @@ def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
 def _faults_of_names(
     headings: Sequence[str], names: Sequence[str], dimension: int
 ) -> Iterator[str]:
-    """Give the faults of the headings of a table, and of the names that they stand for."""
+    """Return the faults of the headings of a table, and of the names that they mean."""
     names_by_group = groups(dimension)
     allowed = list(itertools.chain.from_iterable(names_by_group.values()))
     for name, heading in zip(names, headings, strict=True):
@@ -143,7 +145,7 @@ def _faults_of_names(
 def _faults_of_deformation(
     names: Sequence[str], names_by_group: dict[str, tuple[str, ...]]
 ) -> Iterator[str]:
-    """Give the faults of the columns of strains and stresses; a table has either of them."""
+    """Return the faults of the columns of strains and stresses; a table has one or the other."""
     strains = {*names_by_group["strain"]} & {*names}
     stresses = {*names_by_group["stress"]} & {*names}
     if len(strains) == len(stresses) == len(names_by_group["strain"]):

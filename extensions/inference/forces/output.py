@@ -60,8 +60,8 @@ class Inferred:
     Attributes
     ----------
     found, times
-        Inferences and their instants, s; NaN for a table without times. A run has only one, from
-        the first measurement with the largest noise.
+        Inferences and their instants, s; NaN for a table without times. A run has only one table,
+        from the first measurement with the largest noise.
     summary
         Content of summary.json.
     measurement, case
@@ -129,9 +129,7 @@ class Inferred:
         return self._joined(tables)
 
     def _joined(self, tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-        """Put the tables of the instants below each other, after a column of times if these are
-        known.
-        """
+        """Concatenate the tables of the instants, after a column of times if these are known."""
         for table, time in zip(tables, self.times, strict=True):
             if not math.isnan(time):
                 table.insert(0, "time_s", time)
@@ -267,7 +265,7 @@ def modulus(inference: Inference) -> Drawing | None:
 
 
 def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
-    """Draw the error of the forces against the noise of measurements made of a run.
+    """Draw the error of the forces against the noise of synthetic measurements of a run.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
-"""Compressive forces within the cone of friction that fit the equations best; Young's modulus from
-the motion.
+"""Compressive forces within the friction cone that fit the equations best; Young's modulus from the
+motion.
 
 Strains determine the forces up to a factor; accelerations determine the factor.
 
@@ -8,8 +8,8 @@ does not depend on them. The factor of the moduli is at the minimum of chi^2, th
 the errors of strains and accelerations over their standard deviations, with the best forces for
 each factor. These forces are not confined to the cone of friction: noise could push forces on the
 cone inwards only, and bias the modulus upwards by as much as its standard error. An additional
-column of the least squares in place of the search would bias the modulus downwards, since it takes
-the strains as free of errors.
+column of the least squares instead of the search would bias the modulus downwards, because it
+assumes that the strains have no errors.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _SOLVED = (
     "Solved",
     "AlmostSolved",
     "InsufficientProgress",
-)  # the last: as near as rounding lets it
+)  # the last: as accurate as rounding allows
 _WIDTH = math.log(30.0)  # half-width of the first scan, logarithm of the factor
 _SCANNED = 9  # factors in a scan
 _WIDENED = 4  # largest number of scans, each around the end of the last

@@ -69,9 +69,9 @@ ENTRIES = (
 )  # fmt: skip
 QUANTITIES = {entry.name: entry for entry in ENTRIES}
 
-_SLIDING = 1e-3  # of the limit of friction
-_ERRORS = 2.0  # standard errors that a normal force exceeds to count as found
-_LOADED = 1e-6  # of the largest force; smaller ones are errors of the solver
+_SLIDING = 1e-3  # fraction of the limit of friction
+_ERRORS = 2.0  # standard errors that a normal force must exceed to be significant
+_LOADED = 1e-6  # fraction of the largest force; smaller forces are errors of the solver
 KIND = "inference"
 
 

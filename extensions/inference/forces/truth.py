@@ -33,7 +33,7 @@ from granwave.lammps_inputs.packing.walls import Wall as CaseWall
 from granwave.lammps_inputs.packing.walls import walls
 
 _OF_SPHERE = 0.4  # moment of inertia over m R^2
-#: Components of vectors of a run that are x and y of its measurement, by the axis of cylinders.
+#: Components of vectors of a run that become x and y of its measurement, by the axis of cylinders.
 _TURNS = {
     "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]),
     "z": np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
@@ -229,7 +229,7 @@ class Snapshots:
         shear = forces.vector("tx", "ty", "tz")[loaded] @ self.turn.T
         shear[swapped] *= -1
         vectors = forces["force"][loaded, None] * normal + shear
-        pairs = contacts.second >= 0  # which are the first
+        pairs = contacts.second >= 0  # the first pairs
         candidates = pd.MultiIndex.from_arrays([contacts.first[pairs], contacts.second[pairs]])
         columns = candidates.get_indexer(pd.MultiIndex.from_arrays([i, j]))
         if (columns < 0).any():

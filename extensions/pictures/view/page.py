@@ -33,12 +33,12 @@ from granwave.lammps_inputs.run_directory import VIEW_FILE
 if TYPE_CHECKING:
     import k3d
 
-# a page of more is slow to load, and to turn without a graphics card of some size
+# a larger page is slow to load, and to rotate without a powerful graphics card
 MOST_SPHERES = 250_000
-MOST_VALUES = 8_000_000  # of a field: spheres times snapshots, 4 bytes each in the browser
+MOST_VALUES = 8_000_000  # values of a field: spheres times snapshots, 4 bytes each in the browser
 _FEWEST_FRAMES = 5
 _PANEL = Path(__file__).with_name("panel.js")
-#: Script of the message in a browser that cannot draw; without it the page is blank there.
+#: Script of the message in a browser without WebGL, where the page would be blank.
 _NO_WEBGL = """<script>
 if (!document.createElement('canvas').getContext('webgl2')) {
     const message = document.createElement('p');
@@ -58,7 +58,7 @@ _POLICY = (
     "img-src data: blob:; font-src data:; connect-src data: blob:; base-uri 'none'; form-action 'none'"
 )
 _VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'  # for phones
-_COMPRESSION = 6  # 9 takes three times as long and gains little
+_COMPRESSION = 6  # level 9 takes three times as long for a small gain
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class View:
     n_spheres, n_frames
         Numbers of spheres and snapshots on it.
     note
-        A sentence on what was omitted; empty if nothing was.
+        A sentence on omitted data; empty if nothing is omitted.
     """
 
     path: Path
@@ -98,7 +98,7 @@ def write_view(
     path
         File to write, .html; by default view.html in the directory.
     spheres
-        Largest number of spheres: those nearest to the impacted one; None for all.
+        Largest number of spheres: nearest to the impacted sphere; None for all.
     frames
         Largest number of snapshots; by default as many as `MOST_VALUES` allows.
 
@@ -108,7 +108,7 @@ def write_view(
         Another ending or no such directory; a file of that name that granwave did not write; or a
         run in which nothing happened.
     MissingOutputError, OutputFormatError
-        The directory holds no result, or a damaged one.
+        The directory contains no result, or a damaged result.
     """
     results = ResultDirectory.at(directory)
     target = results / VIEW_FILE if path is None else Path(path)

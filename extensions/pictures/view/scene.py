@@ -4,7 +4,7 @@ clock and title.
 Lengths are in mm from the impacted sphere, and times in µs, as in figures. Fields are values of the
 spheres at every instant, as levels of a logarithmic scale.
 
-Instants are the snapshots of a run, or those at which a whole chain was recorded, which are more. A
+Instants are the snapshots of a run, or the more frequent records of a complete chain. A
 page holds millions of values. They are stored as the levels of a scale of `LEVELS` colours, with 0
 for values below it: numbers that repeat, which compress to a twentieth.
 """
@@ -39,11 +39,12 @@ from granwave.lammps_inputs.packing.walls import walls
 if TYPE_CHECKING:
     import k3d
 
-_ROUNDINGS = 3  # of the corner of the grid, as a longer extent may have a longer step
-_MOST_OF_A_CHAIN = 120  # instants of up to a thousand
+# iterations for the corner of the grid, because a longer extent may have a longer step
+_ROUNDINGS = 3
+_MOST_OF_A_CHAIN = 120  # most instants of up to a thousand
 BLANK = "#a4a4a4"  # spheres below the scale; the lights of the page make it paler
 LEVELS = 100  # colours of a scale; steps of a twentieth of a decade, or finer
-_DECADES = 4  # of a scale of forces, far below F_y, to include the elastic wave
+_DECADES = 4  # decades of a scale of forces, far below F_y, to include the elastic wave
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,13 +234,13 @@ def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) 
 
 _MILLI = 1e3
 _MICRO = 1e6
-_MOVES = 0.05  # diameters: spheres that move less stay in their places
+_MOVES = 0.05  # diameters: spheres with smaller displacements are drawn at rest
 _STOP = 0.3  # diameters: spheres of the plane of a section stay
 _PHONE_WIDTH = 600  # pixels below which the panel is closed at first
 _FIELD_OF_VIEW = 40.0  # degrees
-_SECONDS = 8.0  # of playing from the start to the end
+_SECONDS = 8.0  # duration of the animation, s
 _DOTS = 2  # pixels of a colour bar over those on the screen
-_SIDES = 32  # of a cylinder
+_SIDES = 32  # sides of a cylinder
 _BAR_COLOUR = 0x8C9AA8
 _WALL_COLOUR = 0x9AA5B1
 _INK = 0x222222
@@ -259,15 +260,15 @@ def plot_of(
     found
         Fields; the first is shown at the start.
     note
-        A sentence on what is omitted; empty if nothing is.
+        A sentence on omitted data; empty if nothing is omitted.
     """
-    import k3d  # brings the widgets of notebooks along
+    import k3d  # imports the notebook widgets
 
     place = _MILLI * (result["spheres/position"][rows] - result.origin)
     times = (_MICRO * instants.times).tolist()
     camera = _camera(result, place)
     plot = k3d.plot(
-        axes=[r"\text{x}", r"\text{y}", r"\text{depth}"],
+        axes=[r"\text{x}", r"\text{y}", r"\text{depth}\qquad\quad"],
         camera_auto_fit=False,
         camera_fov=_FIELD_OF_VIEW,
         colorbar_object_id=0,
@@ -275,7 +276,7 @@ def plot_of(
         time_speed=max(times[-1] / _SECONDS, 1e-6),
         lighting=2.0,
         axes_helper=0.0,
-        grid_auto_fit=False,  # else numbers along the axes start at any millimetre
+        grid_auto_fit=False,  # otherwise numbers along the axes start at any millimetre
         grid=round_grid(place, _MILLI * result.case.packing.diameter / 2).tolist(),
         name=result.case.name,
         antialias=1,
@@ -348,7 +349,7 @@ def _spheres(
     is_round = np.array([one is None for one in shapes])
 
     def look(field: Field, rows: NDArray[np.int64], what: str, corners: int = 1) -> dict[str, Any]:
-        """Return colours and name of some grains, of each of which so many points have colours."""
+        """Return the colour and name of each grain, repeated once per point."""
         levels = {
             _key(time): np.repeat(field.levels[n, rows], corners) for n, time in enumerate(times)
         }

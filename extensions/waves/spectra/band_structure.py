@@ -33,7 +33,7 @@ _LONG = 1e-3  # |k| times the largest period of long waves, whose dispersion is 
 _ANGLES = 180  # directions of slowness in a plane
 _GRID = 61  # points of a plane of wave vectors along each axis
 _MOST_FREEDOMS = 48  # degrees of freedom of a cell whose spectrum is found at all of these points
-_RIGID = 1e-9  # (c k)^2 / (largest omega^2 times (k a)^2) below which nothing resists
+_RIGID = 1e-9  # (c k)^2 / (largest omega^2 times (k a)^2) below which a mode has no stiffness
 _MOST_POINTS = 100_000  # largest number of wave vectors in a stretch of a path
 _FREQUENCIES = 401  # number of frequencies for attenuation
 _BEYOND = 1.25  # largest of them / highest frequency of the bands
@@ -92,8 +92,8 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
 
 
 def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> PlaneWaves | None:
-    """Return slowness and frequencies over a plane; None for large cells, and if the packing does
-    not repeat there.
+    """Return slowness and frequencies over a plane; None for large cells, and if the packing is not
+    periodic in the plane.
     """
     network = stiffness.network
     a, b = PLANES[plane]
@@ -236,7 +236,8 @@ def band_structure(
     Parameters
     ----------
     path
-        See `granwave.extensions.waves.spectra.wave_vectors`; empty for the standard path of the cell.
+        See `granwave.extensions.waves.spectra.wave_vectors`; empty for the standard path of the
+        cell.
     points
         Wave vectors of each stretch; None: 61, or 16 of a cell with more than 150 degrees of
         freedom.
@@ -245,18 +246,18 @@ def band_structure(
     directions
         Directions in which the grains move, from "xyz"; empty for the directions of the packing.
     plane
-        Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the one of the
+        Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the plane of the
         packing.
     allow_floppy
         True to continue where motions meet no resistance; their frequencies are NaN.
     slab
-        True for a packing with an upper and a lower end, which repeats sideways alone.
+        True for a packing with an upper and a lower end, periodic only sideways.
 
     Raises
     ------
     InputError
-        The packing does not repeat or carries no load, the path is invalid, or motions meet no
-        resistance.
+        The packing is not periodic or carries no load, the path is invalid, or modes have no
+        stiffness.
     """
     if set(directions) - set("xyz"):
         raise InputError(

@@ -3,8 +3,8 @@ finite packing.
 
 The participation ratio of a mode is (sum e_i)^2/(n sum e_i^2), where e_i are the energies of the n
 grains: 1 if all grains move equally, 1/n if only one grain moves. The density of states of a large
-packing is found over its whole range from moments over Chebyshev polynomials with random vectors
-(kernel polynomial method, doi:10.1103/RevModPhys.78.275).
+packing is computed over its complete range from moments over Chebyshev polynomials with random
+vectors (kernel polynomial method, doi:10.1103/RevModPhys.78.275).
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ _WORDS = {
 
 
 def _hertz(square: Array, largest: float, rigid: NDArray[np.bool_] | bool = True) -> Array:
-    """Frequencies of omega^2, s^-2; 0 where nothing resists what is ``rigid``, NaN where a motion
-    grows by itself.
+    """Frequencies of omega^2, s^-2; 0 for ``rigid`` motions without stiffness, NaN for unstable
+    motions.
     """
     zero = _ZERO * largest
     hertz = np.where(
@@ -69,8 +69,8 @@ class Bands:
     largest
         Upper bound of omega^2, s^-2.
     share
-        Part of the energy that chosen degrees of freedom have: (n_k, n_bands); None if none were
-        chosen.
+        Fraction of the energy in selected degrees of freedom: (n_k, n_bands); None without a
+        selection.
     """
 
     stiffness: Stiffness
@@ -298,7 +298,9 @@ class Modes:
 
     @property
     def frequency(self) -> Array:
-        """Frequencies: (n_modes,), Hz; 0 where nothing resists, NaN where a motion grows by itself."""
+        """Frequencies: (n_modes,), Hz; 0 where nothing resists, NaN where a motion grows by
+        itself.
+        """
         return _hertz(self.square, self.largest)
 
     @property
@@ -316,7 +318,8 @@ class Modes:
 
 
 def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
-    """Find the modes of a finite packing: all modes of a small packing, the lowest of a large one.
+    """Find the modes of a finite packing: all modes of a small packing, the lowest modes of a large
+    packing.
 
     Parameters
     ----------
@@ -350,7 +353,9 @@ def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
 
 
 def _chebyshev(matrix, largest: float) -> tuple[Array, Array]:  # type: ignore[no-untyped-def]
-    """Density of states of a large matrix, by the kernel polynomial method with Jackson's kernel."""
+    """Density of states of a large matrix, by the kernel polynomial method with Jackson's
+    kernel.
+    """
     n = matrix.shape[0]
     random = np.random.default_rng(_SEED)
     vector = random.choice([-1.0, 1.0], (n, _VECTORS))

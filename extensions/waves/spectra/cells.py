@@ -46,9 +46,9 @@ def primitive_vectors(kind: PackingKind) -> tuple[Array, int]:
     """Return the primitive vectors of a lattice, in diameters, and the number of spheres of the
     cell.
 
-    They lie along its axes; the spheres are on the first sites of successive layers. Where
-    the supports of a sphere are three lattice vectors, they are taken: the standard names of
-    directions then fit the load along z.
+    They lie along its axes; the spheres are on the first sites of successive layers. If the
+    supports of a sphere are three lattice vectors, these are used: the standard names of directions
+    then fit the load along z.
     """
     vectors, n = _repeats(kind)
     primitive = n == 1 and len(kind.supports) == len(vectors) == 3
@@ -100,7 +100,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
     Raises
     ------
     InputError
-        The packing does not repeat.
+        The packing is not periodic.
     """
     case = assembly.case
     lattice = assembly.lattice
@@ -202,7 +202,7 @@ def cell_bodies(assembly: Assembly) -> Bodies:
     Raises
     ------
     InputError
-        The packing does not repeat, or it has no load, or a load that differs within it.
+        The packing is not periodic, or has no load or a non-uniform load.
     """
     case = assembly.case
     cell = unit_cell(assembly)
@@ -274,7 +274,7 @@ def wave_bodies(assembly: Assembly) -> Bodies:
     Raises
     ------
     InputError
-        They are no springs between grains, see `refuse_resistance`.
+        They do not act as springs between grains, see `refuse_resistance`.
     """
     refuse_resistance(assembly)
     return packing_bodies(assembly)
@@ -286,8 +286,8 @@ def refuse_resistance(assembly: Assembly) -> None:
     Raises
     ------
     InputError
-        A holder has friction, a cylinder with friction has an axis that is not along x, y or z, or
-        dents come from a file, or belong to regions.
+        A guide has friction, the axis of a cylinder with friction is not along x, y or z, or dents
+        are from a file or given by regions.
     """
     case = assembly.case
     if case.has_holder_friction:

@@ -30,7 +30,7 @@ Table = Mapping[str, tuple[Any, str]]  # values and unit by name
 
 
 def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None:
-    """Write groups, and keep those that an earlier file of the same case has next to them."""
+    """Write groups, and keep other groups of an existing file of the same case."""
     earlier: dict[str, Table] = {}
     with contextlib.suppress(OSError, KeyError), h5py.File(regular(path), "r") as file:
         if file.attrs["case"] == state.case.to_toml():
@@ -50,7 +50,7 @@ def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None
 
 
 def read_spectra(directory: Path, kind: str) -> tuple[dict[str, Any], Mapping[str, Table]]:
-    """Read the values and the groups that one command left in a directory.
+    """Read the values and the groups that a command wrote to a directory.
 
     Parameters
     ----------

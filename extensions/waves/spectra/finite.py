@@ -26,7 +26,7 @@ def whole(assembly: Assembly) -> Bodies:
     Raises
     ------
     InputError
-        They are no springs between grains, see `refuse_resistance`.
+        They do not act as springs between grains, see `refuse_resistance`.
     """
     refuse_resistance(assembly)
     return loaded_bodies(assembly)

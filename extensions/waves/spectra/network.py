@@ -14,7 +14,7 @@ T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube 
 is + F/(2 (R - r)) times the square of the motion around the axis.
 
 The stiffnesses come from a packing (`granwave.extensions.waves.spectra.packing_springs`), or from
-anything else that acts like springs.
+any other system of springs.
 """
 
 from __future__ import annotations

@@ -28,8 +28,8 @@ def network_of(
     periods
         Periods in the static state: (n_periods, 3), m.
     peak
-        Function that gives the largest overlaps of contacts so far, m; by default those of the
-        state.
+        Function that returns the largest overlaps of contacts so far, m; by default the overlaps of
+        the state.
     """
     near = bodies.near(position, periods, -_NEGLIGIBLE * bodies.spacing)
     springs = springs_of(bodies, near, None if peak is None else peak(near))

@@ -1,4 +1,4 @@
-"""Static states at the end of the static stages of runs: of the whole packing, and averaged over
+"""Static states at the end of the static stages of runs: of the complete packing, and averaged over
 its unit cells.
 """
 
@@ -30,12 +30,13 @@ from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.statics.bodies import Array, Bodies, Ints, NeighbourPairs, joined
 from granwave.lammps_inputs.statics.packing_bodies import moving
 
-_INSIDE = 0.5  # of half the packing, along axes that end: where a run is like an endless packing
-_ALIKE = 0.02  # by which overlaps of equal contacts may differ inside
+# fraction of half the packing, along finite axes: where a run resembles an infinite packing
+_INSIDE = 0.5
+_ALIKE = 0.02  # relative difference of overlaps of equal contacts inside
 _MEANS = (
     "normal", "distance", "force", "stiffness", "tangential", "lever", "turns", "rolling", "twisting",
 )  # fmt: skip
-_INTEGER = 1e-3  # of a period, for places of a lattice
+_INTEGER = 1e-3  # tolerance over a period, for positions of a lattice
 
 
 class AsLeft(NamedTuple):
@@ -116,8 +117,7 @@ def mean_cell(result: Result) -> MeanCell:
     Raises
     ------
     InputError
-        The packing does not repeat, there is no contact inside, or the state is not the same in
-        every cell.
+        The packing is not periodic, there is no contact inside, or the state differs between cells.
     """
     case = result.case
     assembly = result.assembly
@@ -147,7 +147,7 @@ def mean_cell(result: Result) -> MeanCell:
     kept = inside[first] & (basis[first] >= 0) & (basis[second] >= 0)
     jump = np.rint(springs.image @ bodies.periods @ np.linalg.pinv(cell.periods)).astype(np.int64)
     image = place[second] + jump - place[first]
-    # each contact of the cell once, from its first grain
+    # each contact of the cell is counted once, from its first grain
     leading = image[
         np.arange(len(image)), (image != 0).argmax(axis=1)
     ]  # first number other than zero

@@ -66,18 +66,17 @@ class State:
 
 
 def cell_state(source: Assembly | Path, *, slab: bool = False) -> State:
-    """Return the state of the unit cell of a packing, or the mean one inside a finished run.
+    """Return the state of the unit cell of a packing, or the mean state inside a finished run.
 
     Parameters
     ----------
     slab
-        True for a packing that ends above and below, as the case says, and repeats sideways alone.
+        True for a packing with the upper and lower ends of the case, periodic only sideways.
 
     Raises
     ------
     InputError
-        The packing does not repeat, carries no load, or the state of the run is not the same
-        everywhere.
+        The packing is not periodic, carries no load, or the state of the run is not uniform.
     """
     if slab:
         return _slab_state(source)
@@ -91,12 +90,12 @@ def cell_state(source: Assembly | Path, *, slab: bool = False) -> State:
 
 
 def packing_state(source: Assembly | Path, *, damped: bool = False) -> State:
-    """Return the state of a whole packing of a case, or of a finished run.
+    """Return the state of the complete packing of a case, or of a finished run.
 
     Parameters
     ----------
     damped
-        True where a damper at the bottom is taken into account; in the static state it is a wall.
+        True if a damper at the bottom is included; in the static state it is a wall.
 
     Raises
     ------

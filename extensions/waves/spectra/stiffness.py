@@ -80,7 +80,7 @@ class Stiffness:
     images
         Whole numbers of periods R: (n_images, n_periods).
     others
-        K_R of each.
+        K_R of each of these.
     """
 
     network: Network

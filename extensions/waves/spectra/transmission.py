@@ -20,8 +20,8 @@ runs, by -i omega C.
 A contact with the slope k = dF/d(overlap) resists the rate of its overlap by c = A k with the loss
 time A (``contact.loss``), or by c = alpha sqrt(2/3 m* k) with the factor alpha of a dashpot and the
 effective mass m*, as in the runs: grains that are held or driven along the normal do not move. The
-matrix of these dampers is the stiffness of a network with c in place of k, no static force and no
-friction.
+matrix of these dampers is the stiffness matrix of a network with c instead of k, without static
+force and friction.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ def transmission(
         Force / velocity and moment / angular velocity of each grain: (n_grains, 6), N s/m and
         N m s; none by default.
     losses
-        Network with damping constants in place of stiffnesses, N s/m; none by default.
+        Network with damping constants instead of stiffnesses, N s/m; none by default.
     together
         Ids of grains that move with the drive.
     bottom
@@ -369,7 +369,7 @@ def _effective_masses(network: Network, moves: NDArray[np.bool_]) -> Array:
 def losses_of(
     assembly: Assembly, network: Network, driven: Sequence[int] = (), axis: str = ""
 ) -> Network | None:
-    """Return the network with damping constants of contacts (N s/m) in place of stiffnesses; None
+    """Return the network with damping constants of contacts (N s/m) instead of stiffnesses; None
     without damping.
 
     Parameters
@@ -407,7 +407,7 @@ def losses_of(
         else:
             materials = assembly.material_of(i), assembly.material_of(j)
             loss = loss_of(materials, (assembly.shape_of(i), assembly.shape_of(j)))
-        if loss is not None and loss[0] != "prony":  # of which there is no state
+        if loss is not None and loss[0] != "prony":  # Prony series have no state
             kind, size = loss
             k = float(contacts.stiffness[row])
             damping[row] = size * (

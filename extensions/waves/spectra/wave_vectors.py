@@ -5,7 +5,7 @@ Paths are given in rad/m, or by the standard names of points of the Brillouin zo
     0,0,0; 0,0,314.2; 100,0,0      wave vectors in rad/m, straight lines between them
     G-X-M-G,  GXMG,  G-X|R-M       names of points; | begins a new stretch
 
-The names and positions of the points are taken from ASE (Setyawan, Curtarolo,
+The names and positions of the points are from ASE (Setyawan, Curtarolo,
 doi:10.1016/j.commatsci.2010.05.010) for the cell before the load; a chain has G and X.
 
 Complex wave vectors give the attenuation of waves inside gaps. Along a direction in which planes of
@@ -14,8 +14,8 @@ the lattice have the distance h, all phases are powers of lambda = exp(i s h), a
     sum_m K_m lambda^m u = omega^2 M u
 
 is an eigenvalue problem for lambda at a given frequency. Waves have |lambda| = 1; a field with
-|lambda| < 1 decays by -ln |lambda| from plane to plane. The whole spectrum of a small cell is found
-from the dense matrix of all its unknowns.
+|lambda| < 1 decays by -ln |lambda| from plane to plane. The complete spectrum of a small cell is
+computed from the dense matrix of all its unknowns.
 
 A larger cell is first condensed to its faces. Only the unknowns A touch the next cell, and only the
 unknowns B touch the cell before, by the stiffness C between them. With the inverse G of
@@ -23,7 +23,7 @@ K_0 - omega^2 M, and p = u_A, q = lambda u_B,
 
     lambda [[1, G_AA C], [0, G_BA C]] (p, q) = -[[G_AB C^H, 0], [G_BB C^H, 1]] (p, q)
 
-This is exact too, and has as many unknowns as the faces. If contacts reach beyond the next plane,
+This is also exact, and has as many unknowns as the faces. If contacts reach beyond the next plane,
 several cells are joined until they reach only the next joint cell. The phase is then known only up
 to multiples of 2 pi, and is omitted.
 """
@@ -73,7 +73,7 @@ class Path:
     corners
         Rows of the corners, with their names.
     breaks
-        Rows at which a new stretch begins that does not continue the one before.
+        Rows at which a new stretch begins that does not continue the previous one.
     """
 
     k: Array
@@ -82,7 +82,7 @@ class Path:
     breaks: tuple[int, ...] = ()
 
     def nearest(self, row: int) -> str:
-        """Describe the place of a row: the corner that it is, or the wave vector."""
+        """Describe the position of a row: the corner that it is, or the wave vector."""
         names = dict(self.corners)
         where = ", ".join(f"{component:.4g}" for component in self.k[row])
         return f"k = ({where}) rad/m" + (f", {names[row]}" if names.get(row) else "")
@@ -92,7 +92,7 @@ def zone(periods: Array) -> tuple[dict[str, Array], str]:
     """Return the special points of the Brillouin zone by name, (3,), rad/m, and the standard path
     by names.
     """
-    from ase.cell import Cell  # takes longer to load than most commands need
+    from ase.cell import Cell  # imported on demand: slow to load
 
     n = len(periods)
     reciprocal = np.zeros((3, 3))
@@ -109,7 +109,7 @@ def zone(periods: Array) -> tuple[dict[str, Array], str]:
             band_path = cell.bandpath(pbc=pbc, npoints=0, eps=_EPSILON)
             points = band_path.special_points
             path = band_path.path
-    except (RuntimeError, ValueError, AssertionError):  # a cell that ASE cannot name
+    except (RuntimeError, ValueError, AssertionError):  # a cell that ASE cannot classify
         points = {"G": np.zeros(3)} | dict(zip("XYZ"[:n], np.eye(3) / 2, strict=False))
         path = "".join([*points, "G"])
     stretches = ("-".join(_NAMES.findall(stretch)) for stretch in path.split(","))
@@ -234,9 +234,10 @@ class ComplexBands:
     frequency
         (n_frequencies,), Hz.
     attenuation
-        -ln |lambda| of all that do not grow, rising along each row; NaN where there are fewer: (n_frequencies, n).
+        -ln |lambda| of all that do not grow, rising along each row; NaN where there are fewer:
+        (n_frequencies, n).
     phase
-        arg lambda of the same, rad.
+        arg lambda, rad.
     """
 
     direction: Array
@@ -252,7 +253,9 @@ class ComplexBands:
 
 
 def plane_spacing(stiffness: Stiffness, direction: Array) -> float:
-    """Return the distance of the planes of the lattice across a direction, m; 0 if they have none."""
+    """Return the distance of the planes of the lattice across a direction, m; 0 if they have
+    none.
+    """
     places = np.abs(stiffness.shifts @ direction)
     size = np.linalg.norm(stiffness.network.periods, axis=1).max()
     places = places[places > _WHOLE * size]

@@ -1,4 +1,4 @@
-"""``[load]``: the load on a packing, a class in a file of its own for each kind.
+"""``[load]``: the load on a packing, with a class in a separate file for each kind.
 
     impact         initial velocity of the impacted spheres
     striker        velocities of the [[striker]]s only

@@ -16,7 +16,7 @@ from granwave.lammps_inputs.case.loads.load import LoadedPacking
 from granwave.lammps_inputs.case.schema import ErrorList
 
 _JUMPS = ("half-sine", "rectangle")  # shapes whose velocity, or value, jumps at the start
-_MARGIN = 2.0  # of overlaps and speeds over those of the displacement
+_MARGIN = 2.0  # factor on the overlaps and speeds of the displacement
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ class DisplacementLoad(DrivenLoad):
 
     @property
     def may_stop(self) -> bool:
-        """True for a table: its spheres may stop, and give back most of the energy put in."""
+        """True for a table: its spheres may stop and return most of the energy input."""
         return bool(self.table)
 
     @property

@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 
 _OSCILLATING = ("harmonic", "burst", "up-and-down", "sweep", "noise")
 _SEED = 1
-_SHARE_OF_RAMP = 0.05  # of the duration of a sweep or noise, if none is given
+_SHARE_OF_RAMP = 0.05  # default ramp of a sweep or noise, over its duration
 _CREST = 5.0  # largest value of noise over its root mean square; more is rare
-_ROUNDING = 1e-12  # relative, of numbers of periods
+_ROUNDING = 1e-12  # relative tolerance of numbers of periods
 _TIME: dict[str, Any] = {"unit": hints.TIME, "default": None}
 _FREQUENCY: dict[str, Any] = {"unit": hints.FREQUENCY, "above": 0, "default": None}
 
@@ -52,7 +52,7 @@ class DrivenLoad(LoadOnSpheres):
     """
 
     driven: ClassVar[bool] = True
-    other_keys: ClassVar[tuple[str, ...]] = ("file",)  # replaced by the points in it
+    other_keys: ClassVar[tuple[str, ...]] = ("file",)  # replaced by the points of the file
     input_formula: ClassVar[str] = "v_given+f_load"
     usual_amplitude: ClassVar[hints.Usual]
     shapes: ClassVar[tuple[str, ...]]

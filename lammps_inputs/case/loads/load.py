@@ -1,6 +1,6 @@
 """Base of all kinds of ``[load]``, and the packing as a load sees it.
 
-A kind of load is a subclass of `Load` in a file next to this one, and its name in the table of
+A kind of load is a subclass of `Load` in a file next to this one, and its name is in the table of
 `granwave.lammps_inputs.case.loads.registry`. No other code compares kinds of loads: packing, input
 script, plan, checks, results and reports use the attributes and methods of `Load`.
 """
@@ -80,7 +80,7 @@ class PlateOnTop(NamedTuple):
 
     @property
     def key(self) -> str:
-        """Key with its value, as causes of bounds name it."""
+        """Key with its value, for the causes of bounds."""
         return f"load.mass = {self.mass:g} kg"
 
 
@@ -114,8 +114,8 @@ class Load(ABC):
     """Load on a packing.
 
     A kind states its keys as fields of the functions of `granwave.lammps_inputs.case.schema`, with
-    a default each, and overrides the attributes and methods that differ. A key that two loads have
-    is the same field in both.
+    a default each, and overrides the attributes and methods that differ. A key of two loads is the
+    same field in both.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class Load(ABC):
     hits_spheres
         True if the load acts on spheres of the packing that the case chooses.
     hits_one_place
-        True if the impacted spheres are together in one position.
+        True if the impacted spheres are next to each other.
     gives_velocity
         True if all impacted spheres start with the same velocity.
     strikes
@@ -174,11 +174,11 @@ class Load(ABC):
     shown_amplitude: ClassVar[tuple[float, str]] = (1.0, "")
     input_formula: ClassVar[str] = "v_given"
 
-    # Keys of some loads, for those that lack them.
+    # Keys of some loads, with None for loads without them.
 
     @property
     def spheres(self) -> int:
-        """Number of impacted spheres at the centre of the top; 0 if the load strikes others."""
+        """Number of impacted spheres at the centre of the top; 0 if the load acts on others."""
         return 0
 
     @property
@@ -225,7 +225,7 @@ class Load(ABC):
 
     @property
     def lasts(self) -> float:
-        """Time at which the energy input ends, s: 0 if all of it is there at the start."""
+        """Time at which the energy input ends, s: 0 if all energy is present at the start."""
         return 0.0
 
     @property
@@ -260,10 +260,10 @@ class Load(ABC):
 
     @property
     def may_stop(self) -> bool:
-        """True if the impacted spheres may give back most of the energy put in."""
+        """True if the impacted spheres may return most of the energy input."""
         return False
 
-    # Struck spheres and their motion at the start.
+    # Impacted spheres and their initial motion.
 
     def named(self, at_centre: Callable[[int], tuple[int, ...]]) -> tuple[str, Sequence[int]]:
         """Return the key by which the load names spheres of the packing, and their ids; these are
@@ -331,8 +331,8 @@ class Load(ABC):
         return energy
 
     def timestep_limit(self, share: float) -> LoadLimit | None:
-        """Return the bound on the timestep by the shortest time of the load, of which a step takes
-        at most a ``share``; None without one.
+        """Return the bound on the timestep by the shortest time of the load, where a step is at
+        most the fraction ``share`` of this time; None without a bound.
         """
         return None
 

@@ -36,7 +36,7 @@ class LoadOnSpheres(Load):
 
     @property
     def struck_spheres(self) -> str:
-        """Struck spheres in words: ``3 spheres of the top layer``."""
+        """Impacted spheres in words: ``3 spheres of the top layer``."""
         if self.index is not None:
             return f"{len(self.index)} chosen sphere{'s' if len(self.index) > 1 else ''}"
         return f"{self.spheres} sphere{'s' if self.spheres > 1 else ''} of the top layer"

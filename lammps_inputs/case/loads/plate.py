@@ -1,7 +1,7 @@
 """A rigid plate that strikes the free top.
 
-The plate is a wall, and has the name of the kind of load: its contacts, and how it moves, are those
-of a wall of `granwave.lammps_inputs.packing.walls`.
+The plate is a wall, and has the name of the kind of load: its contacts and its motion are those of
+a wall of `granwave.lammps_inputs.packing.walls`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from granwave.lammps_inputs.case.loads.load import (
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.script_words import num
 
-# energy of a contact over its share of that of a plate: twice the mean force, in the softest
+# energy of a contact over the plate's energy per contact: twice the mean force, in the softest
 # direction
 _OF_SHARE = 4.0
 _REBOUND = 2.0  # speed of a sphere that a heavy plate hits, over that of the plate

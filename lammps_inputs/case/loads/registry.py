@@ -36,7 +36,7 @@ Field = dataclasses.Field[Any]
 
 @cache
 def load_kinds() -> dict[str, type[Load]]:
-    """Return all kinds of loads by name: those of the core, then those of extensions.
+    """Return all kinds of loads by name: loads of the core, then loads of extensions.
 
     Raises
     ------
@@ -74,8 +74,8 @@ _FILE = schema.path(
 
 @cache
 def load_section() -> type:
-    """Return the section of the keys of all kinds of loads, of which `read_load` makes the load;
-    the keys of the kind with the fewest come first.
+    """Return the section of the keys of all kinds of loads, from which `read_load` makes the load;
+    the keys of the kind with the fewest keys come first.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def load_section() -> type:
 
 
 def _check_same(one: Field, other: Field, key: str, *loads: type[Load]) -> None:
-    """Raise InputError unless a key means the same in two loads."""
+    """Raise InputError unless a key has the same meaning in two loads."""
     same = info_of(one).description == info_of(other).description and one.default == other.default
     if not same:
         whose = " and ".join(f"{load.__name__} of {load.__module__}" for load in loads)
@@ -118,7 +118,9 @@ def _check_same(one: Field, other: Field, key: str, *loads: type[Load]) -> None:
 
 
 def _give_keys_of_others(names: Iterable[str]) -> None:
-    """Make keys of other kinds None: `run.case.load.amplitude` of an impact, as studies read it."""
+    """Set keys of other kinds to None, so that studies can read e.g. `run.case.load.amplitude` of
+    an impact.
+    """
     for name in names:
         if not hasattr(Load, name):
             setattr(Load, name, None)
@@ -160,7 +162,9 @@ def _check_keys(load: type[Load], names: Sequence[str], errors: ErrorList) -> No
 
 
 def _with_points(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any] | None:
-    """Return the table with the points of ``load.file`` as ``load.table``; None with a fault."""
+    """Return the table with the points of ``load.file`` as ``load.table``; None if there is a
+    fault.
+    """
     if "table" in table:
         errors.add(
             "load.file", Mismatch("together with load.table", remedy="specify only one of them")

@@ -1,15 +1,15 @@
-"""Functions of time of forces and displacements, and points that give one.
+"""Functions of time of forces and displacements, and tables of points.
 
 With amplitude A, duration T and frequency f:
 
     half-sine      A sin(pi t / T) up to T
     rectangle      A up to T
-    harmonic       A sin(2 pi f t), risen over a ramp R by sin^2(pi t / 2R) if there is one
+    harmonic       A sin(2 pi f t), multiplied by sin^2(pi t / 2R) during an optional ramp R
     burst          A sin^2(pi t / T) sin(2 pi f t) up to T = n/f: n cycles under a window (Hann)
     up-and-down    A (1 - |2t/T - 1|) sin(2 pi f t) up to T
     sweep          A sin(2 pi (f t + (f_last - f) t^2 / 2T)) up to T, with a ramp at either end
-    noise          sines at all multiples of 1/T from f to f_last, alike in size, of random phase,
-                   with the root mean square A; up to T, with a ramp at either end
+    noise          sines at all multiples of 1/T from f to f_last, with equal amplitudes and random
+                   phases, with the root mean square A; up to T, with a ramp at either end
     table          linear interpolation between points; a force is zero before and after, a
                    displacement begins at 0 and keeps its last value
 """
@@ -29,12 +29,12 @@ from granwave.lammps_inputs.tables.units import in_si, split_unit, unit_of
 
 Points = tuple[tuple[float, float], ...]
 
-_N_OF_COLUMNS = 2  # time, and force or place
+_N_OF_COLUMNS = 2  # time, and force or displacement
 _MOST_HEADS = 2  # rows above the numbers: names and units
 #: Units in the names of the columns of ``load.file``: powers of ten of the SI unit.
 _UNITS = {"s": 0, "ms": -3, "us": -6, "ns": -9, "N": 0, "kN": 3, "m": 0, "mm": -3, "um": -6}
 
-#: Keys that a shape needs, and those that it may have.
+#: Keys that a shape requires, and optional keys.
 SHAPES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "half-sine": (("amplitude", "duration"), ()),
     "rectangle": (("amplitude", "duration"), ()),
@@ -81,8 +81,8 @@ POINTS = schema.ListType(
 def read_points(path: Path) -> Points:
     """Read the two columns of the file of ``load.file``; raise ValueError with the fault.
 
-    A line of names may come first, with units: ``time (us); force (kN)``, or with the units in a
-    line of their own below.
+    The first line may have names with units: ``time (us); force (kN)``, or the units may be in the
+    next line.
     """
     form = f"two columns of numbers, {_POINTS_FORM}"
     try:

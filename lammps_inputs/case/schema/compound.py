@@ -1,6 +1,6 @@
 """Types of lists, of tables, and of values of several types.
 
-`TableType`, the type of a table with a section of its own, is in
+`TableType`, the type of a table with a separate section, is in
 `granwave.lammps_inputs.case.schema.tables`, with the reader of tables.
 """
 
@@ -35,7 +35,7 @@ class ListType(ValueType):
     at_least, at_most
         Numbers of values that are valid.
     alone
-        True if one value, without a list, is valid too.
+        True if a single value without a list is also valid.
     finish
         As in `TextType`, of the tuple of values.
     """
@@ -58,7 +58,7 @@ class ListType(ValueType):
         return values if self.finish is None else self.finish(values)
 
     def _read_item(self, n: int, value: Any) -> Any:
-        """Read the n-th value; the fault of a value inside of a table names the table by number."""
+        """Read the n-th value; the fault of a value inside a table names the table by number."""
         try:
             return self.item.read(value)
         except ValidationError as error:
@@ -66,7 +66,7 @@ class ListType(ValueType):
 
     @property
     def json(self) -> Json:
-        """A list, or one value."""
+        """A list or a single value."""
         several = {"type": "array", "items": self.item.json, "minItems": self.at_least}
         if self.at_most is not None:
             several["maxItems"] = self.at_most
@@ -95,7 +95,7 @@ def vector_type(
     Parameters
     ----------
     otherwise
-        What was expected of numbers that do not fit; ``expected`` by default.
+        Expected numbers, for the message; ``expected`` by default.
     """
 
     def fitting(numbers: tuple[float, ...]) -> tuple[float, ...]:
@@ -108,7 +108,7 @@ def vector_type(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class EitherType(ValueType):
-    """A value of one of several types.
+    """A value whose type is one of several.
 
     The first type that a value is meant to be reads it, see `ValueType.is_meant`; there is a fault
     if there is none.
@@ -118,7 +118,7 @@ class EitherType(ValueType):
     types
         The types, special ones first.
     form
-        Accepted values in words; by default those of all types.
+        Accepted values in words; by default the values of all types.
     """
 
     types: tuple[ValueType, ...]
@@ -194,7 +194,7 @@ def or_word(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class TablesType(ValueType):
-    """A table of values by name, which code of its own reads.
+    """A table of values by name, with a separate reader.
 
     Attributes
     ----------
@@ -229,7 +229,7 @@ class TablesType(ValueType):
 
 @dataclasses.dataclass(frozen=True)
 class ChoiceOrTables(ChoiceType):
-    """One of some words; or a table, which the reader of the section reads first."""
+    """One of several words; or a table, which the reader of the section reads first."""
 
     otherwise: TablesType
 

@@ -57,9 +57,9 @@ def number(
     Parameters
     ----------
     units
-        Unit in messages, of a key that has another one in some tables.
+        Unit in messages, for a key with another unit in some tables.
     form
-        Accepted values in words, in place of those made of the bounds.
+        Accepted values in words; default: derived from the bounds.
     """
     of_messages = "" if units or form else unit_name(unit)
     value_type: ValueType = NumberType(
@@ -133,7 +133,7 @@ def vector(description: str, unit: Usual) -> Any:
 def nested(
     description: str, value_type: ValueType, read: Callable[[Any, ErrorList, str], Any]
 ) -> Any:
-    """Field of a table with a reader of its own, which adds its faults, and returns None with any;
-    None by default.
+    """Field of a table with a separate reader, which adds its faults, and then returns None; None
+    by default.
     """
     return key_field(KeyInfo(description=description, type=value_type, reader=read), None)

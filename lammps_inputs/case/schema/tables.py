@@ -1,7 +1,7 @@
 """Reading of TOML tables into sections.
 
 A section is a frozen dataclass whose fields are keys, made by the functions of
-`granwave.lammps_inputs.case.schema.fields`. The metadata of a field are those of `KeyInfo`.
+`granwave.lammps_inputs.case.schema.fields`. The metadata of a field are defined by `KeyInfo`.
 `read_table` reads all keys of a table and collects all faults instead of stopping at the first.
 """
 
@@ -23,9 +23,9 @@ Entry = TypeVar("Entry")
 Content = TypeVar("Content")
 
 REQUIRED: Any = dataclasses.MISSING
-_MOST_UNKNOWN = 20  # unknown keys of a table with a fault each
-_KEY = "key"  # of the metadata of a field
-FURTHER_KEYS = "FURTHER_KEYS"  # class attribute of a section: keys that are no fields
+_MOST_UNKNOWN = 20  # unknown keys of a table that are reported one by one
+_KEY = "key"  # key of the metadata of a field
+FURTHER_KEYS = "FURTHER_KEYS"  # class attribute of a section: keys that are not fields
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -35,7 +35,7 @@ class KeyInfo:
     Attributes
     ----------
     description
-        What the key is, beginning with a noun.
+        Description of the key, beginning with a noun.
     type
         Type of its values.
     unit
@@ -45,13 +45,13 @@ class KeyInfo:
     varies
         True if the unit depends on other keys; the reader of the table checks the magnitude.
     reader
-        Function of value, faults and dotted key that reads the value in place of its type, for
-        values that may have many faults; it returns None with any.
+        Function of value, faults and dotted key that reads the value instead of its type, for
+        values that may have many faults; it returns None if there are faults.
     default_form
         Default in words, of a key whose default is none of its values.
     example
-        A value, for the reference of the keys; None: there is one in `key_examples.toml`, or the
-        default is one.
+        A value, for the reference of the keys; None: there is an example in `key_examples.toml`, or
+        the default is an example.
     """
 
     description: str
@@ -117,7 +117,9 @@ def keys_of(sections: Mapping[str, type]) -> list[str]:
 
 
 def with_inner_tables(tables: Mapping[str, type]) -> dict[str, type]:
-    """Return sections by heading, each followed by those of the tables that its keys may be."""
+    """Return sections by heading, each followed by the sections of tables that are values of its
+    keys.
+    """
     found: dict[str, type] = {}
     for heading, section in tables.items():
         found[heading] = section
@@ -179,7 +181,7 @@ def _read_value(info: KeyInfo, value: Any, key: str, errors: ErrorList) -> Any:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class TableType(ValueType):
-    """A table with a section of its own.
+    """A table with a separate section.
 
     Attributes
     ----------
@@ -190,7 +192,7 @@ class TableType(ValueType):
     finish
         Function that converts the section, or raises `ValidationError`.
     listed
-        True if the keys of the section are listed as a table of their own.
+        True if the keys of the section are listed as a separate table.
     """
 
     kind: ClassVar[str] = "object"
@@ -253,7 +255,7 @@ def refuse_unknown(
     table: Mapping[str, Any], known: Collection[str], prefix: str, errors: ErrorList
 ) -> None:
     """Add a fault for each key of ``table`` that is not ``known``, with a suggestion; of many keys
-    for the first ones, and one for the others.
+    only for the first ones, with a common fault for the others.
     """
     unknown = [name for name in table if name not in known]
     keys = [f"{prefix}.{name}" if prefix else name for name in unknown]

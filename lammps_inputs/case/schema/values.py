@@ -1,4 +1,4 @@
-"""Types of the values of keys: what they accept, in words and as JSON Schema, and how they read it.
+"""Types of the values of keys: accepted values, in words and as JSON Schema, and readers.
 
 A type is declared with its key, and is the only source on the values of the key, for the reader of
 a file, the reference of the keys, the schema for editors and the completion of words.
@@ -18,7 +18,7 @@ from granwave.lammps_inputs.message_words import did_you_mean, show
 
 _LEAST = 2.3e-308  # magnitude, in messages
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
-NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to that of the steps
+NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to the number of steps
 LABEL_FORM = (
     "a name that is not empty and contains no tabs, line breaks or other control characters, nor "
     "spaces at its ends"
@@ -94,7 +94,7 @@ def finite(value: Any, expected: str) -> float:
     except OverflowError:
         raise ValidationError(expected) from None
     refuse_if(not math.isfinite(result), expected)
-    if 0 < abs(result) < sys.float_info.min:  # LAMMPS cannot read it
+    if 0 < abs(result) < sys.float_info.min:  # LAMMPS cannot read longer names
         raise ValidationError(f"{expected}: 0, or a magnitude from {_LEAST:.3g} up")
     return result
 
@@ -117,7 +117,7 @@ class NumberType(ValueType):
     unit
         Unit in messages; empty if there is none.
     form
-        Accepted values in words, in place of those made of the bounds.
+        Accepted values in words; default: derived from the bounds.
     finish
         As in `TextType`.
     """
@@ -203,7 +203,7 @@ class CountType(ValueType):
 
 @dataclasses.dataclass(frozen=True)
 class ChoiceType(ValueType):
-    """One of some words, whole numbers or truth values; ``finish`` as in `TextType`.
+    """One of several words, whole numbers or booleans; ``finish`` as in `TextType`.
 
     Attributes
     ----------
@@ -249,7 +249,7 @@ class TextType(ValueType):
     expected
         Accepted values, in words.
     may_be_empty
-        True if blanks alone are valid.
+        True if blank text is valid.
     finish
         Function that converts the string, or raises `ValidationError`.
     """
@@ -273,7 +273,7 @@ class TextType(ValueType):
 
 @dataclasses.dataclass(frozen=True)
 class WordType(ValueType):
-    """One word, in place of a value of another type; ``finish`` as in `TextType`."""
+    """One word, as an alternative to a value of another type; ``finish`` as in `TextType`."""
 
     word: str
     finish: Finish | None = None
@@ -305,7 +305,7 @@ class WordType(ValueType):
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class OtherType(ValueType):
-    """Values that code of their own reads, such as tables with names of the user's.
+    """Values with a separate reader, such as tables with user-defined names.
 
     Attributes
     ----------
@@ -336,7 +336,7 @@ class OtherType(ValueType):
 
 
 def parse_label(value: Any) -> str:
-    """Return ``value`` if it is a name that stands in one line of a table; raise `ValidationError`
+    """Return ``value`` if it is a name that fits in one line of a table; raise `ValidationError`
     otherwise.
     """
     is_text = isinstance(value, str) and value != ""

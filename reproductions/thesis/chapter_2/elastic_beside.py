@@ -11,10 +11,10 @@ from plastic_waves import PLACE, SPACING, PlasticWave, groups, usual
 
 import granwave as gw
 
-CONTACT = 20  # where the elastic wave is taken
+CONTACT = 20  # contact at which the elastic wave is evaluated
 STACK = (20, 15, 10, 5)  # contacts of Fig. 2.11, from the top
 SHOWN = 500  # tau of Fig. 2.11
-# contacts of the map; by which the elastic chain is moved in it
+# contacts of the map; shift of the elastic chain in it
 MAP = 90
 SHIFT = 20
 FORCE = r"Force $F/E^*R^{*2}$"

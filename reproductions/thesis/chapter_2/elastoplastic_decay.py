@@ -24,9 +24,9 @@ from plastic_waves import (
 import granwave as gw
 
 FAR = 15  # first contact of the fits in the inverse regime
-# contacts up to which runs of one impulse are compared: collisions farther on are chaotic
+# largest contact at which runs with equal impulse are compared: collisions farther on are chaotic
 COLLAPSE = 15
-FITTED = 20  # last contact that the source's fit of the weakest load has
+FITTED = 20  # last contact of the source's fit for the weakest load
 MERGER = 21  # contact at which the first trailing wave of that load meets the leading one
 
 
@@ -56,7 +56,7 @@ def rows(runs):
             where="thesis 2.25, Fig. 2.13",
             digits=3,
             remark="Least squares of the logarithm. The source draws one law for three impulses, and says that it "
-            "was fitted to the smallest; the smallest alone has other constants (next rows).",
+            "was fitted to the smallest; the smallest alone has other constants.",
         )
     yield gw.Row(
         f"b: decay of the leading wave per contact, contacts 1 to {FITTED}, {weakest.tag}",
@@ -80,12 +80,17 @@ def rows(runs):
     for wave in waves:
         yield gw.Row(
             f"Start of the second regime, contact, {wave.tag}",
+            source=SWITCH,
+            ours=wave.merger,
+            where="thesis 2.2.3, 2.2.4",
+            remark=f"The source: about {SWITCH}, from {SWITCHES[0]} to {SWITCHES[1]}, where a trailing wave merges with "
+            f"the leading one; elsewhere {MERGER} for the smallest impulse. Ours: where the leading peak ceases to fall.",
+        )
+        yield gw.Row(
+            f"First contact that a later wave presses more, {wave.tag}",
             ours=wave.transition,
             where="thesis 2.2.4",
-            source=min(max(wave.transition, SWITCHES[0]), SWITCHES[1]),
-            remark="The source: between 6 and 10, of which the nearest is taken. Ours: the first contact "
-            "that a later wave presses more."
-            + ("" if SWITCHES[0] <= wave.transition <= SWITCHES[1] else " Not explained."),
+            remark=f"By {wave.pressed_more(wave.transition):.1%}.",
         )
         steps = wave.x[9:] * wave.normalised[9:]
         last = wave.contacts

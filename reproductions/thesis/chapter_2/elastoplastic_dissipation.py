@@ -12,7 +12,7 @@ from scipy.interpolate import PchipInterpolator
 import granwave as gw
 
 QUADRATIC = (1.23e-4, -3.63e-7, 1.86e-8)  # d0, d1, d2 in J, J/N, J/N^2, for brass of R = 4.76 mm
-FITTED_TO = 1e3  # N: how far we fit the law with the same form
+FITTED_TO = 1e3  # N: upper end of our fit of the law with the same form
 LAST = 87  # contact: x/R* = 348, where Fig. 2.16 ends
 
 
@@ -29,7 +29,7 @@ def summed(contacts, peak):
 
 
 def integrated(contacts, peak):
-    """The same with the integral over distance in place of the sum, from contact 1 on (2.31)."""
+    """Energy with the integral over distance instead of the sum, from contact 1 on (2.31)."""
     n = np.arange(1.0, contacts + 1)
     d0, d1, d2 = QUADRATIC
     early = np.minimum(n, SWITCH)
@@ -44,7 +44,7 @@ def integrated(contacts, peak):
 
 
 def by_law(law, force):
-    """Energy that a contact of that peak force (N) has dissipated by the law of the runs, J."""
+    """Energy dissipated in a contact with this peak force (N) by the law of the runs, J."""
     overlap = np.geomspace(law.yield_overlap, law.effective_radius, 4000)
     return PchipInterpolator(law.loading_force(overlap), law.dissipated_energy(overlap))(force)
 

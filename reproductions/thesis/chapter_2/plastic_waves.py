@@ -21,7 +21,8 @@ INVERSE = 0.268
 SWITCH = 7  # contact: x_t/R* = 28
 SWITCHES = (6, 10)  # contacts between which it was seen
 SPACING = 4.0  # R* from contact to contact
-OVERTAKEN = 1.005  # of the leading peak of a contact: from then on a later wave presses it harder
+# factor of the leading peak of a contact, above which a later wave has a larger force
+OVERTAKEN = 1.005
 HALF = 5  # contacts on either side over which a speed is taken
 PLACE = r"Distance $x/R^*$"  # label of the figures
 
@@ -51,7 +52,7 @@ class PlasticWave(Chain):
 
     @property
     def transition(self):
-        """First contact that a later wave presses harder than the leading one did."""
+        """First contact at which a later wave has a larger force than the leading wave."""
         return next(
             n + 1 for n, top in enumerate(self.largest) if top > OVERTAKEN * self.first_peak(n)[1]
         )
@@ -63,15 +64,19 @@ class PlasticWave(Chain):
 
     @property
     def merger(self):
-        """Contact at which the leading wave ceases to fall, for a trailing one meets it."""
+        """Contact at which the leading wave stops decreasing, because a trailing wave meets it."""
         return int(np.flatnonzero(np.diff(self.leading) > 0)[0]) + 1
+
+    def pressed_more(self, contact):
+        """Largest force of a contact over the leading wave's peak there, less 1."""
+        return self.largest[contact - 1] / self.leading[contact - 1] - 1
 
     def decay(self, first, last):
         """Decay of the logarithm of the leading wave's peak, per contact."""
         return math.log(self.leading[first - 1] / self.leading[last - 1]) / (last - first)
 
     def force_power(self, first, last):
-        """Power of the largest force with the distance."""
+        """Exponent of the largest force against the distance."""
         return power_law(self.number[first - 1 : last], self.largest[first - 1 : last])
 
     def inverse_constant(self):
@@ -79,8 +84,8 @@ class PlasticWave(Chain):
         return np.mean(self.x[9:] * self.normalised[9:])
 
     def speed(self, level=0.01):
-        """Contacts, and the speed there (contacts/s) of what first reaches a share of each
-        contact's largest force.
+        """Contacts, and the speed there (contacts/s) at which a fraction of each contact's largest
+        force is first reached.
         """
         pairs = zip(self.force.T, self.peak_force, strict=True)
         time = np.array([arrival(self.time, force, level * top) for force, top in pairs])[
@@ -89,8 +94,8 @@ class PlasticWave(Chain):
         return self.number[HALF:-HALF], 2 * HALF / (time[2 * HALF :] - time[: -2 * HALF])
 
     def speed_powers(self, first, last, level=0.01):
-        """Powers of that speed with the distance, and with the largest force (its own power law of
-        distance).
+        """Exponents of this speed against the distance, and against the largest force (its own
+        power law of distance).
         """
         number, speed = self.speed(level)
         inside = (number >= first) & (number <= last)
@@ -99,7 +104,7 @@ class PlasticWave(Chain):
 
 
 def peak_force(contact):
-    """Peak force over E* R*^2 I by the source."""
+    """Peak force over E* R*^2 I according to the source."""
     return np.where(
         contact <= SWITCH, START * np.exp(-DECAY * (contact - 1)), INVERSE / (SPACING * contact)
     )

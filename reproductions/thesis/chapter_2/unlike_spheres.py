@@ -64,9 +64,7 @@ class Pair:
 
     @property
     def deviation(self):
-        """Largest |force - law| while the overlap is above 1 % of the largest, over the largest
-        force.
-        """
+        """Largest |force - law| for overlaps above 1 % of the largest, over the largest force."""
         peak = np.maximum.accumulate(self.overlap)
         peak[self.turn + 1 :] = self.deepest
         chosen = self.overlap > 1e-2 * self.deepest
@@ -96,8 +94,8 @@ class Pair:
 
 
 def groups(runs):
-    """All pairs; those of brass by the ratio of radii, of unlike materials, and equal spheres by
-    yield strength.
+    """All pairs; brass pairs by the ratio of radii, pairs of dissimilar materials, and equal
+    spheres by yield strength.
     """
     pairs = [Pair(run) for run in runs]
     like = [pair for pair in pairs if pair.like]

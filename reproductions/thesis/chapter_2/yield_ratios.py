@@ -24,9 +24,9 @@ RESIDUAL = (0.95, 25.94, 0.015)  # c6, c7, c8 of 2.13
 EXPONENTS = {"Smallest": 1.30, "Largest": 1.42}
 #: Overlaps at which curves are compared: all eight reach the first, six and three the others.
 PLACES = (50.0, 150.0, 300.0)
-SAMPLES = 1000  # of a drawn formula
+SAMPLES = 1000  # points of a drawn formula
 NEAR = 0.02  # half-width of the mean about a place, in the logarithm of the overlap
-BEYOND = 1.2  # of the contact radius: end of a drawn profile
+BEYOND = 1.2  # end of a drawn profile over the contact radius
 
 
 def pressure(overlap):
@@ -57,7 +57,7 @@ class Profile:
 
 
 class Contact:
-    """Two spheres of one yield strength."""
+    """Two spheres with the same yield strength."""
 
     def __init__(self, run):
         self.run = run

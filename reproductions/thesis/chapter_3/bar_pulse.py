@@ -16,8 +16,8 @@ import granwave as gw
 from granwave.measures import arrival
 
 SECTIONS = 0.25, 0.75  # lengths of the bar from the end where the pulse enters
-AHEAD = 3.0  # widths of a front, that it is felt before it comes
-THROUGH = 0.02  # of its largest force: a pulse below has passed
+AHEAD = 3.0  # widths of a front, by which it arrives early
+THROUGH = 0.02  # fraction of its largest force below which a pulse has passed
 
 
 class Passage:
@@ -57,7 +57,7 @@ class Passage:
         start = instants[max(0, (values != 0).argmax() - 1)]
         reach = 2 * bar.length - AHEAD * (2 * bar.length * self.pitch**2 / 8) ** (1 / 3)
         clear = np.array([self.time < start + (reach - x) / self.c for x in self.sections])
-        velocity = 0.5 * (velocity[:, 1:] + velocity[:, :-1])  # of elements
+        velocity = 0.5 * (velocity[:, 1:] + velocity[:, :-1])  # velocities of the elements
         self.force, self.velocity = (
             np.where(clear, one[:, elements].T, np.nan) for one in (force, velocity)
         )
@@ -72,8 +72,8 @@ class Passage:
 
     @property
     def speed(self):
-        """Speed of the centroid of a pulse that passed both sections, else of its rise through half
-        its peak, m/s.
+        """Speed of the centroid of a pulse that passed both sections, otherwise of its rise through
+        half its peak, m/s.
         """
         signals = [
             (self.time[np.isfinite(force)], force[np.isfinite(force)]) for force in self.force
@@ -94,13 +94,13 @@ class Passage:
 
     @property
     def overshoot(self):
-        """Largest force at the far section over the largest that entered."""
+        """Largest force at the far section over the largest force at the entry."""
         return np.nanmax(self.force[1]) / self.peak
 
     @property
     def deviation(self):
-        """Largest difference at the far section from the pulse that entered, late by x/c, over its
-        peak.
+        """Largest difference at the far section from the pulse at the entry, delayed by x/c, over
+        its peak.
         """
         return np.nanmax(np.abs(self.force[1] - self.late(1))) / self.peak
 

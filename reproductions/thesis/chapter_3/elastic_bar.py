@@ -1,8 +1,8 @@
 """Elastic bar.
 
 A half-sine and a rectangle of force on the end of a bar, in 25 to 400 elements a metre, against the
-closed forms of a slender bar. Sections lie at a quarter and three quarters of the length; only what
-comes before the first echo counts. The speed is that of the pulse's centroid where all of it has
+closed forms of a slender bar. Sections lie at a quarter and three quarters of the length; only
+signals before the first echo count. The speed is that of the pulse's centroid where all of it has
 passed both sections, else of its rise through half the largest force. A kink of the pulse, as a
 half-sine has at its ends, limits the error of the shape to the power 2/3 of the element size; the
 edges of a rectangle are shorter than any element and ripple on every mesh. Speed, impedance and

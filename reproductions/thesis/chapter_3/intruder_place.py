@@ -1,7 +1,7 @@
 """Intruder in brass, by place.
 
 19 beads of brass and one of aluminium or steel, on an elastic bar; 10 kN for 100 µs on the first.
-Beside them chains of 20 beads of one material. All runs but that of steel alone press contacts
+For comparison, chains of 20 beads of one material. All runs but that of steel alone press contacts
 beyond 0.2 R*, where the fit of the contact law ends: it is extrapolated there, as it is in the
 source.
 """
@@ -21,7 +21,7 @@ INTRUDERS = ("aluminium", "steel")
 
 
 def measured(runs):
-    """Chains of one material by its name; places, and energies and peaks at these by the intruder's
+    """Chains of one material by its name; positions, and energies and peaks there by the intruder's
     name.
     """
     chains = sorted(map(OddBead, runs), key=lambda chain: chain.place)

@@ -16,7 +16,7 @@ from odd_bead import OddBead
 import granwave as gw
 
 WHERE = "thesis Fig. 3.8"
-RATIO = 3.0  # of the normalised times at which the collapse is judged
+RATIO = 3.0  # ratio of the normalised times at which the collapse is evaluated
 #: Powers of the ratio of each property in tau* = D sqrt(rho/sigma_y), and in sqrt(m/sigma_y).
 POWERS = {
     "yield strength": (-0.5, -0.5),
@@ -31,7 +31,7 @@ CLOSER = "For radii R^1.5 in place of R: closer."
 
 
 def measured(runs):
-    """Ratios of each property, rising, and of the transmitted energy, to those of the chain of like
+    """Ratios of each property, rising, and of the transmitted energy, to the chain of identical
     beads.
     """
     chains = list(map(OddBead, runs))

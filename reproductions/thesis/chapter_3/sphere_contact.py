@@ -13,12 +13,13 @@ import numpy as np
 
 import granwave as gw
 
-SPOTS = 3.0, 10.0  # alpha_y: where the law is farthest off, and where its plateau begins
+# alpha_y: overlap with the largest deviation of the law, and start of its plateau
+SPOTS = 3.0, 10.0
 DEEP = 0.19  # R*: nearly the end of Fig. 2.10, and of the law's fit
 # mean pressures over the yield strength: Thornton's, and the largest of the law
 FIRST_YIELD = 16 / 15
 PLATEAU = 2.48
-SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
+SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
 REMARKS = (
     "The source: about 6 % at most. Its Fig. 2.8, to 800 alpha_y, cannot show this range.",
     "The source: about 6 % at most, the law too strong at large overlaps.",
@@ -26,8 +27,8 @@ REMARKS = (
 
 
 class Contact:
-    """Two spheres on loading: overlap over that at first yield and over R*, finite elements over
-    the law, less 1.
+    """Two spheres on loading: overlap over the overlap at first yield and over R*, finite elements
+    over the law, minus 1.
     """
 
     def __init__(self, run):
@@ -55,7 +56,8 @@ class Contact:
                                            for name in ("overlap", "force", "law_force", "contact_radius"))  # fmt: skip
             self.pressures = [one["pressure"][()] for one in file["pressure"].values()]
             self.fields = {name: values[()] for name, values in file["fields"].items()}
-        area = run["effective_radius_m"] * overlap  # of Thornton's contact, over pi
+        # area of Thornton's contact, over pi
+        area = run["effective_radius_m"] * overlap
         self.scaled = overlap / run["yield_overlap_m"]
         self.depth = overlap / run["effective_radius_m"]
         self.over_law = force / law - 1
@@ -73,7 +75,7 @@ class Contact:
 
     @property
     def share_of_softer(self):
-        """Share of the energy of yielding that the sphere of the smaller yield strength takes."""
+        """Fraction of the plastic dissipation in the sphere with the smaller yield strength."""
         r, z = self.fields["position"][self.fields["elements"]].transpose(2, 0, 1)
         area = np.abs((r * np.roll(z, -1, 1) - z * np.roll(r, -1, 1)).sum(axis=1)) / 2
         strain = np.bincount(
@@ -81,7 +83,7 @@ class Contact:
         )
         work = [
             e * s if e else 0.0 for e, s in zip(strain, self.strengths, strict=True)
-        ]  # an elastic one does none
+        ]  # an elastic sphere dissipates nothing
         return work[int(np.argmin(self.strengths))] / sum(work)
 
 
@@ -102,7 +104,7 @@ def of_loading(one):
 
 
 def of_pressure(one):
-    """Pressure, area of the contact and force over those of Thornton's law."""
+    """Pressure, area of the contact and force over the values of Thornton's law."""
     largest = max(np.median(values[values > 0]) for values in one.pressures) / min(one.strengths)
     area, force, over = (
         one.near(DEEP, one.depth, values) for values in (one.area, one.force, one.over_law)

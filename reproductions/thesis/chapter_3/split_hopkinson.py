@@ -38,7 +38,7 @@ def rows(runs):
     yield from closed_forms(incident, "split-hopkinson, table incident bar")
     *_, energy = closed_forms(
         transmitted, "split-hopkinson, bar"
-    )  # it has not passed both sections
+    )  # the pulse has not passed both sections
     yield energy
 
 

@@ -29,13 +29,14 @@ class BilinearChain(Chain):
         self.rate = math.sqrt(
             self.stiffness / self.mass
         )  # contacts that a wave of loading passes in a second
-        self.share = math.sqrt(1 - self.beta)  # speed of loading over that of unloading waves
+        # speed of loading waves over the speed of unloading waves
+        self.share = math.sqrt(1 - self.beta)
         self.largest = self.of_contacts("peak_force")
 
 
 def bead_velocity(bead, phase):
-    """Velocity of a bead (from 1) of a half-infinite linear chain struck by I, in I/m, at the phase
-    sqrt(k/m) t.
+    """Velocity of a bead (from 1) of a half-infinite linear chain after an impulse I, in I/m, at
+    the phase sqrt(k/m) t.
     """
     return jv(2 * bead - 2, 2 * phase) + jv(2 * bead, 2 * phase)
 

@@ -20,12 +20,14 @@ FRONTS = (119.1, 238.2, 357.4)  # sqrt(k/m) t of Fig. 4.8: 1.5, 3 and 4.5 ms
 
 
 def power(one):
-    """Power law of the largest force with the distance."""
+    """Power law of the largest force against the distance."""
     return power_law(np.arange(FIRST, LAST + 1.0), one.largest[FIRST - 1 : LAST])
 
 
 def instants(one):
-    """Rows of the record, bead velocities there (m/s), the front, and I/m over the beads that move."""
+    """Rows of the record, bead velocities there (m/s), the front, and I/m divided by the number of
+    moving beads.
+    """
     for phase in FRONTS:
         row = np.abs(one.far.rate * one.far.time - phase).argmin()
         velocity = one.far.velocity[row]

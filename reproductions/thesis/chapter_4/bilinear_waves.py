@@ -16,8 +16,9 @@ PRINTED = (
     0.199,
     0.599,
 )  # (4.19) to (4.22): v_m, F_p, F_2, and the factor of sqrt(1 - beta) in v_t
-CONTACTS = 12  # of the leading wave
-OVERTAKEN = 1.005  # of the leading peak of a contact: from then on a later wave presses it harder
+CONTACTS = 12  # contacts of the leading wave
+# factor of the leading peak of a contact, above which a later wave has a larger force
+OVERTAKEN = 1.005
 
 
 class LeadingWave:
@@ -33,7 +34,7 @@ class LeadingWave:
         energy = 1 + (second / peak) ** 2 + 2 * (moving / peak) ** 2
         self.ratio = math.sqrt(
             1 - lost / energy
-        )  # of peak forces from contact to contact: energy balance (4.26)
+        )  # ratio of peak forces from contact to contact: energy balance (4.26)
         self.decay = 1 - self.ratio  # the balance as a differential equation (4.28)
         self.transition = brentq(lambda n: self.secondary(n) - self.printed(n), 1.0, 200.0)
 
@@ -42,18 +43,20 @@ class LeadingWave:
         return np.exp(-self.decay * (contact - 1))
 
     def discrete(self, contact):
-        """Peak force over that of contact 1, contact by contact as the balance has it."""
+        """Peak force over the force of contact 1, contact by contact from the energy balance."""
         return self.ratio ** (contact - 1)
 
     def secondary(self, contact):
-        """Peak of collisions behind the wave over that of contact 1: sqrt(k_u m/2) omega (F_1 -
-        F_(i+1)) (4.31).
+        """Peak of collisions behind the wave over the force of contact 1: sqrt(k_u m/2) omega (F_1
+        - F_(i+1)) (4.31).
         """
         return math.sqrt(0.5 / (1 - self.beta)) * self.residual * (1 - self.printed(contact + 1))
 
 
 class ShortPulse:
-    """Two chains of one beta after an impulse: one recorded in short steps, and one followed far."""
+    """Two chains with the same beta after an impulse: one recorded in short steps, and one followed
+    over a long distance.
+    """
 
     def __init__(self, near, far):
         self.near = near
@@ -65,14 +68,15 @@ class ShortPulse:
         self.force_unit = near.impulse * near.rate
         crests, heights = np.array([near.first_peak(contact) for contact in range(CONTACTS)]).T
         # the parabola overshoots where unloading is much steeper than loading; peaks of every step
-        # bound it
+        # limit it
         self.leading = np.minimum(heights, near.largest[:CONTACTS])
         self.transition = int(np.argmax(self.largest[:CONTACTS] > OVERTAKEN * self.leading)) + 1
         free = (near.time > crests[0]) & (near.force[:, 0] == 0)
-        self.residual = near.velocity[free.argmax(), 0]  # of bead 1, once the wave has left it
+        # velocity of bead 1 after the wave has left it
+        self.residual = near.velocity[free.argmax(), 0]
 
     def excess(self, contact):
-        """Largest force ever at a contact (from 1) over the leading peak, in per cent beyond 100 %."""
+        """Largest force at a contact (from 1) over the leading peak, in per cent above 100 %."""
         return 100 * (self.largest[contact - 1] / self.leading[contact - 1] - 1)
 
     def at_peak(self, contact):
@@ -88,6 +92,6 @@ class ShortPulse:
 
 
 def measured(runs):
-    """Pulses by beta, each of the short and the long chain."""
+    """Pulses by beta, each with the short and the long chain."""
     chains = sorted(map(BilinearChain, runs), key=lambda chain: (chain.beta, len(chain.largest)))
     return [ShortPulse(near, far) for near, far in zip(chains[::2], chains[1::2], strict=True)]

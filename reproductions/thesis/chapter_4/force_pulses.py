@@ -11,11 +11,11 @@ from itertools import groupby
 
 from granwave.measures import Chain, maxima
 
-SECOND = 0.01  # of the first peak: from then on a train
+SECOND = 0.01  # fraction of the first peak above which the pulse is a train
 
 
 class ForcePulse:
-    """A rectangle of force on the first bead, and what became of it: forces in E* R*^2, times in
+    """A rectangular force on the first bead, and the resulting waves: forces in E* R*^2, times in
     tau.
     """
 
@@ -31,7 +31,8 @@ class ForcePulse:
             self.amplitude / self.impulse**1.2,
             self.peak / self.impulse**1.2,
         )
-        self.contact = round(0.35 * chain.force.shape[1])  # from 1, where waves are counted
+        # contact from 1, at which waves are counted
+        self.contact = round(0.35 * chain.force.shape[1])
         self.signal = chain.force[:, self.contact - 1]
         places = maxima(self.signal)
         self.first_peak, self.waves = (

@@ -15,7 +15,7 @@ import granwave as gw
 from granwave.measures import Chain, power_law, width
 from granwave.theory import discrete_speed
 
-LENGTH = math.pi * math.sqrt(10) / 2  # of Nesterenko's wave, diameters
+LENGTH = math.pi * math.sqrt(10) / 2  # length of Nesterenko's wave, diameters
 SIMILAR = (
     "The elastic chain has no scale of its own: similarity forces one value on any correct code."
 )
@@ -23,7 +23,7 @@ DISCRETE = {
     "coefficient": 0.7176,
     "speed": discrete_speed(),
     "width": 1.579,
-}  # of the chain of beads itself
+}  # values of the discrete chain
 
 
 class Wave:

@@ -36,7 +36,7 @@ def measured(runs):
 
 
 def equal(runs, run):
-    """Dissipated shares of runs at the normalised energy of one."""
+    """Dissipated fractions of runs at the normalised energy of another run."""
     energy = run["energy_input_normalised"]
     return [
         one["dissipated_fraction"]

@@ -19,7 +19,7 @@ WORDS = {"packing.diameter": ("diameter", 1e-3, "mm"), "material.density": ("den
          "material.yield_strength": ("yield strength", 1e6, "MPa")}  # fmt: skip
 NORMALISED = {4: (37.9, ""), 10: (94.9, "; exactly 94.85"), 40: (379, "")}  # by velocity, m/s
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
-FAST = 0.1  # of the largest velocity; below, too many peak forces are near F_y
+FAST = 0.1  # fraction of the largest velocity; below, too many peak forces are near F_y
 CONSTANTS = (
     ("D0", None, 2, "Undetermined: the standard deviation is as large as the constant."),
     ("D1", None, 3, "By the range of the fit alone it is another, see the next rows."),
@@ -31,7 +31,7 @@ RANGES = ((4.0, 16.0), (10.0, 40.0))  # m/s, of further fits
 
 
 def measured(runs):
-    """Runs of one struck brass sphere of 10 mm by velocity, those of other spheres by name, and all
+    """Runs with one impacted brass sphere of 10 mm by velocity, with other spheres by name, and all
     of brass.
     """
     brass = []
@@ -50,7 +50,7 @@ def measured(runs):
 
 
 def quadratic_law(chosen):
-    """Quadratic law of runs of one struck sphere."""
+    """Quadratic law of runs with one impacted sphere."""
     velocity = np.array([run["velocity_normalised"] for run in chosen])
     share = np.array([run["dissipated_fraction"] for run in chosen])
     return gw.measures.quadratic_law(velocity, share * 0.5 * velocity**2)

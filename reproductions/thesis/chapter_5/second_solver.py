@@ -1,4 +1,4 @@
-"""Impacts on packings beside our second solver.
+"""Impacts on packings compared with our second solver.
 
 A network of contacts in numpy that shares no code with granwave: the reference impact with the
 contact normals of the start and a held last layer, and a packing of 12 x 12 x 8 in true geometry
@@ -12,7 +12,7 @@ import granwave as gw
 
 BY = "our second solver"
 TABLE = Path(__file__).with_name("second_solver.csv")
-NORMALS = {"current": "true", "initial": "of the start"}  # of a case and of the table
+NORMALS = {"current": "true", "initial": "of the start"}  # names in a case and in the table
 REFERENCE = ("reference", 5.0, "of the start")
 
 
@@ -63,7 +63,7 @@ def rows_of_reference(run):
 
 
 def row_of_small_packing(run):
-    """Dissipated fraction beside the network with the same normals."""
+    """Dissipated fraction compared with the network with the same normals."""
     velocity = run.case.load.velocity
     normals = NORMALS[run.case.contact.normals]
     values = second_solver()["small", velocity, normals]

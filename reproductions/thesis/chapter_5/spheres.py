@@ -15,13 +15,13 @@ LARGEST_FORCE = 700.0  # F_y: end of the colours of Fig. 5.3, whose velocity is 
 # along a preferred direction; with a point below the struck sphere
 CONTACTS = 7
 LAYER = 3
-ON = 0.25  # diameters that a sphere may be off its place
+ON = 0.25  # largest distance of a sphere from its site, diameters
 SHOWN = (4, 10, 40)  # m/s
 
 
 def directions(run):
-    """Layers, from the first on, whose largest force lies on a preferred direction; force below
-    over that there.
+    """Layers, from the first on, whose largest force is on a preferred direction; force below over
+    the force there.
     """
     result = run.result
     ways = gw.measures.rays(run.result).directions
@@ -41,7 +41,7 @@ def directions(run):
 
 
 def struck_once(runs):
-    """Runs of one struck sphere by velocity."""
+    """Runs with one impacted sphere by velocity."""
     return {run.case.load.velocity: run for run in sorted(runs, key=lambda run: run.case.load.velocity)
             if run.case.load.spheres == 1}  # fmt: skip
 

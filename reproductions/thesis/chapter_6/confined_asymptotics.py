@@ -25,7 +25,7 @@ from granwave.measures import first_peak, width
 SERIES = (0.2, 0.4)  # delta_hat of figure 6.9, where the series of three terms is compared
 SMALLEST_TAIL = 1.32
 LAST = 200  # contact up to which the equations are followed
-LEGENDS = {4.8e-4: 0.09, 1.2e-3: 0.22, 1.9e-3: 0.36}  # of figure 6.10, by a
+LEGENDS = {4.8e-4: 0.09, 1.2e-3: 0.22, 1.9e-3: 0.36}  # values of figure 6.10, by a
 ZERO = (-3, 3)  # beads around the crest that are shown
 
 

@@ -15,15 +15,15 @@ from symmetric_motion import waves_of
 import granwave as gw
 from granwave.measures import maxima
 
-RESONANCES = (0.10, 0.24, 5.0)  # of the source's model, density ratios
+RESONANCES = (0.10, 0.24, 5.0)  # density ratios of the source's model
 ANTI_RESONANCES = (0.056, 0.18, 0.42, 0.75, 2.0)
 SETTLED = 2.0  # density ratio up to which the wave decays uniformly from contact 60 on
 FORGETS = "Heavy small spheres: the wave does not yet decay uniformly so near the struck bead."
 
 
 class Densities:
-    """Rows by rising density of the small spheres: ratio to that of the beads, decays of runs and
-    equations.
+    """Rows by rising density of the small spheres: ratio to the density of the beads, decays of
+    runs and equations.
     """
 
     def __init__(self, runs):
@@ -41,7 +41,7 @@ def select(runs):
 
 
 def remark(ratio):
-    """Say what the source's model has at this density."""
+    """Return the statement of the source's model for this density."""
     words = FORGETS if ratio > SETTLED else ""
     if round(ratio, 6) in RESONANCES:
         words += " A resonance of the source's model."

@@ -30,8 +30,8 @@ K_BEADS = 4 / 3 * MODULUS / 2 * np.sqrt(BEAD / 4)  # N/m^1.5
 FORCE = MODULUS / 2 * (BEAD / 4) ** 2  # E* R*^2, N
 TIME = np.sqrt(
     MASS / K_BEADS
-)  # by which the thesis divides times in SI, s; it has the dimension s m^(-1/4)
-VELOCITY = BEAD / TIME  # by which it divides velocities
+)  # factor by which the thesis divides times in SI, s; its dimension is s m^(-1/4)
+VELOCITY = BEAD / TIME  # factor by which it divides velocities
 WHERE = "equations of symmetric motion"
 
 
@@ -48,7 +48,7 @@ class Rows:
     small: np.ndarray
     tube: np.ndarray
     shrinks: np.ndarray
-    density: np.ndarray  # of the small spheres
+    density: np.ndarray  # density of the small spheres
 
     @classmethod
     def fitting(cls, n, a=0.0):
@@ -63,7 +63,7 @@ class Rows:
         return Rows(*(getattr(self, field.name)[which] for field in dataclasses.fields(self)))
 
     def __post_init__(self):
-        """Work out sizes, masses and constants of the contacts, N/m^1.5."""
+        """Compute sizes, masses and constants of the contacts, N/m^1.5."""
         self.ring = self.tube - self.small / 2
         self.tangent, self.cosine = 2 * self.ring / BEAD, BEAD / (BEAD + self.small)
         self.chord = np.sin(np.pi / self.n)
@@ -78,11 +78,11 @@ class Rows:
         self.eps, self.eta = self.mass / MASS, self.k_side * self.cosine**2.5 / K_BEADS
 
     def from_ring(self, inward):
-        """Force of its neighbours in the ring on a small sphere that has moved in, N."""
+        """Force of its neighbours in the ring on a small sphere that is displaced inwards, N."""
         return 2 * self.k_ring * (2 * inward * self.chord) ** 1.5 * self.chord
 
     def outward(self, inward):
-        """Force on small spheres that have moved in, in an undisturbed row, N."""
+        """Force on small spheres that are displaced inwards, in an undisturbed row, N."""
         across = self.ring - inward
         apart = np.hypot(across, BEAD / 2)
         overlap = np.maximum((BEAD + self.small) / 2 - apart, 0.0)
@@ -91,7 +91,7 @@ class Rows:
 
     @cached_property
     def inward(self):
-        """Distance by which the small spheres move in until they are in balance, m."""
+        """Inward displacement of the small spheres at equilibrium, m."""
         one = [self.part([k]) for k in range(len(self.n))]
         return np.array([
             brentq(lambda u, row: row.outward(u)[0], 0.0, row.shrinks[0], args=(row,), xtol=1e-18)
@@ -100,7 +100,7 @@ class Rows:
 
 
 class ConfinedRun(GrainRow):
-    """A run of such a row in which a bead is struck."""
+    """A run of such a row with an impacted bead."""
 
     def __init__(self, run):
         super().__init__(run)
@@ -131,13 +131,13 @@ class ConfinedRun(GrainRow):
 
 
 def speed_of(times):
-    """Speed of a wave from contact 40 to 190, or to the last one that it has passed, m/s."""
+    """Speed of a wave from contact 40 to 190, or to the last contact that it has passed, m/s."""
     last = min(190, len(times))
     return (last - 40) * BEAD / (times[last - 1] - times[39]) if last >= 60 else np.nan
 
 
 def decay_of(peaks):
-    """Decay per contact between 60 and 200, or the last one that the wave has passed."""
+    """Decay per contact between 60 and 200, or the last contact that the wave has passed."""
     contacts = np.arange(60, min(200, len(peaks)) + 1)
     return decay_rate(contacts, peaks[contacts - 1]) if len(contacts) else np.nan
 

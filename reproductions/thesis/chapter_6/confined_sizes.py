@@ -39,8 +39,8 @@ INWARD = (1.6e-4, 4.0e-4, 6.4e-4)
 
 
 def balance(row, part):
-    """Values of a that move small spheres in by a part of D in the thesis: the printed ring, the
-    right one, none.
+    """Values of a for inward displacements of small spheres by a fraction of D: the ring as
+    printed, correct, and without.
     """
     inward = part * BEAD
     angle = math.pi / row.n[0]

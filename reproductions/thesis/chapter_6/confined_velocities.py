@@ -20,8 +20,8 @@ WHERE = "thesis figure 6.5"
 # of the figure
 PRECOMPRESSIONS = (0.0, 1.9e-3)
 BEADS = (100, 150)
-SHIFT = 1200  # of the curves with precompression in the figure
-LENGTH = math.pi * math.sqrt(10) / 2  # of a solitary wave, diameters
+SHIFT = 1200  # shift of the curves with precompression in the figure
+LENGTH = math.pi * math.sqrt(10) / 2  # length of a solitary wave, diameters
 BEHIND = 60, 200  # units of time behind the crest; later, waves come back from the held first bead
 
 

@@ -20,11 +20,11 @@ from symmetric_motion import leading_wave, waves_of
 import granwave as gw
 
 CONTACTS = (20, 50, 100, 200)
-NUMBERS = (6, 7, 8, 9)  # of small spheres in a ring
+NUMBERS = (6, 7, 8, 9)  # numbers of small spheres in a ring
 
 
 class Waves:
-    """Rows struck at 1 m/s by n and a, and the same in symmetric motion."""
+    """Rows impacted at 1 m/s by n and a, and the same rows in symmetric motion."""
 
     def __init__(self, runs):
         found = (run for run in map(ConfinedRun, runs) if run.impact == 1)
@@ -68,7 +68,7 @@ def rows(waves):
         yield gw.Row(f"Speed, {run.label}", "m/s", ours=run.speed, theory=speed_of(time), where=WHERE,
                      verification=True)
         theory = decay_of(force)
-        told = theory > 1e-5  # peaks that are good to 1e-4 say nothing about less
+        told = theory > 1e-5  # peaks with an accuracy of 1e-4 do not resolve smaller changes
         yield gw.Row(f"Decay per contact, {run.label}", ours=run.decay, theory=theory, where=WHERE, digits=3,
                      remark="" if told else "No decay that could be told from errors of the peaks.", verification=told)
     # fmt: on

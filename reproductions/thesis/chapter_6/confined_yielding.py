@@ -19,7 +19,9 @@ PULSES = ("First", "Second")
 
 
 class Pushed(GrainRow):
-    """A row pushed twice; ``pulses``: largest force of each pulse at the recorded contacts, N."""
+    """A row with two equal pulses; ``pulses``: largest force of each pulse at the recorded
+    contacts, N.
+    """
 
     def __init__(self, run):
         super().__init__(run)

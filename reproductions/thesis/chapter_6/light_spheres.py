@@ -30,9 +30,9 @@ HALF = 16
 PER_BEAD = 32
 ROUNDS = 3000
 SETTLED = 1e-12
-# of the series: beads from the crest within which the residual counts; beyond, nothing is left
+# for the series: beads from the crest within which the residual counts; it is negligible beyond
 ENDS = 6.0
-# beads; times of a bead's distance that spheres are followed behind
+# beads; multiples of a bead's distance over which spheres are followed behind
 REACH = HALF - 1.5
 INSTANTS = 6001
 TAIL = 30.0
@@ -48,7 +48,8 @@ class LightSpheres:
         self.gamma = rows.k_thesis_wall[0] / K_BEADS
         self.k = (2 * self.eta * self.tangent / self.gamma) ** (2 / 3)
         self.soft = 1 + self.k * self.tangent
-        self.eta_hat = self.n * self.eta / (2 * self.soft) ** 1.5  # eta has cos^2.5(theta) already
+        # eta already contains cos^2.5(theta)
+        self.eta_hat = self.n * self.eta / (2 * self.soft) ** 1.5
 
 
 def series_at(z, coefficients):
@@ -124,7 +125,7 @@ class Travelling:
         self.time = np.linspace(-(REACH - 1) / c, (REACH - 1 + TAIL) / c, INSTANTS)
         z = [
             shift - c * self.time for shift in (-1.0, 0.0, 1.0)
-        ]  # of the beads behind, here and ahead
+        ]  # differences of the beads behind, here and ahead
         r = [
             np.where(np.abs(one) < REACH, self.difference(np.clip(one, -REACH, REACH)), 0.0)
             for one in z

@@ -13,7 +13,7 @@ from symmetric_motion import Window, leading_wave
 import granwave as gw
 
 CONTACTS = (20, 50, 100, 200)
-AXIS = (0.04, 0.085)  # of the speeds of Fig. 6.4, in the unit of the source
+AXIS = (0.04, 0.085)  # axis of the speeds of Fig. 6.4, in the source's units
 WHERE = "thesis (6.7)"
 
 
@@ -21,7 +21,7 @@ class SourceRows(Rows):
     """Rows of the source's model."""
 
     def __post_init__(self):
-        """Take its constants: those of the wall and of the rings differ."""
+        """Use its constants: those of the wall and of the rings differ."""
         super().__post_init__()
         self.k_wall = self.k_thesis_wall
         self.k_ring = np.zeros_like(self.k_ring)
@@ -33,16 +33,16 @@ class SourceRows(Rows):
         return SourceRows(whole.n, whole.small, whole.tube, whole.shrinks, whole.density)
 
     def outward(self, inward):
-        """Force on small spheres that have moved in, in an undisturbed row, N."""
+        """Force on small spheres that are displaced inwards, in an undisturbed row, N."""
         wall = self.k_wall * np.maximum(self.shrinks - inward, 0.0) ** 1.5
         return 2 * self.k_side * (self.sine * inward) ** 1.5 * self.sine - wall
 
 
 class SourceWindow(Window):
-    """Motion with the directions of the start."""
+    """Motion with the initial directions."""
 
     def take(self, rows):
-        """Set the properties of the rows that are followed."""
+        """Set the properties of the followed rows."""
         super().take(rows)
         self.cosine = rows.cosine[:, None]
         self.sine = rows.sine[:, None]

@@ -17,18 +17,18 @@ followed at once.
 import numpy as np
 from confined_rows import BEAD, K_BEADS, MASS, together
 
-# cells: of the window, in front of the crest at least, and of a move
+# cells of the window, at least in front of the crest, and of a shift
 WINDOW = 72
 AHEAD = 22
 SHIFT = 16
-STEP = 0.012  # of the time of a collision (m^2/(k^2 v))^(1/5)
-OF_PERIOD = 0.2  # over the highest frequency of a small sphere
-CHECKS = 16  # steps between looks at the front
-FRONT = 1e-3  # of the largest force
+STEP = 0.012  # fraction of the time of a collision (m^2/(k^2 v))^(1/5)
+OF_PERIOD = 0.2  # factor of the inverse of the highest frequency of a small sphere
+CHECKS = 16  # steps between checks of the front
+FRONT = 1e-3  # fraction of the largest force
 
 
 def waves_of(runs):
-    """Peak forces and their times of the rows of runs, as far as the longest goes."""
+    """Peak forces and their times for the rows of runs, up to the longest row."""
     last = min(max(run.passed for run in runs), 200)
     return leading_wave(
         together(runs), np.array([run.impact for run in runs]), runs[0].struck, last
@@ -47,7 +47,7 @@ def leading_wave(rows, velocity, struck, last, motion=None):
     collision = (MASS**2 / (K_BEADS**2 * given)) ** 0.2
     step = np.minimum(STEP * collision, OF_PERIOD * np.sqrt(rows.mass / stiffness))
     order = np.argsort(step)
-    while len(order):  # those whose timesteps are within a factor of 1.5 are followed together
+    while len(order):  # rows whose timesteps are within a factor of 1.5 are followed together
         alike = step[order] <= 1.5 * step[order[0]]
         group = order[alike]
         order = order[~alike]
@@ -67,7 +67,7 @@ class Window:
         self.step = step
         n = len(velocity)
         self.force, self.time = np.full((2, n, last), np.nan)
-        # of those that are still followed
+        # indices of the rows that are still followed
         self.rows = np.arange(n)
         self.first = np.zeros(n, dtype=int)
         self.take(rows)
@@ -77,7 +77,7 @@ class Window:
         self.vz[:, struck - 1] = velocity
 
     def take(self, rows):
-        """Set the properties of the rows that are followed, as columns."""
+        """Set the properties of the followed rows, as columns."""
         self.properties = rows
         names = (
             "ring",
@@ -95,7 +95,7 @@ class Window:
             setattr(self, name, np.asarray(getattr(rows, name), dtype=float)[:, None])
 
     def follow(self):
-        """Go on until the front of every row has passed the last contact."""
+        """Continue until the front of every row has passed the last contact."""
         count = 0
         half = 0.5 * self.step
         rates = self.accelerations(0.0)
@@ -114,8 +114,8 @@ class Window:
                 rates = self.accelerations(count * self.step)
 
     def accelerations(self, now):
-        """Return accelerations of beads, and of small spheres along the row and outward; peaks are
-        kept.
+        """Return accelerations of beads, and of small spheres along the row and outward; record
+        peaks.
         """
         overlap = np.maximum(self.z[:, :-1] - self.z[:, 1:], 0.0)
         push = K_BEADS * overlap * np.sqrt(overlap)
@@ -147,8 +147,8 @@ class Window:
         return force * along, force * across
 
     def move_on(self):
-        """Move windows whose crest comes near the end, and let rows go that are done; True if
-        anything changed.
+        """Shift windows whose crest approaches the end, and drop completed rows; True if anything
+        changed.
         """
         rising = self.peak > FRONT * self.peak.max(axis=1, keepdims=True)
         crest = (rising * np.arange(1, WINDOW)).max(axis=1)

@@ -21,8 +21,8 @@ COLOURS_END = {0.0: 7.0, 8e-4: 9.0}  # 1e-3 a contact, of Fig. 7.2, by a
 
 
 def select(runs):
-    """Decay, 1e-3, and name by gamma and a, in rising order; none of a scan alone, which has some
-    of them.
+    """Decay, 1e-3, and name by gamma and a, in rising order; none for a single scan, which has only
+    some of them.
     """
     found = {(row.gamma, row.a): (KILO * row.decay(), row.name) for row in map(FilterRow, runs)}
     return (
@@ -38,7 +38,7 @@ def curve(decays, a):
 
 
 def fastest(decays, a):
-    """Gamma of the fastest decay at one a, by a parabola, and the largest decay."""
+    """Gamma of the fastest decay at one a, from a parabola, and the largest decay."""
     gamma, decay = curve(decays, a)
     k = decay.argmax()
     second, first, _ = np.polyfit(gamma[k - 1 : k + 2], decay[k - 1 : k + 2], 2)
@@ -46,7 +46,7 @@ def fastest(decays, a):
 
 
 def solved_decays():
-    """Decay, 1e-3, of the second solver, as `select` has those of runs."""
+    """Decay, 1e-3, of the second solver, in the form of `select`."""
     return {
         (gamma, a): (KILO * row["decay_per_contact"], "")
         for (density, gamma, a), row in sorted(second_solver().items())

@@ -19,9 +19,9 @@ LEAST = 100  # points of a map
 PRESSED = 8e-4  # approach of the walls, a
 COLOURS_END = {0.0: 7.0, PRESSED: 9.0}  # 1e-3 a contact, of Fig. 7.2
 RATIO = 10.0  # end of the colours of Fig. 7.3
-LOW_GAMMA = 0.6  # largest of the bands, which the source keeps to
-STEP = 0.5  # of the colours of a decay, 1e-3
-MARKS = 5  # of the colours of the ratio, on either side
+LOW_GAMMA = 0.6  # largest gamma of the bands, which the source stays below
+STEP = 0.5  # step of the colours of a decay, 1e-3
+MARKS = 5  # marks of the colours of the ratio, on either side
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,12 +43,13 @@ class Maps:
         return self.decay[PRESSED] / self.decay[0.0]
 
     def square(self, a):
-        """Decay of the cylinders that are as long as the spheres are wide, by gamma."""
+        """Decay of the cylinders with the length of the spheres, by gamma."""
         return self.decay[a][:, np.argmin(abs(self.etas - 1.0))]
 
     def misfit_of_mass(self, a):
-        """Return the rms difference between the decay of a cylinder of low gamma and the decay of
-        the one of eta = 1 of the same mass, over the rms deviation of these decays from their mean.
+        """Return the rms difference between the decay of a cylinder with low gamma and the decay of
+        the cylinder with eta = 1 and the same mass, over the rms deviation of these decays from
+        their mean.
         """
         mass = self.gammas[:, None] ** 2 * self.etas
         alike = np.interp(mass, self.gammas**2, self.square(a))
@@ -58,7 +59,7 @@ class Maps:
 
 
 def select(runs):
-    """Maps of both approaches; none of a scan alone, whose approaches are all alike."""
+    """Maps of both approaches; none for a single scan, which has only one approach."""
     rows = [FilterRow(run) for run in runs]
     gammas = np.unique([row.gamma for row in rows])
     etas = np.unique([row.eta for row in rows])

@@ -19,11 +19,11 @@ from granwave.measures import GrainRow, decay_rate, largest_of_pulses, push_star
 # contacts
 COMPARED = (26, 41, 61)
 DECAY = (26, 61)
-BEFORE = 2e-5  # s: what the walls bear is averaged over this time before the weak push
+BEFORE = 2e-5  # s: time over which the force on the walls is averaged before the weak pulse
 
 
 class PushedFilter(GrainRow):
-    """A row pushed weakly at the end, and strongly before it or not."""
+    """A row with a weak pulse at the end, with or without a strong pulse before it."""
 
     def __init__(self, run):
         super().__init__(run)

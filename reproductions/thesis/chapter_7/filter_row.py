@@ -13,7 +13,7 @@ import numpy as np
 
 from granwave.measures import GrainRow, decay_rate
 
-# of the cylinders, kg/m^3: what Fig. 7.4 needs, and what is printed
+# density of the cylinders, kg/m^3: the value required by Fig. 7.4, and the printed value
 DENSITY = 2700.0
 PRINTED_DENSITY = 2100.0
 SOLVER = "Against a second solver (symmetric motion)."

@@ -3,8 +3,7 @@
 A loaded fcc packing without ends at its sides, whose whole top layer is struck: a plane pulse. The
 holes between six spheres are empty, or hold spheres of 0.414 of the diameter, which touch all six.
 Speed and decay are of the mean velocity of the layers, between the 11th and the 41st; the decay is
-that of its peak, per layer. What reaches the bottom is the largest force on it beyond the static
-one.
+that of its peak, per layer. The force on the bottom is the largest dynamic force.
 """
 
 from itertools import groupby
@@ -59,7 +58,7 @@ class LayeredPacking:
 
 
 def measured(runs):
-    """Packings by the velocity of the top layer; those with empty holes first."""
+    """Packings by the velocity of the top layer; packings with empty holes first."""
     found = sorted(map(LayeredPacking, runs), key=lambda one: (one.velocity, one.small != EMPTY))
     return [
         (velocity, list(group)) for velocity, group in groupby(found, key=lambda one: one.velocity)

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 import granwave as gw
 
 CONTACTS = (21, 31, 61, 101, 151, 201)
-#: What the source says of the curve, by density, gamma and a.
+#: Statements of the source on the curve, by density, gamma and a.
 SAID = {
     (DENSITY, 0.56, 0.0): "near solitary",
     (DENSITY, 0.56, 8e-4): "decays rapidly",
@@ -34,20 +34,24 @@ SAID = {
     (PRINTED_DENSITY, 0.90, 8e-4): "almost constant: not with this density",
 }
 AXIS = 300.0  # N: end of the figure's axis
-# contact; contacts on either side for the speed; of the peak
+# contact; contacts on either side for the speed; fraction of the peak
 PROBED = 121
 NEAR = 60
 FOOT = 0.01
 
 
 def select(runs):
-    """All rows of the figure by density, gamma and a; none of a scan alone, which has some of them."""
+    """All rows of the figure by density, gamma and a; none for a single scan, which has only some
+    of them.
+    """
     found = {row.key: row for row in map(FilterRow, runs)}
     return [{key: found[key] for key in SAID}] if found.keys() >= SAID.keys() else []
 
 
 def span(row):
-    """Length of the wave at the probed contact, by the time above the foot of its peak, in spheres."""
+    """Length of the wave at the probed contact, from the time above the foot of its peak, in
+    spheres.
+    """
     time = row.array("probes/time")
     force = row.contact_forces[PROBED]
     low = np.flatnonzero(force < FOOT * force.max())

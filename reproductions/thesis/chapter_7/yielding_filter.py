@@ -2,14 +2,14 @@
 
 Beyond the source, whose contacts are elastic: sphere 20 of a pressed row is struck at 1 and 5 m/s,
 with contacts that yield and elastic ones. Grains that yield rattle behind the front: there the
-peaks of contacts tell little.
+peaks of contacts have little meaning.
 """
 
 from filter_row import FilterRow
 
 import granwave as gw
 
-# m/s: rows that yield and are struck no faster; peaks over the force of the walls
+# m/s: largest impact velocity of yielding rows; peaks over the force of the walls
 RATTLES = 1.0
 LITTLE = 0.25
 RATTLING = "Grains that rattle behind the front decide: it changes much with the timestep."

@@ -1,8 +1,8 @@
 """Switch: the row without cylinders (thesis 8.3 and 8.4).
 
 27 steel spheres on an aluminium block, the first struck at 0.8 m/s, or by its fall from 33 and 42
-mm; and a row of 60, in which a wave moves a sphere as far as it will. A sensor in a sphere reads
-the mean of its two contact forces.
+mm; and a row of 60, which is long enough for the full displacement of a sphere by the wave. A
+sensor in a sphere reads the mean of its two contact forces.
 """
 
 from switch_row import SENSORS, SOLVER, STATES, SwitchRow, second_solver

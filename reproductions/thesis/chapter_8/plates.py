@@ -1,8 +1,8 @@
 """Switch: distance of the plates, and what the source does not state (thesis 8.1 and 8.4).
 
-Where the plates put the cylinders, and how wide these open the gaps; first peaks at sphere 21 with
-10 cylinders, open gaps and friction, with cylinders of other lengths, rigid plates, and plates
-15.95 and 16 mm apart.
+Positions of the cylinders between the plates, and widths of the opened gaps; first peaks at sphere
+21 with 10 cylinders, open gaps and friction, with cylinders of other lengths, rigid plates, and
+plates 15.95 and 16 mm apart.
 """
 
 import math
@@ -17,7 +17,7 @@ TOUCHING = (SPHERE + CYLINDER) / 2  # m: distance of the centres
 
 
 def difference(row):
-    """Difference from the other rows; empty for these."""
+    """Difference from the other rows; empty for the reference."""
     length = row.case.packing.grains.shape[-1].length
     parts = []
     if not math.isclose(length, SPHERE):
@@ -30,7 +30,9 @@ def difference(row):
 
 
 def select(runs):
-    """Rows with cylinders; none of a scan alone, in which they all open the gaps or all lie loose."""
+    """Rows with cylinders; none for a single scan, whose cylinders all open the gaps or are all
+    loose.
+    """
     found = [row for row in map(SwitchRow, runs) if row.n]
     return [found] if {row.state for row in found} >= set(STATES[1:3]) else []
 

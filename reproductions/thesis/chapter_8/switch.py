@@ -32,8 +32,8 @@ SHEARED = "Mindlin's spring here, the sign of the velocity there."
 
 
 def select(runs):
-    """Rows by state and friction, by the number of cylinders, and the row without them; none of a
-    scan alone.
+    """Rows by state and friction, by the number of cylinders, and the row without them; none for a
+    single scan.
     """
     found = {(row.state, row.friction, row.n): row for row in map(SwitchRow, runs)
              if len(row.ids) == SPHERES and row.speed == SPEED}  # fmt: skip

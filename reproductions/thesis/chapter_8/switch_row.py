@@ -9,7 +9,7 @@ import numpy as np
 
 from granwave.measures import GrainRow, first_peak
 
-# m; of the plates, the source's fit
+# distance of the plates, m; friction of the plates, from the source's fit
 SPHERE = 9.5e-3
 CYLINDER = 5.14e-3
 FRICTION = 0.185

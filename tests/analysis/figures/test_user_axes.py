@@ -84,3 +84,19 @@ def test_curves_of_another_run(runs, axes):
     assert legend == [slow.directory.name, fast.directory.name]
     with pytest.raises(MissingDataError, match="has no curves"):
         slow.figure("peak_force_principal", ax=axes[1], against=fast)
+
+
+def test_points_of_another_run_stay_points(runs, axes):
+    """Ends of error bars are no curves; each label occurs once."""
+    slow, fast = runs
+    force = slow.figure("peak_force_depth", ax=axes[0], against=fast)
+    added = [line for line in force.lines if fast.directory.name in str(line.get_label())]
+    labels = [str(line.get_label()) for line in added]
+    assert len(set(labels)) == len(labels)
+    points = [line for line in added if "preferred directions" in str(line.get_label())]
+    assert [line.get_linestyle() for line in points] == ["None"] * len(points)
+
+
+def test_a_plane_for_a_figure_with_its_own(runs):
+    with pytest.raises(InputError, match=r"use peak_force_section"):
+        runs[0].figure("peak_force_principal", plane=[0, 1, 0])

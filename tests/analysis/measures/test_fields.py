@@ -171,7 +171,7 @@ def test_decay_of_a_packing_is_the_better_law(result, monkeypatch):
         (-twins[better].slope, twins[better].stderr), rel=1e-9
     )
     rising = np.arange(len(depth)) > 3
-    monkeypatch.setattr(measured_decay, "_still_rising", lambda *_: rising)
+    monkeypatch.setattr(measured_decay, "still_rising", lambda *_: rising)
     assert force_decay(result) is None
 
 

@@ -465,7 +465,7 @@ def test_unlike_kinds_say_what_they_are(place):
     case = {"punch.mass": 1.0}
     other = dataclasses.replace(runs[1], label="block", kind=BlockKind(), case=case)
     comparison = compare_runs([runs[0], other])
-    assert list(comparison.differences.index) == ["kind of run"]
+    assert list(comparison.differences.index) == ["kind of run", "setting"]
     assert "Not drawn: block (it is a continuum run, without grains)." in comparison.caption(
         "bottom_force"
     )

@@ -53,7 +53,7 @@ def test_a_plate():
         plate_velocity_m_s=-3.5,
         impactor_velocity_m_s=-3.0,
     )
-    assert "The plate rebounds with 3.5 m/s." in in_words(run)
+    assert "The plate rebounds at 3.5 m/s." in in_words(run)
     assert labels(run)[
         0
     ] == "Plate velocity at the end" and "Impacted sphere at the end" not in labels(run)

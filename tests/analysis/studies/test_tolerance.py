@@ -359,14 +359,14 @@ def test_differences_are_finite_elements_over_the_law(tmp_path: Path) -> None:
         pytest.approx(-0.14),
     )
     assert alike["Smallest unloading exponent"] == 1.33
-    assert alike["Energy of yielding in the softer sphere"] is None
+    assert alike["Plastic dissipation in the softer sphere"] is None
     assert len(study.pictures) == 1 and not study.failed
 
 
 def test_the_softer_sphere_takes_what_its_strain_and_strength_say(tmp_path: Path) -> None:
     run = contact(tmp_path / "unlike", material={"name": "steel", "yield_strength": 1100e6})
     (study,) = make_studies({"sphere-contact": [run]})
-    share = differences(study)["brass and steel"]["Energy of yielding in the softer sphere"]
+    share = differences(study)["brass and steel"]["Plastic dissipation in the softer sphere"]
     assert share == pytest.approx(0.3 / (0.3 + 2 * 0.1))
 
 

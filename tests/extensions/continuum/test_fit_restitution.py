@@ -171,7 +171,7 @@ def test_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     asked = options(tmp_path / "drops.csv", tmp_path / "out", pair=["brass", "rigid"])
     assert fit(asked) == 0
     shown = capsys.readouterr().out
-    assert "impacts yield from" in shown
+    assert "contacts yield from" in shown
     assert "fixed: --free unloading_exponent would determine it to" in shown
     case = load_case(tmp_path / "out" / "fit.toml")
     assert case.material.yield_strength == pytest.approx(STRENGTH, rel=1e-3)

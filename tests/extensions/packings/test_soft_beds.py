@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 import tomli_w
 
-from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.load_case import assembly_from_dict, load_assembly, load_case
+from granwave.lammps_inputs.statics import smoothed, stiffening
+from granwave.lammps_inputs.statics.energy import smoothed_overlaps
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 from granwave.lammps_inputs.statics.stiffening import hardened_without_friction, stiffened_bed
 from granwave.workflows.run.checks import check_equilibrium, rolls_on, warn_of_rolling
@@ -127,39 +129,91 @@ def test_a_bed_of_its_own_material_stays(hard, tmp_path):
     assert load_assembly(own).case.packing.grains.found is None
 
 
-def test_a_soft_bed_without_friction_is_told_from_its_own_and_from_rounding(tmp_path, caplog):
-    """Its static stage is warned of, and its error names the remedy; both remedies need none."""
-    _, bed = made(tmp_path, friction=0.0)
-    (grains,) = (tmp_path / "beds").glob("poured-*[0-9a-f].csv")
+def without_friction(folder):
+    """Return the tables of a case with the grains of a soft bed without friction."""
+    _, bed = made(folder, friction=0.0)
+    (grains,) = (folder / "beds").glob("poured-*[0-9a-f].csv")
     width, depth = bed.container.box
     walls = {"x": [0.0, width], "y": [0.0, depth], "bottom": bed.bottom}
-    tables = {
+    return {
         **TABLES,
         "packing": {"kind": "file", "file": str(grains), "contacts": "relax", "enclosure": walls},
         "contact": {"law": "hertz"},
         "boundary": {"sides": "wall", "bottom": "wall"},
         "precompression": {"kind": "gravity", "overlaps": True},
+        "run": {"end_time": 1e-4, "frames": 2},
     }
-    assert hardened_without_friction(assembly_from_dict(tables)) == 1.0
-    assert "as hard as the load" not in caplog.text
-    modulus = HARDER * SOFT["youngs_modulus"]
-    assembly = assembly_from_dict(tables | {"material": SOFT | {"youngs_modulus": modulus}})
-    assert hardened_without_friction(assembly) == pytest.approx(HARDER, rel=1e-3)
+
+
+def hardened(tables):
+    """Return the tables with a material that is a thousand times harder."""
+    return tables | {"material": SOFT | {"youngs_modulus": HARDER * SOFT["youngs_modulus"]}}
+
+
+def test_a_soft_bed_without_friction_finds_a_new_balance(tmp_path, caplog):
+    """Forces carry the weight with the hard material; the static stage has nothing left to do."""
+    tables = without_friction(tmp_path)
+    assembly = assembly_from_dict(hardened(tables))
     assert "press 1000 times as hard as the load" in caplog.text
-    assert "pour or settle the bed with the Young's modulus of the run" in caplog.text
-    stage = {
-        "residual": 2e-3, "largest_force": 0.5, "contacts": 600, "yielded": 0, "stored": 1e-6,
-        "displacement": 1e-6, "iterations": 200_000,
-    }  # fmt: skip
-    (tmp_path / "dumps").mkdir()
-    record = tmp_path / "dumps" / "prestage.txt"
-    record.write_text(f"# {' '.join(stage)}\n{' '.join(map(str, stage.values()))}\n")
-    with pytest.raises(RunError, match=r"expected at most .*; pour or settle the bed with the You"):
-        check_equilibrium(assembly, tmp_path)
-    caplog.clear()
-    rounded = assembly.case.packing.grains.position.round(5)
+    assert "without friction they rearrange, and find a new balance" in caplog.text
+    assert hardened_without_friction(assembly) == 1.0  # it is done once
+    bodies = loaded_bodies(assembly).elastic()
+    contacts = bodies.near(bodies.position, bodies.periods, 0.0)
+    force = np.zeros(len(contacts))
+    for law, rows, scale in bodies.laws_of(contacts):
+        force[rows], _, _ = law.evaluate(contacts.overlap[rows], scale)
+    net = bodies.dead_load.copy()
+    push = force[:, None] * contacts.normal
+    pairs = contacts.second >= 0
+    np.subtract.at(net, contacts.first, push)
+    np.add.at(net, contacts.second[pairs], push[pairs])
+    weight = bodies.dead_load[:, 2].sum()
+    assert np.abs(net).max() < 2e-7 * force.max()
+    assert force[contacts.wall == "bottom"].sum() == pytest.approx(weight, rel=1e-5)
+    path = tmp_path / "hard.toml"
+    path.write_text(tomli_w.dumps(hardened(tables)))
+    run = run_case(load_case(path), tmp_path / "run", figures=False)
+    names, values = (tmp_path / "run" / "dumps" / "prestage.txt").read_text().splitlines()
+    stage = dict(zip(names.removeprefix("# ").split(), map(float, values.split()), strict=True))
+    assert stage["iterations"] < 20
+    assert stage["residual"] < 3e-7
+    assert run.summary["energy_balance_error"] < 1e-5
+
+
+def test_a_soft_bed_without_friction_is_told_from_its_own_and_from_rounding(tmp_path, caplog):
+    tables = without_friction(tmp_path)
+    own = assembly_from_dict(tables)
+    assert hardened_without_friction(own) == 1.0
+    packing = tables["packing"].copy()
+    rounded = own.case.packing.grains.position.round(5)
     rows = [",".join(map(repr, [*place, 0.01])) for place in rounded.tolist()]
-    packing = tables["packing"] | {"grains": "\n".join(["x,y,z,diameter", *rows, ""])}
+    packing["grains"] = "\n".join(["x,y,z,diameter", *rows, ""])
     del packing["file"]
     assert hardened_without_friction(assembly_from_dict(tables | {"packing": packing})) == 1.0
     assert "as hard as the load" not in caplog.text
+
+
+def test_a_soft_bed_without_friction_that_finds_no_balance_is_an_error(tmp_path, monkeypatch):
+    """The message names the remedy, which works: a bed of its own modulus needs no search."""
+    tables = without_friction(tmp_path)
+    monkeypatch.setattr(smoothed, "_ROUNDS", 1)
+    monkeypatch.setattr(smoothed, "_ROUNDS_AT_END", 1)
+    remedy = "pour or settle the bed with the Young's modulus of the run"
+    with pytest.raises(InputError, match=rf"a net force of .* remains; {remedy}"):
+        assembly_from_dict(hardened(tables))
+    monkeypatch.setattr(stiffening, "_MOST_GRAINS", N - 1)
+    with pytest.raises(InputError, match=rf"found more than {N - 1} grains .*; {remedy}"):
+        assembly_from_dict(hardened(tables))
+
+
+def test_smoothed_overlaps_and_their_slopes():
+    """They solve a (a - d) = s^2, across gaps too, and are the overlaps far from touching."""
+    overlap = np.array([-1e-3, -1e-6, 0.0, 1e-6, 1e-3])
+    smoothing = 1e-7
+    values, slope = smoothed_overlaps(overlap, smoothing)
+    assert values * (values - overlap) == pytest.approx(smoothing**2, rel=1e-6)
+    step = 1e-10
+    above, _ = smoothed_overlaps(overlap + step, smoothing)
+    below, _ = smoothed_overlaps(overlap - step, smoothing)
+    assert slope[1:4] == pytest.approx(((above - below) / (2 * step))[1:4], rel=1e-4)
+    np.testing.assert_array_equal(smoothed_overlaps(overlap, 0.0)[0], overlap)

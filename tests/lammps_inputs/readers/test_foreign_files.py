@@ -177,6 +177,10 @@ FORMS: dict[str, tuple[str | bytes, dict[str, Any]]] = {
              f"Q04 : Particle Radius (m)\n{ROWS}", {}),
     "id_x_y_z_r of YADE": ("#format id_x_y_z_r_matId\n0\t.01\t.02\t.005\t.005\t1\n"
                            "1\t.01\t.02\t.015\t.005\t1\n", {}),
+    "old restart of MercuryDPM with springs": (
+        "restart_version 3\nxmin 0 xmax 1 ymin 0 ymax 1 zmin 0 zmax 1\nParticles 2\n"
+        f"TSP BP 0.01 0.02 0.005 {OLD_MERCURY} 0\n"
+        f"TSP BP 0.01 0.02 0.015 {OLD_MERCURY} 1 0 0.5 0 0\n", {}),
     "old restart of MercuryDPM": (
         "restart_version 3\nxmin 0 xmax 1 ymin 0 ymax 1 zmin 0 zmax 1\nParticles 2\n"
         f"BP 0.01 0.02 0.005 {OLD_MERCURY}\n0.01 0.02 0.015 {OLD_MERCURY}\n", {}),
@@ -394,7 +398,6 @@ FAULTS = [
     ("x (px),y (px),z (px),d (px)\n1,2,3,4\n",
      'found the column "x (px)" in voxels, expected their size, such as packing.units = "0.012 '),
     ("ply\nformat ascii 1.0\n", "found a PLY file"),
-    ("LSMGeometry 1.2\n", "found a geometry file of ESyS-Particle"),
     ("ball create id 1 radius 0.005 position (0,0,0)\n", "found commands of PFC"),
     ("$bdyty\n RBDY3 1\n", "found bodies of LMGC90"),
     (b"PAR1" + bytes(99), "found a Parquet file"),
@@ -402,7 +405,7 @@ FAULTS = [
     ("ITEM: TIMESTEP\n1\nITEM: NUMBER OF ENTRIES\n1\nITEM: ENTRIES c_1[1]\n1\n",
      "line 3: found a dump of contacts (ITEM: NUMBER OF ENTRIES), expected one of atoms"),
     (dump("id x ys zs radius", SCALED, "xy xz yz pp pp ff", "0 1 0.1\n0 1 0\n0 1 0\n"),
-     "found coordinates of which some are scaled in a tilted box"),
+     "found both scaled and unscaled coordinates in a tilted box"),
     ("x;y;z;d\n0,5;0;0;1\n1.000;0;0;1\n",
      'line 3: found "1.000" for x, expected a finite number, without a sign of thousands'),
     ("id,x,y,z,r\n99999999999999999999,0,0,0,1\n", "line 2: found 1e+20 for id, expected a whole"),

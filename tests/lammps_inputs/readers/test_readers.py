@@ -172,7 +172,7 @@ DUMP = writers.dump_step(100)
     (DUMP[:60], {}, "without its values: the dump is damaged or truncated"),
     (DUMP.replace("radius", "c_size"), {}, "found no radius or diameter among the columns id"),
     (DUMP.replace(" z ", " depth "), {}, "found no z among the columns"),
-    (DUMP.replace("\n2 1 ", "\n1 1 "), {}, "found the id 1 twice, expected an id of its own"),
+    (DUMP.replace("\n2 1 ", "\n1 1 "), {}, "found the id 1 twice, expected a unique id"),
     (DUMP.replace("0.0275", "nan"), {}, 'line 10: found "nan" for z, expected a finite number'),
     (DUMP.replace("0.0275", "0.0275 9"), {}, "line 10: found 13 values, expected 12"),
     (writers.data_file().replace("# sphere", "# full"), {}, "found atom_style full"),

@@ -138,6 +138,38 @@ def mercury_restart() -> str:
     return "\n".join([*lines, "Interactions 0"]) + "\n"
 
 
+def esys() -> str:
+    """Return a geometry of ESyS-Particle, without velocities, with a bond."""
+    lines = ["LSMGeometry 1.2", "BoundingBox 0 0 0 0.04 0.04 0.1", "PeriodicBoundaries 1 1 0"]
+    lines += ["Dimension 3D", "BeginParticles", "Simple", "3"]
+    for k in ORDER:
+        lines.append(f"{_numbers(POSITION[k])} {SIZES[k] / 2!r} {k} 7")
+    lines += ["EndParticles", "BeginConnect", "1", "0 1 0", "EndConnect"]
+    return "\n".join(lines) + "\n"
+
+
+def mfix() -> str:
+    """Return the particles of MFiX, of version 2.0."""
+    rule = 40 * "="
+    lines = ["Version 2.0", rule, "Instructions:", 'Dimension: Enter "2" for 2D, "3" for 3D', rule]
+    lines += ["Dimension:    3  ", "Particles:    3  ", rule, "Variable  Read(T/F)  Default", rule]
+    lines += [
+        "Coordinates:  T   Must always be T",
+        "Phase_ID:     F   1",
+        "Diameter:     T   (Ignored)",
+    ]
+    lines += ["Density:      F   2700.", "Velocity:     T", "Temperature:  T   (Ignored)"]
+    lines += [rule, "|  x  |  y  |  z  |  d  |  u  |  v  |  w  |", rule]
+    for place, size, speed in zip(POSITION, SIZES, VELOCITY, strict=True):
+        lines.append(_numbers([*place, size, *speed]).replace(" ", "\t"))
+    return "\n".join(lines) + "\n"
+
+
+def xyzd() -> bytes:
+    """Return a packing of packing-generation, without velocities."""
+    return np.column_stack([POSITION, DIAMETER]).astype("<f8").tobytes()
+
+
 def lethe_table() -> str:
     """Return a table of lethe, with semicolons."""
     rows = ["p_x; p_y; p_z; v_x; v_y; v_z; w_x; w_y; w_z; diameters; fem_force_x; fem_force_y"]
@@ -254,6 +286,9 @@ FILES: dict[str, Callable[[], str | bytes]] = {
     "yade.spheres": yade_pack,
     "mercury.data": lambda: mercury_step(0.0) + mercury_step(0.1),
     "mercury.restart": mercury_restart,
+    "esys.geo": esys,
+    "mfix": mfix,
+    "packing.xyzd": xyzd,
     "lethe": lethe_table,
     "chrono": chrono_table,
     "vtk": vtk_ascii,
@@ -264,7 +299,7 @@ FILES: dict[str, Callable[[], str | bytes]] = {
     "h5md": h5md,
     "xyz": xyz,
 }
-WITHOUT_VELOCITY = ("molecule", "yade.txt", "yade.spheres")
+WITHOUT_VELOCITY = ("molecule", "yade.txt", "yade.spheres", "esys.geo", "packing.xyzd")
 
 
 def write(path: Path, content: str | bytes) -> Path:

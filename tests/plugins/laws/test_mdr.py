@@ -160,6 +160,48 @@ def test_mdr_stops_where_the_overlap_is_rounded_to_zero(lammps):
     assert np.all(run.numpy.extract_atom("f")[:2] == 0)
 
 
+def touching(run) -> np.ndarray:
+    """Return, for each pair of spheres, whether they overlap."""
+    count = run.get_natoms()
+    places = np.empty((count, 3))
+    places[run.numpy.extract_atom("id")[:count] - 1] = run.numpy.extract_atom("x")[:count]
+    first, second = np.triu_indices(count, 1)
+    return np.sum((places[first] - places[second]) ** 2, axis=1) < (2 * RADIUS) ** 2
+
+
+def test_mdr_does_not_stop_in_a_packing_that_rattles(lammps):
+    """Contacts open and close; none of them passes through an overlap that is rounded to zero."""
+    cell = float(np.sqrt(2) * 2 * RADIUS * (1 + 1e-9))
+    run = lammps(f"""units si
+atom_style sphere
+atom_modify map array
+newton off
+comm_modify vel yes
+boundary f f f
+lattice fcc {cell!r}
+region box block -0.5 3.5 -0.5 3.5 -0.5 3.5
+create_box 1 box
+region grains block -0.01 2.99 -0.01 2.99 -0.01 2.99
+create_atoms 1 region grains
+set group all diameter {2 * RADIUS} density 8500
+neighbor 1e-3 bin
+{LAWS["mdr"]}
+fix motion all nve/sphere
+timestep 2e-8
+run 0
+""")
+    velocities = np.random.default_rng(2).normal(scale=5.0, size=(108, 3))
+    run.numpy.extract_atom("v")[:108] = velocities
+    before = touching(run)
+    changes = 0
+    for _ in range(100):
+        run.command("run 10 pre no post no")
+        now = touching(run)
+        changes += int(np.sum(now != before))
+        before = now
+    assert changes > 150
+
+
 def test_struck_packing():
     table = rows()
     theirs, ours = (impact(law, 10.0) for law in LAWS)

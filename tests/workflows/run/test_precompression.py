@@ -221,6 +221,26 @@ class TestPackings:
                 weight, rel=1e-6
             )
 
+    def test_few_contacts_under_a_light_load(self, tmp_path: Path) -> None:
+        """The search beforehand leaves the minimiser nothing to do; alone it takes thousands of
+        iterations.
+
+        The bottom carries the pressure.
+        """
+        case = make(
+            "fcc", [4, 4, 8], packing={"diameter_scatter": 1e-5}, boundary={"sides": "periodic"},
+            precompression={"kind": "uniaxial", "pressure": 3e3},
+        )  # fmt: skip
+        summary = ran(case, tmp_path / "r")
+        found = table(tmp_path / "r" / "dumps" / "prestage.txt")
+        assert found["residual"] <= 1e-6
+        assert found["iterations"] < 200
+        assert summary["energy_balance_error"] < TOLERANCE
+        assembly = assemble(case)
+        load = dead_loads(assembly)[1][:, 2].sum()
+        bottom = table(tmp_path / "r" / "dumps" / "walls.txt")["bottom"][0]
+        assert bottom == pytest.approx(load, rel=1e-5)
+
     def test_scattered_diameters_where_nothing_holds_the_packing(self, tmp_path: Path) -> None:
         """The packing neither drifts nor rotates."""
         case = make(

@@ -17,7 +17,7 @@ from granwave.workflows.scanning.batches import memory_on_node
 
 _GIB = 2**30
 _BYTES_PER_MB = 1e6
-_MOST_JOBS = 1000  # of a chain that is proposed
+_MOST_JOBS = 1000  # most jobs of a proposed chain
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,5 +107,5 @@ class ClusterPlan:
             return []
         return [
             f"memory of the profile: found {given} MB on each node, expected at least {needed}; "
-            "give more memory, or more nodes"
+            "request more memory, or more nodes"
         ]

@@ -14,7 +14,7 @@ from granwave.lammps_inputs.packing.touching import rounding_of
 
 _MOST_SHOWN = 6  # materials or types in a row
 _UNNAMED = "of the case"  # material without a name
-_SAME = 1e-9  # relative difference of equal sizes
+_SAME = 1e-9  # relative tolerance of equal sizes
 
 
 def grain_file_values(assembly: Assembly) -> dict[str, Any] | None:

@@ -36,7 +36,7 @@ _TIMES = {
 def plan_table(
     assembly: Assembly, plan: Plan, inputs: ImpactInput | None = None, rows: Rows = ()
 ) -> str:
-    """Return the table of a planned run; ``rows`` are those of extensions."""
+    """Return the table of a planned run; ``rows`` are added by extensions."""
     return table(_plan_rows(assembly, plan, inputs, rows))
 
 
@@ -85,7 +85,9 @@ def _packing_rows(assembly: Assembly, plan: Plan, values: Mapping[str, Any]) -> 
 
 
 def _impacted(struck: Mapping[str, Any] | None) -> str:
-    """Return the impacted sphere and its place; empty if the load impacts none in particular."""
+    """Return the impacted sphere and its position; empty if the load acts on no sphere in
+    particular.
+    """
     if struck is None:
         return ""
     parts = [f"sphere {struck['sphere']}"]
@@ -99,8 +101,8 @@ def _impacted(struck: Mapping[str, Any] | None) -> str:
 
 
 def _coordination(coordination: Mapping[str, Any] | None) -> str:
-    """Return the mean number of contacts of a grain, and how many grains have each number; empty
-    for crystals, whose grains all have the number of their lattice.
+    """Return the mean number of contacts of a grain, and the number of grains with each number of
+    contacts; empty for crystals, whose grains all have the coordination of their lattice.
     """
     if coordination is None:
         return ""
@@ -137,7 +139,7 @@ def _schedule_rows(plan: Plan, values: Mapping[str, Any]) -> Rows:
         balance = f"energy balance to {schedule.energy_tolerance:g} of the input"
         timestep = f"{first}, {largest}: {balance}"
         steps = f"{schedule.n_steps // schedule.first_step} if all steps had the first length"
-    at_most = "at most " if schedule.block_steps else ""  # such a run ends by itself
+    at_most = "at most " if schedule.block_steps else ""  # such a run ends automatically
     yield "timestep", timestep
     if plan.limit:
         yield "", f"limited by {plan.limit.cause}; contacts would allow {plan.allowed:.2g} s"

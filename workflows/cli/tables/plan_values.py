@@ -28,8 +28,8 @@ _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 
 
 def _size(assembly: Assembly) -> dict[str, Any]:
-    """Return mass, height and widths along x and y of a packing as its grains are placed; without
-    strikers and bars.
+    """Return mass, height and widths along x and y of the initial packing; without strikers and
+    bars.
     """
     case = assembly.case
     lattice = assembly.lattice
@@ -51,7 +51,7 @@ def _size(assembly: Assembly) -> dict[str, Any]:
 
 
 def _struck(assembly: Assembly) -> dict[str, Any] | None:
-    """Return the sphere that the load hits first, and where it is; None if it hits none in
+    """Return the sphere that the load hits first, and its position; None if it hits none in
     particular.
 
     ``aside_m`` is its distance from the middle of the top, 0 of a sphere next to it; ``below_m``
@@ -142,7 +142,7 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
         "dissimilar or missing spheres": not assembly.sites.uniform,
         "strikers": bool(assembly.strikers),
     }
-    # a restitution that is asked for is found
+    # a specified restitution is computed
     loss = viscous_loss(assembly, case.contact, case.material, case.material)
     rule = case.packing.rule
     if rule.is_plane_crystal or not rule.is_lattice:  # contacts of other lattices are known
@@ -202,7 +202,7 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
         "expected_arrival_s": arrival,
         "n_frames_before_arrival": None if arrival is None else schedule.n_frames_until(arrival),
         "output_in_parts": written_in_parts(assembly),
-        # causes why it holds all sites of a large packing at once
+        # reasons for holding all sites of a large packing at once
         "held_by_first_rank": [
             cause for cause, holds in held.items() if holds and plan.n_spheres > ANALYSED_AT_ONCE
         ],

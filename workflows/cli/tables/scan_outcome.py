@@ -16,7 +16,7 @@ _MOST_MEANS = 4  # quantities in the table of means
 
 
 def outcome_values(outcome: ScanOutcome) -> dict[str, Any]:
-    """Return the points of a scan with their values; those that are missing have no summary."""
+    """Return the points of a scan with their values; missing points have no summary."""
     result = ScanResult(outcome.directory)
     shown = ("number", "status", "reason", "directory", "labels", "summary")
     return {
@@ -29,7 +29,7 @@ def outcome_values(outcome: ScanOutcome) -> dict[str, Any]:
 
 
 def outcome_text(outcome: ScanOutcome) -> str:
-    """Return the table of the main values of all points, and the place of the results."""
+    """Return the table of the main values of all points, and the directory of the results."""
     result = ScanResult(outcome.directory)
     points = [point for point in result.points if point.status != "missing"]
     asked = (

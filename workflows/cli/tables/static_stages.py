@@ -9,8 +9,8 @@ from granwave.lammps_inputs.planning.cost import WallTime
 
 
 def static_stage_note(times: Sequence[WallTime], jobs: float = 1.0) -> str:
-    """Return the plan's note on static stages whose length cannot be known, with so many jobs at
-    once.
+    """Return the plan's note on static stages of unpredictable length, given the number of
+    simultaneous jobs.
     """
     counted = sum(time.static for time in times) / jobs
     most = sum(time.most_static for time in times) / jobs

@@ -22,7 +22,7 @@ def plastic_zone(zone: ExpectedZone | None) -> str:
 def expected_cut(zone: ExpectedZone | None) -> str:
     """Warning that a packing will cut the plastic zone; empty where it has room, and for chains.
 
-    In a chain the pulse goes from end to end, whatever its length.
+    In a chain the pulse travels from end to end, for any length.
     """
     if zone is None or "sides" not in zone.room:
         return ""

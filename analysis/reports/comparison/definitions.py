@@ -1,0 +1,146 @@
+"""Sentences on values that runs of a comparison define differently, or that a boundary or the end
+of a run limits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.measures.zone_size import bounds_in_words
+from granwave.analysis.reports.comparison.curves import force_at_bottom, static_force_at_bottom
+from granwave.analysis.reports.comparison.subjects import (
+    MOST_CURVES,
+    ComparedRun,
+    LackingError,
+)
+
+_LAW = "contact.law"
+_BILINEAR = "bilinear"
+_INPUT = "energy_input_J"
+_SAME_INPUT = 1e-6  # relative difference of energies that are equal
+_MOST_LISTED = 4  # runs that a sentence lists
+
+
+def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return sentences on values that are not defined alike, or are limited, in these runs."""
+    notes = [
+        _inputs(runs),
+        _static_forces(runs),
+        _yielding_of_laws(runs),
+        _depths_of_kinds(runs),
+        *_limited_zones(runs),
+        *_limited_forces(runs),
+    ]
+    return [note for note in notes if note]
+
+
+def _inputs(runs: Sequence[ComparedRun]) -> str:
+    """Return a sentence on different energy inputs; empty where they are equal."""
+    inputs = {run: run.run.number(_INPUT) or 0.0 for run in runs}
+    largest = max(inputs.values())
+    if largest - min(inputs.values()) <= _SAME_INPUT * largest:
+        return ""
+    listed = _listed(list(inputs), lambda run: quantity_in(inputs[run], "J"))
+    return (
+        f"Energy inputs differ: {listed}. Forces, energies and sizes of the plastic zone are not "
+        "divided by them; fractions are."
+    )
+
+
+def _static_forces(runs: Sequence[ComparedRun]) -> str:
+    """Return a sentence on static forces below peak forces; empty where there are none."""
+    static = {run: static_force_at_bottom(run) for run in runs}
+    loaded = [run for run, force in static.items() if force]
+    if not loaded:
+        return ""
+    listed = _listed(loaded, lambda run: quantity_in(static[run], "N"))
+    return (
+        "Peak forces and impulses in the tables include static forces; on the bottom, before the "
+        f"impact: {listed}."
+    )
+
+
+def _yielding_of_laws(runs: Sequence[ComparedRun]) -> str:
+    """Return a sentence on laws that count yielded contacts differently; empty for one law."""
+    laws = {str(run.run.case.get(_LAW)) for run in runs if run.has_spheres}
+    if len(laws) < 2 or _BILINEAR not in laws:
+        return ""
+    bilinear = [run for run in runs if run.run.case.get(_LAW) == _BILINEAR]
+    return (
+        "With the bilinear law every loaded contact counts as yielded: "
+        f"{', '.join(run.name for run in bilinear[:_MOST_LISTED])}."
+    )
+
+
+def _depths_of_kinds(runs: Sequence[ComparedRun]) -> str:
+    """Return a sentence on the origin of depths in packings and blocks; empty for one kind."""
+    has_zone = [run for run in runs if run.run.number("zone_depth_90_m")]
+    if len({run.has_spheres for run in has_zone}) < 2:
+        return ""
+    return (
+        "Depths of the plastic zone count from the centre of the impacted sphere in a packing, and "
+        "from the loaded face in a block."
+    )
+
+
+def _limited_zones(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return sentences on plastic zones that a boundary or the end of the run limits."""
+    cut = [run for run in runs if run.run.summary.get("zone_cut")]
+    growing = [run for run in runs if run.run.summary.get("zone_growing")]
+    notes: list[str] = []
+    if cut:
+        listed = _listed(cut, lambda run: _joined(run, "zone_cut"))
+        notes.append(f"The plastic zone reaches a boundary, which limits its size: {listed}.")
+    if growing:
+        listed = _listed(growing, lambda run: _joined(run, "zone_growing"))
+        notes.append(f"The plastic zone still grows at the end of the run: {listed}.")
+    return notes
+
+
+def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return sentences on forces on the bottom that do not reach their peak within a run."""
+    if len(runs) > MOST_CURVES:  # no figure shows them all
+        return []
+    unloaded: list[ComparedRun] = []
+    rising: list[ComparedRun] = []
+    for run in runs:
+        try:
+            force = force_at_bottom(run).y
+        except LackingError:
+            continue
+        if not np.any(force):
+            unloaded.append(run)
+        elif int(force.argmax()) == len(force) - 1:
+            rising.append(run)
+    notes: list[str] = []
+    if unloaded and len(unloaded) < len(runs):
+        listed = _listed(unloaded, _end)
+        notes.append(f"The wave does not reach the bottom before the end of the run: {listed}.")
+    if rising:
+        listed = _listed(rising, _end)
+        notes.append(
+            "The force on the bottom is largest at the end of the run, and may rise further: "
+            f"{listed}."
+        )
+    return notes
+
+
+def _end(run: ComparedRun) -> str:
+    """Return the time at the end of a run, in words."""
+    return f"at {quantity_in(run.run.number('end_time_s') or 0.0, 's')}"
+
+
+def _joined(run: ComparedRun, name: str) -> str:
+    """Return a list of names in the summary of a run, in words."""
+    return bounds_in_words(run.run.summary[name]).replace(", ", " and ")
+
+
+def _listed(runs: Sequence[ComparedRun], text: Callable[[ComparedRun], str]) -> str:
+    """Return runs with a text each; of many, the first ones and the number of the others."""
+    parts = [f"{text(run)} in {run.name}" for run in runs[:_MOST_LISTED]]
+    left = len(runs) - _MOST_LISTED
+    more = f" and {left} more" if left > 0 else ""
+    return f"{', '.join(parts)}{more}"

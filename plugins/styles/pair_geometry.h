@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* Distance, normal and relative velocity of the two bodies of a pair, across periodic boundaries too.
+
+   A pair across a periodic boundary is computed for each of its spheres i and j, once with j and a ghost of i, and once with i and a ghost
+   of j. LAMMPS rounds the coordinates of ghosts, x_i - s and x_j + s with the shift s of the image, so that the vectors to them differ
+   in their last bits. Both of these ghosts are known in both cases, since a coordinate that is there can be shifted as LAMMPS does it: the
+   vector is computed from the two ghosts, as (x_i - s) - (x_j + s) + s. */
+
+#ifndef GRANWAVE_PAIR_GEOMETRY_H
+#define GRANWAVE_PAIR_GEOMETRY_H
+
+#include "fix_gran_hysteretic_history.h"
+#include "pair_laws.h"
+
+#include <array>
+
+namespace granwave {
+
+class PairGeometry {
+ public:
+  using Vector = std::array<double, 3>;
+
+  PairGeometry(LAMMPS_NS::LAMMPS *lmp, const PairLaws &laws) : lmp_(lmp), laws_(laws) {}
+
+  /* Begin a run, with the fix that knows the images of ghosts. Normals are those of the places in a custom array, or of the present
+     ones if its index is below 0. */
+  void begin_run(const LAMMPS_NS::FixGranHystereticHistory *, int initial_places);
+  /* Begin a force evaluation: a box that is deformed may change velocities at its periodic boundaries. */
+  void begin_evaluation();
+
+  /* True if velocities jump across periodic boundaries. */
+  bool flows() const { return flows_; }
+  /* True if spheres i and j touch across a periodic boundary. */
+  bool crosses(int i, int j) const { return !images(i).none() || !images(j).none(); }
+  /* Vector from sphere j to sphere i. */
+  Vector vector_between(int i, int j) const;
+  /* Velocity of sphere i relative to sphere j. */
+  Vector relative_velocity(int i, int j) const;
+  /* Separation of the bodies of a special pair. */
+  CylinderPair::Separation separation(int i, int j) const;
+  double distance_squared(int i, int j) const;
+  /* Distance that the overlap is counted from, from the squared one of the centers. Beyond the end of a cylinder it is that. */
+  double distance(int i, int j, double rsq) const;
+  double distance(int i, int j) const { return distance(i, j, distance_squared(i, j)); }
+  /* Unit vector along which the surface of sphere j presses sphere i. */
+  void unit_normal(int i, int j, double (&normal)[3]) const;
+
+ private:
+  const LAMMPS_NS::FixGranHystereticHistory::Images &images(int i) const { return history_->images(i); }
+
+  LAMMPS_NS::LAMMPS *lmp_;
+  const PairLaws &laws_;
+  const LAMMPS_NS::FixGranHystereticHistory *history_ = nullptr;
+  int initial_places_ = -1;    // index of the custom array that holds the places at which normals are taken
+  bool flows_ = false;
+};
+
+}    // namespace granwave
+
+#endif
