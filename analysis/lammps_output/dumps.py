@@ -99,7 +99,7 @@ def read_frames(
 
 
 def frames_path(directory: AnyPath) -> Path:
-    """Return the path of the dump of snapshots, binary or text, with "%" if it has several files."""
+    """Return the path of the dump of snapshots, binary or text; "%" stands for several files."""
     return _present(
         ResultDirectory.at(directory),
         [form for name in files.FRAMES_FILES.values() for form in (name, of_each_rank(name))],
@@ -434,7 +434,7 @@ def _pieces(
 
 
 def _of_all_parts(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
-    """Iterate over the snapshots of a dump in several files, the rows of one file after the other."""
+    """Iterate over the snapshots of a dump in several files, with the rows of each in turn."""
     readers = [
         (binary_frames if path.suffix == BINARY else text_frames)(path, at_once) for path in paths
     ]
@@ -477,8 +477,8 @@ def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
     if missing := sorted(set(range(expected)) - found):
         more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
         raise MissingOutputError(
-            f"{parts[missing[0]]} is missing{more}: {path.name} has {expected} parts; copy it back, "
-            f"or {AGAIN}"
+            f"{parts[missing[0]]} is missing{more}: {path.name} has {expected} parts; copy it "
+            f"back, or {AGAIN}"
         )
     return parts
 

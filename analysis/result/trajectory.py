@@ -205,7 +205,7 @@ def _fixed(start: Start, n_chunk: int, part: int) -> dict[str, Encoded]:
 
 
 class _Block(NamedTuple):
-    """Some rows of a snapshot, from row ``first`` on, and their reader, which any process can call."""
+    """Rows of a snapshot, from row ``first`` on, by their reader, which any process can call."""
 
     number: int
     step: int
@@ -275,9 +275,10 @@ def _sorted_blocks(
         sort = partial(_by_part, start, source, number)
         found = list(processes.map(sort, tasks))
         rows = RowsByPart(found[0].like)
+        n_rows = 0
         for piece in found:
             rows.add(piece.places)
-        n_rows = sum(place.n_rows for piece in found for place in piece.places)
+            n_rows += sum(place.n_rows for place in piece.places)
         if n_rows != start.n_spheres:
             raise _strange(source, number, step, n_rows, start)
         yield [

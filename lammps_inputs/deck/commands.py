@@ -36,7 +36,7 @@ from granwave.lammps_inputs.script_words import joined, num
 
 _WIDTH = 110
 #: Variable of the number of files of a dump in parts: `granwave run` sets it to the number of
-#: nodes, and a script that is run by hand to `MOST_PARTS`. LAMMPS reduces it to the number of ranks.
+#: nodes, and a script that is run by hand to `MOST_PARTS`. LAMMPS takes at most one a rank.
 PARTS = "parts"
 _IN_PARTS = f"nfile ${{{PARTS}}}"
 

@@ -59,8 +59,8 @@ _STATIC_STAGE = 2.0  # times the memory of a run without one
 _ANALYSED_SPHERE = 550.0
 _ANALYSED_PAIR = 310.0
 _FASTEST = 2.0  # speed of the wave near the load, over its mean speed to the bottom
-_LAYERS = 4  # fraction next to a part with spheres that may touch it
-_LEAST_OF_RANK = 0.8e9  # memory that the analysis may take for each rank of the run
+_LAYERS = 4  # next to a part, with spheres that may touch it
+_LEAST_OF_RANK = 0.9e9  # memory that the analysis may take for each rank of the run
 _SITE = 170.0  # a site of a lattice with dissimilar or missing spheres, while the script is written
 _PLACED_SITE = 120.0  # a site of a lattice against which strikers are placed
 _DRAWN = 2 * 600.0  # a sphere, in two processes that draw
@@ -174,8 +174,8 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunS
 
 
 def _scratch(assembly: Assembly, touched: float) -> float:
-    """Estimate the scratch files of the analysis, bytes; ``touched`` is the number of pairs that have
-    touched.
+    """Estimate the scratch files of the analysis, bytes; ``touched`` is the number of pairs that
+    have touched.
 
     Rows of a snapshot in parts are sorted in scratch files, before those of the contacts.
     """

@@ -10,8 +10,8 @@ for n spheres of a brick, of which a are active, and g ghosts: copies of spheres
 within `_REACH`. There are s axes with more than one brick. A sphere is active if it moves, or is in
 a block of 32 consecutive spheres of which one moves: the pair style and the integrator skip blocks
 at rest, not spheres. Ids of a lattice count along x first, so that a block is a part of a row: a
-small wave keeps three to six times as many spheres active as it moves. A measured step of an impact
-is proportional to the active spheres within 4 %, from 280 to 6900 moving ones.
+small wave keeps two to six times as many spheres active as it moves. The measured work of a step of
+an impact with friction is proportional to the active spheres within 4 %.
 
 The front of a wave is as far from the loaded spheres along y and z together as it has travelled: a
 diamond. Along x the wave reaches a third of that farther on average, and half a block. The largest
@@ -54,9 +54,9 @@ class StepCosts:
     rest
         A sphere in a block at rest.
     active
-        A sphere in a block with spheres that move, in an impact.
+        A sphere in a block with spheres that move, in a wave from some spheres.
     moving
-        A sphere of a packing in which all spheres move, in loaded contacts.
+        A sphere where all spheres move, in loaded contacts; also behind a plane wave.
     ghost
         A ghost: packing, sending, and unpacking.
     message
@@ -110,6 +110,14 @@ class Wave:
     def farthest(self) -> float:
         """Distance after which all spheres move, m."""
         return float(max((self.first - self.low).max(), (self.high - self.last).max()))
+
+    @property
+    def is_plane(self) -> bool:
+        """True if the load covers the packing along two axes, so that all spheres behind the front
+        are active because they move.
+        """
+        covered = (self.first - self.low < self.reach) & (self.high - self.last < self.reach)
+        return bool(np.count_nonzero(covered) >= 2)
 
     def shares(self, grid: Grid, travelled: float) -> Floats:
         """Return the fraction of the spheres that move and lie in each layer of bricks, along each
@@ -195,7 +203,7 @@ def step_times(wave: Wave, grid: Grid, costs: StepCosts, travelled: float) -> St
     if n_ranks > 1:
         communication += n_messages * costs.message + costs.total * math.log2(n_ranks)
     own = wave.n_spheres / n_ranks * costs.rest
-    active = costs.moving if wave.farthest == 0.0 else costs.active
+    active = costs.moving if wave.is_plane else costs.active
     extra = wave.n_spheres * (active - costs.rest)
     return StepTimes(
         busiest=own + largest * extra + communication,

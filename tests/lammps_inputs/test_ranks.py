@@ -69,8 +69,15 @@ def test_half_of_the_ranks_wait_while_a_wave_crosses_the_upper_half() -> None:
     assert columns.efficiency == pytest.approx(1.0)
 
 
+def test_behind_a_plane_wave_all_spheres_move() -> None:
+    assert FROM_TOP.is_plane
+    assert not CUBE.is_plane
+    times = step_times(FROM_TOP, (1, 1, 1), ROUGH, 1e9)
+    assert times.busiest == pytest.approx(64_000 * ROUGH.moving)
+
+
 def test_a_block_is_active_as_a_whole() -> None:
-    """A wave that has moved 4 diameters is 9 wide, with a block of 33 around it all 40 are active."""
+    """A block of 33 spheres around each row of the wave."""
     alone = CUBE.active((1, 1, 1), 4.0)[1]
     blocks = dataclasses.replace(CUBE, block=32.0).active((1, 1, 1), 4.0)[1]
     assert alone == pytest.approx(blocks * (1.0 + 2 * 4.0 / 3) / (33.0 + 2 * 4.0 / 3))

@@ -29,8 +29,8 @@ class Slurm(Scheduler):
     }  # fmt: skip
     own_options = (
         "--job-name", "-J", "--output", "-o", "--error", "-e", "--parsable", "--export",
-        "--workdir", "--chdir", "-D", "--ntasks", "-n", "--ntasks-per-node", "--cpus-per-task", "-c",
-        "--signal", "--wrap",
+        "--workdir", "--chdir", "-D", "--ntasks", "-n", "--ntasks-per-node", "--cpus-per-task",
+        "-c", "--signal", "--wrap",
     )  # fmt: skip
     signs_in_log = re.compile(r"slurmstepd[^:]*: error: (.+)")
 

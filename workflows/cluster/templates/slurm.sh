@@ -5,6 +5,8 @@
 #SBATCH --ntasks={{cores}}
 {%- if cores > 1 %}
 #SBATCH --nodes={{nodes}}
+{%- endif %}
+{%- if nodes > 1 %}
 #SBATCH --ntasks-per-node={{tasks_per_node}}
 {%- endif %}
 #SBATCH --time={{minutes}}
