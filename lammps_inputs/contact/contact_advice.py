@@ -116,10 +116,11 @@ class ContactAdvice:
         advice = f"move them apart, or choose {KEY}: {'; '.join(self.choices)}"
         if self.relative_overlap < _DEEP:
             return advice
+        percent = 100 * self.relative_overlap
         return (
-            f"{advice}; an overlap of {100 * self.relative_overlap:.0f} % of a diameter is more than a "
-            f"contact: number the spheres of one body in a column {CLUMP}, and check that the sizes "
-            "have the unit of the positions, and that diameters are not read as radii"
+            f"{advice}; an overlap of {percent:.0f} % of a diameter is more than a contact: number "
+            f"the spheres of one body in a column {CLUMP}, and check that the sizes have the unit "
+            "of the positions, and that diameters are not read as radii"
         )
 
 

@@ -1,8 +1,8 @@
 """Packings of packing-generation (``packing.xyzd``): x, y, z and the diameter of each sphere as
 binary numbers, in a periodic box.
 
-Box and porosities are in the text file ``packing.nfo`` in the same folder. The file has the
-diameters with which the generation began; those of the packing follow from the porosities.
+Box and final porosity are in the text file ``packing.nfo`` in the same folder. The diameters of the
+file are those of a step of the generation; those of the packing follow from the porosity.
 
 https://github.com/VasiliBaranov/packing-generation
 """
@@ -29,7 +29,8 @@ _SMALLEST = 1e-9  # of the diameters
 _LARGEST = 1e9  # of all numbers
 _NUMBER = r"[ \t]*([-+.0-9eE]+)"
 _BOX = re.compile(r"Dimensions:" + 3 * _NUMBER)
-_POROSITY = {name: re.compile(rf"{name} Porosity:{_NUMBER}") for name in ("Theoretical", "Final")}
+_POROSITY = re.compile(r"Final Porosity:" + _NUMBER)
+_SAME = 1e-9  # relative difference of diameters that rounding explains
 _INFO = ".nfo"
 
 
@@ -44,7 +45,7 @@ def read(source: GrainSource) -> GrainTable:
     Raises
     ------
     ValueError
-        The file has no whole number of spheres, or other values; or its box or its porosities are
+        The file has no whole number of spheres, or other values; or its box or its porosity is
         damaged.
     """
     content = source.content
@@ -68,8 +69,8 @@ def read(source: GrainSource) -> GrainTable:
     if info is None:
         grains.notes.append(
             f"no file {source.path.with_suffix(_INFO).name} in the folder of the packing; read "
-            "without a periodic box, and with the diameters at the start of the generation, which "
-            "may be too large"
+            "without a periodic box, and with the diameters of the file, which may be those of "
+            "another step of the generation"
         )
         return grains
     _add_info(grains, info, power)
@@ -103,7 +104,7 @@ def _check(grains: GrainTable) -> None:
 
 
 def _info_of(path: Path) -> str | None:
-    """Return the text of the file on box and porosities next to a packing; None without one."""
+    """Return the text of the file on box and porosity next to a packing; None without one."""
     try:
         return path.with_suffix(_INFO).read_text(encoding="utf-8", errors="replace")
     except OSError:
@@ -111,29 +112,31 @@ def _info_of(path: Path) -> str | None:
 
 
 def _add_info(grains: GrainTable, info: str, power: float) -> None:
-    """Add the periodic box to the grains, and scale their diameters by the porosities."""
+    """Add the periodic box to the grains, and scale their diameters by the final porosity."""
     box = _BOX.search(info)
-    if box is not None:
-        lengths = in_si(_numbers(box), power)
-        grains.bounds = np.stack([np.zeros(3), lengths], axis=1)
-        grains.periodic = (True, True, True)
-    found = {name: pattern.search(info) for name, pattern in _POROSITY.items()}
-    first = found["Theoretical"]
-    last = found["Final"]
-    if first is None or last is None:
-        return
-    solid_fractions = 1 - np.array([_numbers(first)[0], _numbers(last)[0]])
-    if not ((solid_fractions > 0) & (solid_fractions < 1)).all():
+    porosity = _POROSITY.search(info)
+    if box is None or porosity is None:
         raise ValueError(
-            f"found porosities of {first[1]} and {last[1]} in the {_INFO} file, expected numbers "
+            f"found no Dimensions and no Final Porosity in the {_INFO} file next to the packing, "
+            "expected both; remove it to read the packing without a box"
+        )
+    lengths = in_si(_numbers(box), power)
+    grains.bounds = np.stack([np.zeros(3), lengths], axis=1)
+    grains.periodic = (True, True, True)
+    solid_fraction = 1 - float(_numbers(porosity)[0])
+    if not 0 < solid_fraction < 1:
+        raise ValueError(
+            f"found a final porosity of {porosity[1]} in the {_INFO} file, expected a number "
             "between 0 and 1"
         )
-    scale = float(np.cbrt(solid_fractions[1] / solid_fractions[0]))
-    if scale != 1 and grains.radius is not None:
-        grains.radius = grains.radius * scale
+    assert grains.radius is not None
+    spheres = 4 / 3 * np.pi * grains.radius**3
+    scale = float(np.cbrt(solid_fraction * lengths.prod() / spheres.sum()))
+    grains.radius = grains.radius * scale
+    if abs(scale - 1) > _SAME:
         grains.notes.append(
-            f"diameters times {scale:.6g}, by the porosities of the {_INFO} file: solid fraction "
-            f"{solid_fractions[1]:.4g}"
+            f"diameters times {scale:.6g}, by the final porosity of the {_INFO} file: solid "
+            f"fraction {solid_fraction:.4g}"
         )
 
 

@@ -124,7 +124,7 @@ def test_old_particles_of_mfix(row: str, place: list[float], tmp_path: Path) -> 
 
 
 def test_box_and_sizes_of_packing_generation(tmp_path: Path) -> None:
-    """The solid fraction of the file of information is that of the grains."""
+    """The final solid fraction is that of the grains, whatever diameters the file has."""
     path = tmp_path / "packing.xyzd"
     without = read(path, writers.xyzd())
     assert "no file packing.nfo in the folder of the packing" in notes(without)
@@ -132,15 +132,17 @@ def test_box_and_sizes_of_packing_generation(tmp_path: Path) -> None:
     first = float(np.pi / 6 * (writers.DIAMETER**3).sum() / volume)
     info = (
         "N: 3\n Dimensions: 0.04 0.04 0.1\n Theoretical Porosity: "
-        f"{1 - first!r}\nFinal Porosity: {1 - first / 8!r} (Tolerance: 1.000100)\n"
+        f"{1 - 2 * first!r}\nFinal Porosity: {1 - first / 8!r} (Tolerance: 1.000100)\n"
     )
     path.with_suffix(".nfo").write_text(info)
     grains = read(path, writers.xyzd())
     assert grains.diameter == pytest.approx(writers.DIAMETER / 2)
     assert grains.period == pytest.approx((0.04, 0.04))
-    assert "diameters times 0.5, by the porosities" in notes(grains)
+    assert "diameters times 0.5, by the final porosity" in notes(grains)
     path.with_suffix(".nfo").write_text(info.replace("Final Porosity: ", "Final Porosity: 3"))
-    assert "expected numbers between 0 and 1" in fault(path, writers.xyzd())
+    assert "expected a number between 0 and 1" in fault(path, writers.xyzd())
+    path.with_suffix(".nfo").write_text("N: 3\n")
+    assert "found no Dimensions and no Final Porosity" in fault(path, writers.xyzd())
 
 
 def test_spheres_of_packing_generation_in_single_precision(tmp_path: Path) -> None:
