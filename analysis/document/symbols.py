@@ -60,8 +60,9 @@ def _root(inner: str, *, paper: bool) -> str:
     radicand = _GREEK.get(inner, inner)
     if paper:
         return f"√{radicand}"
-    kind = "mn" if inner.isdigit() else "mi"
-    return f"<math><msqrt><{kind}>{radicand}</{kind}></msqrt></math>"
+    if inner.isdigit():
+        return f"<math><msqrt><mn>{radicand}</mn></msqrt></math>"
+    return f"<math><msup><mi>{radicand}</mi><mn>1/2</mn></msup></math>"  # fits every font
 
 
 def _scripts(letter: str, low: str, high: str, *, paper: bool) -> str:

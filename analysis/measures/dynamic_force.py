@@ -26,7 +26,8 @@ def dynamic_contact_peaks(
     """
     names = ["contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"]
     if _STATIC not in result:
-        yield from result.blocks(*names)
+        for i, j, peak, when in result.blocks(*names):
+            yield i, j, peak, when
         return
     for i, j, peak, when, static in result.blocks(*names, _STATIC):
         yield i, j, peak - static, when

@@ -120,7 +120,8 @@ class Comparison:
             listed = names_in_words([run.name for run in self.runs])
             first = f"Nothing differs: cases and results of {listed} are equal."
         else:
-            first = sentence(self.values or compared_values(self.runs), self.runs)
+            values = self.values or compared_values(self.runs)
+            first = sentence(values, self.runs, asked=bool(self.quantities and self.values))
         return " ".join([first, *measured])
 
     @property

@@ -167,16 +167,26 @@ def differing_values(values: Iterable[ComparedValue]) -> list[ComparedValue]:
     return [value for value in values if value.spread > _SAME]
 
 
-def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> str:
+def sentence(
+    values: Sequence[ComparedValue], runs: Sequence[ComparedRun], *, asked: bool = False
+) -> str:
     """Return the values that differ most in a sentence, with both values and the ratio.
 
     Of similar values only the first is used.
+
+    Parameters
+    ----------
+    asked
+        True if the values were requested by name, so that others may differ.
     """
     different = differing_values(value for value in values if None not in value.values)
     if not different:
-        return f"No result differs between {names_in_words([run.name for run in runs])}."
+        names = names_in_words([run.name for run in runs])
+        if asked:
+            return f"The requested values do not differ between {names}, or a run lacks them."
+        return f"No result differs between {names}."
     distinct = [value for value in different if value.spread > _HARDLY]
-    names = names_with_cases(runs)
+    with_cases = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
     for value in distinct or different:
@@ -184,7 +194,7 @@ def sentence(values: Sequence[ComparedValue], runs: Sequence[ComparedRun]) -> st
         if family not in families and len(chosen) < _IN_SENTENCE:
             families.add(family)
             chosen.append(value)
-    parts = [_clause(value, names) for value in chosen]
+    parts = [_clause(value, with_cases) for value in chosen]
     return f"The runs differ most in {'; '.join(parts)}."
 
 

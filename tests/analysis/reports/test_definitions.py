@@ -93,6 +93,12 @@ def test_a_value_that_repeats_another_has_no_row(comparison):
     assert "ground_peak_force_N" not in names
 
 
+def test_requested_values_that_are_equal_are_not_all_results(place):
+    inputs = read_inputs([place / name for name in ("pressed", "loose")], place)
+    alone = compare_runs(list(inputs.results()), ["n_spheres"])
+    assert alone.sentence.startswith("The requested values do not differ between pressed and loose")
+
+
 def test_inputs_and_zones(tmp_path):
     """Energy inputs that differ, and zones that a boundary limits, are named."""
     write_run(tmp_path / "a", energy_input_J=1.0, zone_cut=["bottom", "sides"])

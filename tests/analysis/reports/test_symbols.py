@@ -19,7 +19,7 @@ from granwave.analysis.document.symbols import with_symbols
             "<i>\u03c3</i><sub>y</sub><sup>\u22122.5</sup>",
         ),
         ("E*^2", "<msup><mi>E</mi><mn>*2</mn></msup>", "<i>E</i><sup>*2</sup>"),
-        ("sqrt(rho)", "<msqrt><mi>\u03c1</mi></msqrt>", "\u221a\u03c1"),
+        ("sqrt(rho)", "<msup><mi>\u03c1</mi><mn>1/2</mn></msup>", "\u221a\u03c1"),
         ("sqrt 3", "<msqrt><mn>3</mn></msqrt>", "\u221a3"),
     ],
 )
