@@ -297,7 +297,7 @@ def _shares(names: Sequence[str]) -> list[list[int]]:
 def painter(
     directory: AnyPath, options: Figures, assembly: Assembly | None = None
 ) -> Iterator[Callable[[str], dict[str, bytes] | None]]:
-    """Open a run; give a function that draws the figure of a name, as contents of its files by
+    """Open a run; return a function that draws the figure of a name, as contents of its files by
     suffix.
 
     Parameters

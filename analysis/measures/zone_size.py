@@ -198,8 +198,8 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
 
 
 def packing_zone(result: Result) -> Zone:
-    """Return the columns that the plastic zone of a run is computed from, for the spheres of the
-    packing, without strikers.
+    """Return the columns for the plastic zone of a run, for the spheres of the packing, without
+    strikers.
 
     The last layer is at the ``bottom``, the first and last sphere of a row and the first and last
     row at the ``sides``. With periodic sides those half a period from the axis are, where a zone

@@ -204,8 +204,8 @@ def _each_once(paths: Sequence[Path]) -> list[Path]:
 
 
 def _labels(paths: Sequence[Path], base: Path) -> list[str]:
-    """Return a label for each directory: its name, or its path where names are equal; a directory
-    that is there again gets a number.
+    """Return a label for each directory: its name, or its path where names are equal; a repeated
+    directory has a number.
     """
     names = [path.resolve().name or "/" for path in _each_once(paths)]
     labels: list[str] = []

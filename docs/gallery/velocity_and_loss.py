@@ -30,7 +30,7 @@ with gw.style():
     for (material, points), colour, mark in zip(shares.items(), ("C0", "C1"), "os", strict=True):
         normalised, share = np.array(points).T
         axes.semilogx(normalised, share, color=colour, marker=mark, markersize=3, label=material)
-        print(f"{material:6}  share lost at 0.1 m/s {share[0]:.3f}, at 20 m/s {share[-1]:.3f}")
+        print(f"{material:6}  dissipated at 0.1 m/s {share[0]:.3f}, at 20 m/s {share[-1]:.3f}")
     axes.set(xlabel="normalised velocity", ylabel="share of the energy dissipated", ylim=(0, 1))
     axes.legend()
     figure.savefig("picture.png", dpi=150)

@@ -131,7 +131,7 @@ class StaticLoad:
         return [name for name in stage.sizes if name not in self.sizes]
 
     def _refusal_of_size(self) -> str:
-        return f"cannot be used with {_KIND}{show(self.name)}; give {self.instead}"
+        return f"cannot be used with {_KIND}{show(self.name)}; use {self.instead}"
 
 
 class LoadOnFaces(StaticLoad):

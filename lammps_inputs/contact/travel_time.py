@@ -90,7 +90,7 @@ class WaveRow:
 
 
 def row_of(assembly: Assembly) -> WaveRow | None:
-    """Return the row that plane waves along z are in; None where the static force is not known
+    """Return the equivalent chain of plane waves along z; None if the static force is not known
     beforehand.
 
     A chain has its beads; the layers of a lattice without disorder move as wholes, and the rotation

@@ -1,4 +1,4 @@
-"""Patches of surfaces of triangles: distances of spheres from them, as the wall fix finds them."""
+"""Patches of surfaces of triangles: distances of spheres from them, as computed by the wall fix."""
 
 from __future__ import annotations
 

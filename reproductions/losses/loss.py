@@ -115,7 +115,8 @@ def pictures(runs):
     right.set(xlabel="Contact", ylabel="Largest force over that of the first")
     figure.legend(loc="outside upper center", ncols=3, fontsize=7)
     caption = (
-        "Restitution against velocity, and largest force along chains, by kind of loss; marks on the grey lines, the "
-        "theory, confirm it. Only a dashpot takes the same share at every velocity"
+        "Restitution against velocity, and largest force along chains, by kind of loss; marks on "
+        "the grey lines confirm the theory. Only a dashpot dissipates the same fraction at every "
+        "velocity"
     )
     yield gw.Picture("losses", caption, figure, data)

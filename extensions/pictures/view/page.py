@@ -1,10 +1,10 @@
 """Page of a run: one HTML file with the packing in three dimensions, which requires no
 network.
 
-The viewer is k3d's (https://k3d-jupyter.org, on three.js), as its own snapshot of a plot embeds it:
-spheres as shaded discs that a graphics card draws by the hundred thousand, time series, clipping
-planes and a panel. `panel.js` adds a few controls. A Content-Security-Policy in the page keeps the
-browser from loading anything from outside.
+The viewer is k3d (https://k3d-jupyter.org, on three.js), embedded as in its own snapshots of plots.
+It draws hundreds of thousands of spheres as shaded discs, and has time series, clipping planes and
+a panel. `panel.js` adds a few controls. A Content-Security-Policy in the page keeps the browser
+from loading anything from outside.
 """
 
 from __future__ import annotations

@@ -181,7 +181,7 @@ def test_studies_of_bottoms_and_heights(packings: Found, tmp_path: Path) -> None
         "concrete half-space",
     ]
     assert found["protected-bottoms"].verdict[0].startswith("Peak reduction: from ")
-    assert "as layers^" in found["protected-height"].verdict[0]
+    assert "to layers^" in found["protected-height"].verdict[0]
     drawn = draw_studies(list(found.values()), tmp_path)
     assert [path.stem for path in drawn] == ["protected_height", "protected_bottoms"]
     header = (
