@@ -44,7 +44,7 @@ run             {steps}
 write_dump      all custom {{name}}.spheres id type x y z vx vy vz fx fy fz c_sphere[*] modify sort id format float %.17g
 write_dump      all local {{name}}.contacts index c_contact[*] modify format float %.17g
 """
-RATTLING_STEPS = 20000
+RATTLING_STEPS = 10000
 BRASS = "elastoplastic 115e9 0.30 550e6"
 STEEL = "hertz 210e9 0.30"
 
@@ -172,12 +172,12 @@ CASES = {
         steps_of_thermo=2000,
     ),
     "rattling, forgotten contacts listed": script(
-        RATTLING, f"pair_coeff * * {BRASS} yield_factor 1.1", 20000, fixes=WALLS, timestep=1e-7,
+        RATTLING, f"pair_coeff * * {BRASS} yield_factor 1.1", RATTLING_STEPS, fixes=WALLS, timestep=1e-7,
         options="forgotten list", skin=2e-4,
     ),
     "rattling, load and damping": script(
-        RATTLING, f"pair_coeff * * {BRASS}", 20000, fixes=WALLS
-        + "\nfix load all gran/load z half-sine 0.05 1e-3"
+        RATTLING, f"pair_coeff * * {BRASS}", RATTLING_STEPS, fixes=WALLS
+        + "\nfix load all gran/load z force half-sine 0.05 1e-3"
         + "\nfix damp all gran/absorb rate 100.0", timestep=1e-7,
     ),
 }  # fmt: skip
@@ -249,7 +249,7 @@ def test_contacts_of_kokkos_are_those_of_the_plain_style(lammps, case):
 
 
 def test_spheres_go_to_other_ranks(lammps):
-    text = CASES["rattling between walls"]
+    text = CASES["rattling between walls"].replace(str(RATTLING_STEPS), "4000")
     plain = lammps("plain", text)
     place = lammps("ranks", on_card(text), ranks=2)
     assert (place / "end.spheres").read_text() == (plain / "end.spheres").read_text()
