@@ -220,7 +220,8 @@ def on_card(text: str) -> str:
 
 def rows(place: Path) -> tuple[list[list[str]], np.ndarray]:
     """What the log prints about motion and contacts, and the pressures."""
-    printed, pressures = [], []
+    printed = []
+    pressures = []
     for line in (place / "log.lammps").read_text().splitlines():
         if re.fullmatch(r"\s*\d+( +[-+.\dena]+){11}", line):
             *others, pressure = line.split()
