@@ -13,6 +13,7 @@
 # make lint      ruff, mypy, clang-format, a strict build of the plugin; make format mends what can be mended
 # make coverage  which lines the tests run
 # make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
+# make kokkos KOKKOS=DIR    the plugin with pair style gran/hysteretic/kk, and its tests; DIR: installed Kokkos, or its sources
 # make compare-headers LAMMPS=DIR    what the styles use of LAMMPS, compared with the headers in DIR
 # Everything is installed into .venv; PYTHON chooses the interpreter that makes it. Without `make setup` before, and in CI, the others
 # install the package as a user's is.
@@ -37,7 +38,7 @@ BUILD := build/linked
 TYPED := build/typed
 REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
-.PHONY: law setup plugin package demo test validate validate-one docs docs-links gallery results wheel wheels release-check compat compare-headers lint format coverage clean
+.PHONY: law setup plugin package demo test validate validate-one docs docs-links gallery results wheel wheels release-check compat kokkos compare-headers lint format coverage clean
 
 setup: $(if $(CI),$(VENV)/installed,$(VENV)/linked)
 
@@ -151,6 +152,15 @@ compat:
 	PATH=$(abspath $(OLD))/bin:$$PATH $(OLD)/bin/python -m pip install --quiet --no-build-isolation --no-deps .
 	$(OLD)/bin/python -m pytest tests/plugins tests/workflows/run/test_impact.py tests/workflows/cli/test_cli.py \
 	  tests/workflows/cli/test_resume.py
+
+# KOKKOS: the prefix of an installed Kokkos with position-independent code, or its sources, which are built with threads
+kokkos: $(READY)
+	PATH=$(abspath $(BIN)):$$PATH $(BIN)/cmake -S tests/plugins/kokkos -B build/kokkos -G Ninja \
+	  -DGRANWAVE_KOKKOS=$(abspath $(or $(KOKKOS),$(error KOKKOS=DIR names no folder, expected Kokkos or its sources))) \
+	  -DKokkos_ENABLE_SERIAL=ON -DKokkos_ENABLE_OPENMP=ON \
+	  -DPython_EXECUTABLE=$(abspath $(BIN))/python -Dpybind11_DIR=$$($(BIN)/python -m pybind11 --cmakedir) >/dev/null
+	$(BIN)/cmake --build build/kokkos --target granwavestyles granwaveplugin columns_plain columns_kokkos
+	GRANWAVE_KOKKOS_BUILD=build/kokkos $(BIN)/python -m pytest tests/plugins/kokkos
 
 # what the styles use of LAMMPS, compared with other headers, and a compilation with them
 compare-headers: $(READY)

@@ -87,8 +87,11 @@ class Elastoplastic : public NormalLaw {
     return std::string(fault_) + where;
   }
 
-  double loading(double a, const Site &) const { return a <= 1.0 ? hertz_force(a) : loading_beyond_yield(a); }
-  double loading_beyond_yield(double a) const { return amplitude_ * pressure(a) * area_beyond_yield(a); }
+  GRANWAVE_KERNEL double loading(double a, const Site &) const
+  {
+    return a <= 1.0 ? hertz_force(a) : loading_beyond_yield(a);
+  }
+  GRANWAVE_KERNEL double loading_beyond_yield(double a) const { return amplitude_ * pressure(a) * area_beyond_yield(a); }
 
   double loading_slope(double a, const Site &) const
   {
@@ -99,21 +102,21 @@ class Elastoplastic : public NormalLaw {
     return amplitude_ * (pressure_slope * area + pressure(a) * area_slope);
   }
 
-  double loading_work(double a, const Site &) const
+  GRANWAVE_KERNEL double loading_work(double a, const Site &) const
   {
     if (a <= 1.0) return hertz_work(a);
     const double joint = constants_.area_switch;
-    double work = 0.4 + amplitude_ * curved_work(std::min(a, joint));
+    double work = 0.4 + amplitude_ * curved_work(smaller(a, joint));
     if (a > joint) work += amplitude_ * (linear_primitive(a) - linear_primitive(joint));
     return work;
   }
 
-  Turning turning(double peak, const Site &site) const
+  GRANWAVE_KERNEL Turning turning(double peak, const Site &site) const
   {
     Turning t{peak, loading(peak, site), residual(peak), constants_.unloading_exponent};
     // just after yield this exponent would return more energy than loading absorbed, but the law must be passive
     if (continuous_ && peak < settled_)
-      t.exponent = std::max(t.exponent, t.force * (peak - t.residual) / loading_work(peak, site) - 1.0);
+      t.exponent = larger(t.exponent, t.force * (peak - t.residual) / loading_work(peak, site) - 1.0);
     return t;
   }
 
@@ -126,7 +129,7 @@ class Elastoplastic : public NormalLaw {
 
   double area(double a, const Site &) const { return a <= 1.0 ? a : area_beyond_yield(a); }
   /* Without branches (plastic_batch.h). */
-  double area_beyond_yield(double a) const
+  GRANWAVE_KERNEL double area_beyond_yield(double a) const
   {
     const double curved = power(a, area_exponent_);
     return a < constants_.area_switch ? curved : linear_area(a);
@@ -161,15 +164,15 @@ class Elastoplastic : public NormalLaw {
 
   static bool is_continuous(const LawValues &values) { return values[VARIANT] == 0.0; }
 
-  double pressure(double a) const
+  GRANWAVE_KERNEL double pressure(double a) const
   {
     const double limit = constants_.pressure_limit;
     return limit - (limit - pressure_at_yield_) * exponential(-constants_.pressure_rate * (a - 1.0));
   }
 
-  double linear_area(double a) const { return constants_.area_slope * a - constants_.area_offset; }
+  GRANWAVE_KERNEL double linear_area(double a) const { return constants_.area_slope * a - constants_.area_offset; }
 
-  double residual(double peak) const
+  GRANWAVE_KERNEL double residual(double peak) const
   {
     return constants_.residual_slope * peak - constants_.residual_offset +
            residual_amplitude_ * exponential(-constants_.residual_rate * (peak - 1.0));
@@ -213,20 +216,20 @@ class Elastoplastic : public NormalLaw {
   }
 
   /* Integral of pressure(a) a^c3 from 1: 10-point Gauss-Legendre quadrature on panels of doubling width */
-  double curved_work(double a) const
+  GRANWAVE_KERNEL double curved_work(double a) const
   {
     double sum = 0.0;
-    for (double lo = 1.0; lo < a; lo *= 2.0) sum += panel_work(lo, std::min(2.0 * lo, a));
+    for (double lo = 1.0; lo < a; lo *= 2.0) sum += panel_work(lo, smaller(2.0 * lo, a));
     return sum;
   }
 
-  double panel_work(double lo, double hi) const
+  GRANWAVE_KERNEL double panel_work(double lo, double hi) const
   {
     const double mid = 0.5 * (lo + hi), half = 0.5 * (hi - lo);
     double value[10], sum = 0.0;
     for (int n = 0; n < 10; n++) {    // several powers are computed at a time
-      const double at = mid + (n % 2 == 0 ? -half : half) * GAUSS_POINTS[n / 2];
-      value[n] = GAUSS_WEIGHTS[n / 2] * pressure(at) * power(at, area_exponent_);
+      const double at = mid + (n % 2 == 0 ? -half : half) * gauss_point(n / 2);
+      value[n] = gauss_weight(n / 2) * pressure(at) * power(at, area_exponent_);
     }
     for (const double term : value) sum += term;
     return half * sum;
@@ -241,7 +244,7 @@ class Elastoplastic : public NormalLaw {
   }
 
   /* Primitive of pressure(a) linear_area(a) */
-  double linear_primitive(double a) const
+  GRANWAVE_KERNEL double linear_primitive(double a) const
   {
     const double limit = constants_.pressure_limit, slope = constants_.area_slope, b = constants_.pressure_rate;
     const double decay = exponential(-b * (a - 1.0));

@@ -129,8 +129,8 @@ class ElastoplasticFe : public NormalLaw {
     for (double lo = 0.0, hi = FIRST_PANEL; lo < end; lo = hi, hi *= 2.0) {
       const double top = std::min(hi, end), mid = 0.5 * (lo + top), half = 0.5 * (top - lo);
       for (int n = 0; n < 10; n++) {
-        const double u = 1.0 + mid + (n % 2 == 0 ? -half : half) * GAUSS_POINTS[n / 2];
-        sum += half * GAUSS_WEIGHTS[n / 2] * 2.0 * u * beyond(u * u, s);
+        const double u = 1.0 + mid + (n % 2 == 0 ? -half : half) * gauss_point(n / 2);
+        sum += half * gauss_weight(n / 2) * 2.0 * u * beyond(u * u, s);
       }
     }
     return sum;

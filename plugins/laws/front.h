@@ -8,6 +8,8 @@
 #ifndef GRANWAVE_FRONT_H
 #define GRANWAVE_FRONT_H
 
+#include "kernel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -25,7 +27,7 @@ struct Front {
   float time[LEVELS] = {-1.0f, -1.0f, -1.0f, -1.0f, -1.0f, -1.0f};
 
   /* Exponent of the highest power of two that is not above a positive number. */
-  static int level(double value)
+  GRANWAVE_KERNEL static int level(double value)
   {
     constexpr int MANTISSA = 52, BIAS = 1023;    // layout of the bits of a double
     std::uint64_t bits;
@@ -34,17 +36,18 @@ struct Front {
   }
 
   /* Return true if a power of two lies between two numbers, of which the first may be zero. */
-  static bool crosses(double before, double value) { return before <= 0.0 || level(before) != level(value); }
+  GRANWAVE_KERNEL static bool crosses(double before, double value) { return before <= 0.0 || level(before) != level(value); }
 
   /* Record that the largest value increased in the current step. */
-  void rise(double before, double value, double now, double step)
+  GRANWAVE_KERNEL void rise(double before, double value, double now, double step)
   {
     const int highest = level(value);
-    const int lowest = before > 0.0 ? std::max(level(before) + 1, highest - LEVELS + 1) : highest - LEVELS + 1;
+    int lowest = highest - LEVELS + 1;
+    if (before > 0.0 && level(before) + 1 > lowest) lowest = level(before) + 1;
     for (int k = lowest; k <= highest; k++) {
       const double left = before > 0.0 ? (value - std::ldexp(1.0, k)) / (value - before) : 0.0;
-      std::copy_backward(time, time + LEVELS - 1, time + LEVELS);
-      time[0] = static_cast<float>(std::max(now - left * step, 0.0));
+      for (int n = LEVELS - 1; n > 0; n--) time[n] = time[n - 1];
+      time[0] = static_cast<float>(larger(now - left * step, 0.0));
     }
   }
 

@@ -19,6 +19,7 @@
 #ifndef GRANWAVE_NORMAL_LAW_H
 #define GRANWAVE_NORMAL_LAW_H
 
+#include "kernel.h"
 #include "material.h"
 #include "power.h"
 
@@ -35,7 +36,7 @@ struct Turning {
   double exponent;    // n
 
   /* Without branches (plastic_batch.h). */
-  double unloading(double a) const
+  GRANWAVE_KERNEL double unloading(double a) const
   {
     const double part = (a - residual) / (peak - residual), powered = power(part, exponent);
     const double unloaded = force * (exponent == 1.0 ? part : powered);
@@ -43,7 +44,7 @@ struct Turning {
   }
 
   /* Area under the branch up to a: the recoverable energy of the contact. */
-  double elastic_energy(double a) const
+  GRANWAVE_KERNEL double elastic_energy(double a) const
   {
     if (a <= residual || peak <= residual) return 0.0;
     const double span = peak - residual;
@@ -51,13 +52,13 @@ struct Turning {
   }
 
   /* Slope below the peak. */
-  double slope(double a) const { return a > residual ? exponent * unloading(a) / (a - residual) : 0.0; }
+  GRANWAVE_KERNEL double slope(double a) const { return a > residual ? exponent * unloading(a) / (a - residual) : 0.0; }
 
   /* Slope at the start of unloading. */
-  double slope() const { return peak > residual ? exponent * force / (peak - residual) : 0.0; }
+  GRANWAVE_KERNEL double slope() const { return peak > residual ? exponent * force / (peak - residual) : 0.0; }
 
   /* Squared radius of the contact circle below a peak, from its value at the peak, in units of R* alpha_y. */
-  double area(double a, double area_at_peak) const
+  GRANWAVE_KERNEL double area(double a, double area_at_peak) const
   {
     return a > residual ? area_at_peak * ((a - residual) / (peak - residual)) : 0.0;
   }
@@ -117,15 +118,24 @@ struct NormalLaw {
 };
 
 /* Force of Hertzian contacts, and of other laws in their elastic range. */
-inline double hertz_force(double a) { return a * std::sqrt(a); }
-inline double hertz_slope(double a) { return 1.5 * std::sqrt(a); }
-inline double hertz_work(double a) { return 0.4 * a * a * std::sqrt(a); }
+GRANWAVE_KERNEL double hertz_force(double a) { return a * std::sqrt(a); }
+GRANWAVE_KERNEL double hertz_slope(double a) { return 1.5 * std::sqrt(a); }
+GRANWAVE_KERNEL double hertz_work(double a) { return 0.4 * a * a * std::sqrt(a); }
 
 /* Quadrature after Gauss and Legendre with 10 points, those on one side of the middle of an interval from -1 to 1. */
-constexpr double GAUSS_POINTS[] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845,
-                                   0.9739065285171717};
-constexpr double GAUSS_WEIGHTS[] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
-                                    0.0666713443086881};
+GRANWAVE_KERNEL double gauss_point(int n)
+{
+  constexpr double POINTS[] = {0.1488743389816312, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845,
+                               0.9739065285171717};
+  return POINTS[n];
+}
+
+GRANWAVE_KERNEL double gauss_weight(int n)
+{
+  constexpr double WEIGHTS[] = {0.2955242247147529, 0.2692667193099963, 0.2190863625159820, 0.1494513491505806,
+                                0.0666713443086881};
+  return WEIGHTS[n];
+}
 
 /* Hertzian contact: f = a^1.5 at any overlap, without dissipation. */
 class Hertz : public NormalLaw {

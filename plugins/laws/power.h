@@ -12,6 +12,8 @@
 #ifndef GRANWAVE_POWER_H
 #define GRANWAVE_POWER_H
 
+#include "kernel.h"
+
 #include <cstdint>
 #include <cstring>
 
@@ -19,14 +21,14 @@ namespace granwave {
 
 namespace power_parts {
 
-inline std::uint64_t bits_of(double x)
+GRANWAVE_KERNEL std::uint64_t bits_of(double x)
 {
   std::uint64_t bits;
   std::memcpy(&bits, &x, sizeof(bits));
   return bits;
 }
 
-inline double double_of(std::uint64_t bits)
+GRANWAVE_KERNEL double double_of(std::uint64_t bits)
 {
   double x;
   std::memcpy(&x, &bits, sizeof(x));
@@ -34,20 +36,20 @@ inline double double_of(std::uint64_t bits)
 }
 
 /* The first 21 bits of the mantissa: products of two such numbers are exact. */
-inline double upper(double x) { return double_of(bits_of(x) & 0xffffffff00000000); }
+GRANWAVE_KERNEL double upper(double x) { return double_of(bits_of(x) & 0xffffffff00000000); }
 
 /* The nearest integer: beyond 2^52 doubles are integers. */
-inline double nearest(double x) { return (x + 0x1.8p52) - 0x1.8p52; }
+GRANWAVE_KERNEL double nearest(double x) { return (x + 0x1.8p52) - 0x1.8p52; }
 
 /* 2^n for an integer from -1022 to 1023, to which others are limited. */
-inline double power_of_two(double n)
+GRANWAVE_KERNEL double power_of_two(double n)
 {
   const double limited = n < -1022.0 ? -1022.0 : n > 1023.0 ? 1023.0 : n;
   return double_of(bits_of(limited + (0x1p52 + 1023.0)) << 52);
 }
 
 /* z - 2 z / (exp(z) - 1) + z: a polynomial in z^2, for |z| < 0.35. */
-inline double remainder_of_exponential(double z)
+GRANWAVE_KERNEL double remainder_of_exponential(double z)
 {
   const double t = z * z;
   return z -
@@ -59,7 +61,7 @@ inline double remainder_of_exponential(double z)
 }    // namespace power_parts
 
 /* exp(x) for x < 709; below -708 it stays at 2^-1022. */
-inline double exponential(double x)
+GRANWAVE_KERNEL double exponential(double x)
 {
   using namespace power_parts;
   const double n = nearest(x * 1.44269504088896338700e+00);
@@ -69,7 +71,7 @@ inline double exponential(double x)
 }
 
 /* x^y for positive x, neither denormal nor infinite; results are limited to the range of normal numbers. 1^y = 1. */
-inline double power(double x, double y)
+GRANWAVE_KERNEL double power(double x, double y)
 {
   using namespace power_parts;
   // x = 2^n m, with m from sqrt(3)/2 to sqrt(3) in two intervals around 1 and 3/2
@@ -111,7 +113,7 @@ inline double power(double x, double y)
 }
 
 /* ln(x) of a positive normal number. */
-inline double logarithm(double x)
+GRANWAVE_KERNEL double logarithm(double x)
 {
   const std::uint64_t bits = power_parts::bits_of(x);
   const double mantissa = power_parts::double_of((bits & 0x000fffffffffffff) | 0x3ff0000000000000);    // from 1 to 2

@@ -12,3 +12,6 @@
 #include "fix_wall_gran_hysteretic.h"
 #include "gran_dents.h"
 #include "pair_gran_hysteretic.h"
+#ifdef GRANWAVE_KOKKOS
+#include "../kokkos/pair_gran_hysteretic_kokkos.h"
+#endif

@@ -27,7 +27,7 @@ ComputeGranHysteretic::~ComputeGranHysteretic()
 /* Find the pair style, which the script may have replaced since the last run. */
 void ComputeGranHysteretic::init()
 {
-  pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
+  pair = PairGranHysteretic::find(force);
   if (!pair) error->all(FLERR, "Compute {} requires pair style {}", style, PairGranHysteretic::STYLE);
 }
 

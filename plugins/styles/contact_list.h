@@ -11,6 +11,8 @@
 #include "../laws/touching_pairs.h"
 #include "pair_rows.h"
 
+#include <functional>
+
 namespace granwave {
 
 class ContactList : public PairRows {
@@ -40,6 +42,7 @@ class ContactList : public PairRows {
     std::vector<double> peak, time_peak, time_yield, reached, extra;
   };
   Start start;
+  std::function<void()> bring_back;    // called before histories are read; set where they may be in the memory of a card
   RestingBlocks resting;
   RowGroups groups;                   // groups of the plain rows
   std::vector<char> quiet_special;    // 1 for special rows in which no pair touched at the last evaluation
@@ -78,6 +81,7 @@ class ContactList : public PairRows {
   /* Call a function for each pair that has touched, as each_pair. */
   template <class Visit> void each_dent(const Visit &visit) const
   {
+    if (bring_back) bring_back();
     constexpr int ROWS = RestingBlocks::SIZE;    // rows that are skipped at a time
     for (int first = 0; first < rows(); first += ROWS) {
       const int last = std::min(first + ROWS, rows());

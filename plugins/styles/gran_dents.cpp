@@ -59,7 +59,7 @@ void GranDents::command(int narg, char **arg)
   if (!(alone && narg == 1) && !(word == "read" && narg == 2))
     error->all(FLERR, "Illegal {} command: expected 'read FILE', 'begin' or 'clear'", STYLE);
   if (!domain->box_exist) error->all(FLERR, "Command {} before the simulation box is defined", STYLE);
-  pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
+  pair = PairGranHysteretic::find(force);
   if (!pair) error->all(FLERR, "Command {} requires pair style {}", STYLE, PairGranHysteretic::STYLE);
   build_lists();
   pair->prepare_initial_dents();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "pair_geometry.h"
 
+#include "../laws/periodic_images.h"
+
 #include "atom.h"
 #include "domain.h"
 
@@ -14,37 +16,6 @@ namespace granwave {
 namespace {
 
 using Vector = PairGeometry::Vector;
-
-/* Shifts of a ghost along x, y and z by its images along the three edges of the box, one after the other, as LAMMPS makes them. */
-std::array<Vector, 3> shifts_of(const std::int8_t images[3], const double edges[6])
-{
-  const double along_a = images[0], along_b = images[1], along_c = images[2];
-  return {Vector{along_a * edges[0], along_b * edges[5], along_c * edges[4]},
-          Vector{0.0, along_b * edges[1], along_c * edges[3]}, Vector{0.0, 0.0, along_c * edges[2]}};
-}
-
-/* Difference of two quantities of spheres i and j, of which one is that of a ghost, from those of the ghosts of both.
-
-   shifts      those of the ghost
-   ghost_is_j  true if the ghost is that of j
-   shifted     _i, _j: whether the quantities of i and j are shifted with their ghosts */
-Vector difference(const double *of_i, const double *of_j, const std::array<Vector, 3> &shifts, bool ghost_is_j,
-                  bool shifted_i, bool shifted_j)
-{
-  Vector result;
-  const bool present_is_shifted = ghost_is_j ? shifted_i : shifted_j;
-  for (int d = 0; d < 3; d++) {
-    double present = ghost_is_j ? of_i[d] : of_j[d], whole = 0.0;
-    for (const double shift : shifts[d]) {
-      if (present_is_shifted) present -= shift;
-      whole += shift;
-    }
-    const double apart = ghost_is_j ? present - of_j[d] : of_i[d] - present;
-    const double back = ghost_is_j ? whole : -whole;
-    result[d] = shifted_i && shifted_j ? apart + back : apart;
-  }
-  return result;
-}
 
 Vector plain_difference(const double *of_i, const double *of_j)
 {
@@ -70,7 +41,9 @@ PairGeometry::Vector PairGeometry::vector_between(int i, int j) const
   const auto &of_ghost = images(ghost_is_j ? j : i);
   if (of_ghost.none()) return plain_difference(xi, xj);
   const double edges[6] = {domain.xprd, domain.yprd, domain.zprd, domain.yz, domain.xz, domain.xy};
-  return difference(xi, xj, shifts_of(of_ghost.along, edges), ghost_is_j, true, true);
+  Vector between;
+  image_difference(xi, xj, image_shift(of_ghost.along, edges), ghost_is_j, true, true, between.data());
+  return between;
 }
 
 PairGeometry::Vector PairGeometry::relative_velocity(int i, int j) const
@@ -82,8 +55,10 @@ PairGeometry::Vector PairGeometry::relative_velocity(int i, int j) const
   const auto &of_ghost = images(ghost_is_j ? j : i);
   if (!flows_ || of_ghost.none()) return plain_difference(vi, vj);
   const int group = domain.deform_groupbit;
-  return difference(vi, vj, shifts_of(of_ghost.along, domain.h_rate), ghost_is_j, (atom.mask[i] & group) != 0,
-                    (atom.mask[j] & group) != 0);
+  const bool jumps_i = (atom.mask[i] & group) != 0, jumps_j = (atom.mask[j] & group) != 0;
+  Vector relative;
+  image_difference(vi, vj, image_shift(of_ghost.along, domain.h_rate), ghost_is_j, jumps_i, jumps_j, relative.data());
+  return relative;
 }
 
 CylinderPair::Separation PairGeometry::separation(int i, int j) const

@@ -2,9 +2,7 @@
 /* Distance, normal and relative velocity of the two bodies of a pair, across periodic boundaries too.
 
    A pair across a periodic boundary is computed for each of its spheres i and j, once with j and a ghost of i, and once with i and a ghost
-   of j. LAMMPS rounds the coordinates of ghosts, x_i - s and x_j + s with the shift s of the image, so that the vectors to them differ
-   in their last bits. Both of these ghosts are known in both cases, since a coordinate that is there can be shifted as LAMMPS does it: the
-   vector is computed from the two ghosts, as (x_i - s) - (x_j + s) + s. */
+   of j, from the same numbers (periodic_images.h). */
 
 #ifndef GRANWAVE_PAIR_GEOMETRY_H
 #define GRANWAVE_PAIR_GEOMETRY_H
@@ -30,6 +28,8 @@ class PairGeometry {
 
   /* True if velocities jump across periodic boundaries. */
   bool flows() const { return flows_; }
+  /* Images of a ghost, none for an owned atom. */
+  const LAMMPS_NS::FixGranHystereticHistory::Images &images(int i) const { return history_->images(i); }
   /* True if spheres i and j touch across a periodic boundary. */
   bool crosses(int i, int j) const { return !images(i).none() || !images(j).none(); }
   /* Vector from sphere j to sphere i. */
@@ -46,8 +46,6 @@ class PairGeometry {
   void unit_normal(int i, int j, double (&normal)[3]) const;
 
  private:
-  const LAMMPS_NS::FixGranHystereticHistory::Images &images(int i) const { return history_->images(i); }
-
   LAMMPS_NS::LAMMPS *lmp_;
   const PairLaws &laws_;
   const LAMMPS_NS::FixGranHystereticHistory *history_ = nullptr;

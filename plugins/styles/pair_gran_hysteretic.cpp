@@ -15,6 +15,11 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
+PairGranHysteretic *PairGranHysteretic::find(Force *force)
+{
+  return dynamic_cast<PairGranHysteretic *>(force->pair_match("^gran/hysteretic", 0));
+}
+
 PairGranHysteretic::PairGranHysteretic(LAMMPS *lmp) : Pair(lmp)
 {
   restartinfo = 1;

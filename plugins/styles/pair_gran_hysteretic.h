@@ -48,6 +48,9 @@ class PairGranHysteretic : public Pair {
 
   using Report = granwave::ContactReport;
 
+  /* Return the pair style in use, also as a sub-style of pair_style hybrid, or as gran/hysteretic/kk; null if there is none. */
+  static PairGranHysteretic *find(Force *);
+
   explicit PairGranHysteretic(LAMMPS *);
   ~PairGranHysteretic() override;
 
@@ -106,7 +109,7 @@ class PairGranHysteretic : public Pair {
   void begin_initial_dents(bool keeps);
   std::map<Ids, DentStatus> set_contacts(const std::map<Ids, granwave::KnownContact> &);
 
- private:
+ protected:    // for its version on cards
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   // 13: the blocks of records have only what is in use (fix_gran_hysteretic_history.cpp)

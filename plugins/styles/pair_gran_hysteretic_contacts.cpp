@@ -188,6 +188,7 @@ void PairGranHysteretic::require_contacts()
   if (!contacts.valid)
     error->one(FLERR, "The contacts of pair style gran/hysteretic are not current: spheres were added, deleted or reordered "
                       "since the last run; use 'run 0' first");
+  if (contacts.bring_back) contacts.bring_back();
 }
 
 /* ---------------------------------------------------------------------- initial dents */
