@@ -1,5 +1,5 @@
-"""Pair style gran/hysteretic/kk beside the plain style: all that is printed about spheres and contacts
-has the same digits, on one thread and on several.
+"""Pair style gran/hysteretic/kk compared with the plain style: all that is printed about spheres
+and contacts has the same digits, on one thread and on several.
 """
 
 from __future__ import annotations
@@ -37,11 +37,13 @@ compute         sphere all gran/hysteretic/atom
 compute         contact all gran/hysteretic/local
 compute         now all gran/hysteretic/energy
 compute         kinetic all ke
-thermo_style    custom step time atoms c_kinetic pe c_now c_now[1] c_now[2] c_now[3] c_now[4] c_now[5] press
+thermo_style    custom step time atoms c_kinetic pe c_now c_now[1] c_now[2] &
+                c_now[3] c_now[4] c_now[5] press
 thermo_modify   norm no format float %.17g
 thermo          {steps_of_thermo}
 run             {steps}
-write_dump      all custom {{name}}.spheres id type x y z vx vy vz fx fy fz c_sphere[*] modify sort id format float %.17g
+write_dump      all custom {{name}}.spheres id type x y z vx vy vz fx fy fz c_sphere[*] &
+                modify sort id format float %.17g
 write_dump      all local {{name}}.contacts index c_contact[*] modify format float %.17g
 """
 RATTLING_STEPS = 10000
@@ -81,7 +83,8 @@ create_box      2 box
 region          block block -0.1 {cells - 0.1} -0.1 {cells - 0.1} -0.1 {height - 0.1}
 create_atoms    1 region block
 set             type 1 diameter 0.01 density 8500
-create_atoms    2 single $(0.01*sqrt(2)*{cells}/2) $(0.01*sqrt(2)*{cells}/2) $(0.01*sqrt(2)*({height}-0.5)+{0.0055 + 0.5 * striker}) units box
+create_atoms    2 single $(0.01*sqrt(2)*{cells}/2) $(0.01*sqrt(2)*{cells}/2) &
+                $(0.01*sqrt(2)*({height}-0.5)+{0.0055 + 0.5 * striker}) units box
 set             type 2 diameter {striker} density 7800
 group           striker type 2
 velocity        striker set 0.1 0.2 -5.0 units box
@@ -139,7 +142,9 @@ change_box      all triclinic xy final $(0.3*lx) xz final $(0.1*lx) yz final 0.0
 
 CASES = {
     "chain, hertz": script(CHAIN.format(speed=1.0), f"pair_coeff * * {STEEL}", 12000, "m m m"),
-    "chain, elastoplastic": script(CHAIN.format(speed=5.0), f"pair_coeff * * {BRASS}", 12000, "m m m"),
+    "chain, elastoplastic": script(
+        CHAIN.format(speed=5.0), f"pair_coeff * * {BRASS}", 12000, "m m m"
+    ),
     "block, free": script(
         block(4),
         f"pair_coeff 1 1 {BRASS}\npair_coeff 2 2 {STEEL}\npair_coeff 1 2 {BRASS} 210e9 0.30 INF",
@@ -172,7 +177,8 @@ CASES = {
         steps_of_thermo=2000,
     ),
     "rattling, forgotten contacts listed": script(
-        RATTLING, f"pair_coeff * * {BRASS} yield_factor 1.1", RATTLING_STEPS, fixes=WALLS, timestep=1e-7,
+        RATTLING, f"pair_coeff * * {BRASS} yield_factor 1.1", RATTLING_STEPS, fixes=WALLS,
+        timestep=1e-7,
         options="forgotten list", skin=2e-4,
     ),
     "rattling, load and damping": script(
