@@ -27,7 +27,6 @@ DIRECTIVES = {
 #SBATCH --export=ALL
 #SBATCH --ntasks=7
 #SBATCH --nodes=2
-#SBATCH --ntasks-per-node=4
 #SBATCH --time=90
 #SBATCH --mem=3000
 #SBATCH --signal=TERM@90
