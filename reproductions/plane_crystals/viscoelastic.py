@@ -19,7 +19,9 @@ from scipy.spatial import cKDTree
 import granwave as gw
 from granwave.measures import Chain
 
-ELASTIC, IN_MS, IN_S = "no relaxation", "times in ms", "times in s"
+ELASTIC = "no relaxation"
+IN_MS = "times in ms"
+IN_S = "times in s"
 SHORTEST = 1e-2  # s, between time constants in ms and in s
 WIDE = 24  # grains a row: the sides do not reach the middle line
 DECAY = {"BCC": 1.6, "HCP": 1.8}  # 1/m, printed
@@ -74,7 +76,8 @@ def contacts_of(crystal):
         result[f"lines/all/{name}"] for name in ("time", "position", "displacement")
     )
     until = time <= EVENT
-    time, displacement = time[until], displacement[until]
+    time = time[until]
+    displacement = displacement[until]
     diameter = crystal.case.packing.diameter
     pairs = cKDTree(position).query_pairs(TOUCHING * diameter, output_type="ndarray")
     first, second = pairs.T
@@ -85,14 +88,16 @@ def contacts_of(crystal):
     relaxed = np.array([law.relax(one, time, branches)["force"] for one in overlap.T])
     instant = law.force(overlap.T, overlap.T)
     loaded = relaxed.max(axis=1) > LOADED * relaxed.max()
-    relaxed, instant = relaxed[loaded], instant[loaded]
+    relaxed = relaxed[loaded]
+    instant = instant[loaded]
     fraction = (relaxed * instant).sum(axis=1) / (instant**2).sum(axis=1)
     gained = np.trapezoid(relaxed, time) / (fraction * np.trapezoid(instant, time)) - 1
     return Contacts(INSTANT * fraction, 100 * gained)
 
 
 def rows(crystals):
-    here, wide = crystals["here"], crystals["wide"]
+    here = crystals["here"]
+    wide = crystals["wide"]
     for name in here:
         yield from of_decay(name, wide[name])
     for name, by_law in here.items():
@@ -123,7 +128,8 @@ def of_decay(name, by_law):
 
 def of_waves(name, by_law):
     """Speed, second peak and loss in a crystal of the size of the reference."""
-    relaxing, elastic = by_law[IN_MS], by_law[ELASTIC]
+    relaxing = by_law[IN_MS]
+    elastic = by_law[ELASTIC]
     speed = relaxing.down.front_speed
     ratio = speed / elastic.down.front_speed
     yield gw.Row(
