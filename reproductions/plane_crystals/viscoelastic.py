@@ -121,8 +121,8 @@ def of_decay(name, by_law):
         where=f"{SOURCE}, 7", digits=3, remark="By friction and the plate only.",
     )  # fmt: skip
     yield gw.Row(
-        f"Decay by relaxation, {IN_MS} less none, {name}", "1/m", ours=rates[IN_MS] - rates[ELASTIC],
-        where=f"{SOURCE}, 7", digits=2,
+        f"Decay by relaxation, {IN_MS} less none, {name}", "1/m",
+        ours=rates[IN_MS] - rates[ELASTIC], where=f"{SOURCE}, 7", digits=2,
     )  # fmt: skip
 
 
@@ -134,14 +134,15 @@ def of_waves(name, by_law):
     ratio = speed / elastic.down.front_speed
     yield gw.Row(
         f"Front speed, {IN_MS}, {name}", "m/s", SPEED, speed, f"{SOURCE}, Fig. 9", digits=3,
-        remark=f"That of elastic grains of {INSTANT * ratio**2:.0f} MPa, as speeds go with the root "
-        "of the modulus: the front is faster than the modulus relaxes. The printed speed needs 25 to "
-        "76 MPa: not explained.",
+        remark=f"That of elastic grains of {INSTANT * ratio**2:.0f} MPa, as speeds go with the "
+        "root of the modulus: the front is faster than the modulus relaxes. The printed speed "
+        "needs 25 to 76 MPa: not explained.",
     )  # fmt: skip
     yield gw.Row(
         f"Second, small peak of the speed in deep grains, {IN_MS}, {name}", "ms", SECOND,
         1e3 * later_peak(relaxing), f"{SOURCE}, Fig. 9", digits=2,
-        remark=f"Waves are {speed / SPEED:.1f} times as fast as the printed ones, and return sooner.",
+        remark=f"Waves are {speed / SPEED:.1f} times as fast as the printed ones, and return "
+        "sooner.",
     )  # fmt: skip
     for law in (IN_MS, IN_S):
         yield gw.Row(
@@ -158,8 +159,8 @@ def of_contacts(name, contacts):
         yield gw.Row(
             f"Effective modulus at the contacts of the run, {word}, {name}", "MPa", printed, found,
             f"{SOURCE}, 3", digits=3,
-            remark="The source's: of four contacts, whose places are a picture. Ours: the linear law "
-            "that fits the viscoelastic force of the first 6 ms best, at all contacts with a tenth "
+            remark="The source's: of four contacts, whose places are a picture. Ours: the linear "
+            "law that fits the viscoelastic force of the first 6 ms best, at all contacts with a tenth "
             f"of the largest force; median {np.median(contacts.modulus):.0f} MPa.",
         )  # fmt: skip
     for word, printed, found in zip(
@@ -168,8 +169,8 @@ def of_contacts(name, contacts):
         yield gw.Row(
             f"Difference of impulses at the contacts of the run, {word}, {name}", "%", printed,
             found, f"{SOURCE}, Fig. 3", digits=3,
-            remark="The viscoelastic against this linear law. The source's strains are measured and "
-            "not printed: not explained.",
+            remark="The viscoelastic against this linear law. The source's strains are measured "
+            "and not printed: not explained.",
         )  # fmt: skip
 
 
