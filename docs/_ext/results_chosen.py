@@ -63,7 +63,7 @@ CHOSEN = (
         ),
     ),
     (
-        "Soft cylinders between walls: front speed in the centred-square over the hexagonal crystal",
+        "Soft cylinders between walls: front speed, centred-square over hexagonal crystal",
         "lateral",
         "crystals",
         ("Front speed of BCC over that of HCP, crystals of 40",),

@@ -33,7 +33,8 @@ def rows(runs):
                 f"V, N2 = {n}, brass yielding at {strength:g} MPa", "m/s", ours=speed, where=WHERE,
                 digits=4,
             )  # fmt: skip
-    shortest, longest = min(found), max(found)
+    shortest = min(found)
+    longest = max(found)
     strengths, speeds = found[longest]
     strength = np.interp(MEASURED[longest], speeds, strengths)
     yield gw.Row(

@@ -19,7 +19,9 @@ from scipy.spatial import cKDTree
 import granwave as gw
 from granwave.measures import Chain
 
-ELASTIC, IN_MS, IN_S = "no relaxation", "times in ms", "times in s"
+ELASTIC = "no relaxation"
+IN_MS = "times in ms"
+IN_S = "times in s"
 SHORTEST = 1e-2  # s, between time constants in ms and in s
 WIDE = 24  # grains a row: the sides do not reach the middle line
 DECAY = {"BCC": 1.6, "HCP": 1.8}  # 1/m, printed
@@ -74,7 +76,8 @@ def contacts_of(crystal):
         result[f"lines/all/{name}"] for name in ("time", "position", "displacement")
     )
     until = time <= EVENT
-    time, displacement = time[until], displacement[until]
+    time = time[until]
+    displacement = displacement[until]
     diameter = crystal.case.packing.diameter
     pairs = cKDTree(position).query_pairs(TOUCHING * diameter, output_type="ndarray")
     first, second = pairs.T
@@ -85,14 +88,16 @@ def contacts_of(crystal):
     relaxed = np.array([law.relax(one, time, branches)["force"] for one in overlap.T])
     instant = law.force(overlap.T, overlap.T)
     loaded = relaxed.max(axis=1) > LOADED * relaxed.max()
-    relaxed, instant = relaxed[loaded], instant[loaded]
+    relaxed = relaxed[loaded]
+    instant = instant[loaded]
     fraction = (relaxed * instant).sum(axis=1) / (instant**2).sum(axis=1)
     gained = np.trapezoid(relaxed, time) / (fraction * np.trapezoid(instant, time)) - 1
     return Contacts(INSTANT * fraction, 100 * gained)
 
 
 def rows(crystals):
-    here, wide = crystals["here"], crystals["wide"]
+    here = crystals["here"]
+    wide = crystals["wide"]
     for name in here:
         yield from of_decay(name, wide[name])
     for name, by_law in here.items():
@@ -116,26 +121,28 @@ def of_decay(name, by_law):
         where=f"{SOURCE}, 7", digits=3, remark="By friction and the plate only.",
     )  # fmt: skip
     yield gw.Row(
-        f"Decay by relaxation, {IN_MS} less none, {name}", "1/m", ours=rates[IN_MS] - rates[ELASTIC],
-        where=f"{SOURCE}, 7", digits=2,
+        f"Decay by relaxation, {IN_MS} less none, {name}", "1/m",
+        ours=rates[IN_MS] - rates[ELASTIC], where=f"{SOURCE}, 7", digits=2,
     )  # fmt: skip
 
 
 def of_waves(name, by_law):
     """Speed, second peak and loss in a crystal of the size of the reference."""
-    relaxing, elastic = by_law[IN_MS], by_law[ELASTIC]
+    relaxing = by_law[IN_MS]
+    elastic = by_law[ELASTIC]
     speed = relaxing.down.front_speed
     ratio = speed / elastic.down.front_speed
     yield gw.Row(
         f"Front speed, {IN_MS}, {name}", "m/s", SPEED, speed, f"{SOURCE}, Fig. 9", digits=3,
-        remark=f"That of elastic grains of {INSTANT * ratio**2:.0f} MPa, as speeds go with the root "
-        "of the modulus: the front is faster than the modulus relaxes. The printed speed needs 25 to "
-        "76 MPa: not explained.",
+        remark=f"That of elastic grains of {INSTANT * ratio**2:.0f} MPa, as speeds go with the "
+        "root of the modulus: the front is faster than the modulus relaxes. The printed speed "
+        "needs 25 to 76 MPa: not explained.",
     )  # fmt: skip
     yield gw.Row(
         f"Second, small peak of the speed in deep grains, {IN_MS}, {name}", "ms", SECOND,
         1e3 * later_peak(relaxing), f"{SOURCE}, Fig. 9", digits=2,
-        remark=f"Waves are {speed / SPEED:.1f} times as fast as the printed ones, and return sooner.",
+        remark=f"Waves are {speed / SPEED:.1f} times as fast as the printed ones, and return "
+        "sooner.",
     )  # fmt: skip
     for law in (IN_MS, IN_S):
         yield gw.Row(
@@ -152,8 +159,8 @@ def of_contacts(name, contacts):
         yield gw.Row(
             f"Effective modulus at the contacts of the run, {word}, {name}", "MPa", printed, found,
             f"{SOURCE}, 3", digits=3,
-            remark="The source's: of four contacts, whose places are a picture. Ours: the linear law "
-            "that fits the viscoelastic force of the first 6 ms best, at all contacts with a tenth "
+            remark="The source's: of four contacts, whose places are a picture. Ours: the linear "
+            "law that fits the viscoelastic force of the first 6 ms best, at all contacts with a tenth "
             f"of the largest force; median {np.median(contacts.modulus):.0f} MPa.",
         )  # fmt: skip
     for word, printed, found in zip(
@@ -162,8 +169,8 @@ def of_contacts(name, contacts):
         yield gw.Row(
             f"Difference of impulses at the contacts of the run, {word}, {name}", "%", printed,
             found, f"{SOURCE}, Fig. 3", digits=3,
-            remark="The viscoelastic against this linear law. The source's strains are measured and "
-            "not printed: not explained.",
+            remark="The viscoelastic against this linear law. The source's strains are measured "
+            "and not printed: not explained.",
         )  # fmt: skip
 
 

@@ -83,8 +83,9 @@ def rows(runs):
             source=SWITCH,
             ours=wave.merger,
             where="thesis 2.2.3, 2.2.4",
-            remark=f"The source: about {SWITCH}, from {SWITCHES[0]} to {SWITCHES[1]}, where a trailing wave merges with "
-            f"the leading one; elsewhere {MERGER} for the smallest impulse. Ours: where the leading peak ceases to fall.",
+            remark=f"The source: about {SWITCH}, from {SWITCHES[0]} to {SWITCHES[1]}, where a "
+            f"trailing wave merges with the leading one; elsewhere {MERGER} for the smallest "
+            "impulse. Ours: where the leading peak ceases to fall.",
         )
         yield gw.Row(
             f"First contact that a later wave presses more, {wave.tag}",
