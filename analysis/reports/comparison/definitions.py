@@ -44,6 +44,10 @@ def _inputs(runs: Sequence[ComparedRun]) -> str:
     if largest - min(inputs.values()) <= _SAME_INPUT * largest:
         return ""
     listed = _listed(list(inputs), lambda run: quantity_in(inputs[run], "J"))
+    if len(inputs) > _MOST_LISTED:
+        least, *_, most = sorted(inputs, key=lambda run: inputs[run])
+        ends = [f"{quantity_in(inputs[run], 'J')} in {run.name}" for run in (least, most)]
+        listed = f"from {ends[0]} to {ends[1]}"
     return (
         f"Energy inputs differ: {listed}. Forces, energies and sizes of the plastic zone are not "
         "divided by them; fractions are."
