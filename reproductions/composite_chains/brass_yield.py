@@ -18,11 +18,11 @@ MEASURED = SPEEDS["brass-composite"]
 
 def speeds_of(runs):
     """Yield strengths, MPa, and the speeds V at each, m/s, by the beads in the section."""
-    groups = by(sections(runs), lambda section: section.n)
-    return {
-        n: np.array(sorted((one.material.yield_strength / MEGA, one.speed) for one in group)).T
-        for n, group in groups.items()
-    }
+    found = {}
+    for n, group in by(sections(runs), lambda section: section.n).items():
+        points = sorted((one.material.yield_strength / MEGA, one.speed) for one in group)
+        found[n] = np.array(points).T
+    return found
 
 
 def rows(runs):

@@ -160,7 +160,8 @@ def of_contacts(name, contacts):
             f"Effective modulus at the contacts of the run, {word}, {name}", "MPa", printed, found,
             f"{SOURCE}, 3", digits=3,
             remark="The source's: of four contacts, whose places are a picture. Ours: the linear "
-            "law that fits the viscoelastic force of the first 6 ms best, at all contacts with a tenth "
+            "law that fits the viscoelastic force of the first 6 ms best, at all contacts "
+            "with a tenth "
             f"of the largest force; median {np.median(contacts.modulus):.0f} MPa.",
         )  # fmt: skip
     for word, printed, found in zip(
