@@ -118,8 +118,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("force_histories", rows.force_histories, "Forces of individual contacts",
      "Equal successive pulses are a steady wave; pulses that become lower and longer lose energy."),
     ("along_chain", rows.along_chain, "Peak force and dissipation along the chain",
-     "Constant values show a wave without decay; decreasing values show its decay. Contacts whose "
-     "force still rises at the end are not drawn."),
+     "Constant values show a wave without decay; decreasing values show its decay. Forces that "
+     "still rise at the end are left out."),
     ("bead_velocities", rows.bead_velocities, "Velocities along the chain",
      "Each curve is the whole chain at one instant: the front moves to the right, and its height "
      "shows the decay."),

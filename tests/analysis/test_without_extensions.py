@@ -79,8 +79,8 @@ for name in ("run", "empty", "notes", "spectra", "design", "other", "none"):
     expected = "expected result.h5 in it, written by  granwave run CASE -o"
     assert without("all", place, text).splitlines() == [
         "run/result.h5 is missing: make it with  granwave analyse run",
-        f"empty: is no run: it is empty; {expected} empty  leaves it",
-        f"notes: is no run: it holds a.txt; {expected} notes  leaves it",
+        f"empty: is no run: it is empty; {expected} empty",
+        f"notes: is no run: it holds a.txt; {expected} notes",
         f"spectra: holds bands or modes of the extension waves, {LEFT_OUT}",
         f"design: holds a search for a design of the extension design, {LEFT_OUT}",
         'other: contains results of the kind "acoustics", but the extension that reads them is not '

@@ -280,7 +280,7 @@ def test_waves_from_bounds_are_told_with_the_share_of_these_blocks(impacts: Impa
     )
     whole = concat([marked, runs[1:]])
     text = " ".join(notes_on_zones(Impacts(impacts.granular[:0], whole)))
-    assert "at most 3.2 % of the energy of yielding" in text
+    assert "at most 3.2 % of the plastic dissipation" in text
     assert "no impact was computed in two blocks of different sizes" in text
     larger = marked.assign(
         block_volume=2 * marked.block_volume,

@@ -288,6 +288,7 @@ write_data {tmp_path / "grains.data"}
 OF_EACH_READER = (
     "dump", "dump of liggghts", "yaml", "data", "molecule", "yade.txt", "yade.spheres",
     "mercury.data", "mercury.restart", "lethe", "vtk", "vtp appended", "h5md", "xyz",
+    "esys.geo", "mfix", "packing.xyzd",
 )  # fmt: skip
 
 
