@@ -401,9 +401,7 @@ class TestContinuation:
         ):
             write_result(tmp_path / "2")
         (tmp_path / "2" / "dumps" / "initial_forces.0.dump").unlink()
-        with pytest.raises(
-            MissingOutputError, match=r"initial_forces\.0\.dump is missing: each of 2 ranks"
-        ):
+        with pytest.raises(MissingOutputError, match=r"initial_forces\.%\.dump is missing"):
             write_result(tmp_path / "2")
 
     def test_deck_runs_by_hand(self, lmp, tmp_path: Path) -> None:
