@@ -17,10 +17,10 @@ inline const std::vector<ContactLaw> &laws()
 {
   static const std::vector<ContactLaw> all = [] {
     std::vector<ContactLaw> made;
-    for (const std::vector<std::string> &words :
-         {std::vector<std::string>{"elastoplastic", "115e9", "0.3", "550e6"}, {"hertz", "210e9", "0.3"},
-          {"elastoplastic", "115e9", "0.3", "550e6", "yield_factor", "1.1"},
-          {"elastoplastic", "115e9", "0.3", "550e6", "variant", "published"}}) {
+    for (const std::vector<std::string> &words : {std::vector<std::string>{"elastoplastic", "115e9", "0.3", "550e6"},
+                                                  {"hertz", "210e9", "0.3"},
+                                                  {"elastoplastic", "115e9", "0.3", "550e6", "yield_factor", "1.1"},
+                                                  {"elastoplastic", "115e9", "0.3", "550e6", "variant", "published"}}) {
       const LawArguments args = parse_law(words);
       made.push_back(args.contact(args.first, args.first));
     }

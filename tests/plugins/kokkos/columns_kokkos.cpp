@@ -71,7 +71,8 @@ template <class Device> void run()
     Kokkos::parallel_reduce(Kokkos::RangePolicy<Device>(0, views.pairs),
                             AdvancePairs<Device, Positions>{views, x, of_step, SPHERES}, found);
     if (found.wrong > 0) std::printf("wrong overlaps: %d\n", found.wrong);
-    Kokkos::parallel_for(Kokkos::RangePolicy<Device>(0, SPHERES), SumForces<Device, Positions, Positions>{views, x, f, of_step});
+    Kokkos::parallel_for(Kokkos::RangePolicy<Device>(0, SPHERES),
+                         SumForces<Device, Positions, Positions>{views, x, f, of_step});
     Device().fence();
     for (int i = 0; i < SPHERES; i++) print("force", step, i, {f(i, 0), f(i, 1), f(i, 2)});
   }
