@@ -30,11 +30,7 @@ from granwave.lammps_inputs.statics.energy import (
 
 _SHRINK = 0.3  # smoothing / smoothing of the balance before
 _LEAST = 1e-4  # smallest smoothing / overlap under the load
-_SHARP = (
-    0.1  # smoothing / overlap under the load, below which a search that is far from balance ...
-)
-_FAR = 0.05  # ... by this net force / largest contact force, is given up
-_ROUNDS = 60  # largest number of steps with a smoothing ...
+_ROUNDS = 250  # largest number of steps with a smoothing ...
 _ROUNDS_AT_END = 150  # ... and without
 _NEAR = 0.03  # net force / largest load on a grain with the first smoothing; it shrinks with it ...
 _NEAREST = 1e-6  # ... down to this
@@ -63,8 +59,7 @@ def follow_smoothing(problem: EnergyProblem, x: Array, overlap: float) -> tuple[
     while smoothing > _LEAST * overlap:
         x, _ = _minimum(problem, x, smoothing, near * load)
         now = problem.at(x)
-        far = largest_net_force(now) > _FAR * now.largest
-        if is_balanced(now) or (far and smoothing < _SHARP * overlap):
+        if is_balanced(now):
             return x, now
         smoothing *= _SHRINK
         near = max(_SHRINK * near, _NEAREST)

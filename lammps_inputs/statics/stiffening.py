@@ -19,6 +19,7 @@ balance (`granwave.lammps_inputs.statics.smoothed`).
 from __future__ import annotations
 
 import dataclasses
+import logging
 
 import numpy as np
 
@@ -30,10 +31,12 @@ from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.statics.bodies import Array, Bodies, NeighbourPairs
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 
+_LOG = logging.getLogger("granwave")
 _SOFT = 1 / 3  # ratio of forces below which a bed was settled with a softer material
 _OF_FORCE = 2 / 3  # power of the force with which the overlap grows under Hertz's law
 _SETTLED = 0.01  # largest net force of a settled bed over its largest contact force
-_MOST_GRAINS = 5000  # of a bed without friction, whose stiffness is factorised in a second or so
+_MOST_GRAINS = 2000  # largest number of grains of a bed without friction; 1000 take a minute
+_MANY_GRAINS = 300  # number of grains above which the search is announced
 # what to do with a bed without friction that finds no balance
 _SETTLE_AS_RUN = (
     "pour or settle the bed with the Young's modulus of the run, or run it with the modulus with "
@@ -160,6 +163,12 @@ def rearranged_bed(assembly: Assembly) -> StiffenedBed | None:
         largest_net_force,
     )
 
+    if len(assembly.ids) > _MANY_GRAINS:
+        _LOG.warning(
+            "%s: searching for an equilibrium of the bed without friction (1000 grains: about a "
+            "minute)",
+            assembly.case.name,
+        )
     bodies = loaded_bodies(assembly).elastic()
     before = bodies.near(bodies.position, bodies.periods, 0.0).overlap
     problem = EnergyProblem(bodies, with_turning=True)
