@@ -152,7 +152,8 @@ def rearranged_bed(assembly: Assembly) -> StiffenedBed | None:
     ratio = hardened_without_friction(assembly)
     if ratio == 1:
         return None
-    if len(assembly.ids) > _MOST_GRAINS:
+    n_grains = assembly.lattice.n_spheres
+    if n_grains > _MOST_GRAINS:
         found = f"found more than {_MOST_GRAINS} grains without friction"
         raise InputError(f"{assembly.case.name}: {_pressing(ratio)}; {found}; {_SETTLE_AS_RUN}")
     # they load scipy.sparse, which takes longer than most commands need
@@ -163,7 +164,7 @@ def rearranged_bed(assembly: Assembly) -> StiffenedBed | None:
         largest_net_force,
     )
 
-    if len(assembly.ids) > _MANY_GRAINS:
+    if n_grains > _MANY_GRAINS:
         _LOG.warning(
             "%s: searching for an equilibrium of the bed without friction (1000 grains: about a "
             "minute)",

@@ -42,7 +42,7 @@ class Contacts(NamedTuple):
 
 
 def relaxes(crystal):
-    """How the modulus of a crystal relaxes."""
+    """Return the kind of relaxation of a crystal."""
     branches = crystal.case.contact.loss.branches
     if not branches:
         return ELASTIC

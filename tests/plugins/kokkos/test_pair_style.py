@@ -225,7 +225,7 @@ def on_card(text: str) -> str:
 
 
 def rows(place: Path) -> tuple[list[list[str]], np.ndarray]:
-    """What the log prints about motion and contacts, and the pressures."""
+    """Return the printed values of motion and contacts, and the pressures."""
     printed = []
     pressures = []
     for line in (place / "log.lammps").read_text().splitlines():
