@@ -35,7 +35,7 @@ _LOG = logging.getLogger("granwave")
 _SOFT = 1 / 3  # ratio of forces below which a bed was settled with a softer material
 _OF_FORCE = 2 / 3  # power of the force with which the overlap grows under Hertz's law
 _SETTLED = 0.01  # largest net force of a settled bed over its largest contact force
-_MOST_GRAINS = 2000  # largest number of grains of a bed without friction; 1000 take a minute
+_MOST_GRAINS = 1000  # largest number of grains of a bed without friction: these take a minute
 _MANY_GRAINS = 300  # number of grains above which the search is announced
 # what to do with a bed without friction that finds no balance
 _SETTLE_AS_RUN = (
