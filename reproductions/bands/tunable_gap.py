@@ -123,7 +123,10 @@ def rows(runs):
         if lowest < BOTTOM:
             remark += " With the density of 2100 kg/m3 that section 7.1 prints instead of 2700, "
             remark += " and ".join(f"{word} {edge:.3g}" for word, edge in lighter_edges().items())
-            remark += ". This density brings the lowest edge onto the axis, but not the highest."
+            remark += (
+                ". This density brings the lowest edge onto the axis, but moves the "
+                "highest edge off it."
+            )
         yield gw.Row(
             f"Lowest edge of the gap, at least: {name}",
             "rad/s",
