@@ -1,8 +1,8 @@
 """Impacts on packings compared with our second solver.
 
-A network of contacts in numpy that shares no code with granwave: the reference impact with the
-contact normals of the start and a held last layer, and a packing of 12 x 12 x 8 in true geometry
-and with the normals of the start, over 0.2 ms.
+The second solver is a network of contacts in numpy that shares no code with granwave. It computes
+the reference impact with the initial contact normals and a fixed last layer, and a packing of 12 ×
+12 × 8 with true and with initial normals, over 0.2 ms.
 """
 
 import csv
@@ -47,7 +47,7 @@ def rows_of_reference(run):
     true, fixed = (
         float(solved["small", 5.0, normals]["dissipated_fraction"]) for normals in NORMALS.values()
     )
-    start = "normals of the start and a held last layer; true normals change the dissipated "
+    start = "Initial normals and a fixed last layer; true normals change the dissipated "
     start += f"fraction of a small packing by {abs(true - fixed):.0e} at 5 m/s"
     sphere = {"shape": "sphere", "diameter": 0.01, "material": "brass"}
     _, yield_force = gw.contact_yield("elastoplastic", [sphere, sphere])

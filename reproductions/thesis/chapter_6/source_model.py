@@ -84,7 +84,8 @@ def rows(runs):
         words = "at least" if pick is min else "at most"
         yield gw.Row(
             f"{name} speed of these rows in the source's unit, {run.label}, {words}", source=end,
-            ours=run.speed / VELOCITY, where="thesis Fig. 6.4", remark="By the end of the axis.",
+            ours=run.speed / VELOCITY, where="thesis Fig. 6.4", remark=(
+                "The bound is the end of the axis."),
             digits=3, bound=True,
         )  # fmt: skip
 

@@ -75,7 +75,7 @@ def rows(found):
                  theory=solved[solitary.key]["largest_N"], verification=True, remark=SOLVER, **figure)
     for row in own:
         yield gw.Row(f"Largest force of two spheres, {row.name}, at most", "N", AXIS, row.peaks.max(), bound=True,
-                     remark="By the end of the axis.", **figure)
+                     remark="The bound is the end of the axis.", **figure)
     yield gw.Row(f"Decay per contact, {decaying.name}", "1e-3", ours=KILO * decaying.decay(),
                  theory=KILO * solved[decaying.key]["decay_per_contact"], verification=True, digits=3, remark=SOLVER,
                  **figure)

@@ -19,7 +19,7 @@ def rows(runs):
     row = found[27, 0.8]
     long = found[60, 0.8]
     time, force = row.first
-    at_end = {"remark": "By the end of the axis.", "bound": True}
+    at_end = {"remark": "The bound is the end of the axis.", "bound": True}
     solver = {"where": "thesis 8", "verification": True}
     solved = second_solver()
     theory = solved[STATES[0], 0.0, 0, 27, 0.8]
@@ -41,7 +41,8 @@ def rows(runs):
         yield gw.Row(name, "N", ours=peak, remark=SOLVER,
                      theory=solved[STATES[0], 0.0, 0, 27, velocity]["sphere_6_first_N"], **solver)
         yield gw.Row(f"{name}, at most", "N", AXIS, peak, "thesis Fig. 8.4",
-                     "By the end of the axis. Ours falls freely, the source's along rails.", bound=True)
+                     "The bound is the end of the axis. Ours falls freely, the source's along "
+                     "rails.", bound=True)
     yield gw.Row("Displacement of sphere 10 in a long row, at rest again", "um", 13.0,
                  1e6 * long.array("probes/sphere_10_uz")[-1], "thesis 8",
                  "The source says about 13. In the second solver the "

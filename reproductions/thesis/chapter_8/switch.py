@@ -64,7 +64,8 @@ def rows(measured):
             if friction and row.n in AXES:
                 end, figure = AXES[row.n]
                 yield gw.Row(f"First peak at sphere 21, {row.name}, at most", "N", end, force, bound=True,
-                             where=f"thesis Fig. {figure}", remark="By the end of the axis.")
+                             where=f"thesis Fig. {figure}", remark=(
+                                 "The bound is the end of the axis."))
     loose = [row.first[1] for row in found[DOWNSTREAM, 0.0]]
     yield gw.Row("First peak at sphere 21, loose, downstream: spread over the numbers of cylinders", "N", 0.0,
                  max(loose) - min(loose), "thesis 8.4, Fig. 8.10b", "The source: independent of it.")
