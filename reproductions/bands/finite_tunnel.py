@@ -185,7 +185,7 @@ def rows(runs):
             "%",
             ours=100 * row.difference,
             theory=0.0,
-            where="linear row",
+            where="linear chain",
             verification=True,
             digits=2,
         )
