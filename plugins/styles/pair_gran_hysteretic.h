@@ -26,8 +26,9 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
 
-#include "../laws/contact_step.h"
-#include "../laws/plastic_batch.h"
+#include "../kernels/contact_step.h"
+#include "../kernels/line_batch.h"
+#include "../kernels/plastic_batch.h"
 #include "contact_list.h"
 #include "contact_report.h"
 #include "ghost_velocities.h"
