@@ -113,7 +113,7 @@ def _instants(
     """Read a history of particles of these ids up to the step ``last``: steps (n_times,), and the
     instants.
 
-    ``strange`` describes an instant that holds others, by its number.
+    ``strange`` describes an instant with other particles, by its number.
     """
     path = directory / DUMPS / name
     frames = list(read_instants(directory, name, columns, "id"))
