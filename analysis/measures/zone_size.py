@@ -9,8 +9,8 @@ energy that it dissipated by yielding, or an element, weighed by its plastic wor
               centre above counts as depth 0
     radius    the same for the distance of the centres from the impact axis
     volume    smallest volume that contains the fraction: parts are added in descending
-              order of energy per volume; in a packing without voids. Of
-              equal parts these are the fewest
+              order of energy per volume; in a packing without voids. Of equal parts these
+              are the fewest
 
 None of these is interpolated: a size is the distance of a part, or a sum over parts. In a lattice
 the depth is the depth of a layer, and does not change with the load until the next layer is needed.

@@ -81,8 +81,10 @@ def _own(
     assembly: Assembly, low: NDArray[np.float64], high: NDArray[np.float64]
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
     """Iterate over ids and centres of the spheres between two corners, and of some outside, in
-    batches by id.  Ids of a lattice count its layers, so that most of its batches are skipped.
-    Grains that are not on a lattice are all included.
+    batches by id.
+
+    Ids of a lattice count its layers, so that most of its batches are skipped. Grains that are not
+    on a lattice are all included.
     """
     n = assembly.lattice.n_spheres
     lattice = assembly.lattice
