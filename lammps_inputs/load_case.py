@@ -1,5 +1,5 @@
 """Loading of a case file: read, check, warn, with the assembly that the checks made; and reading of
-the case of a finished run, which is parsed and no more.
+the case of a finished run, which is only parsed.
 
 The case of a finished run was checked before it ran. Its case is neither checked again nor compared
 with the memory, the cores or the disk of this machine: a result opens wherever it is copied to.

@@ -368,8 +368,8 @@ class OwnFiles(os.PathLike[str]):
             path.rmdir()
 
     def _move(self, old: Self, names: Collection[str] | None) -> None:
-        """Move files into a directory that has been made, which gets a marker first: whatever
-        interrupts the move, each of the two lists what it holds.
+        """Move files into a directory that has been made, which gets a marker first: if the move is
+        interrupted, the marker of each directory lists its files.
         """
         kept = self.marker.copy()
         kept.files = {name: kept.files[name] for name in self._chosen(names)}
@@ -493,7 +493,7 @@ class OwnFiles(os.PathLike[str]):
                 yield path.relative_to(self.path).as_posix()
 
     def _names_by_folder(self, files: Iterable[str]) -> dict[PurePosixPath, set[str]]:
-        """Return the names of files by folder, those of folders that hold none included."""
+        """Return the names of files by folder, including folders without files."""
         names_in: defaultdict[PurePosixPath, set[str]] = defaultdict(set)
         for file in map(PurePosixPath, files):
             names_in[file.parent].add(file.name)

@@ -1,4 +1,4 @@
-"""Processes that fraction work: a single process, or several, such as the ranks of
+"""Processes that share work: a single process, or several, such as the ranks of
 `granwave.workflows.run.ranks`.
 """
 

@@ -54,9 +54,9 @@ class ResultDirectory(OwnFiles):
     that was run, later changes, and the lock. Its names of files are in
     `granwave.lammps_inputs.run_directory`.
 
-    Whoever writes holds the lock (`lock`): a run, a scan, an analysis, a fit; all ranks of a run
-    count as one; the first rank opens the marker. The points of a scan have separate directories
-    and locks, in the processes of its workers. Whoever reads needs no lock.
+    Writers hold the lock (`lock`): a run, a scan, an analysis, a fit. All ranks of a run count as
+    one writer; the first rank opens the marker. The points of a scan have separate directories and
+    locks, in the processes of its workers. Readers need no lock.
     """
 
     def __init__(self, path: AnyPath) -> None:
@@ -93,7 +93,7 @@ class ResultDirectory(OwnFiles):
         self._made = made
 
     def unlock(self) -> None:
-        """Give up the lock; remove the directory if it was made for it and is empty."""
+        """Release the lock; remove the directory if it was made for the lock and is empty."""
         if self._lock is None:
             return
         (self.path / run_directory.LOCK_FILE).unlink(missing_ok=True)
@@ -200,7 +200,7 @@ class ResultDirectory(OwnFiles):
 
     def make_room(self, *, force: bool, names: Collection[str] | None = None) -> str:
         """Take results out of the directory: with ``force`` they are moved into NAME.old, otherwise
-        removed. ``names`` are those of `clear`.
+        removed. ``names`` as of `clear`.
 
         Returns
         -------
@@ -411,7 +411,7 @@ class ResultDirectory(OwnFiles):
 
 
 def case_digest(tables: Mapping[str, Any]) -> str:
-    """Return a digest of the tables of a case that decide its results."""
+    """Return a digest of the tables of a case that determine its results."""
     # name, derived values, and selection of figures
     other = ("name", "resolved", run_directory.FIGURES_TABLE)
     deciding = {name: table for name, table in tables.items() if name not in other}

@@ -1,5 +1,5 @@
-"""Zero of a function of one variable by Brent's method, without scipy.optimize, which takes long to
-load.
+"""Zero of a function of one variable by Brent's method, without scipy.optimize, whose import takes
+long.
 
 R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4; step by step as
 `scipy.optimize.brentq`, so that both give the same number.

@@ -30,7 +30,7 @@ from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, is_scan
 
 
 def _write_some_csv(directory: Path, output: Path, parts: tuple[str, ...]) -> list[Path]:
-    """Write some tables of a run; those of earlier exports stay."""
+    """Write some tables of a run; tables of earlier exports are kept."""
     return of_result(partial(write_run_csv, only=parts))(directory, output)
 
 

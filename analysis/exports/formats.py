@@ -86,7 +86,7 @@ def of_result(
 
 
 def _refuse_wrong_values(result: Result) -> None:
-    """Close a result and raise InputError if it holds values that no run leaves."""
+    """Close a result and raise InputError if it holds impossible values."""
     try:
         fault = wrong_value(result.file)
     except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5
@@ -99,8 +99,8 @@ def _refuse_wrong_values(result: Result) -> None:
 
 @contextmanager
 def staged(output: Path, outdated: str = NOTHING) -> Iterator[tuple[PathOf, list[Path]]]:
-    """Give a scratch directory whose files are moved to ``output`` at the end, in order, or none on
-    an error.
+    """Provide a scratch directory whose files are moved to ``output`` in order at the end; none is
+    moved on an error.
 
     Parameters
     ----------

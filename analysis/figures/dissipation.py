@@ -161,8 +161,8 @@ def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:
-    """Draw the number of yielded contacts and spheres, and depth and radius of the outermost,
-    against time.
+    """Draw the number of yielded contacts and spheres, and depth and radius of the outermost
+    yielded sphere, against time.
 
     The title names the boundaries that the zone reaches.
     """
@@ -203,8 +203,8 @@ def peak_force_depth(result: Result) -> Drawing | None:
     marker for each layer of contacts along the preferred directions, and bars over the range of
     these directions.
 
-    Under a static load also the largest dynamic force of each layer, above the static one; the law
-    is then fitted to it.
+    Under a static load it also shows the largest dynamic force of each layer, above the static
+    force; the law is then fitted to this force.
     """
     depth, force = peak_force_by_depth(result)
     if (
@@ -438,8 +438,8 @@ def directions(result: Result) -> Drawing | None:
     """Draw the fractions of travelling energy and dissipation by direction: polar for a layer, else
     stereographic.
 
-    Not of crystals in the x-z plane, which are no layer about the impact, and would be a line in a
-    stereographic view.
+    Crystals in the x-z plane have no such figure: they are no layer about the impact, and would be
+    a line in a stereographic view.
     """
     if not result.case.packing.rule.has_faces:
         return None
@@ -489,7 +489,7 @@ def _draw_layer(
 def _draw_half_sphere(
     result: Result, axes: Any, spread: waves.Spread, _: str, colours: str
 ) -> dict[str, NDArray]:
-    """Draw the shares below the impact in a stereographic view; return the columns of the
+    """Draw the fractions below the impact in a stereographic view; return the columns of the
     directions.
     """
     edges = np.deg2rad(

@@ -9,8 +9,8 @@ energy that it dissipated by yielding, or an element, weighed by its plastic wor
               centre above counts as depth 0
     radius    the same for the distance of the centres from the impact axis
     volume    smallest volume that contains the fraction: parts are added in descending
-              order of energy per volume; in a packing without voids. Of
-              equal parts these are the fewest
+              order of energy per volume; in a packing without voids. Of equal parts these
+              are the fewest
 
 None of these is interpolated: a size is the distance of a part, or a sum over parts. In a lattice
 the depth is the depth of a layer, and does not change with the load until the next layer is needed.
@@ -202,9 +202,9 @@ def packing_zone(result: Result) -> Zone:
     strikers.
 
     The last layer is at the ``bottom``, the first and last sphere of a row and the first and last
-    row at the ``sides``. With periodic sides those half a period from the axis are, where a zone
-    meets its image. A packing of one layer has no bottom, a chain has no sides; grains of a file
-    have no defined boundaries.
+    row at the ``sides``. With periodic sides the spheres half a period from the axis are at the
+    sides, where a zone meets its image. A packing of one layer has no bottom, a chain has no sides;
+    grains of a file have no defined boundaries.
 
     Returns
     -------
@@ -300,14 +300,15 @@ def _joined(parts: Sequence[Zone]) -> Zone:
 def _return_times(
     result: Result, distances: Zone, border: dict[str, float | None]
 ) -> dict[str, float] | None:
-    """Return when a wave that a bound reflects can be back at the border of the zone, by bound, s.
+    """Return the time at which a wave reflected by a boundary can return to the border of the zone,
+    by boundary, s.
 
     The peak of the first wave is at the bound at t_b and was at the border of the zone, at
     ``border`` (m), at t_z on its way: it takes as long back, and returns at 2 t_b - t_z. Waves get
-    weaker and slower on their way, so this is about the earliest time. A bound that no wave reached
-    within the run sends none back. Where contacts are loaded from the start arrivals cannot be
-    seen; then the wave goes all ways at the speed with which it reached the bottom. None where that
-    is not known either.
+    weaker and slower on their way, so this is about the earliest time. No wave returns from a
+    boundary that no wave reached within the run. If contacts are loaded from the start, arrivals
+    cannot be observed: the wave is assumed to travel in all directions at the speed with which it
+    reached the bottom. None if this speed is unknown too.
     """
     inner = {name: border[name] or 0.0 for name in _WAYS if name in distances}
     if result.case.precompression is None:

@@ -236,7 +236,7 @@ class Run(Values):
 
     @property
     def tables(self) -> tuple[str, ...]:
-        """Names of the tables that `table` gives."""
+        """Names of the tables that `table` returns."""
         return tuple(name for name in CSV_TABLES if name in self.result)
 
     def table(self, name: str) -> pandas.DataFrame:
@@ -346,7 +346,7 @@ class Run(Values):
 
     @cached_property
     def energies(self) -> pandas.DataFrame:
-        """Ledger of energies by ``time``."""
+        """Terms of the energy balance by ``time``."""
         return self.table("energy")
 
     # ------------------------------------------------------------------ fields

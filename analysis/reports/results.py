@@ -188,14 +188,14 @@ def _beside_others(summaries: Sequence[Mapping[str, Any]]) -> set[str]:
 
 
 def _no_force_at_walls(summary: Mapping[str, Any]) -> bool:
-    """Return True if no contact with a wall carried more than those between spheres."""
+    """Return True if no contact with a wall carried more than the contacts between spheres."""
     every = summary.get("peak_force_with_walls_N")
     return every is None or every == summary.get("peak_force_N")
 
 
 def _readable(key: str) -> tuple[str, float]:
-    """Return the unit of a value in the first section, as sentences and figures have it, and its
-    number in SI's.
+    """Return the unit of a value in the first section, as in sentences and figures, and its size in
+    SI units.
     """
     unit = unit_of_value(key)
     return _READABLE.get(unit, (unit, 1.0))

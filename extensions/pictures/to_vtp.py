@@ -1,15 +1,14 @@
 """Export of a run to VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, with
 times in s.
 
-    spheres_NNNN.vtp a point for each sphere at its position in the snapshot, with id, radius,
-    displacement,
-                        velocity, contact_force, peak_force, dissipated_energy, elastic_energy and
-                        contacts_yielded at this time, and friction_energy with friction
-    contacts_NNNN.vtp a line between the centres of each pair of ``/contacts``, with i, j, overlap
-    at this time
-                        (negative: a gap), loaded and yielded (1: by this time), and, for the whole
-                        run, peak_overlap, peak_force, dissipated_energy, friction_energy,
-                        initial_overlap, initial_force
+    spheres_NNNN.vtp    a point for each sphere at its position in the snapshot, with id, radius,
+                        displacement, velocity, contact_force, peak_force, dissipated_energy,
+                        elastic_energy and contacts_yielded at this time, and friction_energy with
+                        friction
+    contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``, with i, j, overlap
+                        at this time (negative: a gap), loaded and yielded (1: by this time), and,
+                        for the whole run, peak_overlap, peak_force, dissipated_energy,
+                        friction_energy, initial_overlap, initial_force
 
 SI units. In ParaView, a Glyph filter with spheres, scaled by ``radius`` with a factor of 2, draws
 spheres to scale. A contact across a periodic boundary ends at the image of its second sphere.

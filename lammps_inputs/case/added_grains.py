@@ -1,13 +1,16 @@
 """``[[grains]]``: grains at positions given by a formula, next to a lattice or to the grains of a
 file.
 
-    at = [[0, 0, 0.01], ...]                     positions, m
-    at = "octahedral" all holes of an fcc or hcp packing between six spheres, or between
-                                                 four ("tetrahedral")
-    ring = {n = 6, radius = 0.01, z = 0.005} n positions around the axis x = y = 0; angle: of the
-    first ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a
-    chain: 3 and 4 repeat = {times = 10, step = [0, 0, 0.015]} copies of these positions, each
-    displaced by one more step
+    at = [[0, 0, 0.01], ...]
+        positions, m
+    at = "octahedral"
+        all holes of an fcc or hcp packing between six spheres, or between four ("tetrahedral")
+    ring = {n = 6, radius = 0.01, z = 0.005}
+        n positions around the axis x = y = 0; angle: of the first
+    ring = {n = 2, radius = "touching", gap = 3}
+        where they touch both spheres of a gap of a chain: 3 and 4
+    repeat = {times = 10, step = [0, 0, 0.015]}
+        copies of these positions, each displaced by one more step
 
 Such a case is treated as ``packing.kind = "file"``: the sites of the lattice come first and
 keep their ids.

@@ -1,8 +1,8 @@
 """Packings that are made before a case is read: kinds of ``[packing]`` that extensions add.
 
 A case names such a kind, and how its grains are made. While the case is read, the `PackingMaker` of
-the kind replaces the table by one of ``packing.kind = "file"`` with the grains: all that follows
-is as with grains of a file, and the case that a run stores is complete without the maker. A
+the kind replaces the table by one of ``packing.kind = "file"`` with the grains: the case is then a
+case with grains of a file, and the case that a run stores is complete without the maker. A
 generator stores its packings in files, and reads them the next time.
 """
 
@@ -55,7 +55,7 @@ class PackingToMake:
 
 
 class PackingNotMadeError(InputError):
-    """Grains of packings are not made yet, and are not to be made now.
+    """Error of packings whose grains are not made yet, and may not be made now.
 
     Parameters
     ----------
@@ -121,7 +121,9 @@ class PackingMaker(abc.ABC):
 
 @contextlib.contextmanager
 def nothing_made() -> Iterator[None]:
-    """Read cases without making their grains: `PackingNotMadeError` is raised where they lack."""
+    """Read cases without making their grains: `PackingNotMadeError` is raised where they are
+    missing.
+    """
     before = _MAKES.set(False)
     try:
         yield

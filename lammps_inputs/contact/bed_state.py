@@ -316,7 +316,8 @@ def _rigid_pair(assembly: Assembly, spheres: RestartSpheres) -> tuple[int, int] 
     """Return the ids of two spheres of a rigid body of the file; None if there is none.
 
     Such spheres overlap and have no contact, as LAMMPS leaves out the contacts within bodies.
-    Spheres that the case holds may do so too, and those of one clump, whose number the file has.
+    Spheres that the case holds may overlap without a contact too, and spheres of a clump whose
+    number is in the file.
     """
     if spheres.contacts is None:
         return None

@@ -2,21 +2,19 @@
 
 Dead loads are constant forces on spheres during the static stage and the run:
 
-uniaxial the same force along +z on each sphere of the top layer (grains of a file: on the uppermost
-ones); for a
-           pressure, pressure times area of a cell; the opposite force on the last sphere of a chain
-           without a bottom
-uniform the forces of the missing neighbours outside of the packing, if every contact of the lattice
-carried the
-           same force f. The mean stress (virial) of spheres with z contacts each in a cell of
-           volume V is p = z f D/(2 d V) in d dimensions; hence f = p D^2/(2 sqrt 2) for fcc and
-           hcp. A lattice of equal spheres is then in equilibrium at its sites under the pressure p,
-           and its faces carry p times their area. Vacant sites that are connected to the outside
-           count as outside.
-gravity    m g along +z on each sphere of the packing; with ``strikers`` on these too, which are
-           held until the static stage is over
+uniaxial   the same force along +z on each sphere of the top layer (grains of a file: on the
+           uppermost ones); for a pressure, pressure times area of a cell; the opposite force on
+           the last sphere of a chain without a bottom
+uniform    the forces of the missing neighbours outside of the packing, if every contact of the
+           lattice carried the same force f. The mean stress (virial) of spheres with z contacts
+           each in a cell of volume V is p = z f D/(2 d V) in d dimensions; hence
+           f = p D^2/(2 sqrt 2) for fcc and hcp. A lattice of equal spheres is then in equilibrium
+           at its sites under the pressure p, and its faces carry p times their area. Vacant sites
+           that are connected to the outside count as outside.
+gravity    m g along +z on each sphere of the packing; with ``strikers`` also on strikers, which
+           are held until the static stage is over
 walls      none, or as uniaxial: walls are moved in, and held in place
-overlaps   the same: the grains overlap at the start
+overlaps   none, or as uniaxial: the grains overlap at the start
 
 Fixed spheres carry no dead load, and strikers only their weight.
 """
@@ -134,8 +132,8 @@ class Weight(DeadLoad):
         return _share_of(weight * (n_layers - held) / n_layers, assembly)
 
     def force_in_bed(self, assembly: Assembly) -> float:
-        """Return a multiple of the mean at the bottom: the weight times the area of a grain over
-        the area of the bed.
+        """Return a multiple of the mean at the bottom: the weight times the area of a grain divided
+        by the area of the bed.
         """
         low, high = assembly.bounds()
         diameter = assembly.case.packing.diameter
@@ -260,8 +258,8 @@ def sphere_hertz(case: Case) -> ContactLaw:
 
 
 def static_stiffness(assembly: Assembly) -> float:
-    """Estimate the stiffness of a contact under the static load, N/m: that of Hertz's law at
-    `force_of_contact`.
+    """Estimate the stiffness of a contact under the static load, N/m: the stiffness of Hertz's law
+    at `force_of_contact`.
     """
     case = assembly.case
     law = sphere_hertz(case)

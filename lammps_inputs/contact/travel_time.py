@@ -1,8 +1,8 @@
-"""Row along which the transmission of a load that oscillates is measured, and the time that waves
-take along it.
+"""Chain along which the transmission of an oscillating load is measured, and the travel time of
+waves along it.
 
-Beads of masses m and contacts of stiffnesses k pass displacement u and force s from one bead to the
-next by
+Beads of masses m and contacts of stiffnesses k transmit displacement u and force s from one bead to
+the next by
 
     s' = s - m omega^2 u,   u' = u + s'/k
 
@@ -33,7 +33,7 @@ _STEP = 1e-5  # relative step of a frequency, for the slope of the phase
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class WaveRow:
-    """Row that waves run along.
+    """Chain along which waves travel.
 
     Attributes
     ----------

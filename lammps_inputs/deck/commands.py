@@ -42,7 +42,7 @@ _IN_PARTS = f"nfile ${{{PARTS}}}"
 
 
 def id_ranges(ids: Iterable[int]) -> str:
-    """Join rising ids as LAMMPS takes them, runs of them as ``first:last``."""
+    """Join rising ids in the form of LAMMPS, with consecutive ids as ``first:last``."""
     every = np.fromiter(ids, dtype=np.int64)
     ranges = np.split(every, 1 + np.flatnonzero(np.diff(every) != 1)) if every.size else []
     return joined(f"{one[0]}:{one[-1]}" if len(one) > 1 else one[0] for one in ranges)
@@ -121,7 +121,7 @@ def dump(
 def write_dump(
     style: str, file: str, columns: dict[str, str], above: str = "", *, parts: bool = False
 ) -> list[str]:
-    """Return the command that writes the present state; ``above``: of particles for which this
+    """Return the command that writes the present state; ``above``: only of particles for which this
     source is positive; ``parts``: to several files, see `PARTS`.
     """
     of_id, select = ([], "") if style == "local" else (["%d"], f" sort id thresh {above} > 0.0")

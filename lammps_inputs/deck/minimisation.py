@@ -44,8 +44,8 @@ def may_lose_its_load(assembly: Assembly) -> bool:
 
 
 def minimise(assembly: Assembly, *, first: bool = False) -> str:
-    """Return the command that finds balance, to a net force that is a fraction of contact forces,
-    plus rounding.
+    """Return the command that finds equilibrium, up to a net force that is a fraction of contact
+    forces, plus rounding.
     """
     case = assembly.case
     of_file = case.packing.contact_way is not None

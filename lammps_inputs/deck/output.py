@@ -114,8 +114,8 @@ def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
 
 
 def displacements(case: Case) -> list[str]:
-    """Return the commands for displacements from the data file, of all spheres and of those
-    probed.
+    """Return the commands for displacements from the data file, of all spheres and of probed
+    spheres.
     """
     lines = ["compute         displacement all displace/atom"]
     spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]

@@ -264,7 +264,9 @@ def _waiting(assembly: Assembly) -> list[str]:
 
 
 def _near_balance(assembly: Assembly) -> list[str]:
-    """Return the commands that displace the grains to the balance found beforehand."""
+    """Return the commands that displace the grains to the equilibrium that was found before the
+    run.
+    """
     if balanced_displacements(assembly) is None:
         return []
     return [
@@ -276,7 +278,7 @@ def _near_balance(assembly: Assembly) -> list[str]:
 
 
 def _halt(assembly: Assembly) -> list[str]:
-    """Return the commands that stop a packing that rearranges, where it may not."""
+    """Return the commands that stop the run if a packing rearranges although it may not."""
     if assembly.case.may_rearrange:
         return []
     return [
@@ -287,8 +289,8 @@ def _halt(assembly: Assembly) -> list[str]:
 
 
 def _springs(assembly: Assembly) -> list[str]:
-    """Return the energies stored in the springs of friction, rolling and twisting, which damped
-    motion leaves.
+    """Return the energies stored in the springs of friction, rolling and twisting after damped
+    motion.
     """
     case = assembly.case
     parts = [_TANGENTIAL] if case.has_friction else []
@@ -397,7 +399,7 @@ def _computes_of_weight(assembly: Assembly) -> tuple[str, ...]:
 
 
 def _with_walls(assembly: Assembly) -> list[str]:
-    """Return the commands of the largest force of a contact, of those with walls too."""
+    """Return the commands of the largest force of a contact, including contacts with walls."""
     if not counts_walls(assembly):
         return []
     forces = [f"f_{fix}[{_FORCE_OF_WALL}]" for fix in plane_fixes(assembly)]

@@ -1,9 +1,9 @@
 """Strikers and elastic bars in their positions.
 
 A striker touches given spheres, outside of the packing, all at once. With a diameter scatter there
-may be no such position: it then rests on as many of them as support it. A misaligned striker is
-shifted perpendicular to its direction and moved along it until it touches the first of its spheres;
-gaps to the others remain.
+may be no such position: it then rests on as many of these spheres as support it. A misaligned
+striker is shifted perpendicular to its direction and moved along it until it touches the first of
+its spheres; gaps to the others remain.
 
 A bar at an end of a chain is a row of point masses, half a mass at either end, joined by springs E
 A / (element length). The node at the chain's end is its face: a particle without radius, which the
@@ -103,8 +103,8 @@ def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
 def _gaps(
     centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the gaps of a striker at ``centre`` to spheres over the distances at which it touches
-    them: (n,).
+    """Return the gaps of a striker at ``centre`` to spheres, divided by the distances at which it
+    touches them: (n,).
     """
     return np.asarray(np.linalg.norm(at - centre, axis=1) / reach - 1)
 

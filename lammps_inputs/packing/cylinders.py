@@ -91,8 +91,8 @@ def separations(
     second: NDArray[np.int64],
     period: tuple[float, float] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the distances between the axes or centres of pairs of grains, and the lengths by
-    which they miss the end of a cylinder: (n,), m.
+    """Return the distances between the axes or centres of pairs of grains, and their distances from
+    the end of a cylinder: (n,), m.
 
     Parameters
     ----------

@@ -4,13 +4,13 @@ tilted floor.
 Separate streams of random numbers follow from ``packing.seed``, so that a change of one property
 does not change the others:
 
-    diameters one number for each site, scaled by the width of the band; independent of vacancies
-    and replaced
-                  spheres
-    vacancies one number for each site; the sites of the smallest numbers are vacant, so that the
-    vacancies of a larger fraction include those of a smaller fraction replace       likewise, with
-    one stream for each entry, by its position in the case strikers three numbers for each striker
-    with a misalignment, one stream each, by its position in the case
+    diameters   one number for each site, scaled by the width of the band; independent of vacancies
+                and replaced spheres
+    vacancies   one number for each site; the sites of the smallest numbers are vacant, so that the
+                vacancies of a larger fraction include those of a smaller fraction
+    replace     as vacancies, with one stream for each entry, by its position in the case
+    strikers    three numbers for each striker with a misalignment, one stream each, by its position
+                in the case
 
 The numbers are the upper 53 bits of the output of PCG64, whose stream numpy guarantees for all
 versions and machines. For a normal distribution they pass through a special function whose last
@@ -80,8 +80,8 @@ def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
 
 
 def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDArray[np.int64]:
-    """Return the vacant sites, from 0: listed sites, or random ones for a fraction; never a site of
-    the ids in ``kept``.
+    """Return the vacant sites, from 0: listed sites, or random ones for a fraction; the ids in
+    ``kept`` are never vacant.
 
     Raises
     ------

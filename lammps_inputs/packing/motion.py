@@ -183,8 +183,8 @@ _HELD = 3.0
 
 
 def line_ids(assembly: Assembly, line: Line) -> tuple[int, ...]:
-    """Return the ids of the grains of a line in their order: those given, or those along a
-    direction.
+    """Return the ids of the grains of a line in their order: the given grains, or the grains along
+    a direction.
     """
     ids = assembly.ids
     own = ids <= assembly.lattice.n_spheres

@@ -61,8 +61,8 @@ class RegionFace:
         return positions - distance[:, None] * normal
 
     def effective_radii(self, radii: Floats) -> Floats:
-        """Return the radii of spheres that are as stiff on a plane as these are on the face: (n,),
-        m.
+        """Return the radii of spheres that are as stiff on a plane as the given spheres on the
+        face: (n,), m.
         """
         shape = self.shape
         side = -1.0 if shape.is_inside else 1.0

@@ -1,10 +1,10 @@
 """Sites of a lattice with different spheres: diameters, materials, vacancies.
 
-Spheres are centred on the sites of the lattice of nominal spheres: smaller ones leave gaps, larger
-ones need space. The beads of a chain, including those of `[[replace]]`, are stacked in contact by
-their nominal diameters; diameters below nominal by the tolerance leave gaps. The tolerance counts
-from the nominal diameter of each sphere. On a tilted floor the spheres of a square packing lean on
-each other instead (`granwave.lammps_inputs.packing.disorder`).
+Spheres are centred on the sites of the lattice of nominal spheres: smaller spheres leave gaps,
+larger spheres need space. The beads of a chain, including those of `[[replace]]`, are stacked in
+contact by their nominal diameters; diameters below nominal by the tolerance leave gaps. The
+tolerance counts from the nominal diameter of each sphere. On a tilted floor the spheres of a square
+packing lean on each other instead (`granwave.lammps_inputs.packing.disorder`).
 """
 
 from __future__ import annotations
@@ -65,7 +65,8 @@ class Sites:
     uniform: bool = False
 
     def period_of_chain(self, *, whole: bool = False) -> int | None:
-        """Return the fewest beads that a chain repeats at least twice; None if it repeats none.
+        """Return the smallest number of beads that a chain repeats at least twice; None without a
+        period.
 
         Parameters
         ----------

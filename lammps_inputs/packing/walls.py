@@ -123,8 +123,8 @@ class Wall:
         return found
 
     def effective_radii(self, radii: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the radii of spheres that are as stiff on a plane as these are on the wall: (n,),
-        m.
+        """Return the radii of spheres that are as stiff on a plane as the given spheres on the
+        wall: (n,), m.
         """
         if self.face is not None:
             return self.face.effective_radii(radii)
@@ -310,8 +310,8 @@ def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
 
 
 def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], ...]:
-    """Return the fixes of a wall; it acts on the packing, and on strikers that walls hold; others
-    pass it.
+    """Return the fixes of a wall; it acts on the packing, and on strikers that walls hold; other
+    strikers pass it.
     """
     if wall.held_layer:
         return ()

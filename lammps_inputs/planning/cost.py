@@ -3,28 +3,29 @@ the packing.
 
 The constants of memory and disk space were measured on fcc packings of 2e5 to 2e6 spheres on two
 ranks, with and without friction and static stage, and are rounded up. The analysis of a larger
-packing goes through parts of it, and holds a part and the layers next to it. So does the writer of
-the deck; only the sites of dissimilar spheres, and of strikers, are stored all at once.
+packing processes parts of it, and holds a part and the layers next to it in memory. So does the
+writer of the deck; only the sites of dissimilar spheres, and of strikers, are stored all at once.
 
 Wall times hold within a factor of two. Their constants are processor times on one core of a 2-core
 virtual machine (AMD EPYC, Zen 4) with the other core busy, as in a scan; a run alone on the machine
 is up to 1.6 times as fast. Each is the difference between runs that differ in one property: fcc
-packings of 600 to 7000 brass spheres struck at 1 to 20 m/s, with and without yielding, friction and
-precompression, and chains of 1 to 510 beads and 20 beads on bars.
+packings of 600 to 7000 brass spheres impacted at 1 to 20 m/s, with and without yielding, friction
+and precompression, and chains of 1 to 510 beads and 20 beads on bars.
 
 For equal spheres the size of the plastic zone in diameters depends on e = energy input / (F_y
 alpha_y) only, whatever material and size. Power laws were fitted to impacts on brass spheres in
 packings that were larger than the zone; all data lie within the factor `spread`:
 
-    kind      depth / D      radius / D     spread   fitted to
-    fcc, hcp 1.30 e^0.255 1.0 e^0.265 1.5 13 impacts, e from 13 to 1.35e5, one of them on 7 spheres
-    bcc 1.30 e^0.32 2.2 e^0.26 1.4 4 impacts, e from 13 to 1.4e3 sc, chain 75 0 - 6 impacts, e from
-    3.4 to 5.4e5
+    kind       depth / D     radius / D    spread   fitted to
+    fcc, hcp   1.30 e^0.255  1.0 e^0.265   1.5      13 impacts, e from 13 to 1.35e5, one of them
+                                                    on 7 spheres
+    bcc        1.30 e^0.32   2.2 e^0.26    1.4      4 impacts, e from 13 to 1.4e3
+    sc, chain  75            0             -        6 impacts, e from 3.4 to 5.4e5
 
 Along a line of contacts a pulse with a force just above F_y is not attenuated: 75 spheres or more
-yield, 240 to 350 of 600 within 8 ms. Below e = 3 little more than the struck contacts yields.
-Friction, disorder and precompression are not considered. There is no estimate for a packing of one
-layer.
+yield, 240 to 350 of 600 within 8 ms. Below e = 3 hardly any contacts except the impacted contacts
+yield. Friction, disorder and precompression are not considered. There is no estimate for a packing
+of one layer.
 """
 
 from __future__ import annotations
@@ -95,7 +96,7 @@ _ROWS_PER_PARTICLE = 0.25
 
 @dataclasses.dataclass(frozen=True)
 class RunSpace:
-    """Memory and disk space of a run, as `granwave.lammps_inputs.planning.plan.Plan` has them."""
+    """Memory and disk space of a run; see `granwave.lammps_inputs.planning.plan.Plan`."""
 
     first_rank: float
     other_rank: float
@@ -189,7 +190,7 @@ def _scratch(assembly: Assembly, touched: float) -> float:
     """Estimate the scratch files of the analysis, bytes; ``touched`` is the number of pairs that
     have touched.
 
-    Rows of a snapshot in parts are sorted in scratch files, before those of the contacts.
+    Rows of a snapshot in parts are sorted in scratch files, before the rows of the contacts.
     """
     n = assembly.n_particles
     if n <= ANALYSED_AT_ONCE:
@@ -222,8 +223,8 @@ def _dumped(assembly: Assembly) -> float:
 
 @kept_by_assembly
 def _reached(assembly: Assembly) -> float:
-    """Estimate the share of the packing that the wave of the load reaches until the end of the run;
-    1 where the wave is not known, or all contacts are loaded from the start.
+    """Estimate the fraction of the packing that the wave of the load reaches until the end of the
+    run; 1 where the wave is not known, or all contacts are loaded from the start.
     """
     case = assembly.case
     arrival = expected_arrival(assembly)

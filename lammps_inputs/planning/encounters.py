@@ -17,11 +17,11 @@ carry the pulse there
 
 If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a
 pair of masses m1 < m2 takes up at most m2/(m1 + m2), or all of it if one of them is held. The
-energy input of a force F is at most that of its impulse J on a free sphere, J^2/2m, and no contact
-force exceeds some 2.5 F (2.3 F in a Hertzian chain). If there are many diameters, diameters within
-10 % of each other are represented by the smallest, which has the stiffest contact for its mass.
-Equal spheres with diameter scatter are represented by the smallest sphere, impacted by a nominal
-sphere. Under a static load each contact also takes up the work of that load.
+energy input of a force F is at most the energy of its impulse J on a free sphere, J^2/2m, and no
+contact force exceeds about 2.5 F (2.3 F in a Hertzian chain). If there are many diameters,
+diameters within 10 % of each other are represented by the smallest, which has the stiffest contact
+for its mass. Equal spheres with diameter scatter are represented by the smallest sphere, impacted
+by a nominal sphere. Under a static load each contact also takes up the work of that load.
 """
 
 from __future__ import annotations
@@ -346,9 +346,7 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
 
 
 def _of_pairs(assembly: Assembly) -> list[Encounter]:
-    """Return a collision for each kind of touching pair, and for those with a grain that is
-    held.
-    """
+    """Return a collision for each kind of touching pair, and for pairs with a held grain."""
     energy = expected_energy(assembly)
     of, _ = kinds_of_grains(assembly.sites)
     held = held_against_load(assembly)

@@ -253,7 +253,7 @@ def _note_times(assembly: Assembly, schedule: Schedule) -> None:
 
 
 def check_files(assembly: Assembly) -> None:
-    """Check the files that a run reads besides its case.
+    """Check the files that a run reads in addition to its case.
 
     Raises
     ------

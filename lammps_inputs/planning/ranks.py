@@ -1,8 +1,8 @@
-"""Time of a step on many ranks, and the grid of ranks that takes least.
+"""Time of a step on many ranks, and the grid of ranks with the shortest steps.
 
 LAMMPS divides the box into a grid of equal bricks, one for each rank, and the slowest rank decides:
-all wait for it. A sphere at rest costs far less than a moving sphere, so that the ranks reached by
-the wave of an impact are busy, and the others wait. The model of a step is
+all wait for it. A sphere at rest takes far less time than a moving sphere. The ranks that the wave
+of an impact has reached are therefore busy, and the other ranks wait. The model of a step is
 
     t = n c_rest + a (c_active - c_rest) + g c_ghost + 2 s t_message + c t_sum log2(ranks)
 
@@ -13,9 +13,10 @@ at rest, not spheres. Ids of a lattice count along x first, so that a block is a
 small wave keeps two to six times as many spheres active as it moves. The measured work of a step of
 an impact with friction is proportional to the active spheres within 4 %.
 
-The front of a wave is as far from the loaded spheres along y and z together as it has travelled: a
-diamond. Along x the wave reaches a third of that farther on average, and half a block. The largest
-fraction of a brick is the product of the largest share along x and that of the cross-section.
+The distances of the front of a wave from the loaded spheres along y and z add up to the distance
+that it has travelled: a diamond. Along x the wave reaches a third of this distance on average, and
+half a block beyond. The largest fraction of a brick is the product of the largest fraction along x
+and the largest fraction of the cross-section.
 
 LAMMPS's own grid has the smallest surface. For a wave from one point, or from the top layer by
 layer, columns along its direction are loaded more evenly, at the cost of more ghosts.

@@ -150,7 +150,7 @@ def quantity_of(head: str) -> tuple[str, str]:
 
 
 def counted_from_zero(heads: Sequence[str]) -> list[str]:
-    """Return heads whose components are numbered from 1 (Centroid_1 ... 3), with those from 0."""
+    """Return heads whose components are numbered from 1 (Centroid_1 ... 3), with numbers from 0."""
     numbers: dict[str, set[str]] = {}
     matches = [_NUMBERED.fullmatch(head) for head in heads]
     for match in matches:
@@ -306,7 +306,7 @@ def diameters_of(
 
 
 def _refuse_second(table: TextTable, quantity: str, earlier: GrainColumn, head: str) -> None:
-    """Raise ValueError for a second column of a quantity, unless the first has its very name."""
+    """Raise ValueError for a second column of a quantity, unless the first has exactly its name."""
     place = f"line {table.head_line}"
     if head == earlier.head:
         raise ValueError(f"{place}: found the column {head} twice")
@@ -373,7 +373,7 @@ def require_columns(
 
 
 def _unnamed(n_columns: int, options: FileOptions) -> str:
-    """Return what a table without names lacks, with an example that fits its columns."""
+    """Return the names that a table lacks, with an example that fits its columns."""
     usual = [*PLACE, RADIUS]
     example = usual[:n_columns]
     columns = show(example)
@@ -494,9 +494,7 @@ class ColumnReader:
         return half
 
     def radius(self, notes: list[str]) -> NDArray[np.float64] | None:
-        """Return the radii: (n,), m; None if the table has neither these nor diameters, and no
-        volumes.
-        """
+        """Return the radii: (n,), m; None if the table has no radii, diameters or volumes."""
         if not has_sizes(self.columns, self.options):
             diameter = self._diameters_of_volumes(notes)
         else:

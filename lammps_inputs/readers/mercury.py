@@ -5,7 +5,7 @@ velocity, radius, angles, angular velocity and a number. Particles in two dimens
 with their centres at z = 0.
 
 A restart file has the domain, the species, the boundaries and a line for each particle, with words
-and numbers; before version 0.10 with numbers alone.
+and numbers, or only numbers before version 0.10.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A file of grains that is read: its bytes, its text, and the options of the user."""
+"""A file of grains to be read: its bytes, its text, and the options of the user."""
 
 from __future__ import annotations
 

@@ -191,8 +191,8 @@ def smoothed_overlaps(overlap: Array, smoothing: float) -> tuple[Array, Array]:
     """Return overlaps that are positive in open contacts too, and their slopes: (n,), m and 1.
 
     The overlap a follows from the overlap d of the geometry by a (a - d) = s^2: it is s in a
-    contact that just touches, d in one that is closed by much more, and s^2/|d| in one that is open
-    by much more.
+    contact that just touches, d in a contact with d >> s, and s^2/|d| in a contact that is open by
+    much more than s.
 
     Parameters
     ----------
@@ -245,7 +245,8 @@ def newton_step(
 def _is_slender(matrix: sparse.csc_array) -> bool:
     """Return True for the matrix of a long row or a slender packing.
 
-    Its factors are small, and conjugate gradients would take as many steps as it is long.
+    Its factors are small, and conjugate gradients would take a number of steps proportional to its
+    length.
     """
     if matrix.nnz <= _OF_A_ROW * matrix.shape[0]:
         return True

@@ -75,8 +75,8 @@ class StaticState:
 
 
 def relax(bodies: Bodies) -> StaticState:
-    """Find the static state of grains under their loads, or, if they buckle, the balance from which
-    they do.
+    """Find the static state of grains under their loads, or, if they buckle, the equilibrium from
+    which they buckle.
 
     Raises
     ------
@@ -157,7 +157,7 @@ def _balance(problem: EnergyProblem, start: Array | None = None) -> tuple[Static
 
 
 def _other_ways(problem: EnergyProblem) -> Iterator[tuple[EnergyProblem, _Way]]:
-    """Give the problems and searches that find a balance if Newton's method does not."""
+    """Yield the problems and searches that find an equilibrium if Newton's method does not."""
     if problem.n <= _BUCKLED_UP_TO:
         yield EnergyProblem(problem.bodies, with_turning=True), _search
     if problem.n <= _FALLEN_UP_TO:
@@ -228,11 +228,12 @@ def fall(
     farthest: float = np.inf,
 ) -> tuple[Array, Evaluation]:
     """Return the unknowns and the state that the method of Levenberg (1944) and Marquardt (1963)
-    reaches from a start; it follows loose grains until they touch others.
+    reaches from a start. The method follows loose grains until they touch others.
 
     If the start is far from the unloaded state, the search begins in the unloaded state, since no
     contact resists at the start. Springs hold all grains in place during a step. They soften after
-    each step that lowers the energy or the net force, and stiffen if a step would lower neither.
+    each step that lowers the energy or the net force, and stiffen if a step would lower neither
+    energy nor net force.
 
     Parameters
     ----------

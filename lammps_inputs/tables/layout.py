@@ -146,7 +146,7 @@ def is_number(cell: str) -> bool:
 
 
 def with_decimal_point(cell: str) -> str:
-    """Return a number with a decimal comma as one with a point; other cells are unchanged."""
+    """Return a number with a decimal comma as a number with a point; other cells are unchanged."""
     return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell
 
 

@@ -218,7 +218,9 @@ def _units_below(layout: Layout) -> list[str]:
 
 
 def _heads_in_comment(layout: Layout, n: int) -> list[str]:
-    """Return the names of ``n`` columns in the last comment before the rows; none without such."""
+    """Return the names of ``n`` columns in the last comment before the rows; none without such a
+    comment.
+    """
     if not layout.comments:
         return []
     line = layout.comments[-1]

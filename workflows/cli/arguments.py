@@ -46,7 +46,7 @@ def number(text: str) -> float:
 def number_that(
     expected: str, accepts: Callable[[float], bool], kind: Callable[[float], Any] = float
 ) -> Callable[[str], Any]:
-    """Make a function that reads a number that is accepted.
+    """Make a function that reads a number and checks whether it is accepted.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ radius = number_that(
 
 
 def words(text: str) -> tuple[str, ...]:
-    """Read names with commas between them."""
+    """Read names separated by commas."""
     found = tuple(name.strip() for name in text.split(","))
     if not all(found):
         raise argparse.ArgumentTypeError(f'found an empty name in "{text}"')

@@ -350,7 +350,7 @@ class _Parser(argparse.ArgumentParser):
         )
 
     def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
-        """Return the value of an option; "--" behind its "=" is a value as any other."""
+        """Return the value of an option; after "=", "--" is an ordinary value."""
         if action.option_strings and action.nargs is None and arg_strings == ["--"]:
             return self._get_value(action, "--")
         return super()._get_values(action, arg_strings)

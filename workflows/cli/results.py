@@ -178,7 +178,7 @@ def _value(name: str, text: str, through: str | None) -> Any:
 
 
 def _toml(text: str) -> Any:
-    """Read a number, or numbers with commas between them; other texts stay as they are."""
+    """Read a number, or numbers separated by commas; other texts are unchanged."""
     try:
         values = tomllib.loads(f"value = [{text}]")["value"]
     except ValueError:

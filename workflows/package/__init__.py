@@ -10,9 +10,9 @@ gw.compare(["fcc-small", "hcp-small"])          # largest differences between ru
 gw.bands("precompressed-chain")                 # small waves: bands, modes, transmission
 gw.infer("grains.csv", "infer.toml")            # contact forces from measured grains
 gw.case("fcc-small", load__velocity=10)         # a case that is checked but not run
-gw.contact_force("hertz", bodies, overlap)      # single contacts: force, stiffness, energy, overlap
-gw.measures, gw.theory # arrival, peaks, width, decay ...; Hertz's chain and impact gw.Row,
-gw.Picture # for your own studies
+gw.contact_force("hertz", bodies, overlap)      # single contacts: force, energy ...
+gw.measures, gw.theory                          # arrival, decay ...; Hertz's chain, impact
+gw.Row, gw.Picture                              # for your own studies
 """
 
 from granwave._version import __version__ as __version__

@@ -235,8 +235,8 @@ def run(
 
 @contextlib.contextmanager
 def style() -> Iterator[None]:
-    """Draw figures of matplotlib as granwave's within a ``with`` block: of one column, with its
-    fonts and colours.
+    """Give figures of matplotlib the style of granwave within a ``with`` block: the width of one
+    column, fonts and colours.
 
     Settings are restored at its end. ``figsize`` of ``pyplot.subplots`` changes the size, inches.
     """
@@ -260,7 +260,7 @@ def scan(
     profile: str | Path | None = None,
     **keys: Any,
 ) -> ScanRuns:
-    """Run a scan and load its results; points that fail are reported, and the others loaded.
+    """Run a scan and load its results; failed points are reported, and the other points are loaded.
 
     Parameters
     ----------
@@ -384,7 +384,7 @@ def compare(
 def _run_on_ranks(
     found: Case, place: Path, ranks: int, checkpoint: float, *, progress: bool, **how: Any
 ) -> None:
-    """Run a case on MPI ranks in processes of their own; arguments as in
+    """Run a case on MPI ranks in separate processes; arguments as in
     `granwave.workflows.run.driver.run_case`.
 
     Raises

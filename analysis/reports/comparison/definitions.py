@@ -25,7 +25,7 @@ _MOST_LISTED = 4  # runs that a sentence lists
 
 
 def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return sentences on values that are not defined alike, or are limited, in these runs."""
+    """Return sentences on values that these runs define differently, or that are limited."""
     notes = [
         _inputs(runs),
         _static_forces(runs),

@@ -227,7 +227,7 @@ def _measured_lines(
 def draw_bottom_force(
     curves: Mapping[ComparedRun, SampledCurve], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
-    """Draw the force on the bottom in time."""
+    """Draw the force on the bottom against time."""
     figure, axes = panels(2.7)
     largest = max(float(np.abs(curve.y).max(initial=0.0)) for curve in curves.values())
     scale, unit = _force_unit(largest)
@@ -265,7 +265,7 @@ def _show_small_forces(axes: Axes, peaks: Sequence[float]) -> None:
 def draw_energies(
     curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
-    """Draw kinetic, elastic and dissipated energy over the input in time, a panel each.
+    """Draw kinetic, elastic and dissipated energy divided by the input against time, a panel each.
 
     A form of energy that is zero in every run has no panel.
     """
@@ -412,7 +412,7 @@ def draw_dissipation(
 def draw_growth(
     zones: Mapping[ComparedRun, GrowthCurves], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
-    """Draw number and depth of the yielded spheres in time."""
+    """Draw number and depth of the yielded spheres against time."""
     figure, upper, lower = panels(3.4, rows=2, sharex=True)
     columns: dict[str, Array] = {}
     for run, look in _styles(list(zones)).items():

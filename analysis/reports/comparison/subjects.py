@@ -146,7 +146,9 @@ def spread_first(n_runs: int, most: int) -> list[int]:
 
 
 def names_with_cases(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return the names of runs; of more than a table shows side by side with their cases."""
+    """Return the names of runs; with their cases if there are more runs than a table shows side by
+    side.
+    """
     if len(runs) > MOST_SIDE_BY_SIDE:
         return [run.label for run in runs]
     return [run.name for run in runs]
@@ -248,7 +250,7 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _texts(runs: Sequence[ReportRun]) -> list[str]:
-    """Return the differences of the case of each run, in a few words that its name lacks."""
+    """Return the differences of the case of each run, in a few words that are not in its name."""
     with_case = [run for run in runs if run.case]
     keys = physical_keys(with_case) if len(with_case) > 1 else []
     if len({run.kind for run in runs}) > 1:

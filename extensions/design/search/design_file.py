@@ -189,8 +189,7 @@ def _of_set(table: Mapping[str, Any], base: Any, prefix: str = "") -> Iterator[t
 
 
 def _replaces(value: Any, current: Any) -> bool:
-    """Return True if a value of ``[set]`` replaces the complete value of the base. A table does so
-    if it is of another kind, such as ``{plate = ...}`` for ``{half_space = ...}``, or has a preset.
+    """Return True if a value of ``[set]`` replaces the complete value of the base.
 
     A table does so if it is of another kind, such as ``{plate = ...}`` for ``{half_space = ...}``,
     or has a preset.

@@ -244,8 +244,7 @@ class _Search:
             self.study.write()
 
     def _put_back(self, design: Design, n: int, ended: Ended) -> None:
-        """Queue a run that was stopped by a signal again. If this search is stopped itself, its
-        next start resumes the run.
+        """Queue a run again that was stopped by a signal.
 
         If this search is stopped itself, its next start resumes the run.
         """

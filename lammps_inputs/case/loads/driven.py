@@ -1,6 +1,6 @@
 """Loads that do work during the run: a force or a displacement by a function of time.
 
-The functions of time are those of `granwave.lammps_inputs.case.loads.shapes`; the plugin's fix
+The functions of time are defined in `granwave.lammps_inputs.case.loads.shapes`; the plugin's fix
 gran/load applies them.
 """
 
@@ -114,7 +114,7 @@ class DrivenLoad(LoadOnSpheres):
 
     @property
     def lasts(self) -> float:
-        """Time at which the load ends, s; infinite for a harmonic one."""
+        """Time at which the load ends, s; infinite for a harmonic load."""
         if self.shape == "harmonic":
             return math.inf
         if self.shape == "burst":

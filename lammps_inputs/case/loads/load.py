@@ -299,8 +299,8 @@ class Load(ABC):
 
     @property
     def start_energy(self) -> str:
-        """LAMMPS formula of the kinetic energy that the load has at the start besides the spheres,
-        J; empty without.
+        """LAMMPS formula of the kinetic energy of the load at the start, without the energy of the
+        spheres, J; empty without any.
         """
         return ""
 
@@ -344,7 +344,7 @@ class Load(ABC):
 
     @property
     def label(self) -> str:
-        """Short name, for titles; empty if the speeds at the start say it."""
+        """Short name, for titles; empty if the speeds at the start describe the load."""
         return ""
 
     @property

@@ -20,9 +20,8 @@ def plastic_zone(zone: ExpectedZone | None) -> str:
 
 
 def expected_cut(zone: ExpectedZone | None) -> str:
-    """Warning that a packing will cut the plastic zone; empty where it has room, and for chains.
-
-    In a chain the pulse travels from end to end, for any length.
+    """Return a warning that a packing will cut the plastic zone; empty if the zone has room, and
+    for chains. In a chain of any length the pulse travels from end to end.
     """
     if zone is None or "sides" not in zone.room:
         return ""
