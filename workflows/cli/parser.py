@@ -231,7 +231,8 @@ def _core() -> tuple[Command, ...]:
                     help="rows at these depths below the impacted sphere, m"),
             option("--region", metavar="WORDS",
                     help='rows in a region of LAMMPS, m, such as "sphere 0.04 0.04 0 0.02"'),
-            option("--time", type=read.bounds, metavar="FROM,TO", help="instants of histories, and snapshots, s"),
+            option("--time", type=read.bounds, metavar="FROM,TO",
+                    help="instants of histories, and snapshots, s"),
             output("directory or file of the export (default: DIR/export)", "DIR"),
         )),
         Command("law", CONTACTS, "plot or tabulate force-overlap curves of a "
