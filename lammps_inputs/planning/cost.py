@@ -416,12 +416,15 @@ class ExpectedZone:
         Factor of uncertainty of both.
     room
         Distances from the impacted sphere to the bottom and the sides, by name, m.
+    periodic
+        True if the sides are periodic, so that the distance is half a period.
     """
 
     depth: float
     radius: float
     spread: float
     room: dict[str, float]
+    periodic: bool = False
 
     @property
     def reaches(self) -> tuple[str, ...]:
@@ -472,4 +475,4 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     diameter = case.packing.diameter
     depth = growth.depth(energy) * diameter
     radius = growth.radius(energy) * diameter
-    return ExpectedZone(depth, radius, growth.spread, room)
+    return ExpectedZone(depth, radius, growth.spread, room, case.boundary.periodic)
