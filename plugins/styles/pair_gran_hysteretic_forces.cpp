@@ -289,18 +289,12 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
       virial[5] += share * dely * fz;
       continue;
     }
-    const PairParameters &p = *batch.pair[m];
-    const double peak = contacts.peak[batch.k[m]], overlap = batch.overlap[m];
-    double elastic =
-        has.loss || !p.contact.is_hertzian() ? p.contact.elastic_energy(overlap) : 0.4 * batch.force[m] * overlap;
-    if (p.contact.yielded(peak))
-      elastic = p.contact.elastic_energy(overlap, contacts.turnings[contacts.cached_turning(batch.k[m], p.contact)]);
-    if (p.contact.cohesive())
-      elastic = has.cohesion_of(contacts.block(batch.k[m]))->joined > 0.0
-                    ? p.contact.cohesive_state(overlap, contacts.law_history(batch.k[m])).energy
-                    : 0.0;
-    if (has.prony) elastic = has.elastic_energy(elastic, contacts.block(batch.k[m]));
-    ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
+    const int k = batch.k[m];
+    const ScaledLaw &contact = batch.pair[m]->contact;
+    const Turning *const turning =
+        contact.yielded(contacts.peak[k]) ? &contacts.turnings[contacts.cached_turning(k, contact)] : nullptr;
+    const double stored = has.stored_energy(contact, batch.overlap[m], contacts.law_history(k), turning);
+    ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, stored, 0.0, fx, fy, fz, delx, dely, delz);
   }
 }
 
