@@ -190,7 +190,7 @@ class PairGranHysteretic : public Pair {
   void compute_plastic(Batch &, std::uint64_t beyond, std::uint64_t raised);
   void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
-  void compute_tangential(Batch &);
+  void compute_tangential(Batch &, bool special);
   bool advance_friction(Batch &);
   bool add_damping(Batch &);
   void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);

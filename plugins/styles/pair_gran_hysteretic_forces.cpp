@@ -184,7 +184,7 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
 /* ---------------------------------------------------------------------- friction, rolling and twisting */
 
 /* Advance the tangential springs of touching pairs and compute the forces on the spheres, including friction. */
-void PairGranHysteretic::compute_tangential(Batch &batch)
+void PairGranHysteretic::compute_tangential(Batch &batch, bool special)
 {
   ContactList &c = contacts;
   bool without = batch.prepare_friction();
@@ -201,7 +201,7 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
   batch.read(components(atom->v), components(atom->omega), c.spring.data());
-  if (geometry.flows()) set_relative_velocities(batch);
+  if (special && geometry.flows()) set_relative_velocities(batch);
   if (step.advances) batch.advance_forces_and_torques(step.dt);
   else batch.compute_forces_and_torques();
   bool changed = (has.slip || has.damping) && advance_friction(batch);
@@ -321,11 +321,11 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
   if (has.resistance) {
     double circle[Batch::CAPACITY], moment[Batch::CAPACITY][3];
     std::copy_n(batch.circle, batch.size, circle);
-    compute_tangential(batch);
+    compute_tangential(batch, special);
     compute_resistance(batch, circle, moment);
     batch.add_forces_and_moments(components(atom->f), components(atom->torque), atom->nlocal, moment);
   } else if (has.friction) {
-    compute_tangential(batch);
+    compute_tangential(batch, special);
     batch.add_forces_and_torques(components(atom->f), components(atom->torque), atom->nlocal, contacts.spring.data());
   } else {
     batch.compute_normal();
