@@ -233,8 +233,10 @@ def force_distribution(result: Result) -> Drawing | None:
 
     The forces are those at rest, at the instant of the largest elastic energy, and the largest of
     each contact, as far as the run has them, from ten contacts on. Nearly equal forces are drawn as
-    a band over their range.
+    a band over their range. A chain has no distribution: all its contacts carry the same pulse.
     """
+    if result.case.packing.rule.is_chain:
+        return None
     states = [state for state in contact_forces(result) if len(state.force) >= _FEWEST]
     if not states:
         return None
