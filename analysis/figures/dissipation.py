@@ -173,7 +173,8 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
     time = np.concatenate([[0.0], growth.time, [end]])
     figure, upper, lower = panels(3.2, rows=2, sharex=True)
     if cut := cut_of(packing_zone(result)):
-        upper.set_title(f"the zone reaches a boundary: {bounds_in_words(cut)}", fontsize=7)
+        names = bounds_in_words(cut, periodic=result.case.boundary.periodic)
+        upper.set_title(f"the zone reaches a boundary: {names}", fontsize=7)
     for axes, quantity, curves in (
         (upper, "Number yielded", {"contacts": growth.contacts, "spheres": growth.spheres}),
         (
@@ -338,7 +339,9 @@ def plastic_zone_size(result: Result) -> Drawing | None:
             distances[name] = values
             if bound in cut_of(zone):
                 bounds[bound] = float(values[zone[bound]].min())
-    return draw_zone_size(zone["energy"], distances, result.case.packing.diameter, "D", bounds)
+    periodic = result.case.boundary.periodic
+    diameter = result.case.packing.diameter
+    return draw_zone_size(zone["energy"], distances, diameter, "D", bounds, periodic=periodic)
 
 
 def draw_zone_size(
@@ -347,6 +350,8 @@ def draw_zone_size(
     diameter: float,
     unit: str,
     bounds: Mapping[str, float],
+    *,
+    periodic: bool = False,
 ) -> Drawing | None:
     """Draw the fraction of an energy beyond a distance, on a logarithmic axis; None without energy.
 
@@ -362,6 +367,8 @@ def draw_zone_size(
         Symbol of this unit.
     bounds
         Distances of the boundaries that the zone reaches, by name, m.
+    periodic
+        True if the sides are periodic.
     """
     if not distances or not np.any(energy > 0):
         return None
@@ -388,13 +395,14 @@ def draw_zone_size(
             float(place[beyond[-1] + 1 :].min(initial=place[-1])) if beyond.size else diameter / 2,
         )
         if bound in bounds:
+            shown = bounds_in_words([bound], periodic=periodic)
             reach = max(reach, bounds[bound])
             axes.axvline(
                 bounds[bound] / diameter,
                 color=colour,
                 linestyle=":",
                 linewidth=0.9,
-                label=f"zone reaches the {bound}",
+                label=f"zone reaches the {shown}",
             )
         columns |= {f"{name}_m": place, f"share_beyond_{name}": outside}
         columns |= {

@@ -30,7 +30,13 @@ from granwave.analysis.document.model import (
     value_column,
 )
 from granwave.analysis.formatting.numbers import counted, plain
-from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
+from granwave.analysis.measures.zone_size import (
+    NOTED_SHARE,
+    PERIODIC_SIDES,
+    Mark,
+    bounds_in_words,
+    mark_of,
+)
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
@@ -289,9 +295,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         if _beyond_law(run)
     ]
     cut = [
-        f"{run.label} ({bounds_in_words(run.summary['zone_cut'])})"
-        for run in runs
-        if mark_of(run.summary) is Mark.CUT
+        f"{run.label} ({_bounds_reached(run)})" for run in runs if mark_of(run.summary) is Mark.CUT
     ]
     waves = [
         f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)"
@@ -322,6 +326,11 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
     if runs and not notes:
         return [Note(_GOOD, "good")]
     return notes
+
+
+def _bounds_reached(run: ReportRun) -> str:
+    """Return the boundaries that the plastic zone of a run reaches, in words."""
+    return bounds_in_words(run.summary["zone_cut"], periodic=run.summary.get(PERIODIC_SIDES))
 
 
 def _poor_balances(poor: Sequence[ReportRun]) -> list[tuple[str, Sequence[str], Tone, str]]:

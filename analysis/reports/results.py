@@ -30,7 +30,7 @@ from granwave.analysis.document.model import (
     value_column,
 )
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
-from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
+from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, report_columns
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
@@ -103,7 +103,7 @@ _OF_TARGETS = (
     "base_arrival_s",
 )
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
-_NOT_COMPARED = ("name", "kind", "versions")
+_NOT_COMPARED = ("name", "kind", "versions", PERIODIC_SIDES)
 _OF_ZONE = (
     "plastic_zone",
     "zone_",
@@ -317,9 +317,9 @@ def _result_cell(key: str, summary: Mapping[str, Any], scale: float = 1.0) -> Ce
     value = scale * float(value) if scale != 1 and isinstance(value, int | float) else value
     noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
     noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
-    return value_cell(
-        bounds_in_words(value) if isinstance(value, list) else value, tone="note" if noted else ""
-    )
+    if isinstance(value, list):
+        value = bounds_in_words(value, periodic=summary.get(PERIODIC_SIDES))
+    return value_cell(value, tone="note" if noted else "")
 
 
 def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:

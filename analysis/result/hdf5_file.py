@@ -83,7 +83,7 @@ class _Unfailing(io.FileIO):
 
 COMPRESSION: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 ROWS_IN_CHUNK = 32_768
-AT_ONCE = ANALYSED_AT_ONCE  # spheres of a part, or rows of a table; a multiple of ROWS_IN_CHUNK
+AT_ONCE = ANALYSED_AT_ONCE  # rows of a table that are held at once; a multiple of ROWS_IN_CHUNK
 _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
 _DERIVED = {

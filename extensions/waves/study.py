@@ -45,10 +45,11 @@ from granwave.lammps_inputs.load_case import assembly_from_dict, stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing_kind import PackingKind
 
-TITLE = "Bands of precompressed packings, and the transforms of their runs"
+TITLE = "Bands of precompressed packings compared with transforms of runs"
 TEXT = (
-    "Bands from the springs of the static state (dynamical matrix), beside closed forms; and the places of the ridges "
-    "of the space-time transform of the velocities of each run. Wave numbers and speeds over places before the load."
+    "Bands from the springs of the static state (dynamical matrix) are compared with closed "
+    "forms, and with the positions of the ridges in the space-time transform of the velocities of "
+    "each run. Wave numbers and speeds refer to positions before the load."
 )
 _SHARES = (0.3, 0.5, 0.7)  # fractions of the zone at which ridges are read
 _SMALL = 0.1  # amplitude over omega alpha0 up to which contacts stay linear

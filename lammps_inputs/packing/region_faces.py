@@ -73,6 +73,14 @@ class RegionFace:
         return radii
 
 
+def contains(shape: RegionShape, positions: Floats) -> NDArray[np.bool_]:
+    """Return True for positions (n, 3), m, in a region or on its faces: (n,)."""
+    names = _all_faces(shape) if shape.is_inside else ("",)
+    distances = [_distance(shape, name, positions)[0] for name in names]
+    inside: NDArray[np.bool_] = np.min(distances, axis=0) >= 0
+    return inside
+
+
 def _all_faces(shape: RegionShape) -> tuple[str, ...]:
     """Return the names of all faces of the inside of a region at finite positions."""
     bounds = shape.bounds

@@ -31,6 +31,7 @@ of one layer.
 from __future__ import annotations
 
 import dataclasses
+import math
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
@@ -43,9 +44,11 @@ from granwave.lammps_inputs.planning.encounters import expected_energy
 from granwave.lammps_inputs.planning.ranks import wave_of
 from granwave.lammps_inputs.planning.schedule import Schedule
 
-ANALYSED_AT_ONCE = (
-    2**18
-)  # spheres that the analysis holds at once, in addition to a few layers of them
+ANALYSED_AT_ONCE = 2**18  # largest number of spheres of a packing that is analysed as a whole
+# spheres of a part of a larger packing, which are held at once, in addition to a few layers of them
+_PART = 2**17
+# ranks up to which all help in the analysis, even if there are fewer parts
+_ALWAYS_HELPING = 8
 MOST_DRAWN = 1_000_000  # largest number of spheres of a packing that is drawn by default
 
 # bytes
@@ -108,14 +111,23 @@ def expected_deck(assembly: Assembly) -> float:
     return assembly.n_particles * _DATA
 
 
+def spheres_of_part(n_spheres: int) -> int:
+    """Return the largest number of spheres in a part of a packing in the analysis."""
+    return ANALYSED_AT_ONCE if n_spheres <= ANALYSED_AT_ONCE else _PART
+
+
 def analysing_ranks(assembly: Assembly, n_ranks: int) -> int:
     """Return the number of ranks that take part in the analysis.
 
     Each rank holds a part of the packing; the size of a part does not depend on the number of
     ranks. Together they may need as much memory as the steps, or `_LEAST_OF_RANK` for each rank.
+    Of many ranks no more work than there are parts, and the first collects their results.
     """
     space = max(_of_steps(assembly), n_ranks * _LEAST_OF_RANK)
-    return max(1, min(n_ranks, int(space / _of_part(assembly))))
+    n = assembly.n_particles
+    n_parts = math.ceil(n / spheres_of_part(n))
+    most = min(n_ranks, max(_ALWAYS_HELPING, n_parts + 1))
+    return max(1, min(most, int(space / _of_part(assembly))))
 
 
 def _of_steps(assembly: Assembly) -> float:
@@ -132,7 +144,7 @@ def _of_part(assembly: Assembly) -> float:
     if n <= ANALYSED_AT_ONCE:  # only snapshots of a small packing
         return n * _ANALYSED_SPHERE
     nx, ny, _ = assembly.lattice.shape
-    at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
+    at_once = min(n, spheres_of_part(n) + _LAYERS * nx * ny)
     return at_once * (_ANALYSED_SPHERE + assembly.n_neighbours / n * _ANALYSED_PAIR)
 
 
@@ -404,12 +416,15 @@ class ExpectedZone:
         Factor of uncertainty of both.
     room
         Distances from the impacted sphere to the bottom and the sides, by name, m.
+    periodic
+        True if the sides are periodic, so that the distance is half a period.
     """
 
     depth: float
     radius: float
     spread: float
     room: dict[str, float]
+    periodic: bool = False
 
     @property
     def reaches(self) -> tuple[str, ...]:
@@ -460,4 +475,4 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     diameter = case.packing.diameter
     depth = growth.depth(energy) * diameter
     radius = growth.radius(energy) * diameter
-    return ExpectedZone(depth, radius, growth.spread, room)
+    return ExpectedZone(depth, radius, growth.spread, room, case.boundary.periodic)

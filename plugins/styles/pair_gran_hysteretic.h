@@ -26,8 +26,9 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
 
-#include "../laws/contact_step.h"
-#include "../laws/plastic_batch.h"
+#include "../kernels/contact_step.h"
+#include "../kernels/line_batch.h"
+#include "../kernels/plastic_batch.h"
 #include "contact_list.h"
 #include "contact_report.h"
 #include "ghost_velocities.h"
@@ -181,6 +182,7 @@ class PairGranHysteretic : public Pair {
   void begin_evaluation();
   void compute_forces(Tally);
   void compute_special(Tally);
+  bool clearly_apart(int i, int j, int k, double radsum) const;
   bool add_special(int r, int k);
   void compute_batch(Tally, bool special = false);
   void set_elastic(Batch &);
@@ -214,6 +216,7 @@ class PairGranHysteretic : public Pair {
   std::vector<double> largest_radius;    // by type
   bool radii_vary = false;               // true if a fix may change radii during a run
   bool uniform = false;                  // true if all spheres are equal
+  bool only_spheres = false;             // true if all pairs touch by the distance of their centers, without cohesion
   bool has_rate = false;                 // true if a law depends on the rate
   bool has_dashpot = false;              // true if a pair of types has one
 

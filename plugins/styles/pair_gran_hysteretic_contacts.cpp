@@ -42,7 +42,9 @@ void PairGranHysteretic::build_contacts()
         if (found.distance < far && found.beyond < reach) special.emplace_back(i, j);
         continue;
       }
-      if (geometry.distance_squared(i, j) < far * far) (geometry.crosses(i, j) ? special : plain).emplace_back(i, j);
+      const bool crosses = geometry.crosses(i, j);
+      const double rsq = crosses ? geometry.distance_squared(i, j) : geometry.rounded_distance_squared(i, j);
+      if (rsq < far * far) (crosses ? special : plain).emplace_back(i, j);
     }
   }
   ContactList &c = contacts;

@@ -122,8 +122,7 @@ void PairGranHysteretic::release_contact(int k)
 {
   ContactList &c = contacts;
   if (has.loss && has.loss_of(c.block(k))->step > 0.0) {
-    const auto row = std::upper_bound(c.begin.begin(), c.begin.end(), k) - c.begin.begin() - 1;
-    const int i = c.row[row], j = c.partner[k];
+    const int i = c.row[c.row_of(k)], j = c.partner[k];
     const PairParameters p = pair_parameters(i, j);
     part_viscous(p.loss, has, p.contact, c.block(k), p.radsum - geometry.distance(i, j), step, now);
   }
@@ -378,7 +377,8 @@ void PairGranHysteretic::compute_forces(Tally what)
       const int before = batch.size;
       done = pairs.collect(batch);
       for (const int k : pairs.parted) release_contact(k);
-      for (const int r : pairs.far) forget_far_pairs(r);
+      for (const int k : pairs.far)
+        if (c.peak[k] != 0.0) forget(c.row_of(k), k);
       quiet = quiet && batch.size == before;
       if (batch.size < Batch::CAPACITY) continue;
       compute_batch(what);

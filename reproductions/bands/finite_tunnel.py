@@ -1,12 +1,12 @@
-"""A finite row with a tunnel between walls, driven at its end (thesis Fig. 7.7b).
+"""A finite chain with a tunnel between walls, driven at its end (thesis Fig. 7.7b).
 
-300 brass spheres of 9.525 mm under 1 N, with a pair of cylinders of 4.76 mm in each of the gaps 16
-to 31, between two rigid walls that approach by a times the diameter. A harmonic force of 0.1 N acts
-on the first sphere for 5 ms. Peak velocities of sphere 75 are normalised by the static overlap of
-the row times sqrt(K/m), frequencies by sqrt(K/m). The level is the median velocity at 0.5 to 0.85,
-where every row passes waves. The linear row has the springs of the static state, and its motion is
-a sum of its modes: a check without LAMMPS. In 5 ms slow waves near the edge of a band do not
-arrive, and above the edge the sudden start leaves a tail.
+The chain has 300 brass spheres of 9.525 mm under 1 N, and a pair of cylinders of 4.76 mm in each of
+the gaps 16 to 31. Two rigid walls approach the cylinders by a times the diameter. A harmonic force
+of 0.1 N acts on the first sphere for 5 ms. Peak velocities of sphere 75 are normalised by the
+static overlap of the chain times sqrt(K/m), frequencies by sqrt(K/m). The level is the median
+velocity at 0.5 to 0.85, where waves pass along every chain. The linear chain has the springs of the
+static state, and its motion is a sum of its modes: it is a check without LAMMPS. Slow waves near
+the edge of a band do not arrive within 5 ms, and above the edge the sudden start leaves a tail.
 """
 
 import math
@@ -174,7 +174,8 @@ def rows(runs):
             "%",
             ours=100 * row.difference,
             where=WHERE,
-            remark="The force is a tenth of the static one; see the weaker forces.",
+            remark="The force is a tenth of the static force; the rows with weaker forces show "
+            "the linear limit.",
             digits=2,
         )
     for row in weaker:
@@ -205,8 +206,9 @@ def edges(row):
             ours=ours[index],
             theory=theory,
             where=WHERE,
-            remark=f"Theory: {edge}. The source: good agreement, without a value. The linear row: "
-            f"{linear[index]:.4g} in 5 ms, {shown(longer, index)} in 15 ms.",
+            remark=f"Theory: {edge}. The source states good agreement without a value. The linear "
+            f"chain has {linear[index]:.4g} within 5 ms and {shown(longer, index)} within "
+            "15 ms.",
             digits=4,
         )
         yield gw.Row(
@@ -233,8 +235,9 @@ def edges(row):
         DIGITS,
         ours[0] * row.unit,
         "thesis 7.2",
-        "The source prints 5.6 kHz for the cut-off, which is 10.07 kHz. Half the level is "
-        "our choice: this supports the reading of its digits as what 5 ms show.",
+        "The source prints 5.6 kHz for the cut-off, which is 10.07 kHz. Half the level is our "
+        "choice. The agreement supports the reading that the printed digits come from a run of 5 "
+        "ms.",
         digits=4,
     )
 
@@ -251,8 +254,9 @@ def verdict(runs):
         return
     first, *_, last = falls
     yield (
-        f"Walls that approach from {APPROACHES[0]:g} to {APPROACHES[-1]:g} diameters raise the "
-        f"frequency that a finite tunnel stops from {first:.3g} to {last:.3g} sqrt(K/m)."
+        f"As the approach of the walls increases from {APPROACHES[0]:g} to {APPROACHES[-1]:g} "
+        f"diameters, the frequency at which a finite tunnel stops waves rises from {first:.3g} to {last:.3g} "
+        "sqrt(K/m)."
     )
 
 
@@ -276,7 +280,8 @@ def pictures(runs):
     figure.legend(loc="outside upper center", ncols=2)
     caption = (
         "Peak velocity of sphere 75, behind the tunnel, against the frequency of the force "
-        "(points), the same of a linear row (lines), and the top of the acoustic band (dashed), as "
-        "in thesis Fig. 7.7b: walls that approach raise the frequency at which waves are stopped"
+        "(points: runs; lines: linear chain; dashed: top of the acoustic band), as in thesis Fig. "
+        "7.7b. The more the walls approach, the higher is the frequency at which waves are "
+        "stopped"
     )
     yield gw.Picture("finite_tunnel", caption, figure, data)

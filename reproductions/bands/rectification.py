@@ -137,7 +137,8 @@ def rows(runs):
                      where="last half of the run")
         yield gw.Row(f"Light bead {side}: frequency of the drive over that of its mode", where="modes of the static "
                      "state", ours=least.frequency / least.mode,
-                     remark=f"Mode at {least.mode:.0f} Hz, cut-off of the row at {least.static[1]:.0f} Hz.")
+                     remark=f"The mode is at {least.mode:.0f} Hz, the cut-off of the chain at {least.static[1]:.0f} "
+                            "Hz.")
     for side, same in found.items():
         if between := switch(same):
             yield gw.Row(f"Light bead {side}: amplitude of the drive at which the row opens", "m", digits=2,
@@ -185,8 +186,13 @@ def pictures(runs):
     left.legend()
     right.axhline(1.0, color="k", linewidth=0.6)
     right.loglog(1e6 * size, ratios(found), "o-", markersize=3, color="C2")
-    right.set(xlabel="Amplitude of the drive (µm)", ylabel="Power, near over far")
+    right.set(xlabel="Amplitude of the drive (µm)", ylabel="Power ratio, near / far")
     data |= {"amplitude_m": size, "near_over_far": ratios(found)}
-    caption = "Power through a row against the amplitude of its drive in the gap (dashed: small motions; shaded: where "
-    caption += "the row opens), and the ratio of both places of the light bead"
+    caption = (
+        "Power transmitted through a chain against the amplitude of its drive in the gap "
+        "(dashed: small motions; shaded: where "
+    )
+    caption += (
+        "transmission starts), and ratio of the powers for the two positions of the light bead"
+    )
     yield gw.Picture("rectification_power", caption, figure, data)

@@ -1,8 +1,8 @@
 """Resonance of a bead on a plane.
 
-A bead under a static force, driven at frequencies near its natural frequency. The frequency of the
-largest velocity falls as the square of the amplitude; where losses are small, the amplitude jumps
-as the load rises and falls.
+A bead under a static force is driven at frequencies near its natural frequency. The frequency of
+the largest velocity falls with the square of the amplitude. Where damping is small, the amplitude
+jumps while the load rises and falls.
 """
 
 import math
@@ -95,7 +95,9 @@ def rows(runs):
     for one in swept:
         quantity = f"Bead on a plane, shaken at {one.frequency:.3f} of its frequency: hysteresis of its amplitude"
         yield gw.Row(
-            quantity, ours=one.sweep.apart, remark="Beside a load that rises and falls slowly."
+            quantity,
+            ours=one.sweep.apart,
+            remark="Compared with a load that rises and falls slowly.",
         )
 
 
@@ -121,10 +123,13 @@ def answers(steady):
     axes.plot(1 + SHIFT * size**2, size, "k--", linewidth=0.8, label="theory")
     data |= {"theory_frequency": 1 + SHIFT * size**2, "theory_amplitude": size}
     axes.set(
-        xlabel="Frequency over that of small vibrations", ylabel="Amplitude over the static overlap"
+        xlabel="Frequency / frequency of small vibrations", ylabel="Amplitude / static overlap"
     )
     axes.legend()
-    caption = "Amplitude of a bead on a plane under a harmonic force: the larger, the lower the frequency of its largest "
+    caption = (
+        "Amplitude of a bead on a plane under a harmonic force. The larger the amplitude, "
+        "the lower is the frequency of its largest "
+    )
     caption += "value, which lies on the line of perturbation theory (dashed)"
     return gw.Picture("resonance_resonance", caption, figure, data)
 
@@ -149,9 +154,12 @@ def jumps(swept):
         }
     axes.set(
         xlabel="Amplitude of the force (N), dashed: falling",
-        ylabel="Amplitude over the static overlap",
+        ylabel="Amplitude / static overlap",
     )
     axes.legend()
-    caption = "Amplitude while the force rises (solid) and falls (dashed): where these differ, the bead has two steady "
+    caption = (
+        "Amplitude while the force rises (solid) and falls (dashed). Where the two differ, "
+        "the bead has two steady "
+    )
     caption += "motions, and jumps from one to the other at the ends"
     return gw.Picture("resonance_jumps", caption, figure, data)

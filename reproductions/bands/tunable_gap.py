@@ -1,9 +1,9 @@
 """A gap tuned by walls: spheres between cylinders (thesis 7.2).
 
-Endless row of brass spheres of 9.525 mm under 1 N with a pair of brass cylinders of 4.76 mm in each
-gap, between two rigid walls that approach by a times the diameter; cylinders as long as the spheres
-are wide. The bands follow from the springs of its static state. Angular frequencies: the source's
-axes say Hz, but hold rad/s.
+The chain is infinite: brass spheres of 9.525 mm under 1 N, with a pair of brass cylinders of 4.76
+mm in each gap, between two rigid walls that approach by a times the diameter. The cylinders are as
+long as the spheres are wide. The bands follow from the springs of the static state. Frequencies are
+angular: the axes of the source are labelled Hz, but show rad/s.
 """
 
 import math
@@ -55,8 +55,8 @@ def rows(runs):
         PRINTED,
         top,
         THESIS,
-        "The digits are those of rad/s, by two readings "
-        "(next rows), between which nothing decides.",
+        "The digits fit a value in rad/s in two ways (next rows). Nothing in the source decides "
+        "between them.",
     )
     yield gw.Row(
         "Cut-off of the row, with sqrt(R) for sqrt(D) in the constant of two spheres",
@@ -65,7 +65,7 @@ def rows(runs):
         where=THESIS,
         theory=2 * plain.row_frequency * RADIUS_FOR_DIAMETER,
         digits=4,
-        remark="A reading of the digits of 5.6 kHz, found by trying.",
+        remark="One possible origin of the digits of 5.6 kHz, found by trial.",
     )
     yield gw.Row(
         "Highest frequency whose waves reach sphere 75 within 5 ms",
@@ -74,8 +74,8 @@ def rows(runs):
         where=THESIS,
         digits=4,
         theory=2 * plain.row_frequency * math.sqrt(1 - slowest**2),
-        remark="Group velocity sqrt(K/m) "
-        "sqrt(1 - (w/2)^2 m/K) spheres a second. The other reading of the digits, found by trying.",
+        remark="The group velocity is sqrt(K/m) sqrt(1 - (w/2)^2 m/K) spheres per second. This is "
+        "the other possible origin of the digits, found by trial.",
     )
     for a in APPROACHES:
         edges = Tunnel(a).edges
@@ -93,9 +93,18 @@ def rows(runs):
             edges[1, 1],
             THESIS,
             bound=a <= 0,
-            remark="The source: at most, by the axis of Fig. 7.7a." if axis else "",
+            remark="The source value is the end of the axis of Fig. 7.7a, an upper bound."
+            if axis
+            else "",
         )
-        third = "" if a else "The source: in the range of 0.3 MHz, which is 0.3e6 rad/s, 58 kHz."
+        third = (
+            ""
+            if a
+            else (
+                "The source states the range of 0.3 MHz; its unit is rad/s, so that "
+                "the third band is at 3.6e5 rad/s or 58 kHz."
+            )
+        )
         yield gw.Row(
             f"Top of the third band, a = {a:g}",
             "rad/s",
@@ -112,9 +121,12 @@ def rows(runs):
         lowest = gap[..., 0].min()
         remark = "By the end of the axis."
         if lowest < BOTTOM:
-            remark += " With cylinders of 2100 kg/m3, which 7.1 prints for 2700, "
+            remark += " With the density of 2100 kg/m3 that section 7.1 prints instead of 2700, "
             remark += " and ".join(f"{word} {edge:.3g}" for word, edge in lighter_edges().items())
-            remark += ": that mends this edge and breaks the other."
+            remark += (
+                ". This density brings the lowest edge onto the axis, but moves the "
+                "highest edge off it."
+            )
         yield gw.Row(
             f"Lowest edge of the gap, at least: {name}",
             "rad/s",
@@ -140,7 +152,7 @@ def rows(runs):
             digits=3,
             where=FIGURE,
             ours=2 * (high - low) / (high + low),
-            remark=f"The source: {said}." if said else "",
+            remark=f"The source calls the gap {said}." if said else "",
         )
     for ratio in RATIOS:
         low, high = (Tunnel(a, ratio).edges[0, 1] for a in (-2e-5, 3e-5))
@@ -159,7 +171,7 @@ def single_cylinder():
         low, high = Tunnel(0.0, cylinders=cylinders).edges[[0, 1], [1, 0]]
         remark = f"{low:.5g} to {high:.5g} rad/s."
         if cylinders == 1:
-            remark += " The static state is that of 7.5, which has two."
+            remark += " The static state follows from equation 7.5, which has two cylinders."
         yield gw.Row(
             f"Width of the gap over its middle, a = 0: {words}",
             "%",
@@ -180,7 +192,7 @@ def lighter_edges():
             tunnel = Tunnel(a, ratio, "steel", "light aluminium")
             lighter.append(tunnel.edges[[0, 1], [1, 0]])
     return {
-        "the lowest is": min(low for low, _ in lighter),
+        "the lowest edge is": min(low for low, _ in lighter),
         "the highest": max(high for _, high in lighter),
     }
 
@@ -191,8 +203,8 @@ def verdict(runs):
     )
     way = 1e6 * (APPROACHES[-1] - APPROACHES[0]) * DIAMETER
     yield (
-        f"Walls that approach by {way:.2g} µm move the gap of the tunnel "
-        f"from {low[0]:.3g}-{low[1]:.3g} kHz to {high[0]:.3g}-{high[1]:.3g} kHz."
+        f"If the walls approach by {way:.2g} µm, the gap of the tunnel moves from {low[0]:.3g}-{low[1]:.3g} "
+        f"kHz to {high[0]:.3g}-{high[1]:.3g} kHz."
     )
 
 
@@ -211,8 +223,11 @@ def pictures(runs):
             data[f"f{band + 1}_at_{a:g}_Hz"] = hertz[:, band]
     axes.set(xlabel="Phase per cell (π)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None))
     axes.legend()
-    caption = "The two lowest bands of the row at three places of the walls: no wave passes between the two curves of a "
-    caption += "colour, and walls that approach move that gap up"
+    caption = (
+        "The two lowest bands of the chain at three positions of the walls. No wave passes "
+        "between the two curves of a "
+    )
+    caption += "colour; as the walls approach, this gap moves up"
     yield gw.Picture("tunable_gap_bands", caption, figure, data)
     figure = Figure((3.5, 2.6), layout="constrained")
     axes = figure.subplots()
@@ -229,6 +244,9 @@ def pictures(runs):
         data |= {f"top_{ratio:g}_Hz": top, f"bottom_{ratio:g}_Hz": bottom}
     axes.set(xlabel="Approach of the walls (1e-5 diameters)", ylabel="Gap (kHz)", xlim=(-2, 3))
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=7)
-    caption = "The lowest gap (shaded) against the place of the walls, for cylinders of three lengths: 5e-5 diameters move "
-    caption += "it by as much as its own width or more; shorter cylinders have a higher one"
+    caption = (
+        "The lowest gap (shaded) against the position of the walls, for cylinders of three "
+        "lengths. An approach of 5e-5 diameters moves "
+    )
+    caption += "it by at least its own width; shorter cylinders have a higher gap"
     yield gw.Picture("tunable_gap_gaps", caption, figure, data)

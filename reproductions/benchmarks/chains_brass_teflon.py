@@ -1,9 +1,9 @@
-"""Chains of brass and of PTFE: speeds that an interferometer measured.
+"""Chains of brass and of PTFE: speeds measured with an interferometer.
 
 Olivares and others (Optica Applicata 47, 257, 2017) measured the speed of the wave after the impact
 of a ball on a chain of equal balls: 346 ± 40 m/s in brass under 0.8 N, 102 ± 3 m/s in PTFE under
-0.4 N. Their abstract gives neither diameter nor velocity of the striker. Far above the static force
-the ratio of both speeds depends on neither.
+0.4 N. The abstract gives neither the diameter nor the velocity of the striker. Far above the static
+force, the ratio of the two speeds is independent of them.
 """
 
 import math
@@ -56,12 +56,17 @@ def rows(runs):
     margin = source * math.hypot(*(MARGIN[key] / MEASURED[key] for key in MEASURED))
     for v, ours in zip(velocity, brass / ptfe, strict=True):
         needed = (source / ours) ** -2.5
-        remark = f"Measured: {source:.2f} ± {margin:.2f}. A modulus of PTFE {needed:.2f} times ours would give it."
+        remark = (
+            f"The measured ratio is {source:.2f} ± {margin:.2f}. It would require a PTFE "
+            f"modulus of {needed:.2f} times ours."
+        )
         yield gw.Row(f"Speed in brass over speed in PTFE, impact at {v:g} m/s", "", source, ours, WHERE, remark,
                      theory=strong, digits=4)  # fmt: skip
     yield gw.Row("Speed in brass at the impact that gives the measured speed in PTFE", "m/s", MEASURED["brass"],
-                 MEASURED["ptfe"] * strong, WHERE, "± 40 m/s. Far above the static force, our moduli; the "
-                 "source's beads and striker are not known.")  # fmt: skip
+                 MEASURED["ptfe"] * strong, WHERE, "The measured value is ± 40 m/s. Ours has our "
+                                                   "moduli, far above the static force, as the "
+                                                   "beads and the striker of the source are not "
+                                                   "known.")  # fmt: skip
 
 
 def pictures(runs):
@@ -83,7 +88,8 @@ def pictures(runs):
     axes.set(xlabel="Impact velocity (m/s)", ylabel="Speed of the wave (m/s)")
     axes.legend(fontsize=6)
     caption = (
-        "Speed of the wave in chains of brass and PTFE against the impact velocity, 10 mm beads, with the measured "
-        "speeds as bands. One velocity should bring both marks into their bands: those of PTFE lie too high"
+        "Speed of the wave in chains of brass and PTFE against the impact velocity, 10 mm beads, "
+        "with the measured speeds as bands. At one velocity both marks should lie in their bands; "
+        "the marks of PTFE lie too high"
     )
     yield gw.Picture("brass_teflon_chains", caption, figure, data)

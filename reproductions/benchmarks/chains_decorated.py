@@ -1,9 +1,9 @@
 """Decorated chains: small beads between large ones.
 
-Ten beads that shrink by 5 % from one to the next, with a small bead between any two, impact at 1
-m/s on the first, the last free. Two limits are known: hard spheres that collide once each, and
-small beads without mass, two springs in series, so that only the large beads transmit the energy
-(Harbola and others 2009).
+The chain has ten beads whose diameter decreases by 5 % from one to the next, with a small bead
+between each two. The impact at 1 m/s is on the first bead; the last bead is free. Two limits are
+known (Harbola and others 2009): hard spheres that collide once each, and small beads without mass,
+which act as two springs in series, so that only the large beads have inertia.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from granwave.measures import Chain
 
 WHERE = "hard spheres, once each"
 NEWS = "UB Reporter 38 (19)"
-AGAIN = "Small beads collide many times, and each time hand on more."
+AGAIN = "Small beads collide many times and transmit more energy each time."
 LIGHT = "Small beads without mass"
 
 
@@ -50,12 +50,14 @@ def rows(runs):
         yield gw.Row(f"Energy of the last bead over the input, small beads of {f:.2g}", "", ours=ours, theory=theory,
                      where=WHERE, remark=AGAIN if f < 0.7 else "")
     yield gw.Row(f"{LIGHT}: energy of the last bead over the input, {small[0]:.2g}", "", ours=last[0], theory=large[0],
-                 where="Harbola et al. 2009", remark="Theory: large hard spheres alone: light beads are springs.")
+                 where="Harbola et al. 2009", remark="The theory has large hard spheres only, "
+                                                     "since light beads act as springs.")
     yield gw.Row("Small over large diameter at which the last bead gets least", "", ours=small[last.argmin()],
-                 where=NEWS, digits=2, remark="The source: the smaller, the more is absorbed. That holds from 0.9 down "
-                 "to this alone; smaller beads absorb less and less.")
+                 where=NEWS, digits=2, remark="In the source, smaller beads absorb more energy. "
+                                              "In our runs that holds only from 0.9 down to this "
+                                              "size; still smaller beads absorb less and less.")
     yield gw.Row("Least energy of the last bead over the input", "", ours=last.min(), where="ours",
-                 remark=f"Of large beads alone: {large[0]:.3f} for hard spheres.")
+                 remark=f"A chain of the large beads only has {large[0]:.3f}, for hard spheres.")
     # fmt: on
 
 
@@ -66,12 +68,13 @@ def pictures(runs):
     axes.plot(small, hard, "0.5", label="hard spheres, once each")
     axes.plot(small, large, "0.5", linestyle="--", label="small beads without mass")
     axes.set(
-        xlabel="Small over large diameter", ylabel="Last bead's energy over the input", ylim=(0, 1)
+        xlabel="Small over large diameter", ylabel="Energy of the last bead / input", ylim=(0, 1)
     )
     axes.legend(fontsize=6)
     caption = (
-        "Energy of the last bead of a decorated, tapered chain against the size of the small beads. Neither limit "
-        "holds between them, and the smallest beads are not the best: look for the least of the curve"
+        "Energy of the last bead of a decorated, tapered chain against the size of the small "
+        "beads. Neither limit holds in between, and the smallest beads do not protect best: the "
+        "curve has a minimum"
     )
     data = {
         "small_over_large": small,

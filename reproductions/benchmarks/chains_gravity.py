@@ -1,8 +1,9 @@
-"""A chain that stands in gravity: powers of a weak wave with the depth.
+"""A vertical chain under gravity: powers of a weak wave with depth.
 
-The force of a contact grows with the depth h, so a weak wave speeds up and spreads on its way down. Hong, Ji and Kim
-(arXiv:cond-mat/9812137) find the powers of h for a contact of force ~ overlap^p: (1 - 1/p)/2 of the speed and
--(1/3 + 1/p)/4 of the largest velocity of the grains; here p = 3/2.
+The force of a contact grows with the depth h, so a weak wave speeds up and spreads on its way down.
+Hong, Ji and Kim (arXiv:cond-mat/9812137) find the powers of h for contacts with force ~ overlap^p.
+The power is (1 - 1/p)/2 for the speed and -(1/3 + 1/p)/4 for the largest velocity of the grains;
+here p = 3/2.
 """
 
 import numpy as np
@@ -16,7 +17,7 @@ POWER = 1.5
 SPEED = (1 - 1 / POWER) / 2
 VELOCITY = -(1 / 3 + 1 / POWER) / 4
 STRETCHES = ((10, 30), (30, 90), (60, 180))  # ranges of beads
-FAR = "The powers are those of great depth: ours come near as the stretch goes down."
+FAR = "The powers hold at great depth. Ours approach them as the range of the fit moves down."
 
 
 def measured(runs):
@@ -67,8 +68,9 @@ def pictures(runs):
     left.set_ylabel("Largest velocity (m/s)")
     right.set_ylabel("Speed of the crest (m/s)")
     caption = (
-        "Largest velocity of the beads and speed of the wave against the depth in a chain under gravity. Lines have "
-        "the source's powers and go through one deep bead: points bend towards them as the wave goes down"
+        "Largest velocity of the beads and speed of the wave against the depth in a chain under "
+        "gravity. Lines have the powers of the source and pass through the value of one deep "
+        "bead. The points approach them as the wave moves down"
     )
     yield gw.Picture(
         "gravity_chain",

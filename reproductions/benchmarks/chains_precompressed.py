@@ -1,9 +1,9 @@
 """Chains under a static force: speed against force.
 
-Coste, Falcon and Fauve (Phys. Rev. E 56, 6104, 1997) struck chains of steel beads of 8 mm under
-three static forces. Daraio and others (Phys. Rev. E 73, 026610, 2006) pressed chains of PTFE and of
-steel by a magnet. The values in their abstracts need no modulus: in units of the static state all
-such chains are equivalent.
+Coste, Falcon and Fauve (Phys. Rev. E 56, 6104, 1997) measured impacts on chains of 8 mm steel beads
+under three static forces. Daraio and others (Phys. Rev. E 73, 026610, 2006) precompressed chains of
+PTFE and of steel with a magnet. The values in their abstracts can be compared without a modulus,
+since all such chains are equivalent in units of the static state.
 """
 
 import numpy as np
@@ -19,8 +19,8 @@ DARAIO = "Daraio et al. 2006, abstract"
 # contacts
 FIRST = 20
 LAST = 40
-CURVE = "The source: one curve for its three static forces, that of Nesterenko's theory."
-SPREADS = " Ours still spreads and is a little slow."
+CURVE = "The source finds one curve for its three static forces, which follows Nesterenko's theory."
+SPREADS = " The wave in our run still spreads and is slightly slower."
 LEAST = 0.01  # fraction of the pulse's largest velocity at its ends
 
 
@@ -66,12 +66,14 @@ def rows(runs):
     for f, force, ours in zip(added, static, speed, strict=True):
         yield gw.Row(f"Speed over c0, force added {f:.3g} times {force:g} N", "", ours=ours, where=COSTE, digits=4,
                      theory=float(lattice_speed(np.array(1 + f))), remark=CURVE if f > 2 else CURVE + SPREADS)
-    yield gw.Row("Length of the pulse over that of the chain", "", 0.1, pulse(runs), COSTE, "Typically a tenth. Ours: "
-                 f"between {100 * LEAST:g} % of the largest velocity, 51 beads.", digits=2)
+    yield gw.Row("Length of the pulse over that of the chain", "", 0.1, pulse(runs), COSTE,
+        "The source states typically a tenth. In our chain of 51 beads the pulse is measured "
+        f"between points of {100 * LEAST:g} % of the largest velocity.", digits=2)
     most = gain.argmax()
     twice = brentq(lambda f: faster(f) - 2, 1e-3, 10)
     yield gw.Row("Speed over that without static force, same force added: largest", "", 2.0, gain[most], DARAIO,
-                 f"Up to two times. Ours: {added[most]:.2g} static forces added; twice at {twice:.2g}, in theory.",
+                 f"The source states up to two times. Our largest value has {added[most]:.2g} "
+                 f"static forces added; in theory the ratio is two at {twice:.2g} static forces.",
                  theory=faster(added[most]), bound=True)
     # fmt: on
 
@@ -88,12 +90,13 @@ def pictures(runs):
         left.semilogx(added[same], speed[same], mark, markersize=4, label=f"{force:g} N")
         right.loglog(added[same], gain[same], mark, markersize=4)
     right.axhline(2, color="k", linewidth=0.6, linestyle=":")
-    left.set(xlabel="Force added over static force", ylabel="Speed over $c_0$")
-    right.set(xlabel="Force added over static force", ylabel="Speed over that without static force")
+    left.set(xlabel="Added force / static force", ylabel="Speed over $c_0$")
+    right.set(xlabel="Added force / static force", ylabel="Speed over that without static force")
     left.legend(fontsize=6)
     caption = (
-        "Speed of waves under four static forces against their height, over c0 and over the speed without a static "
-        "force. All lie on one curve, as measured; the dotted line is the doubled speed of the second source"
+        "Speed of waves under four static forces against their height, divided by c0 and by the "
+        "speed without a static force. All points lie on one curve, as measured; the dotted line "
+        "is the doubled speed of the second source"
     )
     data = {
         "added_over_static": added,

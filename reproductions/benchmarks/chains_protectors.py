@@ -1,9 +1,9 @@
-"""Protectors: the best order of hard and soft beads in front of a wall.
+"""Protectors: best order of hard and soft beads in front of a wall.
 
 Fraternali, Porter and Daraio (arXiv:0802.1451) let an evolutionary algorithm arrange beads of steel
-and PTFE so that the largest force on a wall is least. Here twelve beads of 10 mm with an impact at
-1 m/s: equal beads, two halves, alternating beads, and the result of `granwave design` among the
-4096 orders in 80 runs.
+and PTFE so that the largest force on a wall is smallest. The chains here have twelve beads of 10 mm
+and an impact at 1 m/s: equal beads, two halves, alternating beads, and the result of `granwave
+design` after 80 runs among the 4096 orders.
 """
 
 import numpy as np
@@ -53,11 +53,13 @@ def rows(runs):
         ours=soft_first,
         digits=4,
         where=WHERE,
-        remark="The source: soft, light beads near the wall, hard, heavy ones at the loaded end.",
+        remark="The source places soft, light beads near the wall and hard, heavy beads at the "
+        "loaded end.",
     )
     yield gw.Row("Share of soft beads in the half at the wall, of the best order", "", ours=best[6:].count("P") / 6,
-                 where=WHERE, digits=3, remark=f"{best}: as the source says, but for the first bead, which is soft: it "
-                 "stretches the blow of a striker of steel.")  # fmt: skip
+                 where=WHERE, digits=3, remark=f"The order is {best}. It agrees with the source "
+                                               "except for the first bead, which is soft and "
+                                               "lengthens the impact of the steel striker.")  # fmt: skip
 
 
 def pictures(runs):
@@ -70,7 +72,8 @@ def pictures(runs):
     axes.tick_params(axis="y", labelsize=6)
     axes.invert_yaxis()
     caption = (
-        "Largest force on a wall behind twelve beads of steel (S) or PTFE (P), the struck end first. The order matters "
-        "as much as the material: look at both halves, and at the order that the search found"
+        "Largest force on a wall behind twelve beads of steel (S) or PTFE (P), from the impacted "
+        "end. The order matters as much as the material: compare the two orders of halves, and "
+        "the order that the search found"
     )
     yield gw.Picture("protectors", caption, figure, {"force_N": values})

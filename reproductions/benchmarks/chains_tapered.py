@@ -1,9 +1,10 @@
 """Tapered chains: the energy that reaches the last bead.
 
-Chains of 20 beads whose diameters decrease by the fraction q from bead to bead, impact at 1 m/s on
-the first of 10 mm, the last free. Doney and Sen assumed hard spheres that collide one after
-another: from bead to bead 4 e^3/(1 + e^3)^2 of the energy goes on, e = 1 - q. Melo and others (q =
-5.60 and 8.27 %, measured) found the front of the wave to fall so.
+The chains have 20 beads, whose diameters decrease by the fraction q from bead to bead. The impact
+at 1 m/s is on the first bead, of 10 mm; the last bead is free. Doney and Sen assumed hard spheres
+that collide one after another: each bead then passes on the fraction 4 e^3/(1 + e^3)^2 of the
+energy, with e = 1 - q. Melo and others measured that the front of the wave falls in this way (q =
+5.60 and 8.27 %).
 """
 
 import numpy as np
@@ -18,8 +19,14 @@ NEWS = "UB Reporter 38 (19)"
 # beads between which the front has developed its shape and has not reached the end
 FIRST = 6
 LAST = 17
-SOURCE = "The source: hard spheres describe the measured front well, and better with a small loss. Ours falls more."
-LEFT = "Hertz's wave is spread over some five beads: what it leaves behind does not collide again with the front."
+SOURCE = (
+    "In the source hard spheres describe the measured front well, and better with a small "
+    "loss. Our front falls faster."
+)
+LEFT = (
+    "A wave in a Hertzian chain extends over about five beads. The energy that it leaves "
+    "behind does not reach the front again."
+)
 
 
 class Tapered:
@@ -57,7 +64,9 @@ def rows(runs):
             ours=chain.last,
             theory=chain.hard_last,
             where=HARD,
-            remark=LEFT if chain.taper else "The rest stays in beads that go on slowly.",
+            remark=LEFT
+            if chain.taper
+            else ("The remaining energy stays in beads that move on slowly."),
         )
         where = MEASURED if chain.taper in (0.056, 0.0827) else HARD
         remark = SOURCE if where == MEASURED else ""
@@ -71,7 +80,9 @@ def rows(runs):
         )
     most = chains[-1]
     yield gw.Row(f"Share of the input that the last bead does not get, {100 * most.taper:g} %", "%", 80,
-                 100 * (1 - most.last), NEWS, "Well over 80 %, without taper and length. Nothing dissipates in ours.",
+                 100 * (1 - most.last), NEWS, "Well over 80 % according to the source, which "
+                                              "states neither the taper nor the length. Our chain "
+                                              "has no dissipation.",
                  bound=True)  # fmt: skip
 
 
@@ -87,11 +98,12 @@ def pictures(runs):
     right.plot(taper, hard_front, "0.5")
     right.plot(taper, front, "oC0", markersize=4)
     left.set(xlabel="Taper q (%)", ylabel="Energy of the last bead over the input", ylim=(0, None))
-    right.set(xlabel="Taper q (%)", ylabel="Front's energy, next bead over this")
+    right.set(xlabel="Taper q (%)", ylabel="Energy of the front, next bead / this bead")
     left.legend()
     caption = (
-        "Energy of the last of 20 beads, and fall of the front's kinetic energy from bead to bead, against the taper. "
-        "Marks below the grey line: a wave over several beads leaves more behind than hard spheres do"
+        "Energy of the last of 20 beads, and decrease of the kinetic energy of the front from "
+        "bead to bead, against the taper. Marks lie below the grey line because a wave over "
+        "several beads leaves more energy behind than hard spheres do"
     )
     data = {"taper_percent": taper, "last_over_input": last, "hard_last_over_input": hard}
     yield gw.Picture(

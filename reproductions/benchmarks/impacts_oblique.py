@@ -1,12 +1,12 @@
 """Oblique impacts at one speed: test 4 of Chung and Ooi.
 
-A sphere of aluminium oxide or alloy, 5 mm across, hits a rigid plane at 3.9 m/s and at angles from
-4 to 85 degrees from the normal; friction 0.092, restitution 0.98. The rebound angle is the angle of
-the contact point. Beyond about 33 degrees the sphere slides all the time and all programs agree.
-Below, the spring of friction decides: the tests are defined for a spring of no slip, ours keeps its
-force and loses some of it as its circle shrinks, theirs keeps its elongation. The measurements show
-the annulus of slip that the theory of Mindlin and Deresiewicz has, and that contact.tangential =
-"partial_slip" computes.
+A sphere of aluminium oxide or alloy with a diameter of 5 mm hits a rigid plane at 3.9 m/s, at
+angles from 4 to 85 degrees from the normal, with friction 0.092 and restitution 0.98. The rebound
+angle is the angle of the contact point. Beyond about 33 degrees the sphere slides throughout, and
+all programs agree. Below, the tangential spring decides. The tests are defined for a no-slip
+spring. Our spring keeps its force and releases some of it as the contact circle shrinks; their
+spring keeps its elongation. The measurements show the annulus of slip of the theory of Mindlin and
+Deresiewicz, which contact.tangential = "partial_slip" computes.
 """
 
 import itertools
@@ -23,11 +23,15 @@ WHERE = "Chung and Ooi 2011, test 4"
 NAMES = {3.8e11: "oxide", 7e10: "alloy"}
 KINDS = (("tangential restitution", ""), ("spin", "rad/s"), ("rebound angle", "degrees"))
 MODELS = {"mindlin_rescale": "one spring", "partial_slip": "partial slip"}  # contact.tangential
-ONE_SPRING = "One spring: theirs keeps its elongation, ours its force; theory is partial slip (Mindlin, Deresiewicz)."
+ONE_SPRING = (
+    "Both have a single spring: theirs keeps its elongation, ours its force. The theory "
+    "has partial slip (Mindlin, Deresiewicz)."
+)
 EXPERIMENT = "Kharaz et al. 2001, in Chung and Ooi 2011"
 MEASURED = {
-    "mindlin_rescale": "Measured on glass; theory has partial slip, one spring does not.",
-    "partial_slip": "Measured on glass.",
+    "mindlin_rescale": "The value was measured on glass. The theory has partial slip, a single "
+    "spring has not.",
+    "partial_slip": "The value was measured on glass.",
 }
 
 
@@ -119,8 +123,9 @@ def pictures(runs):
         *axes.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=8
     )
     caption = (
-        "Oblique impacts of a sphere of aluminium oxide on a plane at 3.9 m/s. Below some 25 degrees partial slip "
-        "counts: measurements follow it, and single springs miss it, ours as those of others"
+        "Oblique impacts of a sphere of aluminium oxide on a plane at 3.9 m/s. Below about 25 "
+        "degrees partial slip matters: measurements follow it, and single springs, ours and "
+        "others, do not"
     )
     yield gw.Picture(
         "", caption, figure, {"angle_degrees": found["oxide", "partial_slip"][0]} | data

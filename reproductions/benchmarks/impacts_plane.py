@@ -1,10 +1,11 @@
-"""Spheres that hit a rigid plane at one normal velocity: tests 5 and 6 of Chung and Ooi.
+"""Spheres that hit a rigid plane at a fixed normal velocity: tests 5 and 6 of Chung and Ooi.
 
-In test 5 they slide along the plane, friction 0.3 and no loss; incidence, rebound and spin refer to
-the contact point, divided by friction times the normal velocity. In test 6 they spin, friction 0.4
-and restitution 0.5. Where spheres slide all the time rigid bodies are enough. Below, theory is
-partial slip after Mindlin and Deresiewicz; finite elements of a steel sphere follow it in test 5,
-and so do runs with contact.tangential = "partial_slip"; single springs do not.
+In test 5 the spheres slide along the plane, with friction 0.3 and without damping. Incidence,
+rebound and spin refer to the contact point, and are divided by friction times the normal velocity.
+In test 6 the spheres spin, with friction 0.4 and restitution 0.5. Where spheres slide throughout,
+the theory of rigid bodies holds. At smaller incidence the theory is partial slip after Mindlin and
+Deresiewicz. Finite elements of a steel sphere follow it in test 5, and so do runs with
+contact.tangential = "partial_slip"; single springs do not.
 """
 
 import itertools
@@ -20,11 +21,14 @@ import granwave as gw
 NAMES = {2.08e11: "steel", 1e9: "polyethylene", 7e10: "alloy", 2.5e9: "nylon"}
 WHERE = "Chung and Ooi 2011, test {}"
 REMARKS = {
-    5: "Theory is partial slip, which finite elements in the same figure follow; one spring does not.",
-    6: "Theory is partial slip. Theirs damps the tangential motion as the normal one, which explains most of it.",
+    5: "The theory is partial slip, which the finite elements in the same figure follow. A single "
+    "spring does not.",
+    6: "The theory is partial slip. Their tangential motion is damped in the same way as the "
+    "normal motion, which explains most of the difference.",
 }
 FINITE = {
-    "one spring": "Theory, with partial slip, is what finite elements follow; a single spring does not.",
+    "one spring": "The finite elements follow the theory of partial slip. A single spring does "
+    "not.",
     "partial slip": "",
 }
 

@@ -1,16 +1,17 @@
-"""Restitution of metal spheres against velocity, beside formulas.
+"""Restitution of metal spheres against velocity, compared with formulas.
 
-Two equal brass spheres, 0.01 to 100 m/s, with the elasto-plastic law and with that of C. Thornton
-(J. Appl. Mech. 64 (1997) 383: elastic, perfectly plastic). Thornton's formula is the integral of
-his law, in which contacts yield and flow at one pressure: a yield factor of 1. With a factor of 1.6
-ours yields at 1.6 times the strength and flows at the strength, as the thesis has it; that returns
-less. K. L. Johnson (Contact Mechanics, 1985, 11.3) takes a constant dynamic pressure of 3 times the
-yield strength and elastic unloading after Hertz; then restitution falls with the power -1/4 of the
-velocity. His formula is not valid where contacts yield little. A yield strength that grows
-with the strain rate (G. R. Johnson and W. H. Cook 1983, C = 0.009 of cartridge brass) returns more
-at high velocities: by his formula as its power 5/8, of the strength at the rate 0.2 d(a/R)/dt of
-both spheres, with his largest contact radius and the velocity of impact. Published fits to finite
-elements and measurements are omitted, because their numbers were not available.
+Two equal brass spheres collide at 0.01 to 100 m/s, with the elasto-plastic law and with the law of
+C. Thornton (J. Appl. Mech. 64 (1997) 383: elastic, perfectly plastic). Thornton's formula is the
+integral of his law, in which contacts yield and flow at one pressure (a yield factor of 1). With a
+factor of 1.6, as in the thesis, our law yields at 1.6 times the strength and flows at the strength;
+the restitution is then smaller. K. L. Johnson (Contact Mechanics, 1985, 11.3) takes a constant
+dynamic pressure of 3 times the yield strength and elastic unloading after Hertz; then restitution
+falls with the power -1/4 of the velocity. His formula is not valid where contacts yield little. A
+yield strength that grows with the strain rate (G. R. Johnson and W. H. Cook 1983, C = 0.009 of
+cartridge brass) gives a larger restitution at high velocities. By his formula the restitution grows
+as the power 5/8 of the strength at the rate 0.2 d(a/R)/dt of the two spheres, with his largest
+contact radius and the velocity of impact. Published fits to finite elements and measurements are
+omitted, because their numbers were not available.
 """
 
 import math
@@ -23,9 +24,15 @@ import granwave as gw
 JOHNSON = "Johnson 1985, 11.3"
 THORNTON = "Thornton 1997"
 LAWS = ("elastoplastic", "thornton", "thornton of 1997", "elastoplastic with a rate")
-THESIS = "Yields at 1.6 times the strength, flows at the strength: a softer unloading than that of the paper."
-SOFTER = "Pressure rises slowly from 1.6 to 2.5 times the strength; Johnson's is 3 at once."
-DEEP = "Its pressure is not constant, and the dent unloads with an exponent of its own."
+THESIS = (
+    "The contact yields at 1.6 times the strength and flows at the strength, so that it "
+    "unloads more softly than in the paper."
+)
+SOFTER = (
+    "The pressure rises slowly from 1.6 to 2.5 times the strength; Johnson's pressure is 3 "
+    "times the strength from the start."
+)
+DEEP = "The pressure is not constant, and the contact unloads with its own exponent."
 
 
 def name_of(case):
@@ -104,7 +111,8 @@ def rows(runs):
         yield gw.Row(f"Restitution at {own.velocity[at]:.3g} m/s with a rate of yielding, over that without",
                      ours=fast.restitution[at] / own.restitution[at],
                      theory=own.stronger(sensitivity)[at] ** 0.625, where=f"{JOHNSON}, similarity",
-                     remark="The contact comes to rest before it unloads, and its pressure still rises.")
+                     remark="The contact comes to rest before it unloads, while its pressure "
+                            "still rises.")
     for first, last in ((1, 10), (10, 100)):
         for one in (own, thesis, thornton, fast):
             yield gw.Row(f"Power of restitution, {first} to {last} m/s, {one.law}", ours=one.slope(first, last),
@@ -151,7 +159,8 @@ def pictures(runs):
     data["thornton_law_factor_1.6"] = thesis.restitution
     data["elastoplastic_law_with_rate"] = fast.restitution
     caption = (
-        "Restitution of two brass spheres of 10 mm against velocity. Thornton's law is his formula where yield and "
-        "flow have one pressure; the elasto-plastic law comes near the power -1/4 beyond 10 m/s only"
+        "Restitution of two brass spheres of 10 mm against velocity. Thornton's law agrees with "
+        "his formula if yield and flow have one pressure; the elasto-plastic law approaches the "
+        "power -1/4 only beyond 10 m/s"
     )
     yield gw.Picture("", caption, axes.figure, data)

@@ -1,9 +1,9 @@
 """Impacts of two spinning spheres: tests 7 and 8 of Chung and Ooi.
 
 In test 7 two equal spheres with opposite spins hit each other: their surfaces do not slip, so that
-spins stay and nothing goes sideways. In test 8 a spinning sphere hits one that is five times as
-large and 125 000 times as heavy, stiffer (case A) or of the same stiffness (case B): the result
-must equal test 6 with a plane, the source of the printed values.
+the spins are kept and there is no sideways motion. In test 8 a spinning sphere hits one that is
+five times as large and 125 000 times as heavy, stiffer (case A) or of the same stiffness (case B):
+the result must equal test 6 with a plane, the source of the printed values.
 """
 
 import numpy as np
@@ -14,7 +14,10 @@ from matplotlib.figure import Figure
 import granwave as gw
 
 WHERE = "Chung and Ooi 2011, test {}"
-DAMPED = "Theory is partial slip on a plane. Theirs damps the tangential motion as the normal one."
+DAMPED = (
+    "The theory is partial slip on a plane. Their tangential motion is damped in the same "
+    "way as the normal motion."
+)
 
 
 class Pair:
@@ -91,5 +94,8 @@ def pictures(runs):
         data |= {f"case_{case}_incidence": values[0], f"case_{case}_rebound": values[1]}
     axes.set(xlabel="Tangent of incidence", ylabel="Tangent of rebound")
     axes.legend()
-    caption = "Test 8: a spinning sphere on a large one rebounds as from a plane, whether that is as stiff or stiffer"
+    caption = (
+        "Test 8: a spinning sphere rebounds from a large sphere of equal or higher "
+        "stiffness as from a plane"
+    )
     yield gw.Picture("", caption, figure, data)

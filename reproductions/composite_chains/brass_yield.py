@@ -1,8 +1,8 @@
 """Speed of composite chains whose brass yields.
 
-The source holds that the brass of its section yields, and gives no yield strength. Brass of the
-strength that gives the measured speed with the longest section is compared with the measurement of
-the shortest: yielding slows waves the more the longer the section is.
+According to the source the brass of its section yields; no yield strength is given. Here the
+strength is chosen to give the measured speed with the longest section, and the result for the
+shortest section is compared with the measurement. Yielding slows waves more in a longer section.
 """
 
 import numpy as np
@@ -40,8 +40,8 @@ def rows(runs):
     yield gw.Row(
         f"V, N2 = {shortest}, with the yield strength that gives V of N2 = {longest}", "m/s",
         MEASURED[shortest], np.interp(strength, *found[shortest]), WHERE, digits=4,
-        remark=f"{strength:.0f} MPa. No yield strength gives both speeds: yielding alone does not "
-        "explain the measured ones.",
+        remark=f"The strength is {strength:.0f} MPa. No yield strength gives both speeds, so that "
+               "yielding alone does not explain the measured speeds.",
     )  # fmt: skip
 
 
@@ -58,5 +58,5 @@ def pictures(runs):
     caption = (
         "Speed V against the yield strength of the brass: the measured speeds (dotted) of 3 and "
     )
-    caption += "of 24 beads ask for different strengths"
+    caption += "24 beads require different strengths"
     yield gw.Picture("composite_brass_yield", caption, figure, data)

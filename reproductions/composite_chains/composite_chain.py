@@ -35,13 +35,15 @@ ROLLED = 0.010
 SLOPE = math.radians(3)
 GRAVITY = 9.81
 OF_SPEED = (
-    "Nothing dissipates here. The source's finite elements, with the same striker, are at most 4.2 % above the measured, "
-    "and 3 % slow in a chain of steel; what is left is in the rows of V over the speed in steel: not explained.",
-    "The yield strength is our choice: the source gives none.",
+    "The elastic chain has no dissipation. The finite elements of the source, with the same "
+    "striker, are at most 4.2 % above the measurement, and 3 % too slow in a chain of steel. The "
+    "remaining difference, in the rows of V over the speed in steel, is not explained.",
+    "The yield strength is our choice, since the source gives none.",
 )
 OF_CHANGE = (
-    "the distance of the sensors holds ever less of the fast section, and this alone lowers V, without loss.",
-    "the yield strength, which is our choice, does not fit them: V falls far more.",
+    "As the section grows, the distance between the sensors contains less of the fast steel, "
+    "which lowers V even without dissipation.",
+    "With our choice of the yield strength V falls much more.",
 )
 
 
@@ -67,10 +69,10 @@ def text(kinds):
     found = [section for alike in kinds.values() for section in alike]
     lengths = sorted({section.n for section in found})
     return (
-        f"{len(found)} chains of {found[0].case.packing.size[0]} beads, {lengths[0]} to {lengths[-1]} of them "
-        f"{light_of(kinds)} ({', '.join(kinds)}). A sensor reads the mean of its bead's two contact forces. V: "
-        "distance of the sensors over the time between the first peaks there; lambda: the ratio of these peaks, output "
-        "over incident."
+        f"There are {len(found)} chains of {found[0].case.packing.size[0]} beads; {lengths[0]} to {lengths[-1]} "
+        f"of the beads are of {light_of(kinds)} ({', '.join(kinds)}). A sensor measures the mean "
+        "of the two contact forces of its bead. V is the distance of the sensors divided by the "
+        "time between their first peaks; lambda is the ratio of these peaks, output to incident."
     )
 
 
@@ -86,8 +88,10 @@ def rows(kinds):
         yield from of_ratio(kind, found)
     yield gw.Row(
         "Speed of the striker", "m/s", STRIKER, theory=math.sqrt(2 * GRAVITY * math.sin(SLOPE) * ROLLED),
-        where=f"{PLACE}section 4", remark="The source's is that of a free fall of 20 mm. Released with its centre 20 "
-        "mm before that of the first bead it slides 10 mm down a slope of 3 degrees.",
+        where=f"{PLACE}section 4", remark="The source value is the speed after a free fall of 20 "
+                                          "mm. If the striker is released with its centre 20 mm "
+                                          "before the centre of the first bead, it slides only 10 "
+                                          "mm down a slope of 3 degrees.",
     )  # fmt: skip
     shown = watched(kinds["elastic"])
     yield from of_reflections(Waves(shown), FROM_END[light])
@@ -112,12 +116,13 @@ def of_speed(kind, found, measured):
     printed = 100 * (measured[24] / measured[3] - 1) if measured else 0
     yield gw.Row(f"Change of V from N2 = {n[0]} to {n[-1]}, {kind}", "%", ours=100 * (speed[-1] / speed[0] - 1),
                  where=MEASURED if measured else FITTED,
-                 remark=f"From the source's two values of V: {printed:.1f} %; {OF_CHANGE[yields]}" if measured else "")
+                 remark=(f"The two values of V in the source give {printed:.1f} %. {OF_CHANGE[yields]}") if measured else "")
     if measured:
         errors = [abs(v / measured[one] - 1) for one, v in zip(n, speed, strict=True) if one in measured]
         yield gw.Row(f"Largest error of V against the measured, {kind}", "%", ERROR, 100 * max(errors),
-                     f"{PLACE}section 4", "The source's: over all N2, of its finite elements. Ours: over the N2 whose "
-                     "measured V it prints.")
+                     f"{PLACE}section 4", "The source value is the error of its finite elements "
+                                          "for all N2. Ours is the error for those N2 whose "
+                                          "measured V is printed.")
     if measured and not yields:
         yield from over_steel(found, measured)
     if fit := exponential_decay(np.array(n), speed):
@@ -138,10 +143,12 @@ def over_steel(found, measured):
         left = section.speed / ((1 + ERROR / 100) * measured[section.n] * slow) - 1
         yield gw.Row(f"V over the speed in a chain of steel, N2 = {section.n}, elastic, at most", "", most,
                      section.speed / steel, f"{PLACE}section 4, Table 3", bound=True, digits=4,
-                     remark=f"The source: its elements, at most {ERROR:g} % above the measured, over their own "
-                     f"{STEEL_SPEED:g} m/s in steel, where the discrete wave has {steel:.0f}: they are slow by "
-                     f"{100 * (slow - 1):.1f} %. Of our {100 * (section.speed / measured[section.n] - 1):.1f} % above "
-                     f"the measured at least {100 * left:.1f} % are left: not explained.")
+                     remark=f"The bound is the V of the finite elements of the source, at most {ERROR:g} "
+                            f"% above the measurement, divided by their {STEEL_SPEED:g} m/s in "
+                            f"steel. The discrete wave in steel has {steel:.0f} m/s, so that these "
+                            f"elements are {100 * (slow - 1):.1f} % too slow. Our V is {100 * (section.speed / measured[section.n] - 1):.1f} "
+                            f"% above the measurement; {100 * left:.1f} % or more of this is not "
+                            "explained.")
 
 
 def of_ratio(kind, found):
@@ -151,7 +158,9 @@ def of_ratio(kind, found):
         yield gw.Row(f"lambda, N2 = {n[k]}, {kind}", ours=ratio[k], where=FITTED)
     if kind == "elastic":
         yield gw.Row(f"Largest difference of lambda over all N2, {kind}", "%", ours=100 * np.ptp(ratio) / ratio.max(),
-                     where=FITTED, remark="Without loss it does not depend on the length: the source's decay is loss.")
+                     where=FITTED, remark="Without dissipation lambda does not depend on the "
+                                          "length, so that the decay in the source is "
+                                          "dissipation.")
     elif fit := exponential_decay(np.array(n), ratio):
         formula = f"lambda = {fit.end:.3f} + {fit.span:.3f} exp(-N2/{fit.length:.2f}), to {fit.residual:.2g} rms."
         yield gw.Row(f"N2 within which lambda nears its end by 1/e, {kind}", ours=fit.length, where=FITTED,
@@ -162,9 +171,9 @@ def of_ratio(kind, found):
 def pictures(kinds):
     light = light_of(kinds)
     caption = (
-        f"{light}: force at the second sensor by length of the section (source Figs 7, 10); speed and height of this "
-        "pulse, and exponential fits (source Fig. 11). A longer section slows elastic pulses too; what else is lost is "
-        "yielding's"
+        f"{light}: force at the second sensor by length of the section (source Figs 7, 10); speed "
+        "and height of this pulse, with exponential fits (source Fig. 11). A longer section also "
+        "slows elastic pulses; the further decrease is due to yielding"
     )
     yield gw.Picture(
         f"composite_{light.replace('-', '_')}_length",
@@ -172,7 +181,10 @@ def pictures(kinds):
         *against_length(kinds, SPEEDS[light]),
     )
     shown = watched(kinds["elastic"])
-    caption = f"{light}, {shown.n} beads: force in place and time (slanted lines: waves), and at one contact, with the "
+    caption = (
+        f"{light}, {shown.n} beads: force against position and time (slanted lines: waves), "
+        "and at one contact, with the "
+    )
     caption += "source's names (Fig. 6). Below: energy by section (dashed: yielding), and its largest density (Fig. 8)"
     waves = {kind: Waves(watched(found)) for kind, found in kinds.items()}
     yield gw.Picture(

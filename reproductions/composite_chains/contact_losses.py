@@ -1,8 +1,9 @@
-"""Losses in the contacts of composite chains.
+"""Damping in the contacts of composite chains.
 
-Composite chains with Hertz's law and Tsuji's dashpot in every contact, given by the restitution of
-a collision, which does not depend on the speed. V and lambda as in the study of composite chains.
-The source gives no restitution: that here is a value of polished metal spheres.
+Composite chains have Hertz's law and Tsuji's dashpot in every contact. The dashpot is given by the
+restitution of a collision, which does not depend on the speed. V and lambda are defined as in the
+study of composite chains. The source gives no restitution; the value used here is typical of
+polished metal spheres.
 """
 
 from matplotlib.figure import Figure
@@ -36,22 +37,26 @@ def rows(runs):
         last = chains[-1]
         # fmt: off
         for chain in chains[:: max(len(chains) - 1, 1)]:
-            remark = (f"Measured. The source's finite elements, with the same striker of {STRIKER:g} m/s, are within "
-                      f"{ERROR:g} %, and 3 % slow in steel; the rest is not explained. The restitution is our choice.")
+            remark = ("The source value was measured. The finite elements of the source, with the "
+                      f"same striker of {STRIKER:g} m/s, are within {ERROR:g} %, and 3 % too slow "
+                      "in steel; the remaining difference is not explained. The restitution is "
+                      "our choice.")
             yield gw.Row(f"V, N2 = {chain.n}, {kind}", "m/s", speeds.get(chain.n), chain.speed, f"{where}section 4",
                          remark if chain.n in speeds else "")
         if len(chains) > 1:
             yield gw.Row(f"Change of V from N2 = {first.n} to {last.n}, {kind}", "%",
                          100 * (speeds[last.n] / speeds[first.n] - 1) if speeds else None,
                          100 * (last.speed / first.speed - 1), f"{where}section 4",
-                         "Source: of its two values of V." if speeds else "")
+                         "The source value follows from its two values of V." if speeds else "")
             yield gw.Row(f"Change of lambda from N2 = {first.n} to {last.n}, {kind}", "%",
                          ours=100 * (last.ratio / first.ratio - 1), where=f"{where}Fig. 11",
-                         remark=f"From {first.ratio:.3f} to {last.ratio:.3f}. The source's falls exponentially.")
+                         remark=f"lambda changes from {first.ratio:.3f} to {last.ratio:.3f}. In "
+                                "the source it falls exponentially.")
         for chain in (one for one in chains if one.n == WATCHED):
             name = f"Largest pressure of the section's last contact over that of its first, N2 = {chain.n}, {kind}"
             yield gw.Row(name, "", end / begin, chain.pressure(chain.last - 1) / chain.pressure(chain.first),
-                         f"{where}3.3", "Source: of its two compressive stresses, without N2.")
+                         f"{where}3.3", "The source value is the ratio of its two compressive "
+                                        "stresses, without N2.")
         # fmt: on
 
 
@@ -87,8 +92,9 @@ def pictures(runs):
     right.set(xlabel="Beads in the section $N_2$", ylabel=r"$\lambda$")
     figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=3)
     caption = (
-        "Speed V and lambda, output over incident peak, against the section's length, by restitution of the contacts. "
-        "A loss shows in lambda far more than in V, which goes with the sixth root of the force"
+        "Speed V and lambda, output / incident peak, against the length of the section, by "
+        "restitution of the contacts. Damping affects lambda far more than V, which varies as the "
+        "sixth root of the force"
     )
     yield gw.Picture("composite_loss", caption, figure, data)
 

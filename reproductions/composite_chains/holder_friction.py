@@ -1,9 +1,9 @@
 """Friction of the holder in composite chains.
 
-Elastic composite chains whose beads lie in a level holder, press on it with their weight, and slide
-in it. V and lambda as in the study of composite chains: only friction dissipates energy. The source
-sees lambda fall with the section's length, and blames friction between beads and holder, of which
-it gives no coefficient.
+The beads of elastic composite chains lie in a level guide, press on it with their weight and slide
+in it. V and lambda are defined as in the study of composite chains. Only friction dissipates
+energy. In the source lambda falls with the length of the section; the source attributes this to
+friction between beads and guide, without a coefficient.
 """
 
 import numpy as np
@@ -40,7 +40,7 @@ def rows(runs):
                 :: len(chains[friction]) - 1
             ]:
                 name = f"Change of lambda by friction {friction:g} instead of {least:g}, {light}, N2 = {rough.n}"
-                remark = f"lambda: {rough.ratio:.4f}; V: {rough.speed:.1f} m/s, changed by "
+                remark = f"lambda is {rough.ratio:.4f}. V is {rough.speed:.1f} m/s, changed by "
                 remark += f"{100 * (rough.speed / smooth.speed - 1):.2f} %."
                 change = 100 * (rough.ratio / smooth.ratio - 1)
                 yield gw.Row(
@@ -78,12 +78,13 @@ def pictures(runs):
                 )
     for axes, what in zip(panels, ("Speed $V$", r"$\lambda$"), strict=True):
         axes.set(
-            xlabel="Beads in the section $N_2$", ylabel=f"{what} over that at the least friction"
+            xlabel="Beads in the section $N_2$", ylabel=f"{what} / value at the least friction"
         )
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     caption = (
-        "Speed and height of the output pulse over those at the least friction, against the section's length. What "
-        f"lies below 1 is taken by the holder: of the height at most {100 * lost:.2g} %"
+        "Speed and height of the output pulse, divided by their values at the least friction, "
+        "against the length of the section. The difference from 1 is the effect of the guide: at "
+        f"most {100 * lost:.2g} % of the height"
     )
     yield gw.Picture("composite_holder", caption, figure, data)
 

@@ -1,8 +1,9 @@
 """Homogeneous chain of the composite-chain source.
 
-15 elastic spheres of 4.76 mm, the first with 0.626 m/s. Speed: 5 diameters over the time between
-the peaks at contacts 5 and 10; force: the peak at contact 10. The source uses Nesterenko's formula
-as theory; it is compared with the travelling wave of the discrete chain.
+The chain has 15 elastic spheres of 4.76 mm; the first sphere has an initial velocity of 0.626 m/s.
+The speed is 5 diameters divided by the time between the peaks at contacts 5 and 10; the force is
+the peak at contact 10. The source uses Nesterenko's formula as theory; here the theory is the
+travelling wave of the discrete chain.
 """
 
 import numpy as np
@@ -69,7 +70,7 @@ def rows(runs):
     one = Wave(runs[0])
     nesterenko = one.chain.scales.nesterenko
     where = {"where": "composite chain, Tables 2 and 3"}
-    coarse = ["Too coarse for the contact."] + [""] * (len(MODELS) - 1)
+    coarse = ["This mesh is too coarse for the contact."] + [""] * (len(MODELS) - 1)
     over = [
         f"{abs(x):.1f} % {'below' if x < 0 else 'above'}"
         for x in 100 * (SPEED / one.discrete(FORCE) - 1)
@@ -77,30 +78,38 @@ def rows(runs):
     printed = 100 * abs(SPEED[CHOSEN] / nesterenko(FORCE[CHOSEN]) - 1)
     of_force, of_speed = one.errors(FORCE, SPEED)
     our_force, our_speed = one.errors(one.force, one.speed)
-    late = "Ten times too late: at its own speed the wave is at the chain's end after 0.12 ms."
+    late = (
+        "The printed time is ten times too large: at the printed speed the wave reaches the "
+        "end of the chain after 0.12 ms."
+    )
     # fmt: off
     for name, force, remark in zip(NAMES, FORCE, coarse, strict=True):
         yield gw.Row(f"Peak force; source: {name}", "N", force, one.force, theory=one.expected, remark=remark, **where)
     for name, speed, much in zip(NAMES, SPEED, over, strict=True):
         yield gw.Row(f"Wave speed; source: {name}", "m/s", speed, one.speed, theory=one.discrete(one.force),
-                     remark=f"Theirs is {much} the discrete wave of their own force.", **where)
+                     remark=f"Their speed is {much} the speed of a discrete wave with their force.", **where)
     yield gw.Row("Error of the speed against Nesterenko's formula at the force found, best model", "%", PRINTED[CHOSEN],
                  100 * abs(one.speed / nesterenko(one.force) - 1), theory=100 * (discrete_speed() - 1),
-                 remark=f"Theirs as printed; from its force and speed it is {printed:.2f}. Ours is the formula's own: "
-                 "it takes the chain for a continuum, and the discrete wave is faster.", **where)
+                 remark=f"The source value is printed; its force and speed give {printed:.2f}. Our "
+                        "value is the error of the formula, which treats the chain as a "
+                        "continuum: the discrete wave is faster.", **where)
     yield gw.Row("Exponent of force against approach, beads 5 and 6", "", 1.554, one.law.exponent, theory=1.5,
                  where="composite chain, Fig. 5",
-                 remark=f"Its elements of 0.025 mm are {one.radius / ELEMENT:.1f} to a contact radius. Such elements "
-                 "give 1.43 to 1.62, by their penalty and the range of the fit; resolved ones 1.503, since "
-                 "half-spheres are stiffer than half-spaces (tests/extensions/continuum/test_coarse_contact.py).")
+                 remark=f"The contact radius spans only {one.radius / ELEMENT:.1f} elements of "
+                        "0.025 mm. Such elements give 1.43 to 1.62, depending on their penalty "
+                        "and the range of the fit. Resolved elements give 1.503, since "
+                        "half-spheres are stiffer than half-spaces "
+                        "(tests/extensions/continuum/test_coarse_contact.py).")
     for contact, source, remark in ((EARLY, 0.6, late), (LATE, None, "")):
         yield gw.Row(f"Beads {contact + 1} and {contact + 2} part", "ms", source, 1e3 * one.parting(contact),
                      where="composite chain, Fig. 4", remark=remark)
     yield gw.Row("Error of the speed against the discrete chain's wave at the force found", "%", ours=our_speed,
-                 theory=0.0, remark=f"The source prints {PRINTED.min():.2f} to {PRINTED.max():.0f} % for the speeds of "
-                 f"its 11 models. Recomputed: {of_speed.min():.1f} to {of_speed.max():.0f} %.", **where)
-    yield gw.Row("Error of the force against thesis 4.5", "%", ours=our_force, theory=0.0, remark="Recomputed for the "
-                 f"source's 11 models: {of_force.min():.1f} to {of_force.max():.0f} %.", **where)
+                 theory=0.0, remark=f"The source prints {PRINTED.min():.2f} to {PRINTED.max():.0f} "
+                                    "% for the speeds of its 11 models. The recomputed errors are "
+                                    f"{of_speed.min():.1f} to {of_speed.max():.0f} %.", **where)
+    yield gw.Row("Error of the force against thesis 4.5", "%", ours=our_force, theory=0.0, remark=(
+        f"The recomputed errors of the 11 models of the source are {of_force.min():.1f} to {of_force.max():.0f} "
+        "%."), **where)
     # fmt: on
 
 
@@ -131,8 +140,9 @@ def pictures(runs):
     right.set_xticks([], minor=True)
     right.legend()
     caption = (
-        "Force and gap of two contacts against time (source Figs 3, 4): the same pulse, later. Right: force against "
-        "approach, and the power fitted to it (source Fig. 5); Hertz's law has 3/2"
+        "Force and gap of two contacts against time (source Figs 3, 4): the same pulse arrives "
+        "later at the second. Right: force against approach, with the fitted power (source Fig. "
+        "5); Hertz's law has the power 3/2"
     )
     data = {f"contact_{k + 1}_N": force[:, n] for n, k in enumerate(CONTACTS)}
     data |= {f"gap_{k + 1}_m": gap[:, n] for n, k in enumerate(CONTACTS)}
@@ -159,7 +169,8 @@ def pictures(runs):
     for n, what in enumerate(("force", "speed")):
         table[f"{what}_error_percent"] = [*theirs[n], ours[n]]
     caption = (
-        "Error of the wave speed against that of the peak force, both against the discrete chain: finite elements of "
-        f"the source (Tables 2 and 3), and ours, off by {ours[0]:.2g} % in force and {ours[1]:.2g} % in speed"
+        "Error of the wave speed against that of the peak force, both against the discrete chain: "
+        f"finite elements of the source (Tables 2 and 3) and ours, with errors of {ours[0]:.2g} % "
+        f"in force and {ours[1]:.2g} % in speed"
     )
     yield gw.Picture("homogeneous_errors", caption, axes.figure, table)

@@ -17,20 +17,22 @@ def of_reflections(waves, from_end):
     """Times of the waves at the watched contact, and reflected energy (source Fig. 6)."""
     found = waves.reflections
     for key, wave in ((key, found[key]) for key in NAMES if key in found):
-        remark = f"{wave.force:.3g} N."
+        remark = f"The force is {wave.force:.3g} N."
         if key == "BRW" and "FRW" not in found:
-            remark += " No forth reflection above 0.5 % of the largest force follows it; the wave forth at " \
-                f"{1e3 * waves.second.time:.3g} ms, {waves.second.force:.3g} N, is the second of the incident train, " \
-                "which enters without any reflection."
+            remark += (" No reflection forth above 0.5 % of the largest force follows. The wave "
+                       f"forth at {1e3 * waves.second.time:.3g} ms, with {waves.second.force:.3g} "
+                       "N, is the second wave of the incident train, which enters without a "
+                       "reflection.")
         if key == "FRW" and not wave.forth:
-            remark += " It meets a second wave back here, and their forces add up."
+            remark += " A second wave travels back here at the same time, and the forces add up."
         if key == "end":
-            remark = f"{wave.force:.3g} N; time from the impact on."
+            remark = f"The force is {wave.force:.3g} N; the time counts from the impact."
         yield gw.Row(f"{NAMES[key]} {waves.at}", "ms", from_end if key == "end" else None, 1e3 * wave.time,
                      PLACE + ("3.3" if key == "end" else "Fig. 6"), remark)
     yield gw.Row(f"Energy back {waves.at} over energy out of the section", "",
                  ours=waves.passed(waves.middle)[1] / waves.passed(waves.last)[0], where=f"{PLACE}Fig. 6",
-                 remark="Until a pulse is back from the chain's end. Source: much higher for PTFE than for brass.")
+                 remark="Energies count until a pulse returns from the end of the chain. The "
+                        "source states a much higher value for PTFE than for brass.")
 
 
 def of_output(waves, longest, kind):
@@ -42,15 +44,16 @@ def of_output(waves, longest, kind):
         return
     late = out[1].time - out[0].time
     yield gw.Row(f"Second output peak over the first, N2 = {waves.n}, {kind}", ours=out[1].force / out[0].force,
-                 where=f"{PLACE}Fig. 7", remark=f"{1e6 * late:.0f} µs later.")
+                 where=f"{PLACE}Fig. 7", remark=f"The second peak is {1e6 * late:.0f} µs later.")
     if len(train) < 2:
         return
     behind = train[1].time - train[0].time
-    remark = f"{1e6 * behind:.0f} µs later, before anything is reflected: the incident pulse becomes a train."
+    remark = (f"The second wave enters {1e6 * behind:.0f} µs later, before anything is reflected: "
+              "the incident pulse becomes a train.")
     # the time between them may change while they pass the section
     if abs(late - behind) < 0.25 * behind:
-        remark += " The second output peak is this wave; for the source it comes of a collision of the incident " \
-            "pulse with the BRW."
+        remark += (" The second output peak is this wave. The source attributes the peak to a "
+                   "collision of the incident pulse with the BRW.")
     yield gw.Row(f"Second wave into the section over the first, N2 = {longest.n}, {kind}",
                  ours=train[1].force / train[0].force, where=f"{PLACE}Fig. 7", remark=remark)
 
@@ -62,13 +65,15 @@ def of_energy(waves, kind):
     for share, section in zip(waves.shares.T, ("first steel", "light", "second steel"), strict=True):
         yield gw.Row(f"Energy of the {section} section over the input, N2 = {waves.n}, {kind}",
                      ours=np.interp(until, waves.time, share),
-                     remark=f"At {1e6 * until:.0f} µs, when a pulse is back from the chain's end.", **where)
+                     remark=f"The value is taken at {1e6 * until:.0f} µs, when a pulse returns "
+                            "from the end of the chain.", **where)
     density = waves.density
     place = list(waves.chain.array("chain/id")).index
     for part, first, last, remark in (
         ("steel before the section", 3, waves.first - 2,
-         "The source: constant. The pulse still finds its shape here."),
-        ("section, its last bead left out", waves.first, waves.last - 1, "The source: falls, by yielding alone."),
+         "In the source it is constant. In our run the pulse is still forming here."),
+        ("section, its last bead left out", waves.first, waves.last - 1,
+            "In the source it falls by yielding only."),
     ):
         yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, {kind}", "%",
                      ours=100 * (density[place(last)] / density[place(first)] - 1), remark=remark, **where)
@@ -84,16 +89,20 @@ def of_pressure(section, source):
     at = f"N2 = {section.n}, elastic"
     where = f"{PLACE}3.3"
     yield gw.Row(f"Largest pressure, first contact of the section, {at}", "MPa", source[0], first, where,
-                 "The source: largest compressive stress in the contact area, without N2 and place. In Hertz's contact "
-                 f"that is the largest pressure; the mean one is {2 / 3 * first:.0f}, the largest von Mises stress "
-                 f"{mises:.0f} MPa. The source's would be a force of {force:.2g} N; but it says that the contact "
-                 "yields, which bounds the pressure (the rows of yielding chains).")
+                 "The source value is the largest compressive stress in the contact area, without "
+                 "N2 and position. In Hertz's contact that is the largest pressure; the mean "
+                 f"pressure is {2 / 3 * first:.0f} MPa, the largest von Mises stress {mises:.0f} "
+                 f"MPa. An elastic contact with the printed stress would carry {force:.2g} N. "
+                 "According to the source the contact yields, which limits the pressure (see the "
+                 "rows of yielding chains).")
     yield gw.Row(f"Largest pressure, last contact of the section, {at}", "MPa", source[1], last, where,
-                 "Without loss it stays as it was; the source's has fallen along the section.")
+                 "Without dissipation the pressure does not change along the section; in the "
+                 "source it falls.")
     fallen = source[1] / source[0]
     yield gw.Row(f"Last of these pressures over the first, {at}", ours=last / first, where=where,
-                 remark=f"The source's two values: {fallen:.3f}. Any stress goes with the cube root of the force, "
-                 f"which then falls to {fallen**3:.2f} of the first within the section: only loss can do that.")
+                 remark=f"The two values of the source have the ratio {fallen:.3f}. Any stress "
+                        f"grows as the cube root of the force, so that the force falls to {fallen**3:.2f} "
+                        "of its first value within the section. That requires dissipation.")
 
 
 def of_yielded_pressure(section, source, kind):
@@ -103,16 +112,18 @@ def of_yielded_pressure(section, source, kind):
     means = [1e-6 * section.yielded_pressure(bead) for bead in (section.first, section.last - 1)]
     at = f"N2 = {section.n}, {kind}"
     remarks = (
-        "The source: largest compressive stress in the contact area, and the contact yields. The mean pressure of the "
-        "law at the largest overlap is the least that the largest can be. The yield strength is our choice.",
-        "The force falls along the section by yielding, as the source says.",
+        "The source value is the largest compressive stress in a contact area that yields. Our "
+        "mean pressure at the largest overlap is a lower limit of the largest pressure. The yield "
+        "strength is our choice.",
+        "The force falls along the section by yielding, as in the source.",
     )
     for name, printed, ours, remark in zip(("first", "last"), source, means, remarks, strict=True):
         yield gw.Row(f"Mean pressure, {name} contact of the section, {at}", "MPa", printed, ours, f"{PLACE}3.3", remark)
     fallen = source[1] / source[0]
-    remark = "Source: of its two stresses, without N2."
+    remark = "The source value is the ratio of its two stresses, without N2."
     if means[1] / means[0] > EXPLAINED * fallen:
-        remark += " Not explained: beyond yield the pressure hardly depends on the force."
+        remark += (" The difference is not explained, since beyond yield the pressure hardly "
+                   "depends on the force.")
     yield gw.Row(f"Last of these mean pressures over the first, {at}", "", fallen, means[1] / means[0], f"{PLACE}3.3",
                  remark)
 # fmt: on
@@ -138,7 +149,7 @@ def waves_and_energy(waves):
     left.axvline(place[k], color="0.6", linewidth=0.6, linestyle=":")
     left.set(xlabel="Place (mm)", ylabel="Time (µs)")
     figure.colorbar(
-        mesh, ax=left, location="top", label="Force (N), negative while the beads move back"
+        mesh, ax=left, location="top", label="Force (N), negative while beads move back"
     )
     right.semilogx(np.maximum(force, 1e-9 * force.max()), time)
     for name, wave in shown.reflections.items():
@@ -166,7 +177,7 @@ def waves_and_energy(waves):
         density.plot(bead, one.density, f"o{line}", markersize=2.5, label=kind)
         data |= {f"{slug}_bead": bead, f"{slug}_density_J_m3": one.density}
     density.axvspan(shown.first - 0.5, shown.last + 0.5, color="0.9", linewidth=0)
-    energy.set(xlabel="Time (µs)", ylabel="Energy over the input", xlim=(0, None), ylim=(0, 1.3))
+    energy.set(xlabel="Time (µs)", ylabel="Energy / input", xlim=(0, None), ylim=(0, 1.3))
     density.set(
         xlabel="Bead (0: striker; shaded: section)",
         ylabel="Largest energy density (J/m³)",

@@ -1,10 +1,11 @@
-"""Losses in contacts: restitution, and waves that decay.
+"""Damping in contacts: restitution and decay of waves.
 
-Two equal elastic spheres that collide, and elastic chains whose first bead is struck, with the
-three kinds of loss: a loss time, the loss time of a restitution at a velocity, and Tsuji's dashpot.
-A wave whose largest force F falls slowly has the shape of the solitary wave of F at each contact,
-whose duration goes with F^(-1/6) and whose energy with F^(5/3). So F^(-1/6) rises linearly along
-the chain with a loss time, and ln F falls linearly with a dashpot.
+Two equal elastic spheres collide, and a wave travels along an elastic chain. There are three kinds
+of damping: a relaxation time, the relaxation time that gives a restitution at a velocity, and
+Tsuji's dashpot. If the largest force F of a wave falls slowly, the wave has at each contact the
+shape of the solitary wave of force F, with a duration proportional to F^(-1/6) and an energy
+proportional to F^(5/3). With a relaxation time F^(-1/6) therefore rises linearly along the chain;
+with a dashpot ln F falls linearly.
 """
 
 import math
@@ -85,7 +86,8 @@ def rows(runs):
         if dashpot:
             yield gw.Row(f"Restitution at the largest velocity over that at the smallest, {kind}",
                          ours=pairs[-1, 1] / pairs[0, 1], theory=1.0, where="similarity", **verified)
-        straight = f"{wave.law} over the contacts is a straight line to {100 * wave.misfit:.2g} % of its rise."
+        straight = (f"{wave.law} against the number of the contact deviates from a straight line "
+                    f"by {100 * wave.misfit:.2g} % of its rise.")
         yield gw.Row(f"Largest force at contact {wave.contact[-1]} over that at {FIRST}, {kind}", ours=wave.force[-1],
                      remark=straight)
         # fmt: on
@@ -112,11 +114,11 @@ def pictures(runs):
         data |= {f"{name}_contact": wave.contact, f"{name}_force_over_first": wave.force}
         data[f"{name}_theory_force_over_first"] = wave.fitted
     left.set(xlabel="Velocity (m/s)", ylabel="Restitution")
-    right.set(xlabel="Contact", ylabel="Largest force over that of the first")
+    right.set(xlabel="Contact", ylabel="Largest force / force at the first contact")
     figure.legend(loc="outside upper center", ncols=3, fontsize=7)
     caption = (
-        "Restitution against velocity, and largest force along chains, by kind of loss; marks on "
-        "the grey lines confirm the theory. Only a dashpot dissipates the same fraction at every "
-        "velocity"
+        "Restitution against velocity, and largest force along chains, by kind of damping; marks "
+        "on the grey lines confirm the theory. Only a dashpot dissipates the same fraction at "
+        "every velocity"
     )
     yield gw.Picture("losses", caption, figure, data)

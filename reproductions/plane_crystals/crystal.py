@@ -38,8 +38,8 @@ class Crystal:
 
 
 def not_kept(value, remark=""):
-    """Remark with the value of a program that is not kept, which is no evidence."""
-    return f"{remark} A program that is not kept: {value:g}.".strip()
+    """Remark with the value of an earlier program, which is no longer available and no evidence."""
+    return f"An earlier program, no longer available, gave {value:g}. {remark}".strip()
 
 
 def by_name(crystals):

@@ -1,9 +1,10 @@
 """Plane crystals of soft cylinders under a plate.
 
-A centred-square (BCC in the source) and a hexagonal crystal (HCP) of polyurethane cylinders between
-rigid walls, struck by a rigid plate at 6 m/s. The source prints neither the modulus at that rate,
-nor density, friction, loss, the mass of the plate, nor how many grains there are: 70 MPa, 1130
-kg/m3, 0.3, 12 us, 20 kg/m, 88 and 105 grains are chosen. What it does print is compared.
+A rigid plate hits a centred-square crystal (BCC in the source) and a hexagonal crystal (HCP) of
+polyurethane cylinders between rigid walls at 6 m/s. The source does not print the modulus at that
+rate, the density, the friction, the damping, the mass of the plate or the number of grains. The
+chosen values are 70 MPa, 1130 kg/m3, 0.3, 12 us, 20 kg/m, and 88 and 105 grains. All printed values
+are compared.
 """
 
 import math
@@ -16,12 +17,12 @@ from relaxation import is_of_equation
 import granwave as gw
 
 WIDE = 40  # grains in a row: the sides do not affect the middle line
-SOFT = (
-    "There the tangential spring stays as stiff as at P = 0.01 E* R, here it follows the contact."
-)
+SOFT = "That program kept the tangential stiffness at P = 0.01 E* R; here it follows the contact."
 SIZES = {
-    f"crystals of {WIDE} a row and more": "BCC bears less, and line contacts are the softer for it.",
-    "of the sizes here": "In BCC the sides slow the front on the middle line below W/2; in HCP hardly.",
+    f"crystals of {WIDE} a row and more": "Contacts in BCC carry smaller forces, which makes line "
+    "contacts softer.",
+    "of the sizes here": "In BCC the sides slow the front on the middle line below a depth of "
+    "W/2; in HCP they hardly do.",
 }
 
 
@@ -61,24 +62,30 @@ def rows(runs):
     case = walls["BCC"].case
     fig9 = f"{SOURCE}, Fig. 9"
     stuck = 2 * (1 - case.material.poisson_ratio) / (2 - case.material.poisson_ratio)
-    theory = "Theory: long waves, whose contacts slide in both; if they stuck it were"
-    theory += f" {long_waves(stuck, math.inf):.3f}, without friction 2/3."
+    theory = (
+        "Theory: long waves, with sliding contacts in both crystals. With sticking contacts "
+        "the ratio would be"
+    )
+    theory += f" {long_waves(stuck, math.inf):.3f}, without friction it would be 2/3."
     # fmt: off
     for (size, remark), both in zip(SIZES.items(), (wide, walls), strict=True):
         yield gw.Row(f"Front speed of BCC over that of HCP, {size}", "", 1.0,
                      both["BCC"].down.front_speed / both["HCP"].down.front_speed, fig9, digits=3,
                      theory=long_waves(stuck, case.contact.friction), remark=f"{remark} {theory}")
     for name in motions:
-        remark = "After the start of the impact; the zero of the source's camera is not known."
+        remark = ("The time counts from the start of the impact; the zero of the camera in the "
+                  "source is not known.")
         if name == "HCP":
-            remark += " Waves run 1.6 times too fast at 70 MPa: see the influences for the modulus that gives 125 m/s."
+            remark += (" At 70 MPa waves are 1.6 times too fast; the study of influences has the "
+                       "modulus that gives 125 m/s.")
         yield gw.Row(f"Second, small peak of the speed in deep grains, {name}", "ms", 4.0,
                      1e3 * later_peak(walls[name]), fig9, remark, digits=2)
     for name, motion in motions.items():
         low, high = motion.seen_by_camera(8000.0)
         yield gw.Row(f"Largest speeds as 8000 frames/s show them over the true ones, least, {name}", digits=2,
                      ours=low, where=f"{SOURCE}, camera",
-                     remark=f"Up to {high:.2f}; the source's largest speeds are low by this.")
+                     remark=f"The ratio lies between this value and {high:.2f}. The largest speeds "
+                            "of the source are too low by this factor.")
     for which, (name, one) in enumerate(walls.items()):
         for quantity, unit, ours, second, digits, remark in further(one, motions[name]):
             if second[which] is not None:
@@ -88,21 +95,25 @@ def rows(runs):
         speeds = one.lines["all"].distribution
         fig10 = f"{SOURCE}, Fig. 10"
         yield gw.Row(f"Largest speeds of all grains, p that they are Gaussian, {name}", ours=speeds.normal_p, digits=1,
-                     where=fig10, remark="The source: Gaussian. Of the test of Shapiro and Wilk.")
+                     where=fig10, remark="According to the source they are Gaussian. p is the "
+                                         "result of the test of Shapiro and Wilk.")
         yield gw.Row(f"Largest speeds of all grains, standard deviation over mean, {name}", digits=2, where=fig10,
-                     ours=speeds.deviation / speeds.mean, remark="The source: HCP is narrower.")
+                     ours=speeds.deviation / speeds.mean, remark=(
+                         "In the source the distribution in HCP is narrower."))
         yield gw.Row(f"Largest rotation of a grain that is not at a side wall, {name}", "degrees", where=SOURCE,
                      ours=motions[name].turned()[1], digits=2,
-                     remark="The source: huge rotations in HCP, at its walls, and none in BCC.")
+                     remark="The source reports huge rotations in HCP, at its walls, and none in "
+                            "BCC.")
         yield gw.Row(f"Left half of the second row, inwards at 0.9 ms, {name}", "um", digits=2,
                      ours=-motions[name].row_shift(0.9e-3), where=f"{SOURCE}, Fig. 4",
-                     remark="The source: the upper rows move outwards, then inwards.")
+                     remark="In the source the upper rows move outwards, then inwards.")
         yield gw.Row(f"Largest deviation from mirror symmetry over a diameter, {name}", ours=motions[name].mirrored(),
-                     where=SOURCE, remark="The source: almost perfect.", digits=1)
+                     where=SOURCE, remark="In the source the symmetry is almost perfect.", digits=1)
     for name, one in free.items():
         last = (one.peak > 0).nonzero()[0].size - 1
         yield gw.Row(f"Last peak down the line without side walls over that with them, {name}", where=SOURCE, digits=2,
-                     ours=one.peak[last] / walls[name].peak[last], remark=f"At a depth of {one.depth[last]:.1f} D.")
+                     ours=one.peak[last] / walls[name].peak[last], remark=(
+                         f"The depth is {one.depth[last]:.1f} D."))
     # fmt: on
 
 
@@ -167,6 +178,11 @@ def pictures(runs):
     ):
         axes.set(xlabel="Depth (diameters)", ylabel=quantity, ylim=(0, None))
     panels[0].legend(fontsize=7)
-    caption = "Down the middle line of both crystals, with side walls (solid) and without (dashed): from where the "
-    caption += "sides are felt, walls keep the wave of BCC, which dies away without them; HCP hardly needs them"
+    caption = (
+        "Waves down the middle line of both crystals, with side walls (solid) and without "
+        "(dashed). Once the effect of the "
+    )
+    caption += (
+        "sides arrives, the wave in BCC dies away without walls; the wave in HCP hardly needs them"
+    )
     yield gw.Picture("lateral_crystals", caption, figure, data)

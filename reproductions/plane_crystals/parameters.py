@@ -1,9 +1,9 @@
 """Influences on speed and decay in plane crystals.
 
-The two crystals between walls with one thing changed: height, a gap at the walls, friction, the
-loss of contacts, the mass of the plate, the modulus, the size of the grains, or diameters that
-scatter. First pulses alone are compared: without friction the centred-square crystal has no shear
-stiffness, and what follows is chaotic.
+One property of the two crystals between walls is changed: height, gap at the walls, friction,
+damping in contacts, mass of the plate, modulus, or size or scatter of the diameters. Only first
+pulses are compared: without friction the centred-square crystal has no shear stiffness, and its
+later motion is chaotic.
 """
 
 import math
@@ -34,7 +34,10 @@ TRIAL = {
     "plate": {40.0: (3.7, 2.6), 80.0: (2.6, 2.3)},
     "modulus": {150e6: (175.0, 299.0), 480e6: (315.0, 546.0), 1573e6: (587.0, 1043.0)},
 }
-FEW = "Two regions of eight or seven grains, whose border jumps from grain to grain: near another minimum of the fit."
+FEW = (
+    "The two regions have only seven or eight grains, and their border jumps from grain to "
+    "grain: the fit has another minimum nearby."
+)
 DECAYS = {
     "friction": ("friction {:g}", 1.0), "loss": ("loss time of {:g} us", 1e6), "plate": ("plate of {:g} kg/m", 1.0)
 }  # fmt: skip
@@ -87,14 +90,16 @@ def rows(runs):
         yield gw.Row(f"Decay of the peak speed, first region, a rigid cylinder on the middle grain, {one.name}", "1/m",
                      ours=one.decay.first, digits=2, **alone,
                      remark=not_kept({"BCC": 66.5, "HCP": 28.0}[one.name],
-                                     "Far from the source's, whose load is the whole top."))
+                                     "The decay is far from the source value, where the load acts "
+                                     "on the whole top."))
     for which, name in enumerate(NAMES.values()):
         for value, one in series["height", name]:
             if value in TRIAL["height"]:
                 yield gw.Row(f"Border of the two regions, all grains, {value:g} times as high, {name}", "D", digits=2,
                              ours=one.border, **alone,
-                             remark=not_kept(TRIAL["height"][value][which], "The last two grains, which the floor "
-                                             "holds, decide this fit: leave them out."))
+                             remark=not_kept(TRIAL["height"][value][which],
+                                 "This fit depends on the last two grains, which the floor "
+                                 "supports; it is meaningful only without them."))
         for value, one in series["gap", name]:
             if value in TRIAL["gap"]:
                 yield gw.Row(f"Front speed, gap of {1e3 * value:g} mm, {name}", "m/s", ours=one.down.front_speed,
@@ -112,8 +117,8 @@ def rows(runs):
         for value, one in series["scatter", name]:
             yield gw.Row(f"Front speed, diameters smaller by up to {1e6 * value:g} um, {name}", "m/s", digits=3,
                          ours=one.down.front_speed, **alone,
-                         remark=not_kept((106.0, 180.0)[which], "One set of random diameters; the program's were "
-                                         "others."))
+                         remark=not_kept((106.0, 180.0)[which],
+                             "Our random diameters differ from the diameters of that program."))
     # fmt: on
 
 
@@ -127,17 +132,20 @@ def of_modulus(points, which, name):
         if value in TRIAL["modulus"]:
             quantity = f"Front speed at {value / 1e6:g} MPa, {name}"
             yield gw.Row(quantity, "m/s", SPEED, speed, f"{SOURCE}, Fig. 9", digits=3,
-                         remark="The source's modulus and speed exclude each other in an ideal crystal.")
+                         remark="The modulus and the speed printed in the source contradict each "
+                                "other in an ideal crystal.")
             yield gw.Row(quantity, "m/s", ours=speed, remark=not_kept(TRIAL["modulus"][value][which]), digits=3, **alone)
     quantity = f"Modulus that gives 125 m/s, {name}"
     yield gw.Row(quantity, "MPa", 150.0, gives, f"{SOURCE}, 3", digits=2,
-                 remark="The least of the printed effective moduli, 150 to 740 MPa.")
+                 remark="The source value is the smallest of the printed effective moduli, 150 to "
+                        "740 MPa.")
     yield gw.Row(quantity, "MPa", ours=gives, remark=not_kept(GIVES[name]), digits=2, **alone)
     value, one = min(points, key=lambda point: abs(point[1].down.front_speed - SPEED))
     yield gw.Row(f"Second, small peak of the speed in deep grains, {value / 1e6:g} MPa, {name}", "ms", 4.0,
                  1e3 * later_peak(one), f"{SOURCE}, Fig. 9", digits=2,
-                 remark=f"With the front at {one.down.front_speed:.0f} m/s; printed: around 125. After the start of the "
-                 "impact; the zero of the source's camera is not known.")
+                 remark=f"The front has {one.down.front_speed:.0f} m/s; the source prints about "
+                        "125 m/s. The time counts from the start of the impact; the zero of the "
+                        "camera in the source is not known.")
     # fmt: on
 
 
@@ -157,9 +165,13 @@ def pictures(runs):
     left.set(xlabel="Young's modulus (MPa)", ylabel="Front speed (m/s)", xscale="log", yscale="log")
     right.set(xlabel="Gap at the side walls (mm)", ylabel="Front speed (m/s)", ylim=(0, None))
     left.legend()
-    caption = "Front speed of both crystals against the modulus and against the gap at the side walls: a power of the "
+    caption = (
+        "Front speed of both crystals against the modulus and against the gap at the side "
+        "walls. The speed is a power of the "
+    )
     caption += (
-        "modulus (straight lines), whose 125 m/s of the source (dotted) need less than it prints"
+        "modulus (straight lines); 125 m/s, as in the source (dotted), require smaller moduli "
+        "than it prints"
     )
     yield gw.Picture("lateral_parameters", caption, figure, data)
 
@@ -180,4 +192,4 @@ def tables(runs):
                     decay.border / points[0][1].case.packing.diameter for decay in decays
                 ],
             }
-            yield f"{name}, {what} (SI units; height over that of the reference)", columns
+            yield f"{name}, {what} (SI units; height relative to the reference)", columns

@@ -1,8 +1,8 @@
 """Crystals of polycarbonate cylinders.
 
-The source mentions them without a number: trends like those of the soft crystals, with two regions,
-and a higher rate of decay in the lower one. The peak speed of the grains on the middle line is
-fitted by two exponentials.
+The source mentions these crystals without a number: their trends resemble the soft crystals, with
+two regions and a higher rate of decay in the lower region. The peak speed of the grains on the
+middle line is fitted by two exponentials.
 """
 
 from crystal import SOURCE, Crystal
@@ -24,7 +24,8 @@ def rows(crystals):
         yield gw.Row(
             f"Rate of decay, lower region over upper region, polycarbonate, {name}, at least", "",
             1.0, one.decay.second / one.decay.first, f"{SOURCE}, 4",
-            "The source says: like the soft crystals, and the lower region has the higher rate.",
+            "According to the source the trends are those of the soft crystals, with the higher "
+            "rate in the lower region.",
             digits=2, bound=True,
         )  # fmt: skip
         yield gw.Row(

@@ -1,8 +1,8 @@
-"""The source on lateral constraints: what it prints, and what holds.
+"""The source on lateral constraints: printed values and their verification.
 
 "Influence of Lateral Constraints on Wave Propagation in Finite Granular Crystals", J. Appl. Mech.,
-2020: crystals of polyurethane cylinders between rigid walls, struck by a falling plate, watched by
-a camera. What follows from its printed formulas is worked out here; its figures are not used.
+2020: crystals of polyurethane cylinders between rigid walls are hit by a falling plate and observed
+by a camera. The consequences of its printed formulas are computed here; its figures are not used.
 """
 
 import numpy as np
@@ -51,11 +51,17 @@ def rows(runs):
     slow = secant(EVENT, MILLI)
     for contact, modulus in enumerate(MODULI, start=1):
         rise = float(f"{rise_of(modulus):.3g}")
-        remark = f"Theory: stress over strain of a strain that rises evenly for {rise:g} ms, by equation 7 with time "
-        remark += "constants in ms. The rise is chosen for it: the source prints none, and its experiment lasts 5 to 6 ms. "
-        remark += f"With the printed seconds no rise within it gives less than {slow:.0f} MPa."
+        remark = (
+            f"Theory: stress divided by strain after a uniform rise of the strain in {rise:g} "
+            "ms, by equation 7 with time "
+        )
+        remark += (
+            "constants in ms. The rise is chosen to fit, since the source prints none; its "
+            "experiment lasts 5 to 6 ms. "
+        )
+        remark += f"With the printed seconds no rise within 6 ms gives less than {slow:.0f} MPa."
         if rise > EVENT:
-            remark += " This one is longer than that."
+            remark += " This rise is longer than the experiment."
         yield gw.Row(f"Effective modulus at contact {contact}", "MPa", modulus, theory=secant(rise), digits=3,
                      where=f"{SOURCE}, 3", remark=remark)  # fmt: skip
         yield gw.Row(f"Stress over strain of the stress history, even rise of {rise:g} ms", "MPa", theory=secant(rise),
@@ -63,8 +69,14 @@ def rows(runs):
     gained = [impulse_gained(rise_of(modulus)) for modulus in MODULI]
     for word, source, theory in (("least", 1.65, min(gained)), ("most", 2.2, max(gained))):
         quantity = f"Difference of impulses, elastic and viscoelastic, {word}"
-        remark = "Even rises of the strain for the times of the rows above, against the linear law that fits each best: "
-        remark += "not explained. The source's strains are measured ones, which it does not print."
+        remark = (
+            "Theory: uniform rises of the strain in the times of the rows above, compared "
+            "with the linear law that fits each best. "
+        )
+        remark += (
+            "The difference is not explained. The strains of the source are measured and "
+            "not printed."
+        )
         yield gw.Row(
             quantity, "%", source, theory=theory, where=f"{SOURCE}, Fig. 3", remark=remark, digits=3
         )
@@ -73,14 +85,17 @@ def rows(runs):
     for speed, expected in ((1.0, 0.7468), (6.0, 0.7141)):
         found = law.collide(mass, speed, loss_time=runs[0].case.contact.loss.time, steps=4000)
         yield gw.Row(f"Restitution of two grains at {speed:g} m/s, loss time 12 us", ours=found["restitution"],
-                     where=OURS, digits=4, remark=not_kept(expected, "The source: a spring and dashpot has the same "
-                                                           "restitution at all speeds."))  # fmt: skip
+                     where=OURS, digits=4, remark=not_kept(expected,
+                         "According to the source a spring with a dashpot has the same "
+                         "restitution at all speeds."))  # fmt: skip
 
 
 def tables(_):
     yield (
-        "Region 1 exists, its border moves with the width, the lateral force falls at the same depth, upper rows "
-        "move out and then in, and the centred-square crystal needs its walls: all that holds. That both crystals "
-        "carry waves at one speed, and that its moduli give 125 m/s, does not; and region 1 is where no signal of "
-        "the sides has arrived yet, not where reflected waves compress."
+        "These statements of the source hold: region 1 exists, its border moves with the width, "
+        "the lateral force falls at the same depth, upper rows move outwards and then inwards, "
+        "and the centred-square crystal needs its walls. Two statements do not hold: that both "
+        "crystals carry waves at one speed, and that the printed moduli give 125 m/s. Region 1 is "
+        "the region that no signal of the sides has reached yet; it is not compressed by "
+        "reflected waves."
     )

@@ -1,10 +1,10 @@
-"""Plane crystals of viscoelastic cylinders: equation 7 of the source as a loss of the contacts.
+"""Plane crystals of viscoelastic cylinders: equation 7 of the source as damping of the contacts.
 
-The grains have the instantaneous modulus of equation 7, and it relaxes by its Prony series: with
-the time constants in ms, in seconds as printed, and not at all. Nothing else dissipates but
-friction. The attenuation, speed and second peak of the source are compared; so are its two laws
-of the force, the viscoelastic and a linear one with an effective modulus, at the contacts of the
-runs.
+The grains have the instantaneous modulus of equation 7, which relaxes by its Prony series: with the
+time constants in ms, with the printed seconds, and without relaxation. The only other dissipation
+is friction. The attenuation, the speed and the second peak are compared with the source. At the
+contacts of the runs its two force laws are compared: the viscoelastic law and a linear law with an
+effective modulus.
 """
 
 from typing import NamedTuple
@@ -112,13 +112,13 @@ def of_decay(name, by_law):
     yield gw.Row(
         f"Decay of the peak speed in region 1, {IN_MS}, {name}", "1/m", DECAY[name], rates[IN_MS],
         f"{SOURCE}, Fig. 7", digits=3,
-        remark="In a crystal of 24 a row, by one exponential; plate and friction are not printed. "
-        f"Without relaxation: {rates[ELASTIC]:.2g}. The source has the higher rate in HCP, ours in "
-        "BCC: not explained.",
+        remark="The decay is fitted by one exponential in a crystal of 24 grains per row; plate "
+               f"and friction are not printed. Without relaxation it is {rates[ELASTIC]:.2g}. In "
+               "the source the rate is higher in HCP, in our runs in BCC; this is not explained.",
     )  # fmt: skip
     yield gw.Row(
         f"Decay of the peak speed in region 1, {ELASTIC}, {name}", "1/m", ours=rates[ELASTIC],
-        where=f"{SOURCE}, 7", digits=3, remark="By friction and the plate only.",
+        where=f"{SOURCE}, 7", digits=3, remark="Only friction and the plate cause this decay.",
     )  # fmt: skip
     yield gw.Row(
         f"Decay by relaxation, {IN_MS} less none, {name}", "1/m",
@@ -134,15 +134,14 @@ def of_waves(name, by_law):
     ratio = speed / elastic.down.front_speed
     yield gw.Row(
         f"Front speed, {IN_MS}, {name}", "m/s", SPEED, speed, f"{SOURCE}, Fig. 9", digits=3,
-        remark=f"That of elastic grains of {INSTANT * ratio**2:.0f} MPa, as speeds go with the "
-        "root of the modulus: the front is faster than the modulus relaxes. The printed speed "
-        "needs 25 to 76 MPa: not explained.",
+        remark=f"Elastic grains of {INSTANT * ratio**2:.0f} MPa have the same speed, as speeds "
+               "vary as the square root of the modulus: the front passes before the modulus "
+               "relaxes. The printed speed requires 25 to 76 MPa; this is not explained.",
     )  # fmt: skip
     yield gw.Row(
         f"Second, small peak of the speed in deep grains, {IN_MS}, {name}", "ms", SECOND,
         1e3 * later_peak(relaxing), f"{SOURCE}, Fig. 9", digits=2,
-        remark=f"Waves are {speed / SPEED:.1f} times as fast as the printed ones, and return "
-        "sooner.",
+        remark=f"Waves are {speed / SPEED:.1f} times as fast as printed, and return sooner.",
     )  # fmt: skip
     for law in (IN_MS, IN_S):
         yield gw.Row(
@@ -159,10 +158,10 @@ def of_contacts(name, contacts):
         yield gw.Row(
             f"Effective modulus at the contacts of the run, {word}, {name}", "MPa", printed, found,
             f"{SOURCE}, 3", digits=3,
-            remark="The source's: of four contacts, whose places are a picture. Ours: the linear "
-            "law that fits the viscoelastic force of the first 6 ms best, at all contacts "
-            "with a tenth "
-            f"of the largest force; median {np.median(contacts.modulus):.0f} MPa.",
+            remark="The source values are of four contacts, whose positions are shown only in a "
+                   "picture. Ours is the modulus of the linear law that fits the viscoelastic "
+                   "force of the first 6 ms best, at all contacts with at least a tenth of the "
+                   f"largest force; the median is {np.median(contacts.modulus):.0f} MPa.",
         )  # fmt: skip
     for word, printed, found in zip(
         ("least", "median"), IMPULSES, np.percentile(np.abs(contacts.impulse), (0, 50)), strict=True
@@ -170,8 +169,8 @@ def of_contacts(name, contacts):
         yield gw.Row(
             f"Difference of impulses at the contacts of the run, {word}, {name}", "%", printed,
             found, f"{SOURCE}, Fig. 3", digits=3,
-            remark="The viscoelastic against this linear law. The source's strains are measured "
-            "and not printed: not explained.",
+            remark="The viscoelastic law is compared with this linear law. The source uses "
+                   "measured strains, which are not printed; the difference is not explained.",
         )  # fmt: skip
 
 

@@ -1,12 +1,13 @@
-"""Region 1 of a plane crystal ends where its sides begin to be felt.
+"""Region 1 of a plane crystal ends where the effect of its sides begins.
 
-Crystals of 4 to 16 grains a row beside one of 40, with the same mass of the plate per width, with
-side walls and with free sides. Peak speed of the first pulse down the middle line over that of the
-wide crystal; the two part where it differs by 3 %. The source holds that reflected waves compress
-the upper part laterally (region 1), as deep as the crystal is wide. The front and what the top
-corners send run down together along the close-packed lines and meet on the middle line at W/2 (45
-degrees) and sqrt(3)/2 W (30 degrees): above, nothing of the sides has arrived, and free sides part
-at the same depth.
+Crystals with 4 to 16 grains per row are compared with a crystal of 40, at the same mass of the
+plate per width, with side walls and with free sides. The peak speed of the first pulse down the
+middle line is divided by the peak speed in the wide crystal; the crystals part at the depth where
+the two differ by 3 %. According to the source reflected waves compress the upper part laterally
+(region 1), to a depth equal to the width. The front and the signals of the top corners run down
+together along the close-packed lines. They meet on the middle line at W/2 (45 degrees) and
+sqrt(3)/2 W (30 degrees). Above, no signal of the sides has arrived, and crystals with free sides
+part at the same depth.
 """
 
 import numpy as np
@@ -74,7 +75,7 @@ def name(group):
 
 
 def title(group):
-    return f"Region 1 of a plane crystal ends where its sides begin to be felt: {group.name}"
+    return f"Region 1 of a plane crystal ends where the effect of its sides begins: {group.name}"
 
 
 def rows(group):
@@ -86,14 +87,17 @@ def rows(group):
     alpha = -np.polyfit(line.distance[line.fitted], np.log(line.peak_speed[line.fitted]), 1)[0]
     # fmt: off
     yield gw.Row(f"Layers of region 1, {crystal}", "layers", layers, slope * width * a_diameter, digits=2,
-                 where=f"{SOURCE}, Fig. 4 to 7", remark="Not a test: the source does not print how wide its crystals "
-                 f"are. {count} a row was inferred from these layers, which it then explains.")
+                 where=f"{SOURCE}, Fig. 4 to 7", remark="This row is no test. The source does not "
+                                                        f"print the width of its crystals; {count} "
+                                                        "grains per row were inferred from these "
+                                                        "layers.")
     yield gw.Row(f"Depth of region 1 over the width, {crystal}", "", 1.0, slope, theory=group.law, digits=2,
                  where=f"{SOURCE}, 3, Fig. 6e",
                  remark="Theory: where the signals of both top corners meet on the middle line.")
     yield gw.Row(f"Decay of the peak speed in region 1, {crystal}", "1/m", decay, alpha, f"{SOURCE}, Fig. 7", digits=2,
-                 remark="In the wide crystal, by one exponential; plate and loss are not printed: the size alone "
-                 "tells.")
+                 remark="The decay is fitted by one exponential in the wide crystal. Plate and "
+                        "damping are not printed, so that only the order of magnitude can be "
+                        "compared.")
     for which, word in enumerate(("walls", "free sides")):
         for one in group.pairs[which]:
             if np.isfinite(one.parted) and np.isfinite(trial := TRIAL[crystal][one.count][which]):
@@ -102,7 +106,8 @@ def rows(group):
     away = np.abs(np.array(group.parted) - group.width * group.law) / np.diff(group.wide.depth).mean()
     yield gw.Row(f"Depth where crystals part less that of the law, at most, {crystal}", "grains",
                  ours=np.nanmax(away), where=SOURCE, digits=2,
-                 remark="Of all widths, with walls and with free sides; they can only part at a grain.")
+                 remark="The value covers all widths, with walls and with free sides. Crystals "
+                        "can part only at a grain.")
     # fmt: on
 
 
@@ -136,7 +141,7 @@ def pictures(group):
     right.plot(widths, widths, ":", color="0.5", label="depth = width (source)")
     left.axvline(1.0, color="0.5", linestyle=":", linewidth=0.8)
     left.set(
-        xlabel="Depth / depth where the sides' signals meet", ylabel="Peak speed / that of the wide"
+        xlabel="Depth / depth where signals of the sides meet", ylabel="Peak speed / wide crystal"
     )
     left.set(xlim=(0, 3), ylim=(0, 1.3))
     right.set(
@@ -146,8 +151,11 @@ def pictures(group):
         ylim=(0, None),
     )
     right.legend()
-    caption = f"{group.name}: peak speeds of crystals of several widths over those of the widest part where the signals of "
-    caption += "both sides meet (1 on the left); that depth grows with the width"
+    caption = (
+        f"{group.name}: peak speeds of crystals of several widths, divided by the speeds in "
+        "the widest. The curves part where the signals of "
+    )
+    caption += "the two sides meet (1 on the left); that depth grows with the width"
     yield gw.Picture(f"lateral_width_{group.name.lower()}", caption, figure, data)
 
 

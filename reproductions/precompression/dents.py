@@ -1,10 +1,11 @@
-"""Changes by a lasting dent.
+"""Effect of keeping the plastic indentation.
 
-Each packing twice: dents kept (boundary.forget_gap of 0.1 diameters), and forgotten as soon as the
-undeformed spheres part (1e-9 diameters). The second is the treatment of laws that yield in
-LIGGGHTS, YADE and MercuryDPM, and of the contact history in LAMMPS's own granular styles: it ends
-where the distance exceeds the sum of the radii. Dents in rigid walls are kept in both. Rows that
-rattle move chaotically: sign and magnitude of a change are meaningful there, its digits are not.
+Each packing is run twice. Indentations are kept (boundary.forget_gap of 0.1 diameters), or
+forgotten as soon as the undeformed spheres separate (1e-9 diameters). The second is the treatment
+of yielding laws in LIGGGHTS, YADE and MercuryDPM, and of the contact history in LAMMPS's own
+granular styles, which ends when the distance exceeds the sum of the radii. Indentations in rigid
+walls are kept in both runs. Chains that rattle move chaotically: the sign and the magnitude of a
+change are meaningful there, its digits are not.
 """
 
 import math
@@ -37,19 +38,23 @@ def words(run):
     packing = run.case.packing
     count = run["n_spheres"]
     if packing.kind == "fcc":
-        parts = [f"FCC packing of {' x '.join(map(str, packing.size))} spheres"]
+        parts = ["FCC packing of {' × '.join(map(str, packing.size))} spheres"]
     else:
         gap = np.diff(np.sort(run.spheres.position_z)).max() - packing.diameter
         parts = [
-            f"Row of {count} spheres" + (f" with gaps of {1e3 * gap:.3g} mm" if gap > 1e-6 else "")
+            f"Chain of {count} spheres"
+            + (f" with gaps of {1e3 * gap:.3g} mm" if gap > 1e-6 else "")
         ]
     if packing.diameter_scatter:
-        parts.append(f"diameters that scatter over {1e6 * packing.diameter_scatter:.3g} µm")
+        parts.append(f"diameter scatter {1e6 * packing.diameter_scatter:.3g} µm")
     if case.has_initial_dents:
-        parts.append("contacts pressed before")
+        parts.append("preconditioned contacts")
     if load.kind == "displacement":
         return f"{', '.join(parts)}; shaken by ± {1e6 * load.amplitude:.3g} µm at {load.frequency:.4g} Hz"
-    return f"{', '.join(parts)}; {len(load.index) if load.index else load.spheres} struck at {load.velocity:g} m/s"
+    return (
+        f"{', '.join(parts)}; impact on {len(load.index) if load.index else load.spheres} at {load.velocity:g} "
+        "m/s"
+    )
 
 
 def change(pair, key):
@@ -71,14 +76,15 @@ def tables(runs):
         for word, place in (("kept", 0), ("forgotten", 1)):
             columns[f"{heading}: {word} ({unit})"] = [pair[place][key] for pair in found.values()]
         columns[f"{heading}: change"] = [shown(change(pair, key)) for pair in found.values()]
-    yield "Dents kept, and forgotten where the undeformed spheres part", columns
+    yield "Indentations kept, and forgotten where the undeformed spheres separate", columns
     run = next(kept for kept, _ in found.values() if kept.case.load.kind == "impact")
     velocity = run.case.load.velocity
     kept, forgotten = restitution_at_zero_force(Chain(run).law, run.case.sphere_mass / 2, velocity)
     yield (
-        "Forgotten already at zero force, where spheres still overlap by the dent, there would be energy out of "
-        f"nothing: two such spheres that meet at {velocity:g} m/s part with {kept:.3f} of it, and would with "
-        f"{forgotten:.3f} (by the law alone). No run can be made of it, and no program is known to do so."
+        "If indentations were forgotten at zero force, where spheres still overlap by the "
+        f"indentation, energy would be created. Two such spheres that collide at {velocity:g} m/s "
+        f"separate with {kept:.3f} of this speed, and would separate with {forgotten:.3f} (by the "
+        "law alone). No run can show this, and no program is known to do so."
     )
 
 
@@ -86,8 +92,10 @@ def verdict(runs):
     changes = [(name, change(pair, "energy_dissipated_J")) for name, pair in pairs(runs).items()]
     small = [name for name, size in changes if abs(size) < LITTLE]
     large = [f"{name} ({shown(size)})" for name, size in changes if abs(size) >= LITTLE]
-    yield f"Forgetting changes the energy dissipated by less than 1 % in: {'. '.join(small)}."
-    yield f"It changes it by more in: {'. '.join(large)}."
+    yield (
+        f"Forgetting changes the dissipated energy by less than 1 % in these cases: {'. '.join(small)}."
+    )
+    yield f"It changes the dissipated energy by more in these cases: {'. '.join(large)}."
 
 
 def restitution_at_zero_force(law, mass, velocity):

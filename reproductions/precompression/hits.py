@@ -1,4 +1,4 @@
-"""A packing hit several times.
+"""Repeated impacts on a packing.
 
 Each run starts with the spheres in their first places and with the dents of the previous run.
 The runs tell by themselves: contact.initial_overlap of a second hit is the result of the first one.
@@ -42,9 +42,9 @@ def columns(series):
         "Hit": list(range(1, len(series) + 1)),
         "Impact (m/s)": [run.case.load.velocity for run in series],
         "Dissipated (% of input)": [100 * run["dissipated_fraction"] for run in series],
-        "Contacts whose dents grew": [run["n_plastic_contacts"] for run in series],
+        "Contacts with growing indentation": [run["n_plastic_contacts"] for run in series],
         "Largest contact force (N)": [run["peak_force_N"] for run in series],
-        "Largest force added at the bottom (N)": [(one - one[0]).max() for one in force],
+        "Largest dynamic force at the bottom (N)": [(one - one[0]).max() for one in force],
         "Arrival there (µs)": [1e6 * run["base_arrival_s"] for run in series],
     }
 
@@ -56,11 +56,11 @@ def tables(series):
 def verdict(series):
     lost, force = (
         columns(series)[key]
-        for key in ("Dissipated (% of input)", "Largest force added at the bottom (N)")
+        for key in ("Dissipated (% of input)", "Largest dynamic force at the bottom (N)")
     )
     yield (
-        f"Hit {len(series)} times, the packing dissipates {lost[-1]:.3g} % of the last impact ({lost[0]:.3g} % of the "
-        f"first) and hands on {force[-1]:.4g} N ({force[0]:.4g} N).{released_energy((series[0], series[-1]))}"
+        f"After {len(series)} impacts the packing dissipates {lost[-1]:.3g} % of the last ({lost[0]:.3g} "
+        f"% of the first) and transmits {force[-1]:.4g} N ({force[0]:.4g} N).{released_energy((series[0], series[-1]))}"
     )
 
 
@@ -69,11 +69,12 @@ def pictures(series):
     figure = Figure((5.6, 2.3), layout="constrained")
     left, right = figure.subplots(1, 2)
     left.bar(found["Hit"], found["Dissipated (% of input)"], color="C2", width=0.6)
-    right.bar(found["Hit"], found["Largest force added at the bottom (N)"], width=0.6)
+    right.bar(found["Hit"], found["Largest dynamic force at the bottom (N)"], width=0.6)
     left.set(xlabel="Hit", ylabel="Dissipated (% of input)", xticks=found["Hit"])
     right.set(xlabel="Hit", ylabel="Force at the bottom (N)", xticks=found["Hit"])
     caption = (
-        "Dissipated share and largest force added at the bottom, by number of the hit. Later hits meet dents, which "
-        "are elastic up to the force that made them: less is dissipated, and more comes through"
+        "Dissipated fraction and largest dynamic force at the bottom, by number of the impact. "
+        "After the first impact contacts are elastic up to their earlier force: less energy is "
+        "dissipated, and more force is transmitted"
     )
     yield gw.Picture("", caption, figure, found)

@@ -1,7 +1,7 @@
 """An impact at 5 m/s on packings under uniform pressure, with contacts that yield, and elastic.
 
-FCC packings of 16 x 16 x 8 brass spheres of 10 mm with free sides under constant, uniform static
-pressure. Yielding by the static load is not counted.
+FCC packings of 16 × 16 × 8 brass spheres of 10 mm have free sides and are under constant, uniform
+static pressure. Yielding by the static load is not counted.
 """
 
 import numpy as np
@@ -42,15 +42,15 @@ def columns(runs):
     found = {
         "Static pressure (Pa)": [pressure(run) for run in runs],
         "Static force of a contact (N)": static,
-        "Largest force added at the bottom (N)": [added(run) for run in runs],
+        "Largest dynamic force at the bottom (N)": [added(run) for run in runs],
         "Arrival there (µs)": [1e6 * run["base_arrival_s"] for run in runs],
-        "Largest contact force, the static one in it (N)": [run["peak_force_N"] for run in runs],
+        "Largest contact force, with static force (N)": [run["peak_force_N"] for run in runs],
     }
     if runs[0].case.contact.law != "hertz":
         found["Dissipated by the impact (% of input)"] = [
             100 * run["dissipated_fraction"] for run in runs
         ]
-        found["Contacts that yielded in it"] = [run["n_plastic_contacts"] for run in runs]
+        found["Contacts that yielded"] = [run["n_plastic_contacts"] for run in runs]
     return found
 
 
@@ -61,17 +61,20 @@ def tables(runs):
 def verdict(runs):
     first = runs[0]
     last = runs[-1]
-    sentence = f"Under uniform pressure of {pressure(last):.3g} Pa the impact adds {added(last):.4g} N at the bottom "
+    sentence = (
+        f"Under a uniform pressure of {pressure(last):.3g} Pa the dynamic force at the "
+        f"bottom is {added(last):.4g} N "
+    )
     sentence += f"({added(first):.4g} N without a static load)"
     if last["dissipated_fraction"]:
         dissipated = (100 * run["dissipated_fraction"] for run in (last, first))
-        sentence += " and dissipates {:.3g} % ({:.3g} %)".format(*dissipated)
+        sentence += ", and the impact dissipates {:.3g} % ({:.3g} %)".format(*dissipated)
     yield f"{sentence}.{released_energy((first, last))}"
 
 
 def pictures(runs):
     found = columns(runs)
-    labels = {"Largest force added at the bottom (N)": "Added at the bottom (N)"}
+    labels = {"Largest dynamic force at the bottom (N)": "Dynamic force at the bottom (N)"}
     labels["Dissipated by the impact (% of input)"] = "Dissipated (% of input)"
     shown = [name for name in labels if name in found]
     x = np.array(found["Static pressure (Pa)"])
@@ -84,7 +87,8 @@ def pictures(runs):
         axes.set_xlim(x[1] / 2, 2 * x[-1])
         axes.legend()
     caption = (
-        f"{' and '.join(labels[name].partition(' (')[0].lower() for name in shown).capitalize()} against static "
-        "pressure; dashed: the same impact without it. The static load matters from where the marks leave the line"
+        f"{' and '.join(labels[name].partition(' (')[0].lower() for name in shown).capitalize()} "
+        "against static pressure; dashed: the same impact without static load. The static load "
+        "matters where the marks leave the dashed line"
     )
     yield gw.Picture("", caption, figure, found)

@@ -1,9 +1,10 @@
 """Precompressed packings: speed of small waves.
 
-Small impacts on packings under static pressure, along the stacking of their layers. c0 by the times
-of the crests of the layers' mean velocities, over the places that layers had before the load.
-Theory: c0 = h sqrt((2 k - f/D)/m), with layers h = D sqrt(2/3) apart, k = 3/2 f/alpha, and f = p
-D^2/(2 sqrt 2) the force of a contact, by balance on a layer (uniaxial) as by the virial (uniform).
+Small impacts act on packings under static pressure, along the stacking direction. c0 follows from
+the times of the crests of the mean velocities of the layers, at the positions of the layers before
+the load. Theory: c0 = h sqrt((2 k - f/D)/m), with layers h = D sqrt(2/3) apart, k = 3/2 f/alpha and
+a contact force f = p D^2/(2 sqrt 2), which follows from the balance of a layer (uniaxial) and from
+the virial (uniform).
 """
 
 from itertools import groupby
@@ -16,7 +17,7 @@ from granwave.measures import power_law, speed_along_layers
 from granwave.theory import precompressed_line
 
 MARKS = {"fcc, uniaxial": "oC0", "hcp, uniaxial": "sC1", "fcc, uniform": "xC2"}
-UNEVEN = "Free sides: the static forces are not even."
+UNEVEN = "With free sides the static forces are not uniform."
 
 
 def measured(runs):
@@ -37,7 +38,8 @@ def rows(runs):
     # fmt: off
     for name, pressure, speed, theory in measured(runs):
         yield gw.Row(f"Power of the speed with the pressure, {name}", ours=power_law(pressure, speed).exponent,
-                     theory=1 / 6, verification=True, where="Hertz lattice", remark="Forced by similarity.")
+                     theory=1 / 6, verification=True, where="Hertz lattice", remark=(
+                         "Similarity forces this value."))
         for p, ours, expected in zip(pressure, speed, theory, strict=True):
             yield gw.Row(f"Speed of small waves, {name}, {p:.4g} Pa", "m/s", ours=ours, theory=expected,
                          where="Hertz lattice", remark=UNEVEN if abs(ours / expected - 1) > 0.01 else "")
@@ -60,7 +62,8 @@ def pictures(runs):
     axes.set(xlabel="Pressure (Pa)", ylabel="Speed of small waves (m/s)")
     axes.legend(loc="upper left")
     caption = (
-        "Speed of small waves against pressure, by packing and kind of pressure. The theory, a power of 1/6, is not "
-        "fitted: marks on its line tell that the loaded packing is a lattice of linear springs"
+        "Speed of small waves against pressure, by packing and kind of pressure. The theory, a "
+        "power of 1/6, is not fitted: marks on its line show that the loaded packing is a lattice "
+        "of linear springs"
     )
     yield gw.Picture("precompressed_packing_speed", caption, figure, data)

@@ -1,7 +1,7 @@
 """Spheres that were pressed before.
 
-Contacts that have dents from the start, corresponding to a uniform force: they should stay elastic
-up to this force.
+Contacts have an initial plastic indentation that corresponds to a uniform force; they should stay
+elastic up to this force.
 """
 
 from itertools import groupby
@@ -17,12 +17,12 @@ from granwave.measures import Chain
 ELASTIC = 1e-9  # fraction of the input that counts as no dissipation
 REACHED = 1e-3  # fraction of the largest force along the chain that marks the arrival of the pulse
 CLOSED = {
-    "chain": "are there at the impact.",
+    "chain": "are open at the impact.",
     "fcc": "are closed by a static load, which stays on.",
 }
 TITLES = {
     "chain": "Chain of 80 brass spheres of 9.52 mm",
-    "fcc": "FCC packing of 8 x 8 x 6 brass spheres of 10 mm",
+    "fcc": "FCC packing of 8 × 8 × 6 brass spheres of 10 mm",
 }
 
 
@@ -43,11 +43,11 @@ def level(run):
 
 
 def title(runs):
-    return f"Preconditioned: {TITLES[runs[0].case.packing.kind]}"
+    return f"Preconditioning: {TITLES[runs[0].case.packing.kind]}"
 
 
 def text(runs):
-    gaps = f"The gaps that dents leave between spheres at their nominal places {CLOSED[runs[0].case.packing.kind]}"
+    gaps = f"The gaps that indentations leave between spheres at their nominal positions {CLOSED[runs[0].case.packing.kind]}"
     return f"{' '.join(__doc__.split(chr(10) * 2)[1].split())} {gaps}{released_energy(runs)}"
 
 
@@ -70,7 +70,8 @@ def rows(runs):
                 yield gw.Row(
                     f"{which} dissipation over that of the preconditioning, {pressed:g} N", ours=found / pressed,
                     theory=1.0, where="thesis 1.1",
-                    remark=f"Theory: the two are on either side of 1; of {len(force)} impacts.",
+                    remark="In theory the two values lie on either side of 1. They are taken from "
+                           f"{len(force)} impacts.",
                 )  # fmt: skip
 
 
@@ -80,11 +81,11 @@ def tables(runs):
         "Impact (m/s)": [run.case.load.velocity for run in runs],
         "Largest force (N)": [run["peak_force_N"] for run in runs],
         "Dissipated (% of input)": [100 * run["dissipated_fraction"] for run in runs],
-        "Contacts whose dents grew": [run["n_plastic_contacts"] for run in runs],
+        "Contacts with growing indentation": [run["n_plastic_contacts"] for run in runs],
     }
     if runs[0].case.packing.kind == "fcc":
         bottom = [run.result["walls/bottom/force"] for run in runs]
-        found["Largest force added at the bottom (N)"] = [
+        found["Largest dynamic force at the bottom (N)"] = [
             (force - force[0]).max() for force in bottom
         ]
     yield "Impacts with and without preconditioning", found
@@ -100,8 +101,8 @@ def verdict(runs):
     fresh, *_, best = fastest(runs)
     lost, kept = (100 * run["dissipated_fraction"] for run in (fresh, best))
     yield (
-        f"Impact at {fresh.case.load.velocity:g} m/s: fresh contacts dissipate {lost:.3g} %, those preconditioned to "
-        f"{level(best):g} N {kept:.3g} %.{released_energy((fresh, best))}"
+        f"After an impact at {fresh.case.load.velocity:g} m/s fresh contacts dissipate {lost:.3g} "
+        f"%, and contacts preconditioned to {level(best):g} N dissipate {kept:.3g} %.{released_energy((fresh, best))}"
     )
 
 
@@ -127,8 +128,9 @@ def pictures(runs):
     axes.xaxis.set_minor_formatter(NullFormatter())
     figure.legend(title="Preconditioned to", loc="outside lower center", ncols=4, fontsize=7)
     caption = (
-        "Dissipated share against the largest contact force of an impact, by the force that all contacts bore before "
-        "(dotted). To the left of its dotted line marks are to be at zero: dents stay elastic up to that force"
+        "Dissipated fraction against the largest contact force of an impact, by the "
+        "preconditioning force of all contacts (dotted). Marks to the left of their dotted line "
+        "should be at zero: contacts stay elastic up to that force"
     )
     yield gw.Picture("_dissipation", caption, figure, data)
     if runs[0].case.packing.kind == "fcc":
@@ -145,7 +147,8 @@ def pictures(runs):
     axes.set(xlabel="Contact", ylabel="Largest force (N)", xlim=(0, None))
     figure.legend(title="Preconditioned to", loc="outside lower center", ncols=4, fontsize=7)
     caption = (
-        f"Largest force of the contacts along the chain, impact at {run.case.load.velocity:g} m/s. It falls while "
-        "contacts yield, and stays once it is down to the force that they bore before; in a fresh chain it falls on"
+        f"Largest force of the contacts along the chain, impact at {run.case.load.velocity:g} m/s. "
+        "The force falls while contacts yield, and stays constant once it has fallen to the "
+        "preconditioning force; in a fresh chain it continues to fall"
     )
     yield gw.Picture("_pulse", caption, figure, data)

@@ -6,6 +6,6 @@ def released_energy(runs):
     if not any(run["dissipated_fraction"] > 1 for run in runs):
         return ""
     return (
-        " More than 100 % is no error: energies count from the static state, and the impact also sets free what "
-        "contacts had stored there, and lets the static load do work."
+        " More than 100 % is no error: energies count from the static state, and the impact also "
+        "releases stored energy of the contacts and lets the static load do work."
     )

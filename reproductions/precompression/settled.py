@@ -1,10 +1,11 @@
 """Settled packings, scatter of 5 µm.
 
-FCC packings of 10 x 10 x 6 brass spheres of 10 mm whose diameters are up to 5 µm smaller, struck at
-5 m/s: as placed with gaps, and settled without friction by a static load that stays on. Means over
-seeds with 95 % confidence intervals. Contacts that bear force: of two spheres, at the start;
-standing without friction takes three for each sphere, those with walls counted. Residual: largest
-net force left on a sphere over the largest static force of a contact.
+Impacts at 5 m/s act on FCC packings of 10 × 10 × 6 brass spheres of 10 mm, whose diameters are up
+to 5 µm smaller. The packings are as placed, with gaps, or settled without friction by a static load
+that stays on. Values are means over seeds with 95 % confidence intervals. Loaded contacts are
+contacts of two spheres at the start. Static equilibrium without friction requires three contacts
+per sphere, including contacts with walls. The residual is the largest net force on a sphere divided
+by the largest static contact force.
 """
 
 import math
@@ -66,14 +67,14 @@ def tables(runs):
         {
             "Packing": list(COLOURS),
             "Seeds": [len(same) for same in states],
-            "Contacts that bear force (a sphere)": [
+            "Loaded contacts (per sphere)": [
                 estimate(list(map(contacts, same))) for same in states
             ],
             "Residual": [float(f"{one:.2g}") for one in residual],
             "Arrival at the bottom (µs)": [
                 estimate([1e6 * run["base_arrival_s"] for run in same]) for same in states
             ],
-            "Largest force added there (N)": [transmitted(same) for same in states],
+            "Largest dynamic force there (N)": [transmitted(same) for same in states],
             "Dissipated (% of input)": [
                 estimate([100 * run["dissipated_fraction"] for run in same]) for same in states
             ],
@@ -86,11 +87,11 @@ def verdict(runs):
     placed = forces["as placed"]
     for name in list(COLOURS)[2:]:
         force = forces[name]
-        alike = "" if differ_significantly(force, placed) else ", not to be told from it"
+        alike = "" if differ_significantly(force, placed) else "; the difference is not significant"
         yield (
-            f"Packing {name}: {force.mean:.0f} ± {force.half_width:.0f} N arrive at the bottom, "
-            f"{force.mean / placed.mean:.3g} times what arrives as placed "
-            f"({placed.mean:.0f} ± {placed.half_width:.0f} N{alike})."
+            f"Packing {name}: the dynamic force at the bottom is {force.mean:.0f} ± {force.half_width:.0f} "
+            f"N, {force.mean / placed.mean:.3g} times the force below the packing as placed ({placed.mean:.0f} "
+            f"± {placed.half_width:.0f} N{alike})."
         )
 
 
@@ -111,10 +112,11 @@ def pictures(runs):
                 label="" if place > 1 else name,
             )
             data |= {f"time_{number}_{place}_s": time, f"force_{number}_{place}_N": force}
-    axes.set(xlabel="Time (µs)", ylabel="Force added at the bottom (N)", xlim=(0, None))
+    axes.set(xlabel="Time (µs)", ylabel="Dynamic force at the bottom (N)", xlim=(0, None))
     figure.legend(loc="outside lower left", ncols=2, fontsize=7)
     caption = (
-        "Force added at the bottom against time, a curve for each seed. Settled spheres touch, so that the wave comes "
-        "earlier and more alike from seed to seed than through the gaps of spheres as placed; dotted: like spheres"
+        "Dynamic force at the bottom against time, one curve per seed. Settled spheres touch, so "
+        "that the wave arrives earlier and varies less between seeds than through the gaps of "
+        "spheres as placed. Dotted: identical spheres"
     )
     yield gw.Picture("settled_packing", caption, figure, data)

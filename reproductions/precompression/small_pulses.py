@@ -1,9 +1,8 @@
 """Precompressed chain: small pulses.
 
-The first bead of a precompressed chain is struck so that F_m/F0 stays below 1.05, at six static
-forces. Such a pulse spreads, and its crest is slower than long waves: c0 is found
-by the times of the crests from bead 10 on, which are known for a linear chain. The source prints
-the formula.
+An impact on the first bead of a precompressed chain keeps F_m/F0 below 1.05, at six static forces.
+Such a pulse spreads, and its crest is slower than long waves. c0 therefore follows from the times
+of the crests from bead 10 on, which are known for a linear chain. The source prints the formula.
 """
 
 import numpy as np
@@ -27,7 +26,8 @@ def rows(runs):
     waves, force, speed, printed = measured(runs)
     # fmt: off
     yield gw.Row("Power of the speed of small pulses with the static force", ours=power_law(force, speed).exponent,
-                 theory=1 / 6, verification=True, where=WHERE, remark="Similarity forces it on any correct code.")
+                 theory=1 / 6, verification=True, where=WHERE, remark=(
+                     "By similarity every correct code gives this value."))
     yield gw.Row("Factor of c0 in (4 E^2 F0/(a^2 rho^3 (1-nu^2)^2))^(1/6)", source=PRINTED_FACTOR, theory=EXACT_FACTOR,
                  ours=PRINTED_FACTOR * np.mean(speed / printed), where=WHERE,
                  remark="Theory: long waves of the lattice, sqrt(9/pi) 3^(-1/3) 4^(-1/6), with a the diameter.")
@@ -52,7 +52,12 @@ def pictures(runs):
     axes.xaxis.set_major_formatter("{x:g}")
     axes.set(xlabel="Static force F0 (N)", ylabel="Speed of small pulses (m/s)")
     axes.legend(loc="upper left")
-    caption = "Speed of small pulses against static force. The line is the source's formula (composite 3), not fitted; "
-    caption += "Hertz's law forces its power, 1/6, so that the height of the marks is what compares"
+    caption = (
+        "Speed of small pulses against static force. The line is the formula of the source "
+        "(composite 3), not fitted. "
+    )
+    caption += (
+        "Hertz's law forces its power, 1/6, so that only the height of the marks is a comparison"
+    )
     data = {"static_force_N": force, "speed_m_s": speed, "printed_m_s": printed}
     yield gw.Picture("precompressed_chain_small_pulses", caption, axes.figure, data)

@@ -1,8 +1,8 @@
 """Precompressed to uncompressed chain, 0.1 m/s.
 
-One impact, at 0.1 m/s, on a chain under ten static forces from 3 mN to 100 N: the wave is that of
-an uncompressed chain as long as c0 is far below its speed, and a small pulse beyond; the two lines
-cross at F0 = 1.52 N.
+An impact at 0.1 m/s acts on a chain under ten static forces from 3 mN to 100 N. The wave is the
+wave of an uncompressed chain as long as c0 is far below its speed, and a small pulse beyond. The
+two lines cross at F0 = 1.52 N.
 """
 
 import numpy as np
@@ -23,12 +23,13 @@ def rows(runs):
     free = first.uncompressed_speed
     chain = first.chain
     height = 0.7176 * chain.scales.impulse_force(chain.mass * first.velocity)
-    spreads = "" if last.steady else " The crest still spreads: it is slower than a solitary wave."
+    spreads = "" if last.steady else " The crest still spreads and is slower than a solitary wave."
     # fmt: off
     return [
         gw.Row(f"Speed at F0 = {first.static:g} N over that of an uncompressed chain", ours=first.speed / free,
                theory=first.of_lattice / free, where="composite (4)",
-               remark="At the same largest force added; theory: the travelling wave of the lattice under F0."),
+               remark="The two chains have the same largest added force. Theory: the travelling "
+                      "wave of the lattice under F0."),
         gw.Row(f"Largest force at F0 = {first.static:g} N", "N", ours=first.static + first.added,
                theory=height + first.static, where="thesis 4.5",
                remark="Theory: the uncompressed lattice, 0.7176 (m^3 E*^2 R* v^6)^(1/5), and F0."),
@@ -54,7 +55,8 @@ def pictures(runs):
     data = {"static_force_N": force, "speed_m_s": speed}
     data |= {"force_ratio": [wave.ratio for wave in waves], "c0_m_s": [wave.c0 for wave in waves]}
     caption = (
-        f"Speed of the wave of an impact at {last.velocity:g} m/s against the chain's static force: as if uncompressed "
-        "(dashed) far to the left of where the lines cross, that of small pulses, c0, far to the right"
+        f"Speed of the wave of an impact at {last.velocity:g} m/s against the static force of the "
+        "chain. Far to the left of the intersection it is the speed in an uncompressed chain "
+        "(dashed), far to the right the speed c0 of small pulses"
     )
     yield gw.Picture("precompressed_chain_0_1_m_s", caption, axes.figure, data)

@@ -1,10 +1,10 @@
 """Precompressed chain: waves on 20 N.
 
-A chain under a static force of 20 N is struck at 1 mm/s to 100 m/s. F_m, with F0 in it, and the
-speed of its crest are taken three quarters of the way that the wave goes before the far end feels
-it. Theory: the travelling wave of the lattice, a little faster than that of equation 3, a
-continuum's. In the limits the equation is right: its last factors go to 1 for f_r = F_m/F0 to 1,
-and 0.9314 sqrt(8/15) = 0.6802 makes it equation 4 for large f_r.
+Impacts at 1 mm/s to 100 m/s act on a chain under a static force of 20 N. F_m, which includes F0,
+and the speed of its crest are taken after three quarters of the path of the wave before it reaches
+the far end. Theory: the travelling wave of the lattice, slightly faster than equation 3, which
+holds for a continuum. The equation is right in the limits: its last factors approach 1 as f_r =
+F_m/F0 approaches 1, and 0.9314 sqrt(8/15) = 0.6802 turns it into equation 4 for large f_r.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from granwave.theory import lattice_speed
 IMPULSE = (
     0.7176 * (9 / 16 * 1.5**3) ** 0.2
 )  # thesis (4.5), of the lattice, in units of the static state
-SPREADS = "The crest still spreads and falls: no solitary wave yet, and slower than one."
+SPREADS = "The crest still spreads and falls: it is not yet a solitary wave, and slower."
 
 
 def measured(runs):
@@ -42,7 +42,8 @@ def rows(runs):
                  remark=f"Theory: the linear chain at contact {first.middle + 1}.")
     yield gw.Row(f"F_m/F0 at {last.velocity:g} m/s", ours=last.ratio, where="thesis 4.5",
                  theory=1 + IMPULSE * last.reduced_velocity**1.2,
-                 remark="Theory: the uncompressed chain of the same impact, plus 1: the limit for small F0.")
+                 remark="Theory: the value of the uncompressed chain after the same impact, plus "
+                        "1, which is the limit for small F0.")
     # fmt: on
 
 
@@ -80,7 +81,8 @@ def pictures(runs):
     }
     data |= {"solitary_over_c0": solitary_speed(ratio), "lattice_over_c0": lattice_speed(ratio)}
     caption = (
-        "Speed against the wave's height, and height against impact velocity, precompressed chain. Steady waves (full "
-        "marks) lie on the lattice's line, and on the right go from the small to the strong limit"
+        "Speed against the height of the wave, and height against impact velocity, in a "
+        "precompressed chain. Steady waves (full marks) lie on the line of the lattice; on the "
+        "right they pass from the weak to the strong limit"
     )
     yield gw.Picture("precompressed_chain_waves_20_N", caption, figure, data)

@@ -1,11 +1,11 @@
 """Wave speed with defects.
 
-Power of the wave speed with the force. Of like spheres it is 1/6; the source quotes 1/4 for
-packings with defects and little precompression, from others' work on hexagonal ones, and gives
-neither tolerance nor load. Ours: small waves in precompressed packings (the force of a contact goes
-with the pressure), and waves of an impact in a square packing whose scattered spheres stay at their
-sites, with gaps (peak force of the contacts, sphere 6 to 10 of a central chain, means over seeds).
-Local powers are those of two neighbouring loads.
+The wave speed grows as a power of the force, which is 1/6 for identical spheres. The source quotes
+1/4 for packings with defects and little precompression, from other work on hexagonal packings,
+without tolerance or load. Our first runs are small waves in precompressed packings, where contact
+forces are proportional to the pressure. The others are impacts on a square packing whose spheres of
+scattered diameters stay at their sites, with gaps (peak contact forces of spheres 6 to 10 of a
+central chain, means over seeds). Local powers are between two neighbouring loads.
 """
 
 import numpy as np
@@ -76,11 +76,13 @@ def rows(runs):
         # fmt: off
         if not scatter:
             yield gw.Row(quantity, ours=whole, theory=1 / 6, verification=packing == SQUARE, **BACKGROUND,
-                         remark="Similarity forces it on any correct elastic code.")
+                         remark="By similarity every correct elastic code gives this value.")
         else:
             yield gw.Row(quantity, source=0.25, ours=whole, **BACKGROUND,
-                         remark=f"No single power: from {local[0]:.3f} at the lowest loads to {local[-1]:.3f} at the "
-                         "highest. Defects make waves slower, weak ones most; the source says faster.")
+                         remark=f"There is no single power: it changes from {local[0]:.3f} at the "
+                                f"lowest loads to {local[-1]:.3f} at the highest. Defects make "
+                                "waves slower, in particular weak waves; according to the source "
+                                "they make them faster.")
             yield gw.Row(f"The same at the lowest loads, {name}", ours=local[0], **BACKGROUND)
             yield gw.Row(f"The same at the highest loads, {name}", ours=local[-1], theory=1 / 6, **BACKGROUND)
         # fmt: on
@@ -108,6 +110,12 @@ def pictures(runs):
             axes.loglog(load, speed[-1] * (load / load[-1]) ** power, line, label=text)
         axes.set(xlabel=unit, ylabel="Wave speed (m/s)")
         figure.legend(loc="outside upper center", ncols=2, fontsize=7)
-        caption = f"Wave speed against {quantity}, beside powers of 1/6, that of like spheres, and 1/4, the source's. "
-        caption += "Scattered diameters leave gaps, which slow weak waves most: the curve is steepest on the left"
+        caption = (
+            f"Wave speed against {quantity}, with powers of 1/6 (identical spheres) and 1/4 "
+            "(source). "
+        )
+        caption += (
+            "Scattered diameters leave gaps, which slow weak waves most; the curve is "
+            "therefore steepest on the left"
+        )
         yield gw.Picture(name, caption, figure, data)

@@ -1,8 +1,9 @@
 """Directions of the waves.
 
-Share of the energy of the spheres, before the wave reaches an end, and of all dissipation, within
-15 degrees of the directions of contacts from the struck spheres. Theory: an isotropic distribution.
-Square packings: the fastest impact. Each run's own map is its figure `directions`.
+The rows give the fraction of the energy of the spheres, before the wave reaches an end, and the
+fraction of all dissipation, within 15 degrees of the directions of contacts from the impacted
+spheres. Theory: an isotropic distribution. Square packings have the fastest impact. The figure
+`directions` of each run is its own map.
 """
 
 import granwave as gw

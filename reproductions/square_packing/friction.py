@@ -1,10 +1,10 @@
 """Square packing with friction.
 
-The spheres lie on the floor with their weight; friction between spheres, with walls and floor, and
-both. Loss of the peak velocity against the same impact without friction, at the places of sensors:
-spheres 6 and 15 of a central chain, 5 and 8 of an edge chain, from the struck one as 1. The source
-finds more loss in the edge chains and suggests their second wall; it gives no number, and no
-coefficient of friction.
+The spheres lie on the floor under their weight. There is friction between spheres, with walls and
+floor, or both. The rows give the decrease of the peak velocity, compared with the same impact
+without friction, at the positions of sensors: spheres 6 and 15 of a central chain, and 5 and 8 of
+an edge chain, counted from the impacted sphere as 1. The source finds a larger decrease in the edge
+chains and attributes it to their second wall, without a number or a coefficient of friction.
 """
 
 import numpy as np
@@ -16,9 +16,13 @@ import granwave as gw
 WHERE = "square packing, Wave Propagation Path"
 PLACES = [("central chains", 6), ("central chains", 15), ("edge chains", 5), ("edge chains", 8)]
 AT_STRUCK = (
-    "The striker and the next spheres of the central chains hold them back when they part sideways."
+    "The striker and the next spheres of the central chains hold the two spheres back as they "
+    "separate sideways."
 )
-ROLLING = "Theory: weight times coefficient times the way of every sphere; less where a sphere begins to roll."
+ROLLING = (
+    "Theory: weight times coefficient times path of every sphere. The energy is smaller if "
+    "a sphere begins to roll."
+)
 
 
 class Rubbing(Packing):
@@ -103,7 +107,7 @@ def pictures(runs):
         group: lost for (group, place), lost in zip(PLACES, worst, strict=True) if place in (5, 6)
     }
     caption = (
-        "Loss of peak velocity, sphere 6 of a central and 5 of an edge chain, against the coefficient of friction. "
-        f"Between spheres, {own.max():g} takes {' and '.join(f'{lost:.2g} % from {one}' for one, lost in most.items())}"
+        "Decrease of the peak velocity, sphere 6 of a central and 5 of an edge chain, against the "
+        f"coefficient of friction. Between spheres, a coefficient of {own.max():g} takes {' and '.join(f'{lost:.2g} % from {one}' for one, lost in most.items())}"
     )
     yield gw.Picture("", caption, axes.figure, data)

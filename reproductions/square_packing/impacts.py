@@ -20,10 +20,11 @@ ENERGIES = {
     "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "struck spheres": 47.7},
 }  # % of the input
 SETTLED = 0.02  # fraction of its last length by which a settled pulse may differ
-REBOUND = "The source: the remaining energy, which is 4.0 % of its numbers."
+REBOUND = "The source calls this the remaining energy, which is 4.0 % by its numbers."
 ASYMPTOTIC = (
-    "The source's 13 % are those of Chatterjee's asymptotic wave against Nesterenko's; it calls the decrease of its "
-    "simulations similar. Theory: the travelling wave of the chain of beads itself."
+    "The 13 % of the source are the difference of Chatterjee's asymptotic wave from Nesterenko's; "
+    "the source calls the decrease in its simulations similar. Theory: the travelling wave of the "
+    "discrete chain."
 )
 
 
@@ -41,9 +42,11 @@ def title(one):
 
 def text(one):
     return (
-        f"20 x 20 elastic spheres of 19.05 mm, {len(one.struck)} of them struck through a sphere at rest at "
-        f"{one.speed:g} m/s. Energies are kinetic and elastic, over the input: in chains the most they ever held, "
-        "without the struck spheres; in strikers and struck spheres what they hold when they have rebounded."
+        "The packing has 20 × 20 elastic spheres of 19.05 mm. A striker hits a sphere at rest, "
+        f"which touches {len(one.struck)} of them, at {one.speed:g} m/s. Energies are the sum of "
+        "kinetic and elastic energy divided by the input. For chains, the value is the largest "
+        "energy at any time, without the impacted spheres; for strikers and impacted spheres, it "
+        "is the energy after their rebound."
     )
 
 
@@ -72,7 +75,7 @@ def rows(one):
                      ours=ours["strikers"] + ours["struck spheres"], remark=REBOUND, **paths)
     yield gw.Row(f"Chains with a wave, {way}", source=WAVES[way], ours=carrying, **paths)
     yield gw.Row(f"Most energy in other spheres, {way}", percent, ours=100 * one.energies["other spheres"].max(),
-                 theory=0.0, remark="Theory: symmetry.", **paths)
+                 theory=0.0, remark="The theory is symmetry.", **paths)
     for time in SHOWN:
         speeds = one.velocity["central chains"][np.abs(one.time - time).argmin()]
         crest = speeds[1:].argmax() + 2
@@ -85,7 +88,7 @@ def rows(one):
         last = last_length(found)
         pulse = {"where": "square packing, Pulse Length"}
         for n, (measure, theory) in enumerate(solitary_lengths().items()):
-            remark = "The source: about 5, which is Nesterenko's." if n < 2 else "Theory: Nesterenko's wave."
+            remark = "The source states about 5, which is Nesterenko's value." if n < 2 else "Theory: Nesterenko's wave."
             yield gw.Row(f"Pulse length, {measure}, {of}", "diameters", 5.0 if n < 2 else None, found[measure][last],
                          theory=theory, remark=remark, **pulse)
         half = found[MEASURES[3]]
@@ -94,22 +97,25 @@ def rows(one):
         yield gw.Row(f"Half-maximum length below Nesterenko's, {of}", "%", 13.0, 100 * (1 - half[last] / theory),
                      theory=100 * (1 - discrete_width() / theory), remark=ASYMPTOTIC, **pulse)
         yield gw.Row(f"Sphere from which on the pulse is settled, {of}", source=5.0, ours=unsettled[-1] + 3, **pulse,
-                     remark=f"Printed: roughly five or six. Ours is within {100 * SETTLED:g} % of its last length from there on.")
+                     remark="The source prints roughly five or six. From this sphere on, our "
+                            f"length is within {100 * SETTLED:g} % of its last value.")
     # fmt: on
 
 
 def pictures(one):
     energy = (
-        f"Share of the energy that each region has against time, {one.way} impact. Level stretches are waves on their "
-        "way along the chains; where the walls' share rises, waves press on them and turn"
+        f"Fraction of the energy in each region against time, {one.way} impact. The fraction is "
+        "constant while waves travel along the chains; the fraction of the walls rises when waves "
+        "are reflected there"
     )
     speed = (
-        f"Speed of every sphere at {len(SHOWN)} instants, {one.way} impact (source Figs 3 and 6). Waves run along the "
-        "rows of the struck spheres; the spheres between them hardly move"
+        f"Speed of every sphere at {len(SHOWN)} instants, {one.way} impact (source Figs 3 and 6). "
+        "Waves run along the chains of the impacted spheres; the spheres between them hardly move"
     )
     length = (
-        f"Length of the pulse against its place in the chains, by four measures, {one.way} impact (source Fig. 11). It "
-        "becomes steady within few spheres, shorter than Nesterenko's wave: beads are no continuum"
+        f"Length of the pulse against its position in the chains, by four measures, {one.way} "
+        "impact (source Fig. 11). The length becomes constant within a few spheres; it is shorter "
+        "than Nesterenko's wave, which holds for a continuum"
     )
     yield gw.Picture("_energies", energy, *energies(one))
     yield gw.Picture("_speeds", speed, *speeds(one))

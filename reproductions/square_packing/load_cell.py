@@ -1,11 +1,12 @@
 """Spheres with sensors in a chain on a load cell.
 
-A struck chain with a load cell at its end: a plate on a spring, whose force is what the cell reads.
-Spheres 6, 11 and 16, one by one and together, have the mass of a sphere with a sensor. Given are
-the change of the first peak that the cell reads and of its width at half maximum, against like
-spheres. The source sees no change of the wave length and no clear trend of the amplitude in ten
-impacts each; it tells neither mass nor stiffness of the cell, nor how well impacts repeat. Ours of
-the cell are assumed; a rigid wall in its place changes as much.
+An impact acts on a chain with a load cell at its end: a plate on a spring, whose force is the
+reading of the cell. Spheres 6, 11 and 16, singly and together, have the mass of a sphere with a
+sensor. The rows give the changes of the first peak of the reading and of its width at half maximum,
+compared with identical spheres. The source finds no change of the wave length and no clear trend of
+the amplitude in ten impacts each. It states neither the mass nor the stiffness of the cell, nor the
+repeatability of impacts. Our mass and stiffness of the cell are assumed; a rigid wall in its place
+gives changes of the same size.
 """
 
 import numpy as np
@@ -61,9 +62,9 @@ def rows(runs):
             longer = 100 * (one.width / like.width - 1)
             # fmt: off
             yield gw.Row(f"Change of the first peak, {where}", "%", ours=higher, **SETUP,
-                         remark="The source: no clear trend.")
+                         remark="The source finds no clear trend.")
             yield gw.Row(f"Change of its width, {where}", "%", ours=longer, **SETUP,
-                         remark="The source: no measurable change.")
+                         remark="The source finds no measurable change.")
             # fmt: on
 
 
@@ -92,7 +93,8 @@ def pictures(runs):
         abs(one.peak / found[0].peak - 1) for found in by_end(runs).values() for one in found
     )
     caption = (
-        "Force on a load cell, or a rigid wall, at the end of the chain against time, by which spheres are as light as "
-        f"one with a sensor. These come a little earlier; the first peak changes by at most {100 * most:.2g} %"
+        "Force on a load cell, or a rigid wall, at the end of the chain against time, by the "
+        "numbers of the spheres that have the mass of a sensor. With lighter spheres the wave "
+        f"arrives slightly earlier; the first peak changes by at most {100 * most:.2g} %"
     )
     yield gw.Picture("", caption, figure, data)

@@ -1,8 +1,8 @@
 """A lighter sphere in a chain.
 
-Largest contact force of the reflected wave divided by the force of the incident wave, four contacts
-before the sphere, until waves from the far end can arrive. The source does not state the amplitude
-and position of its measurement.
+The largest contact force of the reflected wave is divided by the force of the incident wave, four
+contacts before the sphere, until waves from the far end can arrive. The source states neither the
+amplitude nor the position of its measurement.
 """
 
 import numpy as np
@@ -46,13 +46,14 @@ def rows(runs):
         # fmt: off
         if weighed:
             yield gw.Row("Mass of a solid sphere", "g", SOLID, 1e3 * chain.mass, **SETUP,
-                         remark="Weighed; the density and the diameter of the source give ours.")
+                         remark="The source value was weighed; ours follows from the density and "
+                                "the diameter of the source.")
             yield gw.Row("Mass of a sphere with a sensor", "g", SENSOR, 1e3 * ratio * chain.mass, **SETUP,
-                         remark="In the ratio of the weighed.")
+                         remark="The ratio is that of the weighed masses.")
             yield gw.Row("Their ratio", "%", 92.0, 100 * ratio, **SETUP)
         yield gw.Row(f"Largest reflection of a sphere of {ratio:.3g} of the others' mass", "% of the wave",
                      LIMIT if weighed else None, share, **SETUP, bound=weighed,
-                     remark="The source: less than 1.2 %." if weighed else "")
+                     remark="The source states less than 1.2 %." if weighed else "")
         # fmt: on
 
 
@@ -64,7 +65,7 @@ def pictures(runs):
     left.plot(100 * ratios, shares, "o-", markersize=3, label="simulation")
     left.plot(100 * SENSOR / SOLID, LIMIT, "v", color="0.5", label="source: less than this")
     left.set(
-        xlabel="Mass of the sphere (% of the others')",
+        xlabel="Mass of the sphere (% of other spheres)",
         ylabel="Reflection (% of the wave)",
         ylim=(0, None),
     )
@@ -86,13 +87,14 @@ def pictures(runs):
         }
     right.set(
         xlabel="Time (µs)",
-        ylabel="Force over the incident wave's (%)",
+        ylabel="Force (% of the incident wave)",
         ylim=(0, 25),
         xlim=(0, None),
     )
     right.legend(ncols=2, fontsize=7, title="mass")
     caption = (
-        f"Largest reflection against the mass of the lighter sphere, and force {BEFORE} contacts before it against "
-        "time: after the incident wave, cut off, comes what it reflects, the less the nearer its mass is to the others'"
+        f"Largest reflection against the mass of the lighter sphere, and force {BEFORE} contacts "
+        "before it against time. The incident wave is cut off; the reflected wave follows, which "
+        "is smaller for a mass closer to the other spheres"
     )
     yield gw.Picture("", caption, figure, data)

@@ -1,7 +1,7 @@
 """Signals of the sensors in a square packing, elastic impacts.
 
-Acceleration along the chains at the sensors, speed of the wave between two of them, and length of
-the pulse there.
+The rows give the acceleration along the chains at the sensors, the speed of the wave between two
+sensors, and the length of the pulse at the sensors.
 """
 
 import math
@@ -31,8 +31,11 @@ DRAWN = {"in-plane": ("1C", "1D", "2B", "2C"), "out-of-plane": ("3B", "3C")}  # 
 SAMPLING = 2e-6
 TOLERANCE = 1e-5
 STEEPEST = 3 * math.sqrt(3) / 16  # largest value of cos^3 sin
-DOTTED = "Theory: the dotted line, Nesterenko's wave."
-ERROR_BAR = "By the source's formula, of 2 µs and 0.01 mm; it leaves gaps out, which make far more."
+DOTTED = "The dotted line is the theory, Nesterenko's wave."
+ERROR_BAR = (
+    "The value follows from the formula of the source, with 2 µs and 0.01 mm. The "
+    "formula neglects gaps, which cause much larger errors."
+)
 
 
 def select(runs):
@@ -83,14 +86,16 @@ def rows(one):
         velocity, speed = (values[place - 1] for values in (one.peaks[group].velocity, one.peaks[group].speed))
         yield gw.Row(f"Peak acceleration at sensor {sensor} ({group}, sphere {place})", "m/s²", ours=peak, **paths,
                      theory=4 * velocity * speed * math.sqrt(10) / (5 * diameter) * STEEPEST,
-                     remark="Theory: Nesterenko's wave of the same peak velocity; the chain's own is shorter.")
+                     remark="Theory: Nesterenko's wave of the same peak velocity; the wave of the "
+                            "discrete chain is shorter.")
         yield gw.Row(f"Time of it after the impact, sensor {sensor}", "µs", ours=1e6 * when, **paths)
     yield gw.Row(f"Acceleration across the chains, {one.way}", "% of the largest", 0.0, 100 * across / largest, **paths,
-                 remark="Of its simulations.")
+                 remark="The source value is from its simulations.")
     quiet = QUIET[one.way]
     yield gw.Row(f"Largest acceleration at sensor {quiet}, apart from the chains", "% of the largest", theory=0.0,
                  ours=100 * np.linalg.norm(found[quiet], axis=1).max() / largest, **paths,
-                 remark="The source: not measurably excited. Theory: symmetry.")
+                 remark="According to the source it is not measurably excited. The theory is "
+                        "symmetry.")
     scale = material.youngs_modulus / (diameter / 2 * material.density**1.5 * (1 - material.poisson_ratio**2))
     for pair in BETWEEN[one.way]:
         (group, first), (_, second) = (PLACES[one.way][sensor] for sensor in pair)
@@ -99,7 +104,7 @@ def rows(one):
         way = (second - first) * diameter
         yield gw.Row(f"Factor of the speed against the peak force (equation 3), {group}, {one.way}", "", 0.68,
                      speed / (scale ** (1 / 3) * force ** (1 / 6)), theory=0.6802 * discrete_speed(), **scaling,
-                     remark="Theory: the wave of the chain of beads itself, not of the continuum.")
+                     remark="Theory: the wave of the discrete chain, not of the continuum.")
         yield gw.Row(f"Error bar of the speed, {group}, {one.way}", "%", remark=ERROR_BAR, **scaling,
                      ours=100 * (SAMPLING * speed / way + TOLERANCE / way))
     for sensor in DRAWN[one.way]:
@@ -138,7 +143,8 @@ def pictures(one):
     axes.set_xlabel("Time (µs)")
     figure.supylabel("Acceleration (m/s²)", fontsize="medium")
     caption = (
-        f"Acceleration of the sensors along the chains against time, {one.way} impact (source Figs 4, 5 and 7). A and "
-        "B lie alike, so that their curves are one; the delay from sensor to sensor gives the speed"
+        f"Acceleration of the sensors along the chains against time, {one.way} impact (source Figs "
+        "4, 5 and 7). A and B are at symmetric positions, so that their curves coincide; the "
+        "delay between sensors gives the speed"
     )
     yield gw.Picture("", caption, figure, data)

@@ -1,7 +1,7 @@
 """Sensor spheres in a square packing.
 
-Change at the sensors by lighter spheres with sensors, compared with equal spheres: peak velocity,
-and its time. The source found no trend in its experiments with a chain.
+Spheres with sensors are lighter. Their effect on the peak velocity and its time at the sensors is
+compared with equal spheres. The source found no trend in its experiments with a chain.
 """
 
 import numpy as np
@@ -68,7 +68,8 @@ def pictures(runs):
         title="mass of the spheres",
     )
     caption = (
-        "Speed of the spheres with sensors against time, by their mass over the others'. Lighter ones move a little "
-        "faster, and the wave comes a little earlier: distances from the curve of 100 % are the sensors' own error"
+        "Speed of the spheres with sensors against time, by their mass relative to the other "
+        "spheres. Lighter spheres move slightly faster, and the wave arrives slightly earlier: "
+        "the distance from the curve of 100 % is the error due to the sensor"
     )
     yield gw.Picture("", caption, figure, data)

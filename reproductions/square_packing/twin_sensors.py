@@ -1,13 +1,13 @@
 """Twin sensors in a square packing.
 
-Two sensors at places that symmetry makes equal, and impacts that are not ideal: the striker hits
-off the centre of the one at rest, the one at rest sits aside, the diameters scatter. On a tilted
-floor spheres lean on each other and all contacts are closed, without tilt they stay at the sites of
-the lattice, with gaps. Each setting has runs with seeds of their own; given are standard deviations
-from run to run of the time between the two peaks of acceleration, and of their ratio. The source
-had 15 impacts for each; it tells the tolerance of the diameters, 0.01 mm to either side, but no
-misalignment and no gap: the settings are ours. The delay for each per cent of the amplitude hardly
-depends on how large an imperfection is, and tells its kind.
+Two sensors are at symmetric positions, and impacts are not ideal: the striker hits the resting
+striker off its centre, the resting striker is displaced, or the diameters scatter. On a tilted
+floor spheres lean on each other and all contacts are closed; without tilt they stay at the sites of
+the lattice, with gaps. Each setting has runs with several seeds. The rows give standard deviations
+between runs of the time between the two peaks of acceleration, and of their ratio. The source has
+15 impacts for each pair. It states the tolerance of the diameters, ± 0.01 mm, but no misalignment
+and no gap; the settings are ours. The delay per per cent of amplitude hardly depends on the size of
+an imperfection, and identifies its kind.
 """
 
 import math
@@ -53,20 +53,26 @@ class Sample:
         parts = []
         if "striker off centre" in self.setting:
             parts.append(
-                "The one at rest leaves to the side; the source does not tell by how much strikes miss."
+                "The resting striker leaves to the side. The source does not state how far "
+                "impacts are off the centre."
             )
         if "resting striker aside" in self.setting:
-            parts.append("It touches one of two spheres first; the source does not tell the gap.")
+            parts.append(
+                "The resting striker touches one of two spheres first. The source does "
+                "not state the gap."
+            )
         if "leaning" in self.setting:
             four = (
-                "; the one at rest sits on three of its four spheres and leaves a gap to the last"
+                "; the resting striker lies on three of its four spheres and has a gap to the "
+                "fourth"
             )
-            parts.append(f"Contacts are closed{four if 'out-of-plane' in self.twins else ''}.")
+            parts.append(f"All contacts are closed{four if 'out-of-plane' in self.twins else ''}.")
         if "at the sites" in self.setting:
             parts.append(f"Gaps delay the wave, which arrives after {short(self.arrival.mean)} µs.")
         if self.lost:
             parts.append(
-                f"In {self.lost} of {self.n} runs the wave misses one of both; they do not count."
+                f"In {self.lost} of {self.n} runs the wave misses one of the two sensors; such "
+                "runs are excluded."
             )
         return " ".join(parts)
 
@@ -133,7 +139,7 @@ def rows(samples):
                 ("peak acceleration", "%", one.excess.deviation),
             )
             for (name, unit, ours), (_, theirs) in zip(scatters, TWINS[one.twins], strict=True):
-                remark = f"The source: {theirs:g} {unit}, by what is not known. {one.remark}"
+                remark = f"The source has {theirs:g} {unit} from an unknown cause. {one.remark}"
                 quantity = f"Scatter of the {name}, {one.twins}: {one.setting}"
                 yield gw.Row(quantity, unit, ours=ours, remark=remark, **PATH)
     for twins, source, _ in by_twins(samples):
@@ -143,9 +149,12 @@ def rows(samples):
         )
         for (name, unit), (mean, scatter) in zip(names, source, strict=True):
             errors = abs(mean) / (scatter / math.sqrt(IMPACTS))
-            remark = f"the source's is {errors:.1f} standard errors of its {IMPACTS} impacts from it: chance."
+            remark = (
+                f"the source value differs by {errors:.1f} standard errors of its {IMPACTS} "
+                "impacts, which is within chance."
+            )
             yield gw.Row(
-                name, unit, mean, theory=0.0, remark=f"Symmetry makes it 0; {remark}", **PATH
+                name, unit, mean, theory=0.0, remark=f"By symmetry the value is 0; {remark}", **PATH
             )
 
 
@@ -156,8 +165,8 @@ def verdict(samples):
     for twins, ((_, delay), (_, excess)), own in by_twins(samples):
         found = "; ".join(f"{one.setting}: {short(one.ratio)}" for one in own)
         yield (
-            f"{twins.partition(' (')[0]}: the source has a scatter of {delay:g} µs with one of {excess:g} %, "
-            f"{short(delay / excess)} µs for each per cent. Ours: {found}."
+            f"{twins.partition(' (')[0]}: the source has scatters of {delay:g} µs and {excess:g} "
+            f"%, or {short(delay / excess)} µs per per cent. Our values are: {found}."
         )
 
 
@@ -185,7 +194,8 @@ def pictures(samples):
         data |= {f"{name}_scatter_{unit}": [one.deviation for one in values]}
         data |= {f"{name}_95_percent_{unit}": [one.half_width for one in values]}
     caption = (
-        "Scatter of the delay between twin sensors against that of their ratio of peaks, a shape for each pair. One "
-        "kind of imperfection makes a line of slope 1: kinds on that of the source's open mark may be its cause"
+        "Scatter of the delay between twin sensors against the scatter of their ratio of peaks; "
+        "each pair has a symbol. One kind of imperfection gives a line of slope 1: a kind whose "
+        "line passes through the open mark of the source may be its cause"
     )
     yield gw.Picture("", caption, axes.figure, data)

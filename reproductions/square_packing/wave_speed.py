@@ -1,7 +1,7 @@
 """Square packing: wave speed.
 
-Between the places of two sensors in a chain: wave speed from the times of the velocity peaks,
-against the mean of the peaks, for a scan of the striker's velocity.
+The wave speed between two sensors of a chain follows from the times of the velocity peaks. It is
+shown against the mean of the peaks, for a scan of the velocity of the striker.
 """
 
 import math
@@ -16,7 +16,7 @@ SENSORS = {
     "in-plane": {"central chains": (6, 10), "edge chains": (5, 8)},
     "out-of-plane": {"central chains": (6, 8)},
 }
-SIMILAR = "Similarity forces it on any correct elastic code."
+SIMILAR = "By similarity every correct elastic code gives this value."
 WHERE = "square packing, equation 3, Figs 8 to 10"
 
 
@@ -53,7 +53,8 @@ def rows(runs):
         middle = len(speed) // 2
         # fmt: off
         yield gw.Row(f"Exponent of wave speed against particle velocity, {chain}", ours=fit.exponent, theory=0.2,
-                     where=WHERE, verification=True, remark=f"95 % confidence: {fit.margin:.1g} either side. {SIMILAR}")
+                     where=WHERE, verification=True, remark=(
+                         f"The 95 % confidence interval is ± {fit.margin:.1g}. {SIMILAR}"))
         yield gw.Row(f"Wave speed at {velocity[middle]:.3g} m/s, {chain}", "m/s", ours=speed[middle], where=WHERE,
                      theory=nesterenko(runs[0].case.material, velocity[middle]), remark="Theory: Nesterenko's formula.")
         # fmt: on
@@ -82,7 +83,8 @@ def pictures(runs):
     axes.set(xlabel="Largest particle velocity (m/s)", ylabel="Wave speed (m/s)", ylim=(None, 1500))
     axes.legend(loc="upper left")
     caption = (
-        "Wave speed against largest particle velocity, with fitted powers (source Figs 8 to 10). Elastic spheres alike "
-        "have no scale of their own, which forces 1/5; the height of the marks over Nesterenko's line is what compares"
+        "Wave speed against largest particle velocity, with fitted powers (source Figs 8 to 10). "
+        "Identical elastic spheres have no scale of their own, which forces the power 1/5; only "
+        "the height of the marks above Nesterenko's line is a comparison"
     )
     yield gw.Picture("", caption, axes.figure, data)

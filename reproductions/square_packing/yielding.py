@@ -35,9 +35,9 @@ def title(series):
 def text(series):
     material = series[0].case.material
     return (
-        f"The same impacts with the elasto-plastic law and a yield strength of {1e-6 * material.yield_strength:g} MPa "
-        f"({material.name}: {material.source}), which the source did not do. Harder spheres lose less. In the chains: "
-        "the most they ever held."
+        f"The same impacts are run with the elasto-plastic law and a yield strength of {1e-6 * material.yield_strength:g} "
+        f"MPa ({material.name}: {material.source}); the source has no such runs. Harder spheres "
+        "dissipate less. Values of the chains are their largest energies at any time."
     )
 
 
@@ -64,8 +64,8 @@ def pictures(series):
     axes.set(xlabel="Velocity of the striker (m/s)", ylabel="Energy (% of input)", ylim=(0, 105))
     axes.legend(loc="center right")
     caption = (
-        "Share of the energy that is dissipated, or left in each region, against the striker's velocity, "
-        f"{series[0].way} impact on spheres that yield: the faster, the more is dissipated, and the less the chains "
-        "carry"
+        "Fraction of the energy that is dissipated, or remains in each region, against the "
+        f"velocity of the striker, {series[0].way} impact on spheres that yield. A faster impact "
+        "dissipates a larger fraction, and the chains carry less"
     )
     yield gw.Picture("", caption, axes.figure, data)

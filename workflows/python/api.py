@@ -10,7 +10,7 @@ import contextlib
 import logging
 import os
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -70,6 +70,7 @@ __all__ = [
     "contact_overlap",
     "contact_stiffness",
     "contact_yield",
+    "export",
     "load",
     "run",
     "scan",
@@ -379,6 +380,57 @@ def compare(
         names = [quantities] if isinstance(quantities, str) else list(quantities)
         inputs = read_inputs(places, Path.cwd(), repeated=True, skip_unfinished=True)
         return compare_inputs(inputs, names, measured, measured_as, shift=shift, scale=scale)
+
+
+def export(
+    run: Run | ScanRuns | str | Path,
+    to: str,
+    directory: str | Path | None = None,
+    *,
+    only: str | Sequence[str] = (),
+    spheres: int | Iterable[int] | None = None,
+    layers: int | Iterable[int] | None = None,
+    depth: Sequence[float] | None = None,
+    region: str | None = None,
+    time: Sequence[float] | None = None,
+) -> list[Path]:
+    """Export a run or a scan to other programs; files of an earlier export to the same format are
+    replaced.
+
+    Parameters
+    ----------
+    run
+        As `load` gives it, or its directory.
+    to
+        Format, such as ``csv``, ``netcdf``, ``vtp`` or ``ovito``.
+    directory
+        Directory to write to; by default ``export`` in the directory of the run.
+    only
+        Names of tables to export, of csv.
+    spheres, layers, depth, region, time
+        Rows to export, of csv, netcdf and vtp, as in `Run.select`. By default csv then has the
+        tables from which something is selected.
+
+    Returns
+    -------
+    list of Path
+        Paths of the files.
+
+    Raises
+    ------
+    InputError
+        A value is wrong, the directory holds no result, or a library is missing; nothing was
+        written.
+    """
+    from granwave.analysis.exports.export import export as export_directory
+    from granwave.analysis.exports.selection import selection
+
+    with words_of_python():
+        place = Path(home(run)) if isinstance(run, str | Path) else run.directory
+        tables = [only] if isinstance(only, str) else list(only)
+        selected = selection(spheres, layers, depth, region, time)
+        output = None if directory is None else home(directory)
+        return export_directory(place, to, output, tables, selected)
 
 
 def _run_on_ranks(

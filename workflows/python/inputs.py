@@ -161,6 +161,8 @@ _WORDS = (
     (re.compile(r"--np (\d+)"), r"ranks=\1"),
     (re.compile(r"--quantity\b"), "quantities"),
     (re.compile(r"--as\b"), "measured_as"),
+    (re.compile(r"--only\b"), "only"),
+    (re.compile(r"--to (\w+)"), r'to="\1"'),
 )
 
 

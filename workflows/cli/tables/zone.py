@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from granwave.analysis.measures.zone_size import bounds_in_words
 from granwave.lammps_inputs.planning.cost import ExpectedZone
 
 
@@ -16,7 +17,13 @@ def plastic_zone(zone: ExpectedZone | None) -> str:
     larger = f"about {zone.depth:.2g} m deep{radius}{within}"
     if not zone.reaches:
         return larger
-    return f"to the {' and the '.join(zone.reaches)} of the packing; in a larger one {larger}"
+    names = " and the ".join(_name(zone, bound) for bound in zone.reaches)
+    return f"to the {names} of the packing; in a larger one {larger}"
+
+
+def _name(zone: ExpectedZone, bound: str) -> str:
+    """Return the name of a boundary in texts."""
+    return bounds_in_words([bound], periodic=zone.periodic)
 
 
 def expected_cut(zone: ExpectedZone | None) -> str:
@@ -28,7 +35,7 @@ def expected_cut(zone: ExpectedZone | None) -> str:
     parts = []
     for names, verb in ((zone.reaches, "is expected to reach"), (zone.may_reach, "may reach")):
         if names:
-            edges = [f"the {name}, {zone.room[name]:.2g} m away" for name in names]
+            edges = [f"the {_name(zone, name)}, {zone.room[name]:.2g} m away" for name in names]
             parts.append(f"{verb} {' and '.join(edges)}")
     if not parts:
         return ""

@@ -8,12 +8,13 @@
 #ifndef GRANWAVE_CONTACT_MEMORY_H
 #define GRANWAVE_CONTACT_MEMORY_H
 
-#include "contact_law.h"
-#include "partial_slip.h"
-#include "resistance.h"
+#include "../laws/contact_law.h"
+#include "../laws/law_arguments.h"
+#include "../laws/partial_slip.h"
+#include "../laws/resistance.h"
 #include "stored.h"
-#include "tangential_damping.h"
-#include "viscous_loss.h"
+#include "../laws/tangential_damping.h"
+#include "../laws/viscous_loss.h"
 
 #include <vector>
 
@@ -35,6 +36,18 @@ struct ContactMemory {
   bool slip = false, cohesion = false, resistance = false, loss = false, prony = false, damping = false;
   bool loss_first = false;    // for walls: the viscous loss precedes the other parts; for pairs it follows them
   int n = 0;                  // doubles of a block
+
+  /* Add the history that contacts of a law need. */
+  void extend(const LawArguments &law)
+  {
+    friction |= law.friction > 0.0 || law.resistance;
+    slip |= law.slips_partially();
+    cohesion |= bool(law.options.cohesion);
+    resistance |= bool(law.resistance);
+    loss |= bool(law.loss);
+    prony |= law.loss.relaxes();
+    damping |= law.loss.tangential > 0.0;
+  }
 
   /* Histories of a block, to be changed. */
   SlipHistory slip_of(double *block) const { return SlipHistory(block + n - to_slip()); }
