@@ -370,7 +370,7 @@ def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:
 
 
 def with_short_paths(value: Any, directory: Path, key: str = "") -> Any:
-    """Copy tables and lists with paths relative to a folder where that is shorter, for display."""
+    """Copy tables and lists with paths relative to a folder if that is shorter, for display."""
     start = os.path.realpath(directory)
     return _with_paths(value, key, lambda path: min(os.path.relpath(path, start), path, key=len))
 

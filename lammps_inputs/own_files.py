@@ -438,11 +438,11 @@ class OwnFiles(os.PathLike[str]):
             )
 
     def clear_scratch(self, names: Collection[str]) -> None:
-        """Remove scratch files of some names that killed processes left."""
+        """Remove scratch files of these names that killed processes left."""
         _clear_scratch(self.path, names)
 
     def _chosen(self, names: Collection[str] | None) -> list[str]:
-        """Return the names of the marker that ``names`` means, as of `clear`."""
+        """Return the names of the marker that match ``names``, see `clear`."""
         if names is None:
             return [name for name in self.marker.files if name not in run_directory.POINT_FILES]
         wanted = set(names)
@@ -505,8 +505,8 @@ class OwnFiles(os.PathLike[str]):
         return names_in
 
     def _remove_empty(self, names_in: dict[PurePosixPath, set[str]]) -> None:
-        """Remove folders that are empty except for scratch files of these names, the innermost
-        first.
+        """Remove folders that are empty except for scratch files of these names; the innermost
+        folders first.
         """
         for folder in sorted(names_in, key=lambda folder: -len(folder.parts)):
             path = self.path / folder

@@ -1,7 +1,7 @@
 """Spheres in a binary restart file of LAMMPS, with the contacts of pair style gran/hysteretic.
 
 The end of such a file is, for each process that wrote it, a flag, the number of its values, and the
-values: records of atoms, one after the other, and then a mark. The record of a sphere (``atom_style
+values: records of atoms in sequence, and then a mark. The record of a sphere (``atom_style
 sphere``) begins with its length, position, id, type, mask, image, velocity, radius, mass and
 angular velocity; the states of fixes follow, each preceded by its length. Integers have the bits of
 doubles. The names and styles of these fixes precede the spheres.
@@ -311,8 +311,8 @@ def _text(word: str) -> bytes:
 
 
 def _list_of_fixes(content: bytes, start: int, history: int) -> list[tuple[str, str]]:
-    """Return the list of fixes that starts at a position, if it has the fix of contacts at another
-    position.
+    """Return the list of fixes that starts at a position, if the fix of contacts is in it, at
+    another position.
     """
     (count,) = struct.unpack_from("<i", content, start)
     if not 0 < count <= _MOST_FIXES:

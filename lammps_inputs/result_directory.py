@@ -174,8 +174,8 @@ class ResultDirectory(OwnFiles):
         return False
 
     def check(self, *, resume: bool = False, force: bool) -> None:
-        """Raise InputError if the directory is unsuitable for results, if ``force`` is to move its
-        results and they cannot be moved, or if both ``resume`` and ``force`` are given.
+        """Raise InputError if the directory is unsuitable for results, if ``force`` cannot move its
+        results, or if both ``resume`` and ``force`` are given.
         """
         if resume and force:
             raise InputError(
@@ -229,7 +229,7 @@ class ResultDirectory(OwnFiles):
             return None
 
     def check_case(self) -> None:
-        """Raise InputError if case.toml was changed after the run; the table of figures may be."""
+        """Raise InputError if case.toml was changed after the run, except for the table of figures."""
         path = self.path / run_directory.CASE_FILE
         there = read_tables(path)
         as_run = self.tables_as_run()
@@ -346,7 +346,7 @@ class ResultDirectory(OwnFiles):
         return self.changed_file()
 
     def outputs_complete(self) -> bool:
-        """Return True if all output of LAMMPS exists as it was at the end of the run."""
+        """Return True if all output of LAMMPS exists, unchanged since the end of the run."""
         names = [run_directory.DATA_FILE, *self.output_names()]
         there = all((self.path / name).is_file() for name in names)
         return len(names) > 1 and there and not self.changed_file(names)

@@ -1,5 +1,5 @@
-"""Report of a search for the best design: the best design, results of its checks, the ten best
-designs, and the course of the search.
+"""Report of a search for the best design: best design, results of its checks, ten best designs, and
+course of the search.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figur
 
 
 def _sentence_case(text: str) -> str:
-    """Return a text with a capital at its start, unless it begins with a key."""
+    """Return a text that begins with a capital, unless it begins with a key."""
     is_key = "." in text.partition(" ")[0]
     return text if is_key else f"{text[:1].upper()}{text[1:]}"
 
@@ -205,8 +205,8 @@ def _statistic(found: Mapping[str, Any]) -> str:
 
 
 def ranking_of(found: Mapping[str, Any]) -> str:
-    """Return a sentence on the ranking of the designs; empty for searches of 1.0, whose files do
-    not contain it.
+    """Return a sentence on the ranking of the designs; empty for searches of 1.0, whose files
+    contain no ranking.
     """
     if "statistic" not in found:
         return ""
@@ -222,8 +222,8 @@ def ranking_of(found: Mapping[str, Any]) -> str:
 def range_under_checks(best: Mapping[str, Any], name: str) -> str:
     """Return the range of an objective in the further runs of the best design, in words.
 
-    Of several runs of the design, its checks are further runs of the first: the range is of the
-    relative change. Empty without further runs.
+    If a design has several runs, its checks are further runs of the first one, and the range is
+    that of the relative change. Empty without further runs.
     """
     changes = [
         check["changes"][name]
@@ -306,7 +306,7 @@ def _value_of(name: str, value: float) -> str:
 
 
 def _bounds(limit: Mapping[str, float]) -> str:
-    """Return the bounds of a limit as a heading has them."""
+    """Return the bounds of a limit in the form of a heading."""
     ends = {"low": "at least", "high": "at most"}
     return "".join(
         f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None
@@ -449,7 +449,7 @@ def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
 
 
 def _ends(column: pd.Series[Any]) -> str:
-    """Return the smallest and the largest of numbers, or words in their order."""
+    """Return the smallest and the largest of numbers, or all words in their order."""
     if pd.api.types.is_numeric_dtype(column):
         return f"{column.min():.4g} to {column.max():.4g}"
     words = _named(sorted(column.astype(str).unique()))
@@ -457,8 +457,8 @@ def _ends(column: pd.Series[Any]) -> str:
 
 
 def _named(words: list[str]) -> list[str]:
-    """Return the names of materials that are given as tables, if the names distinguish them; other
-    words unchanged.
+    """Return the names of materials that are given as tables, if the names differ; other words
+    unchanged.
     """
     found = [re.search(r'\b(?:name|preset) = "([^"]+)"', word) for word in words]
     names = [one[1] if one else word for one, word in zip(found, words, strict=True)]
@@ -466,7 +466,7 @@ def _named(words: list[str]) -> list[str]:
 
 
 def _scaled(column: pd.Series[Any]) -> np.ndarray:
-    """Return numbers from 0 to 1, words by their order."""
+    """Scale numbers to the range from 0 to 1; words count by their order."""
     numbers = (
         column.to_numpy(float)
         if pd.api.types.is_numeric_dtype(column)

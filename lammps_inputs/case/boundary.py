@@ -70,8 +70,8 @@ class Backing:
         return not self.mass and not self.stiffness
 
     def longest_timestep(self, contacts: float) -> float:
-        """Return the longest timestep that resolves its motion under contacts of this stiffness in
-        sum (N/m), s.
+        """Return the longest timestep, s, that resolves the motion of the support under contacts
+        with this total stiffness, N/m.
         """
         if not self.mass:
             return _OF_DECAY * self.damping / contacts
@@ -81,9 +81,9 @@ class Backing:
     def moved_mass(self, grain: float, stiffness: float) -> float:
         """Return the mass with which the support resists a contact, kg, as in the wall fix.
 
-        A plate or a free bar counts with its mass, and the spring and damper of a plate as at the
-        frequency of the grain on a plane at rest. A surface without mass and a bar whose end is
-        fixed or does not reflect belong to the ground: the mass is infinite.
+        A plate or a free bar counts with its mass; spring and damper of a plate count with their
+        effect at the frequency of the grain on a plane at rest. A surface without mass and a bar
+        whose end is fixed or does not reflect belong to the ground: the mass is infinite.
 
         Parameters
         ----------

@@ -287,7 +287,7 @@ class Case:
 
     @property
     def seeks_balance(self) -> bool:
-        """True if a static stage brings the packing to balance, False if it starts as found."""
+        """True if a static stage brings the packing to balance, False if contacts start unchanged."""
         way = self.packing.contact_way
         return way is None or way.balances or not way.presses
 

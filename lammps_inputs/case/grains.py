@@ -178,7 +178,7 @@ class Grains:
 
     @property
     def usual_diameter(self) -> float:
-        """Most frequent diameter, the largest of several, m."""
+        """Most frequent diameter, m; the largest one if several are equally frequent."""
         diameters, counts = np.unique(self.diameter, return_counts=True)
         return float(diameters[counts == counts.max()].max())
 
@@ -354,7 +354,7 @@ def _in_natural_order(names: Iterable[str]) -> list[str]:
 
 
 def _words_of(table: GrainTable, name: str) -> list[str]:
-    """Return a column of words, empty where the table has none: (n,)."""
+    """Return a column of words: (n,); empty words if the table has no such column."""
     words = table.words.get(name)
     if words is None:
         return [""] * len(table)

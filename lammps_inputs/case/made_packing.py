@@ -3,7 +3,7 @@
 A case names such a kind, and how its grains are made. While the case is read, the `PackingMaker` of
 the kind replaces the table by one of ``packing.kind = "file"`` with the grains: the case is then a
 case with grains of a file, and the case that a run stores is complete without the maker. A
-generator stores its packings in files, and reads them the next time.
+generator stores its packings in files, which it reads when they are needed again.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def packing_makers() -> dict[str, PackingMaker]:
 
 
 def is_made(tables: Mapping[str, Any]) -> bool:
-    """Return True if the tables of a case name a packing that is made before."""
+    """Return True if the tables of a case name a packing that is made before the case is read."""
     packing = tables.get(_PACKING)
     kind = packing.get("kind") if isinstance(packing, Mapping) else None
     return isinstance(kind, str) and kind in packing_makers()
@@ -147,7 +147,8 @@ def is_made(tables: Mapping[str, Any]) -> bool:
 def with_made_grains(
     tables: Mapping[str, Any], source: str | Path, errors: ErrorList
 ) -> Mapping[str, Any]:
-    """Return the tables of a case, with the grains of a packing that is made before.
+    """Return the tables of a case, with the grains of a packing that is made before the case is
+    read.
 
     With faults, which are added to ``errors``, the packing is `NOT_MADE`.
 

@@ -241,7 +241,7 @@ class RegionWall:
 
     @property
     def corners(self) -> NDArray[np.float64]:
-        """Corners of the triangles: (n, 3, 3), m; of a region none."""
+        """Corners of the triangles: (n, 3, 3), m; empty for a region."""
         if self.triangles is None:
             return np.empty((0, 3, 3))
         return placed_triangles(self.triangles, self.units, self.moved)

@@ -2,7 +2,7 @@
 run.
 
 A dent is given by the largest overlap that a contact had before the run, or by the force that it
-carried at this overlap on first loading; up to it the contact is elastic from then on. Overlaps
+carried at this overlap on first loading; up to this overlap the contact is then elastic. Overlaps
 below first yield leave no dent, and neither do contacts whose law does not yield.
 """
 

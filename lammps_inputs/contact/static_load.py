@@ -81,7 +81,9 @@ class DeadLoad(abc.ABC):
 
 
 class LoadOnTop(DeadLoad):
-    """A force along z on each sphere of the top layer, opposite on the last of a free chain."""
+    """A force along z on each sphere of the top layer, and the opposite force on the last sphere of
+    a free chain.
+    """
 
     def forces(self, assembly: Assembly, ids: NDArray[np.int64]) -> NDArray[np.float64]:
         lattice = assembly.lattice
@@ -143,7 +145,7 @@ class Weight(DeadLoad):
 
 
 class PressOfWalls(LoadOnTop):
-    """None if walls or overlaps press, except for a force on the top."""
+    """No dead load, except for a force on the top: walls or overlaps press."""
 
     def axes(self, assembly: Assembly) -> str:
         return "" if _stage_of(assembly).force is None else "z"
@@ -204,7 +206,7 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
 
 
 def striker_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the ids of the strikers that gravity acts on, and weights: (n,) and (n, 3), N."""
+    """Return the ids of the strikers on which gravity acts, and their weights: (n,) and (n, 3), N."""
     stage = _stage_of(assembly)
     falls = (assembly.ids > assembly.lattice.n_spheres) & assembly.case.strikers_fall
     weight = np.zeros((int(falls.sum()), 3))
@@ -232,7 +234,7 @@ def force_of_contact(assembly: Assembly) -> float:
 
 
 def force_in_bed(assembly: Assembly) -> float:
-    """Estimate the largest force on a loaded contact, in a wide bed the force in a column, N."""
+    """Estimate the largest force on a loaded contact, N; in a wide bed it is the force in a column."""
     return _dead_load(assembly).force_in_bed(assembly)
 
 
@@ -274,7 +276,9 @@ def static_stiffness(assembly: Assembly) -> float:
 
 
 def stiffness_in_bed(assembly: Assembly) -> float:
-    """Estimate the stiffness of the contacts of a disordered bed that carry most, N/m."""
+    """Estimate the stiffness of the contacts of a disordered bed that carry the largest forces,
+    N/m.
+    """
     share = force_in_bed(assembly) / force_of_contact(assembly)
     return static_stiffness(assembly) * share ** (1 / 3)
 

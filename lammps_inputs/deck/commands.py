@@ -49,7 +49,7 @@ def id_ranges(ids: Iterable[int]) -> str:
 
 
 def command(*words: str) -> list[str]:
-    """Join the words of a command, with LAMMPS continuation lines where it gets long."""
+    """Join the words of a command, with LAMMPS continuation lines if it is long."""
     lines = [words[0]]
     for word in words[1:]:
         if len(lines[-1]) + len(word) + 3 > _WIDTH:
@@ -85,7 +85,7 @@ def dump(
     one_line: bool = False,
     parts: bool = False,
 ) -> list[str]:
-    """Return the commands of a dump, appended to if a run is resumed.
+    """Return the commands of a dump, to which a resumed run appends.
 
     Particles are sorted by id, except in parts, where LAMMPS sorts nothing if several ranks share a
     file.
@@ -150,7 +150,7 @@ def law_coefficients(
     *,
     resists: bool = False,
 ) -> str:
-    """Return the coefficients of a contact law, as pair_coeff and the wall fix take them.
+    """Return the coefficients of a contact law in the form of pair_coeff and the wall fix.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def _loss_parameters(contact: Contact) -> list[str]:
 
 
 def _word(value: float | str) -> str:
-    """Return the value of a parameter as an input script has it."""
+    """Return the value of a parameter in the form of an input script."""
     return value if isinstance(value, str) else num(value)
 
 
@@ -255,8 +255,8 @@ def contacts(assembly: Assembly) -> list[str]:
 
 
 def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]:
-    """Return the laws of all pairs of types; ``elastic``: Hertz's without friction, regardless of
-    the case.
+    """Return the laws of all pairs of types; ``elastic``: Hertz's law without friction, regardless
+    of the case.
     """
     case = assembly.case
     lines = []

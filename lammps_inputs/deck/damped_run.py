@@ -1,6 +1,6 @@
 """Damped run: motion with friction, losses and local damping until a packing is at rest.
 
-Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
+Grains that friction supports would slide without it. Where `precompression.damped` is true, both
 halves of the static stage integrate the motion with friction, losses and local damping (Cundall and
 Strack 1979), starting from the positions of the case; the resulting tangential springs are kept.
 Along each axis, half of the net force on a sphere is subtracted where the sphere moves with the

@@ -1,4 +1,4 @@
-"""Faces of regions: distances and normals of spheres at them, as the wall fix finds them."""
+"""Faces of regions: distances and normals of spheres at them, as computed by the wall fix."""
 
 from __future__ import annotations
 

@@ -256,8 +256,8 @@ def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
 
 
 def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
-    """Find grains that overlap with walls that do not act on them: wall, the deepest grain, and how
-    deep, m.
+    """Find grains that overlap with walls that do not act on them: wall, deepest grain, and its
+    overlap, m.
     """
     found: list[tuple[str, int, float]] = []
     sites = assembly.sites
@@ -295,8 +295,8 @@ def touched(case: Case, sites: Sites, only: Touched) -> NDArray[np.bool_]:
 
 
 def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
-    """Return the coordinates of the two planes across an axis, which touch the outermost spheres
-    that they act on.
+    """Return the coordinates of the two planes across an axis, which touch the outermost spheres on
+    which they act.
     """
     only = assembly.case.boundary.sides_touch
     sites = assembly.sites

@@ -3,18 +3,19 @@ the packing.
 
 The constants of memory and disk space were measured on fcc packings of 2e5 to 2e6 spheres on two
 ranks, with and without friction and static stage, and are rounded up. The analysis of a larger
-packing processes parts of it, and holds a part and the layers next to it in memory. So does the
-writer of the deck; only the sites of dissimilar spheres, and of strikers, are stored all at once.
+packing processes parts of it, and holds a part and the layers next to it in memory. The writer of
+the deck processes the same parts; only the sites of dissimilar spheres and of strikers are all
+stored at once.
 
-Wall times hold within a factor of two. Their constants are processor times on one core of a 2-core
-virtual machine (AMD EPYC, Zen 4) with the other core busy, as in a scan; a run alone on the machine
-is up to 1.6 times as fast. Each is the difference between runs that differ in one property: fcc
-packings of 600 to 7000 brass spheres impacted at 1 to 20 m/s, with and without yielding, friction
-and precompression, and chains of 1 to 510 beads and 20 beads on bars.
+Wall times are correct within a factor of two. Their constants are processor times on one core of a
+2-core virtual machine (AMD EPYC, Zen 4) with the other core busy, as in a scan; a run alone on the
+machine is up to 1.6 times as fast. Each is the difference between runs that differ in one property:
+fcc packings of 600 to 7000 brass spheres impacted at 1 to 20 m/s, with and without yielding,
+friction and precompression, and chains of 1 to 510 beads and 20 beads on bars.
 
-For equal spheres the size of the plastic zone in diameters depends on e = energy input / (F_y
-alpha_y) only, whatever material and size. Power laws were fitted to impacts on brass spheres in
-packings that were larger than the zone; all data lie within the factor `spread`:
+For equal spheres the size of the plastic zone in diameters depends only on e = energy input / (F_y
+alpha_y), for any material and size. Power laws were fitted to impacts on brass spheres in packings
+that were larger than the zone; all data lie within the factor `spread`:
 
     kind       depth / D     radius / D    spread   fitted to
     fcc, hcp   1.30 e^0.255  1.0 e^0.265   1.5      13 impacts, e from 13 to 1.35e5, one of them
@@ -121,7 +122,7 @@ def analysing_ranks(assembly: Assembly, n_ranks: int) -> int:
 
     Each rank holds a part of the packing; the size of a part does not depend on the number of
     ranks. Together they may need as much memory as the steps, or `_LEAST_OF_RANK` for each rank.
-    Of many ranks no more work than there are parts, and the first collects their results.
+    The number of ranks is at most the number of parts; the first rank collects the results.
     """
     space = max(_of_steps(assembly), n_ranks * _LEAST_OF_RANK)
     n = assembly.n_particles
@@ -212,7 +213,7 @@ def numbers_in_snapshot(case: Case) -> int:
 
 
 def _dumped(assembly: Assembly) -> float:
-    """Estimate the size of a snapshot as LAMMPS writes it, bytes."""
+    """Estimate the size of a snapshot that LAMMPS writes, bytes."""
     case = assembly.case
     sphere = (
         _TEXT_FRAME if case.output.dump_format == "text" else _VALUE * numbers_in_snapshot(case)
@@ -224,7 +225,7 @@ def _dumped(assembly: Assembly) -> float:
 @kept_by_assembly
 def _reached(assembly: Assembly) -> float:
     """Estimate the fraction of the packing that the wave of the load reaches until the end of the
-    run; 1 where the wave is not known, or all contacts are loaded from the start.
+    run; 1 if the wave is not known, or if all contacts are loaded from the start.
     """
     case = assembly.case
     arrival = expected_arrival(assembly)

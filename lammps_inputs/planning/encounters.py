@@ -10,9 +10,9 @@ direction:
   m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
 * a sphere accelerated by a rigid plate to twice its velocity, or the fraction of the plate's energy
   per contact;
-* a sphere against a wall, or against a held sphere: m_eff = m, v_n = v if lines of contacts
-carry the pulse there
-  undivided (chain, simple cubic), else v halved with each layer on the way; a wall that moves
+* a sphere against a wall, or against a held sphere: m_eff = m, v_n = v if lines of contacts carry
+the whole pulse to the wall (chain, simple cubic), otherwise v halved with each layer before the
+wall; a wall that moves
   counts with the mass of its plate.
 
 If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a
@@ -55,7 +55,7 @@ from granwave.lammps_inputs.roots import brentq
 
 
 def expected_energy(assembly: Assembly) -> float:
-    """Return the energy input of the load, J; for a force an upper bound."""
+    """Return the energy input of the load, J; for a force, an upper bound."""
     energy = sum(
         0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items()
     )
@@ -98,8 +98,8 @@ def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
-    """Return one pair for each kind of neighbours, and a pair of unmodified spheres if there are
-    two.
+    """Return one pair for each kind of neighbours, and a pair of spheres that are not replaced if
+    there are two.
     """
     sites = assembly.sites
     pairs: list[tuple[int, int]] = []

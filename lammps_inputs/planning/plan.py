@@ -112,7 +112,7 @@ class Plan:
     @property
     def allowed(self) -> float:
         """Longest first timestep that a single kind of contact of two grains would allow, s; of
-        contacts with walls where there are no others.
+        contacts with walls if there are no other contacts.
 
         The pulse that reaches a wall is weaker in a larger packing, so that contacts with walls
         would allow any timestep.

@@ -109,7 +109,7 @@ class Wave:
 
     @property
     def farthest(self) -> float:
-        """Distance after which all spheres move, m."""
+        """Distance travelled by the front when all spheres move, m."""
         return float(max((self.first - self.low).max(), (self.high - self.last).max()))
 
     @property
@@ -121,8 +121,8 @@ class Wave:
         return bool(np.count_nonzero(covered) >= 2)
 
     def shares(self, grid: Grid, travelled: float) -> Floats:
-        """Return the fraction of the spheres that move and lie in each layer of bricks, along each
-        axis, at the brick with most of them, and of all bricks together: (3, 2).
+        """Return, along each axis, the fraction of the spheres that move and lie in a layer of
+        bricks: for the brick with most of them, and for all bricks together, (3, 2).
         """
         shares = np.empty((3, 2))
         for axis, n_bricks in enumerate(grid):
@@ -249,8 +249,8 @@ def best_grid(wave: Wave, n_ranks: int, costs: StepCosts) -> Grid:
 
 
 def wave_of(assembly: Assembly) -> Wave:
-    """Return the wave of the load of a case; it fills the packing from the start where there is no
-    load on some spheres, or where a precompression loads all contacts.
+    """Return the wave of the load of a case; it fills the packing from the start if there is no
+    load on some spheres, or if a precompression loads all contacts.
     """
     low, high = assembly.faces()
     loaded = impacted_of(assembly)

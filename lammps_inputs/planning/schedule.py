@@ -4,7 +4,7 @@ With an automatic timestep (fix gran/timestep of the plugin) a count is a tick, 
 power of two of ticks. A tick is shortened until the end time (or a block, for ``end_time =
 "auto"``) is a whole number of intervals of the energy record: the run ends exactly at the requested
 time, and its last step is in the record of energies. All records fall on multiples of the longest
-step, except snapshots at given times. With a timestep given by the user a count is that step, and
+step, except snapshots at given times. With a timestep given by the user a count is one step, and
 the end time is rounded up by as few steps as possible.
 """
 
@@ -104,7 +104,7 @@ class Schedule:
 
     @property
     def first_timestep(self) -> float:
-        """The timestep of the run, or the first one, s."""
+        """Fixed timestep of the run, or its first timestep, s."""
         return self.first_step * self.timestep
 
     @property
@@ -240,10 +240,8 @@ def _frames(
 
 def _dense_times(assembly: Assembly) -> tuple[float, ...]:
     """Return the times of the snapshots of ``run.frames = "auto"``, s, two thirds of them until the
-    wave is at the bottom; empty where they are evenly spaced.
-
-    They are evenly spaced if the arrival is unknown, or if two thirds of evenly spaced times are no
-    later.
+    wave is at the bottom; empty if they are evenly spaced.  They are evenly spaced if the arrival
+    is unknown, or if at least two thirds of evenly spaced times are before the arrival.
     """
     run = assembly.case.run
     if run.frames != AUTO:

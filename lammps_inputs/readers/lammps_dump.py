@@ -113,7 +113,7 @@ def powers_of_style(style: str, options: FileOptions) -> Mapping[str, float]:
 
 
 def _step_of(text: str, start: int) -> int:
-    """Return the step of a frame that begins at a place of the text."""
+    """Return the step of a frame that begins at a position in the text."""
     lines = text[start : start + len(_STEP) + 100].splitlines()
     if len(lines) < 2 or not lines[1].strip().lstrip("-").isdigit():
         line = text.count("\n", 0, start) + 2

@@ -60,7 +60,7 @@ FIXED = "fixed"
 
 
 def recognises(source: GrainSource) -> bool:
-    """Return True for a restart file, or a first line of a step above a particle."""
+    """Return True for a restart file, or for the first line of a step followed by a particle."""
     if _VERSIONS.match(source.head):
         return True
     lines = source.head.splitlines()

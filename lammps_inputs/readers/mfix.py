@@ -96,7 +96,7 @@ def _read_old(source: GrainSource) -> GrainTable:
 
 
 def _heads(flags: Mapping[str, bool], *, is_plane: bool) -> list[str]:
-    """Return the names of the columns, by the variables that have some."""
+    """Return the names of the columns of the variables that have columns."""
     axes = _IN_PLANE if is_plane else _IN_SPACE
     heads = list(axes)
     for name, columns in (

@@ -45,12 +45,12 @@ class FileOptions:
 
     @property
     def heads(self) -> Sequence[str]:
-        """Names of the columns in their order; empty unless they were given so."""
+        """Names of the columns in their order; empty unless they were given as a list."""
         return () if isinstance(self.columns, Mapping) else self.columns
 
     @property
     def names(self) -> Mapping[str, str | int]:
-        """Columns by quantity; empty unless they were given so."""
+        """Columns by quantity; empty unless they were given as a table."""
         return self.columns if isinstance(self.columns, Mapping) else {}
 
     @property

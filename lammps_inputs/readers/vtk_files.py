@@ -1,5 +1,5 @@
 """Points with radii in files of VTK: legacy files (ASCII or binary), and XML files of points (VTP,
-VTU) with inline or appended data, as ParaView reads them. Neither needs VTK.
+VTU) with inline or appended data, as ParaView reads them. No format needs the library VTK.
 
 https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
 """

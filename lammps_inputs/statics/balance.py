@@ -6,8 +6,8 @@ a chain without a guide can buckle on the way. Newton's method on the energy of 
 needs few iterations, see `granwave.lammps_inputs.statics.relax`. The stiffness leaves out the
 turning of forces, so that it is never negative.
 
-A lattice with scattered diameters under a light load has hardly more contacts than motions, and its
-contacts close one after another; it needs a path from smoothed contacts, see
+A lattice with scattered diameters under a light load has hardly more contacts than degrees of
+freedom, and its contacts close one after another; it requires a path from smoothed contacts, see
 `granwave.lammps_inputs.statics.smoothed`.
 """
 
@@ -70,8 +70,8 @@ def _is_file_in_balance(assembly: Assembly) -> bool:
 
 
 def _is_loose_lattice(assembly: Assembly) -> bool:
-    """Return True for a lattice whose gaps are much larger than the overlaps under its load, which
-    leaves hardly more contacts than motions.
+    """Return True for a lattice whose gaps are much larger than the overlaps under its load, so
+    that it has hardly more contacts than degrees of freedom.
     """
     case = assembly.case
     stage = case.precompression

@@ -161,9 +161,9 @@ class Bodies:
     def pairs(
         self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None
     ) -> tuple[NeighbourPairs, NDArray[np.bool_]]:
-        """Return pairs of rows from the vectors between their centres (n, 3), m, and True where the
-        grains cannot touch: where the nearest positions are beyond the end of a cylinder. Distances
-        may be given: (n,), m.
+        """Return pairs of rows from the vectors between their centres (n, 3), m, and True for
+        grains that cannot touch because their nearest positions are beyond the end of a cylinder.
+        Distances may be given: (n,), m.
         """
         apart = step
         turns = np.empty((len(first), 3, 3))

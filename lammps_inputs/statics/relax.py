@@ -1,12 +1,12 @@
 """Static state of grains under load, by Newton's method on their `EnergyProblem`.
 
-As in the static stage of a run, walls move in up to their force with elastic contacts, and stay
-there.
+As in the static stage of a run, walls move in with elastic contacts until they carry their forces,
+and then stay.
 
 A packing that buckles has no stable static state near its given positions. Newton's method with the
 turning of forces then finds the state in which all forces balance and from which the packing
-buckles: some motions lower its energy. Grains that are loose at first are followed until they touch
-others.
+buckles: some motions lower its energy. Grains that are initially loose are followed until they
+touch others.
 """
 
 from __future__ import annotations
@@ -208,8 +208,7 @@ class _Progress:
         return self.since > _NO_PROGRESS and net <= enough + now.rounding
 
     def is_rounding(self, now: Evaluation, stiffness: float) -> bool:
-        """Return True if only rounding is left of net forces, next to contacts that carry much
-        more.
+        """Return True if the net forces are rounding errors of much larger contact forces.
 
         Parameters
         ----------
@@ -271,8 +270,8 @@ def fall(
 def _downhill(
     problem: EnergyProblem, x: Array, now: Evaluation, move: Array
 ) -> tuple[Array, Evaluation] | None:
-    """Return the unknowns after the part of a step that lowers energy or net force; None if no part
-    does.
+    """Return the unknowns after a part of a step that lowers energy or net force; None if there is
+    no such part.
     """
     net = _net(problem, now)
     size = 1.0
@@ -290,7 +289,7 @@ def _downhill(
 
 
 def _net(problem: EnergyProblem, now: Evaluation) -> float:
-    """Return the largest net force on a grain, a wall, or the cell (over its mean period), N."""
+    """Return the largest net force on a grain, a wall, or the cell (divided by its mean period), N."""
     motions = float(np.abs(now.gradient[: problem.n_motions]).max(initial=0.0))
     lengths = np.linalg.norm(problem.bodies.periods, axis=1)
     cell = float(np.abs(now.gradient[problem.n_motions : problem.n_of_grains]).max(initial=0.0))

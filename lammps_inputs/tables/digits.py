@@ -1,8 +1,8 @@
 """Digits with which the numbers of a column were written.
 
-A number in a file represents all numbers that round to it: half a unit of its last digit is the
-error that it may have. Trailing zeros may be missing (``%g``), so that the last place follows from
-all coordinates together: either all numbers have as many decimals, or the longest has all its
+A number in a file represents all numbers that round to it: its error is up to half a unit of its
+last digit. Trailing zeros may be missing (``%g``), so that the last place follows from all
+coordinates together: either all numbers have as many decimals, or the longest has all its
 significant digits. For a few short numbers typed by hand, the error is not reliable.
 """
 

@@ -174,7 +174,7 @@ class ContactRun(ElementRun):
         self.end_reason = "done"
 
     def _load(self, peak: float, *, turns: bool = True) -> None:
-        """Load until turning, or stopping, would just not exceed the overlap ``peak``."""
+        """Load until a turn, or a stop, would end just below the overlap ``peak``."""
         solver = self.solver
         every = max(1, round(self._fold / _ENTRIES[0]))
         while True:
