@@ -51,7 +51,7 @@ def analyse(
     progress: bool | Callable[[str], None] = False,
     *,
     figures: bool = True,
-    at_once: int = AT_ONCE,
+    at_once: int | None = None,
     processes: Processes = ALONE,
     assembly: Assembly | None = None,
 ) -> Summary:
@@ -68,8 +68,8 @@ def analyse(
         Draw the figures requested in the case, and make its other files, such as an animation. Of
         packings with more spheres than `MOST_DRAWN` only figures of the run in time are drawn.
     at_once
-        Largest number of spheres in memory; larger packings are analysed in parts. The values do
-        not depend on it.
+        Largest number of spheres in memory; larger packings are analysed in parts. None: as
+        `spheres_of_part` says. The values do not depend on it.
     processes
         Processes that share the work. Nor do the values depend on them.
     assembly
@@ -127,7 +127,7 @@ def _analyse(
     results: ResultDirectory,
     report: Callable[[str], None],
     figures: bool,
-    at_once: int,
+    at_once: int | None,
     processes: Processes,
     assembly: Assembly | None,
 ) -> Summary:
@@ -148,7 +148,8 @@ def _analyse(
         report("result.h5")
         write_result(results, at_once=at_once, assembly=assembly, processes=processes)
         report("summary.json")
-        summary = summarise(results, at_once=at_once, assembly=assembly, processes=processes)
+        rows = at_once or AT_ONCE
+        summary = summarise(results, at_once=rows, assembly=assembly, processes=processes)
         results.note_files([RESULT_FILE, SUMMARY_FILE])
         if figures:
             # loading matplotlib takes longer than computing many a small run

@@ -1,5 +1,5 @@
-"""Product of a run: a file besides its figures, such as an animation, requested by ``[figures]``
-of its case.
+"""Product of a run: a file in addition to its figures, such as an animation, requested by
+``[figures]`` of its case.
 
 Extensions make them; `granwave.lammps_inputs.case.run.Figures.products` lists the files that a case
 requests.
@@ -19,7 +19,7 @@ def _none(file: str) -> tuple[str, ...]:
 
 @dataclasses.dataclass(frozen=True)
 class Product:
-    """File that a run leaves besides its figures.
+    """File that a run makes in addition to its figures.
 
     Attributes
     ----------

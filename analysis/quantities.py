@@ -311,6 +311,9 @@ ENTRIES = (
     Quantity("zone_cut", "Boundaries reached by the plastic zone",
              "Boundaries that a yielded sphere (element) touches, which limit the zone.",
              short="zone reaches"),
+    Quantity("sides_periodic", "Periodic sides",
+             "The packing continues periodically across its sides; sides in zone_cut and "
+             "wave_returned then mean the periodic images of the impact."),
     Quantity("zone_growing", "Plastic zone still growing at the end",
              "The outermost sphere in depth or radius yielded in the last tenth of the run."),
     Quantity("wave_returned", "Boundaries with returned reflections",

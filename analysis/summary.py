@@ -380,7 +380,7 @@ def _plasticity(result: Result) -> Summary:
 
 
 def _normalised(result: Result) -> Summary:
-    """Velocity and energy over those of first yielding."""
+    """Velocity and energy divided by their values at first yield."""
     law = result.law
     case = result.case
     speed = None
@@ -397,8 +397,8 @@ def _walls(result: Result) -> Summary:
     """Return the forces and energies at the target, the bottom and other walls, and their reduction
     by the packing.
 
-    Peak reduction: the largest force on the target without the packing over the largest with it.
-    The initial force of a precompressed packing is not part of the dynamic force.
+    Peak reduction: the largest force on the target without the packing divided by the largest force
+    with it. The initial force of a precompressed packing is not part of the dynamic force.
     """
     found = reached(result)
     bare = unprotected(result.assembly, float(result["energy/time"][-1])) if found else None

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from granwave.analysis.formatting.values import grains_called_in
-from granwave.analysis.measures.zone_size import bounds_in_words
+from granwave.analysis.measures.zone_size import PERIODIC_SIDES, bounds_in_words
 from granwave.analysis.quantities import FRICTION_SHARES, RUN_ROWS, SHARES, Quantity, quantity
 from granwave.lammps_inputs.extensions import load
 from granwave.lammps_inputs.packing.cylinders import GRAINS, in_grains
@@ -106,9 +106,8 @@ def _zone_rows(summary: Mapping[str, Any]) -> list[SummaryRow]:
             rows.append(SummaryRow(label, f"{what}, interpolated {', '.join(found)} m", keys))
             label = ""
     if summary.get("zone_cut") is not None:
-        rows.append(
-            SummaryRow("reaches boundaries", bounds_in_words(summary["zone_cut"]), ("zone_cut",))
-        )
+        bounds = bounds_in_words(summary["zone_cut"], periodic=summary.get(PERIODIC_SIDES))
+        rows.append(SummaryRow("reaches boundaries", bounds, ("zone_cut",)))
     return rows
 
 

@@ -1,4 +1,4 @@
-"""LAMMPS decks from case files: case -> packing -> input script and data file. Needs no LAMMPS."""
+"""LAMMPS input from case files: case -> packing -> input script and data file. Needs no LAMMPS."""
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor

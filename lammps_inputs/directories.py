@@ -1,4 +1,4 @@
-"""Positions for results and files: paths that are unsuitable, and full disks."""
+"""Paths for results and files: unsuitable paths, and full disks."""
 
 from __future__ import annotations
 

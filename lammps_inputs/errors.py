@@ -91,7 +91,7 @@ class InputFault:
         )
 
     def outside(self, source: str) -> InputFault:
-        """Return the fault without its source, if that is the given one."""
+        """Return the fault without its source, if it is the given source."""
         return dataclasses.replace(self, source="") if self.source == source else self
 
 

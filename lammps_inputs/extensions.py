@@ -5,8 +5,8 @@ these objects and refers to no extension by name; granwave's own extensions are 
 same way as external ones. Additions are given by references, "MODULE:NAME", which are loaded on
 demand: a command starts without the modules of the others.
 
-The environment variable ``GRANWAVE_WITHOUT`` leaves extensions out, by names with commas between
-them; ``all`` leaves out all.
+The environment variable ``GRANWAVE_WITHOUT`` disables extensions by names, separated by commas;
+``all`` disables all.
 """
 
 from __future__ import annotations
@@ -181,7 +181,7 @@ def left_out() -> tuple[Extension, ...]:
 
 
 def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
-    """Return that the requested object belongs to a disabled extension; empty if not.
+    """Return a message if the requested object belongs to a disabled extension; empty if not.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
 
 
 def of_left_out(extension: str) -> str:
-    """Return that an object belongs to a disabled extension, and the remedy."""
+    """Return the message that an object belongs to a disabled extension, with the remedy."""
     owner = f"it belongs to the extension {extension}"
     return f"{owner}, which {WITHOUT} hides: remove it from {WITHOUT}"
 
@@ -219,7 +219,7 @@ def entries_left_out(field: str) -> list[tuple[str, Any]]:
 
 
 def distribution_of(extension: Extension) -> str:
-    """Return name and version of the distribution that brings an extension; empty: not known."""
+    """Return name and version of the distribution that contains an extension; empty if unknown."""
     for point in _points():
         if point.name == extension.name and point.dist is not None:
             return f"{point.dist.name} {point.dist.version}"
@@ -335,7 +335,7 @@ def _by_key(field: str, key: str) -> dict[str, dict[str, Any]]:
 
 
 def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:
-    """Return entries of the core and those that extensions add, in the order of lists.
+    """Return entries of the core and of extensions, in the order of lists.
 
     An entry whose ``after`` is the name of another follows this entry; others are at the end.
 
@@ -374,7 +374,7 @@ def added_by_name(field: str) -> dict[str, str]:
 def joined(
     noun: str, own: Mapping[str, Any], added: Mapping[str, Mapping[str, Any]]
 ) -> dict[str, Any]:
-    """Return the entries of the core and those of extensions in one table.
+    """Return the entries of the core and of extensions in one table.
 
     Parameters
     ----------

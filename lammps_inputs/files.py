@@ -2,9 +2,9 @@
 paths; free memory.
 
 Rows of CSV are read with the numbers of their lines; a # outside quotes begins a comment. Paths
-that cases and scans name are made absolute as soon as they are read: in a file it is relative to
-the folder of the file (`read_toml`), in ``--set`` or in a Python mapping to the working directory
-(`parse_overrides`, `case_from_dict`). Code that opens the file need not know.
+that cases and scans name are made absolute as soon as they are read: a path in a file is relative
+to the folder of the file (`read_toml`), in ``--set`` or in a Python mapping to the working
+directory (`parse_overrides`, `case_from_dict`). Code that opens the file need not know.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ _BLOCK = 2**20  # bytes read at a time
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a hidden scratch file next to ``path`` that replaces it at the end; on an error the old
-    file stays.
+    """Provide a hidden scratch file next to ``path`` that replaces it at the end; on an error the
+    old file is kept.
     """
     scratch = path.with_name(f".{path.name}.{os.getpid()}")
     try:
@@ -60,8 +60,8 @@ def discard(scratch: Path) -> None:
 
 @contextlib.contextmanager
 def scratch_files(path: Path) -> Iterator[Callable[[], Path]]:
-    """Give a function that returns names of hidden scratch files next to ``path``; they are removed
-    at the end.
+    """Provide a function that returns names of hidden scratch files next to ``path``; they are
+    removed at the end.
     """
     made: list[Path] = []
 
@@ -370,7 +370,7 @@ def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:
 
 
 def with_short_paths(value: Any, directory: Path, key: str = "") -> Any:
-    """Copy tables and lists with paths relative to a folder where that is shorter, for display."""
+    """Copy tables and lists with paths relative to a folder if that is shorter, for display."""
     start = os.path.realpath(directory)
     return _with_paths(value, key, lambda path: min(os.path.relpath(path, start), path, key=len))
 

@@ -1,5 +1,5 @@
-"""Functions of a case, as `granwave.lammps_inputs` gives them to users: each assembles the case and
-hands the assembly down.
+"""Functions of a case, as `granwave.lammps_inputs` provides them to users: each function assembles
+the case and passes the assembly on.
 
 The packages themselves read and assemble a case once, and call the functions of an assembly.
 """

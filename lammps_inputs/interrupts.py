@@ -1,5 +1,5 @@
-"""Ctrl-C, SIGTERM and the end of the terminal that wait, or are counted, instead of stopping the
-program at once.
+"""Ctrl-C, SIGTERM and the end of the terminal, which are postponed or counted instead of stopping
+the program at once.
 """
 
 from __future__ import annotations

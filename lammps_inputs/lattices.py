@@ -10,8 +10,7 @@ impact direction +z:
     hexagonal, centred-square           crystals in x-z, whose straight rows are layers: y = 0
 
 Rows of a crystal in x-z alternate between n and n - 1 grains, so that both sides are straight, or
-all have n; the long ones begin at x = 0, the short ones (or every second row of n) half a pitch
-further.
+all have n; long rows begin at x = 0, short rows (or every second row of n) half a pitch further.
 
 No array over the packing is stored, so that a lattice of any size needs no memory.
 """

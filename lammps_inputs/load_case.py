@@ -1,8 +1,7 @@
 """Loading of a case file: read, check, warn, with the assembly that the checks made; and reading of
-the case of a finished run, which is parsed and no more.
-
-The case of a finished run was checked before it ran. Its case is neither checked again nor compared
-with the memory, the cores or the disk of this machine: a result opens wherever it is copied to.
+the case of a finished run.  The case of a finished run is only parsed: it was checked before the
+run, and it is not compared with the memory, the cores or the disk of this machine. A result can
+therefore be opened on any machine.
 """
 
 from __future__ import annotations
@@ -101,12 +100,12 @@ def _checked(case: Case, errors: ErrorList) -> Assembly:
 
 
 def read_stored_case(path: str | Path) -> Case:
-    """Read the case.toml of a run that was made, see `stored_case`."""
+    """Read the case.toml of a run, see `stored_case`."""
     return stored_case(read_toml(path), path)
 
 
 def stored_case(data: Mapping[str, Any], source: str | Path = "case") -> Case:
-    """Return the case of a run that was made, from its nested mapping; it is parsed, not checked.
+    """Return the case of a run from its nested mapping; it is parsed, not checked.
 
     Parameters
     ----------

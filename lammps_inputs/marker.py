@@ -51,7 +51,7 @@ class Marker:
     format: int = run_directory.FORMAT
 
     def copy(self) -> Marker:
-        """Return a copy that later changes of this marker do not reach."""
+        """Return a copy that is independent of later changes of this marker."""
         return copy.deepcopy(self)
 
     def write(self, path: Path) -> State:

@@ -368,8 +368,8 @@ class OwnFiles(os.PathLike[str]):
             path.rmdir()
 
     def _move(self, old: Self, names: Collection[str] | None) -> None:
-        """Move files into a directory that has been made, which gets a marker first: whatever
-        interrupts the move, each of the two lists what it holds.
+        """Move files into a directory that has been made, which gets a marker first: if the move is
+        interrupted, the marker of each directory lists its files.
         """
         kept = self.marker.copy()
         kept.files = {name: kept.files[name] for name in self._chosen(names)}
@@ -438,11 +438,11 @@ class OwnFiles(os.PathLike[str]):
             )
 
     def clear_scratch(self, names: Collection[str]) -> None:
-        """Remove scratch files of some names that killed processes left."""
+        """Remove scratch files of these names that killed processes left."""
         _clear_scratch(self.path, names)
 
     def _chosen(self, names: Collection[str] | None) -> list[str]:
-        """Return the names of the marker that ``names`` means, as of `clear`."""
+        """Return the names of the marker that match ``names``, see `clear`."""
         if names is None:
             return [name for name in self.marker.files if name not in run_directory.POINT_FILES]
         wanted = set(names)
@@ -493,7 +493,7 @@ class OwnFiles(os.PathLike[str]):
                 yield path.relative_to(self.path).as_posix()
 
     def _names_by_folder(self, files: Iterable[str]) -> dict[PurePosixPath, set[str]]:
-        """Return the names of files by folder, those of folders that hold none included."""
+        """Return the names of files by folder, including folders without files."""
         names_in: defaultdict[PurePosixPath, set[str]] = defaultdict(set)
         for file in map(PurePosixPath, files):
             names_in[file.parent].add(file.name)
@@ -505,8 +505,8 @@ class OwnFiles(os.PathLike[str]):
         return names_in
 
     def _remove_empty(self, names_in: dict[PurePosixPath, set[str]]) -> None:
-        """Remove folders that are empty except for scratch files of these names, the innermost
-        first.
+        """Remove folders that are empty except for scratch files of these names; the innermost
+        folders first.
         """
         for folder in sorted(names_in, key=lambda folder: -len(folder.parts)):
             path = self.path / folder

@@ -59,7 +59,7 @@ class PowerLaw:
     power: float
 
     def __call__(self, energy: float) -> float:
-        """Return the length at an energy over F_y alpha_y, diameters."""
+        """Return the length at an energy divided by F_y alpha_y, diameters."""
         return self.factor * energy**self.power
 
 
@@ -241,7 +241,7 @@ class PackingKind:
 
     @property
     def set_back(self) -> bool:
-        """True if the spheres of a layer lie in the hollows of the next."""
+        """True if the spheres of a layer lie in the hollows of the next layer."""
         return len(self.supports) > 1
 
     @property
@@ -252,7 +252,7 @@ class PackingKind:
 
 
 def hexagonal_site(period: int) -> Site:
-    """Return the sites of hexagonal layers, stacked with a period: 3 of fcc, 2 of hcp."""
+    """Return the sites of hexagonal layers, stacked with a period: 3 for fcc, 2 for hcp."""
 
     def site(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDArray]:
         s = k % period

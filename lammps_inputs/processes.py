@@ -1,4 +1,4 @@
-"""Processes that fraction work: a single process, or several, such as the ranks of
+"""Processes that share work: a single process, or several, such as the ranks of
 `granwave.workflows.run.ranks`.
 """
 
@@ -24,10 +24,10 @@ class Processes:
 
     def map(self, work: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Iterate over the results of tasks, in their order, as ``map`` does; the first error ends
-        it.
+        the iteration.
 
         Task n of a call is always done by process n % ``number``. Function, tasks and results go
-        from process to process: they must be small or few, and can be pickled.
+        from process to process: they must be small or few, and picklable.
         """
         return map(work, tasks)
 

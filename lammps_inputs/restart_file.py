@@ -1,14 +1,14 @@
 """Spheres in a binary restart file of LAMMPS, with the contacts of pair style gran/hysteretic.
 
 The end of such a file is, for each process that wrote it, a flag, the number of its values, and the
-values: records of atoms, one after the other, and then a mark. The record of a sphere (``atom_style
+values: records of atoms in sequence, and then a mark. The record of a sphere (``atom_style
 sphere``) begins with its length, position, id, type, mask, image, velocity, radius, mass and
 angular velocity; the states of fixes follow, each preceded by its length. Integers have the bits of
 doubles. The names and styles of these fixes precede the spheres.
 
-Each state of a fix of ours has a head (plugins/styles/restart_state.h). The state of the pair style
-has a record for each contact of the sphere (laws/contact_history.h), the state of a wall has the
-reported values and the history of the contacts with the lower and the upper wall
+Each state of a fix of granwave has a head (plugins/styles/restart_state.h). The state of the pair
+style has a record for each contact of the sphere (kernels/contact_history.h), the state of a wall has
+the reported values and the history of the contacts with the lower and the upper wall
 (styles/fix_wall_gran_hysteretic.h).
 """
 
@@ -262,7 +262,9 @@ def _records(content: bytes) -> list[NDArray[np.float64]]:
 
 
 def _last_chunk(content: bytes, end: int) -> tuple[int, list[NDArray[np.float64]]] | None:
-    """Return where the values of a process that end there begin, with its flag, and its records."""
+    """Return the position where the values of a process begin, given their end, with its flag and
+    its records.
+    """
     words = np.frombuffer(content[end % _WORD : end], dtype="<i4")
     back = np.arange(len(words), 0, -1)  # words from each to the end
     per_value = _VALUE // _WORD
@@ -277,7 +279,7 @@ def _last_chunk(content: bytes, end: int) -> tuple[int, list[NDArray[np.float64]
 
 
 def _split(values: NDArray[np.float64]) -> list[NDArray[np.float64]] | None:
-    """Return the records; None if the values are none."""
+    """Return the records; None if the values are not records."""
     rows = []
     place = 0
     while place < len(values):
@@ -309,7 +311,9 @@ def _text(word: str) -> bytes:
 
 
 def _list_of_fixes(content: bytes, start: int, history: int) -> list[tuple[str, str]]:
-    """Return the list of fixes that starts at a place, if it has that of contacts at another."""
+    """Return the list of fixes that starts at a position, if the fix of contacts is in it, at
+    another position.
+    """
     (count,) = struct.unpack_from("<i", content, start)
     if not 0 < count <= _MOST_FIXES:
         return []
@@ -328,7 +332,7 @@ def _list_of_fixes(content: bytes, start: int, history: int) -> list[tuple[str, 
 
 
 def _word_at(content: bytes, place: int) -> tuple[str, int]:
-    """Return the word at a place and where it ends; an empty one if there is none."""
+    """Return the word at a position and its end; an empty word if there is none."""
     if place + _WORD > len(content):
         return "", place
     (length,) = struct.unpack_from("<i", content, place)
@@ -340,7 +344,7 @@ def _word_at(content: bytes, place: int) -> tuple[str, int]:
 
 
 def _states(record: NDArray[np.float64], n_fixes: int) -> Iterator[NDArray[np.float64]]:
-    """Give the states of a sphere in the fixes."""
+    """Yield the states of a sphere in the fixes."""
     place = _SHORTEST
     for _ in range(n_fixes):
         if place >= len(record):
@@ -355,7 +359,7 @@ _States = Sequence[Sequence[NDArray[np.float64]]]
 
 
 def _contacts(fixes: _Fixes, states: _States) -> RestartContacts | None:
-    """Return the contacts between spheres, from the state of that with the lower ID."""
+    """Return the contacts between spheres, from the state of the sphere with the lower ID."""
     if _HISTORY not in fixes:
         return None
     number = fixes.index(_HISTORY)
@@ -376,7 +380,7 @@ def _contacts(fixes: _Fixes, states: _States) -> RestartContacts | None:
 
 
 def _contacts_of(state: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Give the partners of a sphere, with peak, spring and block of each contact."""
+    """Yield the partners of a sphere, with peak, spring and block of each contact."""
     n_block = int(state[_BLOCK])
     parts = int(state[_PARTS])
     has_spring = parts in (_BOTH, _WITH_SPRING)
@@ -411,7 +415,7 @@ def _bodies(fixes: _Fixes, states: _States) -> NDArray[np.int64]:
 
 
 def _walls(fixes: _Fixes, states: _States) -> Iterator[RestartWall]:
-    """Give the contacts with the walls of each fix."""
+    """Yield the contacts with the walls of each fix."""
     for number, (name, style) in enumerate(fixes):
         if style != _WALL:
             continue

@@ -41,6 +41,7 @@ _TAKEN = (
     "as yielded, the size of the plastic zone, and normalised values; if the change affects one "
     "of these, they are invalid"
 )
+_REMARKS = {"packing": "source"}  # keys of a case that change no result, by table
 _DIGEST_LENGTH = 16
 _SHOWN = 3  # keys in a message
 _LONGEST = 40  # characters of a value in a message
@@ -54,9 +55,9 @@ class ResultDirectory(OwnFiles):
     that was run, later changes, and the lock. Its names of files are in
     `granwave.lammps_inputs.run_directory`.
 
-    Whoever writes holds the lock (`lock`): a run, a scan, an analysis, a fit; all ranks of a run
-    count as one; the first rank opens the marker. The points of a scan have separate directories
-    and locks, in the processes of its workers. Whoever reads needs no lock.
+    Writers hold the lock (`lock`): a run, a scan, an analysis, a fit. All ranks of a run count as
+    one writer; the first rank opens the marker. The points of a scan have separate directories and
+    locks, in the processes of its workers. Readers need no lock.
     """
 
     def __init__(self, path: AnyPath) -> None:
@@ -93,7 +94,7 @@ class ResultDirectory(OwnFiles):
         self._made = made
 
     def unlock(self) -> None:
-        """Give up the lock; remove the directory if it was made for it and is empty."""
+        """Release the lock; remove the directory if it was made for the lock and is empty."""
         if self._lock is None:
             return
         (self.path / run_directory.LOCK_FILE).unlink(missing_ok=True)
@@ -157,9 +158,10 @@ class ResultDirectory(OwnFiles):
         self.refuse_other_kind(kind)
         if resume and self.result_names() and (as_run := self.tables_as_run()) is not None:
             self.check_case()
-            there = read(as_run)
-            keys = {*there, *case}
-            different = sorted(key for key in keys if there.get(key) != case.get(key))
+            there = _without_remarks(read(as_run))
+            wanted = _without_remarks(case)
+            keys = {*there, *wanted}
+            different = sorted(key for key in keys if there.get(key) != wanted.get(key))
             if different:
                 raise InputError(
                     f"{self.path}: holds another case (different: {', '.join(different)}); "
@@ -172,8 +174,8 @@ class ResultDirectory(OwnFiles):
         return False
 
     def check(self, *, resume: bool = False, force: bool) -> None:
-        """Raise InputError if the directory is unsuitable for results, if ``force`` is to move its
-        results and they cannot be moved, or if both ``resume`` and ``force`` are given.
+        """Raise InputError if the directory is unsuitable for results, if ``force`` cannot move its
+        results, or if both ``resume`` and ``force`` are given.
         """
         if resume and force:
             raise InputError(
@@ -200,7 +202,7 @@ class ResultDirectory(OwnFiles):
 
     def make_room(self, *, force: bool, names: Collection[str] | None = None) -> str:
         """Take results out of the directory: with ``force`` they are moved into NAME.old, otherwise
-        removed. ``names`` are those of `clear`.
+        removed. ``names`` as of `clear`.
 
         Returns
         -------
@@ -227,7 +229,7 @@ class ResultDirectory(OwnFiles):
             return None
 
     def check_case(self) -> None:
-        """Raise InputError if case.toml was changed after the run; the table of figures may be."""
+        """Raise InputError if case.toml was changed after the run, except for the table of figures."""
         path = self.path / run_directory.CASE_FILE
         there = read_tables(path)
         as_run = self.tables_as_run()
@@ -344,7 +346,7 @@ class ResultDirectory(OwnFiles):
         return self.changed_file()
 
     def outputs_complete(self) -> bool:
-        """Return True if all output of LAMMPS exists as it was at the end of the run."""
+        """Return True if all output of LAMMPS exists, unchanged since the end of the run."""
         names = [run_directory.DATA_FILE, *self.output_names()]
         there = all((self.path / name).is_file() for name in names)
         return len(names) > 1 and there and not self.changed_file(names)
@@ -411,7 +413,7 @@ class ResultDirectory(OwnFiles):
 
 
 def case_digest(tables: Mapping[str, Any]) -> str:
-    """Return a digest of the tables of a case that decide its results."""
+    """Return a digest of the tables of a case that determine its results."""
     # name, derived values, and selection of figures
     other = ("name", "resolved", run_directory.FIGURES_TABLE)
     deciding = {name: table for name, table in tables.items() if name not in other}
@@ -472,3 +474,15 @@ def _locked(path: Path) -> int:
             os.close(lock)
             raise
         os.close(lock)
+
+
+def _without_remarks(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a case without keys that change no result."""
+    return {name: _without(_REMARKS.get(name), table) for name, table in tables.items()}
+
+
+def _without(key: str | None, table: Any) -> Any:
+    """Return a table without a key."""
+    if key is None or not isinstance(table, Mapping):
+        return table
+    return {name: value for name, value in table.items() if name != key}

@@ -1,8 +1,8 @@
 """Kinds of results: the content of a directory of results, from its marker, or from its files
 without a marker.
 
-The kinds of the core are here; extensions add further kinds, see `Extension`. A
-marker may name a kind that no extension here has; such a directory is neither read nor overwritten.
+The kinds of the core are here; extensions add further kinds, see `Extension`. A marker may name a
+kind of an extension that is not installed; such a directory is neither read nor overwritten.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def _by_name(kinds: Iterable[ResultKind]) -> dict[str, ResultKind]:
 
 @cache
 def read_files() -> tuple[str, ...]:
-    """Return the names of all files that are opened for reading where they are there."""
+    """Return the names of all files that are opened for reading if they exist."""
     names: dict[str, None] = {}
     for kind in result_kinds().values():
         names |= dict.fromkeys(kind.files)

@@ -1,8 +1,8 @@
-"""Zero of a function of one variable by Brent's method, without scipy.optimize, which takes long to
-load.
+"""Zero of a function of one variable by Brent's method, without scipy.optimize, whose import takes
+long.
 
-R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4; step by step as
-`scipy.optimize.brentq`, so that both give the same number.
+R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4; with the same steps
+as `scipy.optimize.brentq`, so that both give the same number.
 """
 
 from __future__ import annotations

@@ -157,7 +157,7 @@ def of_each_rank(name: str) -> str:
 
 
 def files_of(directory: Path, name: str) -> list[str]:
-    """Return the names of the files for a name: itself, or all parts that there are, in order."""
+    """Return the names of the files for a name: the file itself, or all existing parts in order."""
     if RANK not in name:
         return [name]
     folder = (directory / name).parent

@@ -16,7 +16,7 @@ def is_terminal(stream: Any) -> bool:
 
 
 def flush() -> None:
-    """Flush standard output and standard error, where there are such."""
+    """Flush standard output and standard error, if they exist."""
     for stream in (sys.stdout, sys.stderr):
         with contextlib.suppress(AttributeError, OSError, ValueError):
             stream.flush()

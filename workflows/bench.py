@@ -358,7 +358,7 @@ def compare_ranks(repeats: int) -> dict[str, list[dict[str, Any]]]:
 
 
 def _on_ranks(n_ranks: int, size: list[int], repeats: int) -> dict[str, Any]:
-    """Run `time_rattling` on ranks of its own."""
+    """Run `time_rattling` on separate ranks."""
     program = (
         "import json; from granwave.workflows import bench; from granwave.workflows.run import mpi; "
         f"found = bench.time_rattling({size}, {repeats}); "

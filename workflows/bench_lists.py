@@ -88,7 +88,7 @@ def compare_lists(repeats: int) -> dict[str, Any]:
 
 
 def _new_lists(repeats: int) -> dict[str, Any]:
-    """Time the steps of a rattling packing with a new list in each, and without."""
+    """Time the steps of a rattling packing, with a new list in each step and without new lists."""
     assembly = load_assembly(library.find(bench.STUDY))
     n = assembly.lattice.n_spheres
     times: dict[str, list[float]] = {style: [] for style in STYLES}

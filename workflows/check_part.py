@@ -35,7 +35,7 @@ class CheckPart:
 
 
 def input_rows(inputs: ImpactInput | None, *, at_most: bool = False) -> Rows:
-    """Return rows of the energy and the velocity of an impact, as far as they apply.
+    """Return rows of the energy and the velocity of an impact, if they apply.
 
     Parameters
     ----------

@@ -104,7 +104,7 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
 
 
 def _owner_left_out(study: str) -> str:
-    """Return that a built-in study belongs to a disabled extension; empty if not."""
+    """Return a message if a built-in study belongs to a disabled extension; empty if not."""
     for extension in left_out():
         if extension.folder is None:
             continue
@@ -147,7 +147,7 @@ def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
 
 
 def verb_of(path: Path) -> str:
-    """Return the command that reads a file, as run or scan."""
+    """Return the command that reads a file, such as run or scan."""
     tables = read_toml(path)
     other = other_than_a_case(tables)
     return solver_of(tables).verb if other is None else other.command
@@ -158,7 +158,7 @@ def _all_names() -> list[str]:
 
 
 def _other_word(study: str, found: str, wanted: str) -> InputError:
-    """Return the error of a file that another command reads."""
+    """Return the error for a file that belongs to another command."""
     cases = {kind.verb: kind.noun for kind in reversed(case_kinds())}
     others = {kind.command: kind.noun for kind in file_kinds() if kind.recognises is not None}
     if found in others or wanted in others:

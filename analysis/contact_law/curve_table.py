@@ -51,7 +51,7 @@ def read_curve_rows(path: Path) -> list[Row]:
 
 
 def _rows_from_names(layout: Layout, path: Path) -> list[Row]:
-    """Return the rows from the first on that names a length and a force; all without such."""
+    """Return the rows from the first row that names a length and a force; all rows if none does."""
     for row in range(min(len(layout.rows), _LARGEST_TITLE)):
         below = layout_from(layout, row)
         try:
@@ -66,12 +66,12 @@ def _rows_from_names(layout: Layout, path: Path) -> list[Row]:
 
 
 def _quantity(head: str) -> str:
-    """Return the quantity of a column; empty if it is another."""
+    """Return the quantity of a column; empty for other quantities."""
     return _QUANTITIES.get(split_unit(head.strip())[0].strip().lower(), "")
 
 
 def _units_below(rows: Sequence[Row]) -> list[str]:
-    """Return the units of a row of its own below the names; empty units without one."""
+    """Return the units in a row below the names; empty units without such a row."""
     heads = rows[0][1]
     cells = rows[1][1] if len(rows) > 1 else []
     if len(cells) != len(heads) or any(map(is_number, cells)):

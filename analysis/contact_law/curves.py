@@ -2,8 +2,8 @@
 figures.
 
 A collision of effective mass m loads the contact until the work of loading W(a_max) equals m v^2 /
-2; all of it is returned but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs give the
-same curves, see test_curves.py.
+2; this work is returned except for the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs give
+the same curves, see test_curves.py.
 
 Measured force-overlap curves, read from CSV, with the branch and the largest overlap of every row.
 

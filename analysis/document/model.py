@@ -21,7 +21,7 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from granwave.analysis.formatting.numbers import interval, plain
+from granwave.analysis.formatting.numbers import column_unit, interval, plain
 from granwave.analysis.formatting.values import as_label, grains_called_in, printed_unit
 from granwave.analysis.quantities import entries, quantity
 from granwave.analysis.summary_table import meaning_of
@@ -159,9 +159,8 @@ class Gallery:
 
 @dataclasses.dataclass(frozen=True)
 class Note:
-    """A sentence: an important one, the answer (``lead``), or without a tone a plain paragraph.
-
-    ``section`` is where to read on.
+    """A sentence: an important sentence, the answer (``lead``), or without a tone a plain
+    paragraph. ``section`` is the section with the details.
     """
 
     text: str
@@ -207,7 +206,7 @@ class DocumentSection:
 
 @dataclasses.dataclass(frozen=True)
 class Badge:
-    """A state in a few words, at the top of a report; ``section`` is where to read on."""
+    """A state in a few words, at the top of a report; ``section`` is the section with the details."""
 
     text: str
     tone: Tone
@@ -225,8 +224,8 @@ class Report:
 
 
 def cleaned(part: Model) -> Model:
-    """The same with texts that any format can hold: control characters and lone surrogates are
-    replaced.
+    """Return the report with texts that any format can hold: control characters and lone surrogates
+    are replaced.
     """
 
     def printable(text: str) -> str:
@@ -237,7 +236,7 @@ def cleaned(part: Model) -> Model:
 
 
 def changed(part: Any, kind: type, change: Callable[[Any], Any]) -> Any:
-    """The same with all its parts of a kind changed."""
+    """Return the report with all its parts of a kind changed."""
     if isinstance(part, kind):
         return change(part)
     if isinstance(part, tuple):
@@ -264,7 +263,7 @@ def label_of(key: str, called: str = SPHERES) -> str:
 
 
 def meaning_in(key: str, called: str = SPHERES) -> str:
-    """Meaning of a value of a summary, likewise."""
+    """Meaning of a value of a summary; ``called`` as of `label_of`."""
     return in_grains(meaning_of(key), called)
 
 
@@ -313,11 +312,30 @@ def unit_of_value(key: str) -> str:
     return printed_unit(quantity(key).unit)
 
 
-def value_column(key: str, called: str = SPHERES) -> TableColumn:
-    """Column of a value of the summary; ``called``: name of the grains of its runs."""
-    return TableColumn(
-        label_of(key, called), unit_of_value(key), numeric=True, meaning=meaning_in(key, called)
-    )
+def value_column(key: str, called: str = SPHERES, unit: str | None = None) -> TableColumn:
+    """Column of a value of the summary.
+
+    Parameters
+    ----------
+    called
+        Name of the grains of its runs.
+    unit
+        Unit of the numbers of the column; by default the SI unit.
+    """
+    shown = unit_of_value(key) if unit is None else unit
+    meaning = meaning_in(key, called)
+    return TableColumn(label_of(key, called), shown, numeric=True, meaning=meaning)
+
+
+def value_cells(key: str, values: Sequence[Any]) -> tuple[str, list[Cell]]:
+    """Return the unit in which values of the summary are read best, and their cells in it."""
+    unit, size = column_unit(unit_of_value(key), values)
+    return unit, [value_cell(in_unit(value, size)) for value in values]
+
+
+def in_unit(value: Any, size: float) -> Any:
+    """Return a number in a unit of a size; other values stay."""
+    return value / size if size != 1.0 and is_number(value) else value
 
 
 def case_column(key: str, unit: str, *, numeric: bool) -> TableColumn:
@@ -384,7 +402,7 @@ def spread_cell(mean: float | None, half_width: float | None) -> Cell:
 
 
 def is_number(value: Any) -> bool:
-    """An integer or a float, but no truth value."""
+    """Return True for an integer or a float, and False for a truth value."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
@@ -459,7 +477,9 @@ def _without_rounding(table: DocumentTable) -> list[list[Cell]]:
 
 
 def _numbers(cell: Cell) -> tuple[float, ...]:
-    """A value, ``0.7``, or a mean and its half-width, ``0.70 ± 0.25``; nothing of any other text."""
+    """Return a value, ``0.7``, or a mean and its half-width, ``0.70 ± 0.25``; nothing for other
+    texts.
+    """
     try:
         found = tuple(map(float, cell.text.split(" ± ")))
     except ValueError:

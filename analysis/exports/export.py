@@ -5,16 +5,18 @@ Files are written to a scratch directory, and moved to their final location when
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
 from granwave.analysis.errors import OutputFormatError, did_you_mean
-from granwave.analysis.exports.formats import ExportFormat, of_result, staged
+from granwave.analysis.exports.formats import NOTHING, ExportFormat, of_result, staged
 from granwave.analysis.exports.names import CSV, NETCDF, export_names
+from granwave.analysis.exports.selection import ALL, SNAPSHOTS, Selection
 from granwave.analysis.exports.to_tables import (
     CSV_PARTS,
     OUTDATED_CSV,
+    OUTDATED_SNAPSHOTS,
     write_run_csv,
     write_run_netcdf,
     write_scan_csv,
@@ -30,8 +32,24 @@ from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, is_scan
 
 
 def _write_some_csv(directory: Path, output: Path, parts: tuple[str, ...]) -> list[Path]:
-    """Write some tables of a run; those of earlier exports stay."""
+    """Write some tables of a run; tables of earlier exports are kept."""
     return of_result(partial(write_run_csv, only=parts))(directory, output)
+
+
+def _select_csv(selected: Selection, parts: tuple[str, ...]) -> Callable[[Path, Path], list[Path]]:
+    """Return the function that writes the selected rows of tables; by default of the tables from
+    which something is selected.
+    """
+    tables = parts or selected.tables
+    outdated = OUTDATED_SNAPSHOTS if SNAPSHOTS in tables else NOTHING
+    return of_result(partial(write_run_csv, only=tables, selected=selected), outdated)
+
+
+def _select_netcdf(
+    selected: Selection, _parts: tuple[str, ...]
+) -> Callable[[Path, Path], list[Path]]:
+    """Return the function that writes the selected rows of all tables."""
+    return of_result(partial(write_run_netcdf, selected=selected))
 
 
 _OWN = {
@@ -41,8 +59,14 @@ _OWN = {
         write_scan_csv,
         CSV_PARTS,
         _write_some_csv,
+        _select_csv,
     ),
-    NETCDF: ExportFormat("result.nc (xarray)", of_result(write_run_netcdf), write_scan_netcdf),
+    NETCDF: ExportFormat(
+        "result.nc (xarray)",
+        of_result(write_run_netcdf),
+        write_scan_netcdf,
+        select=_select_netcdf,
+    ),
 }
 
 
@@ -60,7 +84,11 @@ def export_format(name: str) -> ExportFormat:
 
 
 def export(
-    directory: str | Path, to: str, output: str | Path | None = None, only: Sequence[str] = ()
+    directory: str | Path,
+    to: str,
+    output: str | Path | None = None,
+    only: Sequence[str] = (),
+    selected: Selection = ALL,
 ) -> list[Path]:
     """Export a run or a scan; files of an earlier export to the same format are replaced.
 
@@ -77,6 +105,9 @@ def export(
     only
         Names of the tables of a run to export, of csv; by default all. Tables of earlier exports
         then stay.
+    selected
+        Rows to export, of csv, netcdf and vtp. By default csv then has the tables from which
+        something is selected.
 
     Returns
     -------
@@ -105,8 +136,8 @@ def export(
         )
     if output is not None:
         results_directory(output)
-        return _export(directory, to, Path(output), tuple(only))
-    placed = _export(directory, to, directory / EXPORT_DIRECTORY, tuple(only))
+        return _export(directory, to, Path(output), tuple(only), selected)
+    placed = _export(directory, to, directory / EXPORT_DIRECTORY, tuple(only), selected)
     # the files are moved with the results by --force
     ResultDirectory(directory).claim([f"{EXPORT_DIRECTORY}/"])
     return placed
@@ -118,6 +149,28 @@ def _some(chosen: ExportFormat, directory: Path, output: Path, only: tuple[str, 
     placed = chosen.some(directory, output, only)
     if not placed:
         raise InputError(f"--only: {', '.join(only)}: this run contains no such data")
+    return placed
+
+
+def _selected(
+    chosen: ExportFormat,
+    directory: Path,
+    output: Path,
+    only: tuple[str, ...],
+    selected: Selection,
+) -> list[Path]:
+    """Export selected rows of a run; raise InputError if there are none."""
+    if chosen.select is None:
+        able = " or ".join(name for name in export_names() if export_format(name).select)
+        raise InputError(
+            f"{selected.words}: this format exports a run as a whole; select nothing, or use "
+            f"--to {able}"
+        )
+    if only:
+        selected.refuse_tables_without(only)
+    placed = chosen.select(selected, only)(directory, output)
+    if not placed:
+        raise InputError(f"{selected.words}: this run has no tables to select from")
     return placed
 
 
@@ -135,16 +188,32 @@ def _refuse_wrong_parts(chosen: ExportFormat, to: str, only: Sequence[str]) -> N
         raise InputError(f"--only: found {unknown[0]}; {hint}")
 
 
-def _export(directory: Path, to: str, output: Path, only: tuple[str, ...]) -> list[Path]:
+def _export_run(
+    chosen: ExportFormat,
+    directory: Path,
+    output: Path,
+    only: tuple[str, ...],
+    selected: Selection,
+) -> list[Path]:
+    """Export a run, or parts or selected rows of it."""
+    if not selected.is_empty:
+        return _selected(chosen, directory, output, only, selected)
+    if only:
+        return _some(chosen, directory, output, only)
+    return chosen.run(directory, output)
+
+
+def _export(
+    directory: Path, to: str, output: Path, only: tuple[str, ...], selected: Selection
+) -> list[Path]:
     chosen = export_format(to)
     _refuse_wrong_parts(chosen, to, only)
     if not is_scan(directory):
-        if only:
-            return _some(chosen, directory, output, only)
-        return chosen.run(directory, output)
-    if only:
+        return _export_run(chosen, directory, output, only, selected)
+    if only or not selected.is_empty:
+        superfluous = ", ".join(filter(None, ("--only" if only else "", selected.words)))
         raise InputError(
-            f"{directory}: is a scan, which is exported as a single table; remove --only"
+            f"{directory}: is a scan, which is exported as a single table; remove {superfluous}"
         )
     if chosen.scan is None:
         able = " or ".join(name for name in export_names() if export_format(name).scan)

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.exports.selection import Selection
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.values import wrong_value
 from granwave.analysis.scans.table import ScanData
@@ -45,6 +46,9 @@ class ExportFormat:
         Names of the parts of a run that can be exported without the others.
     some
         As ``run``, with the names of the parts to export as further argument.
+    select
+        Function of a selection of rows, and of the names of the parts to export, that returns a
+        function like ``run``. None: a run is exported as a whole.
     """
 
     files: str
@@ -52,6 +56,7 @@ class ExportFormat:
     scan: Callable[[ScanData, PathOf], None] | None = None
     parts: tuple[str, ...] = ()
     some: Callable[[Path, Path, tuple[str, ...]], list[Path]] | None = None
+    select: Callable[[Selection, tuple[str, ...]], Callable[[Path, Path], list[Path]]] | None = None
 
 
 def of_result(
@@ -86,7 +91,7 @@ def of_result(
 
 
 def _refuse_wrong_values(result: Result) -> None:
-    """Close a result and raise InputError if it holds values that no run leaves."""
+    """Close a result and raise InputError if it holds impossible values."""
     try:
         fault = wrong_value(result.file)
     except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5
@@ -99,8 +104,8 @@ def _refuse_wrong_values(result: Result) -> None:
 
 @contextmanager
 def staged(output: Path, outdated: str = NOTHING) -> Iterator[tuple[PathOf, list[Path]]]:
-    """Give a scratch directory whose files are moved to ``output`` at the end, in order, or none on
-    an error.
+    """Provide a scratch directory whose files are moved to ``output`` in order at the end; none is
+    moved on an error.
 
     Parameters
     ----------

@@ -45,6 +45,15 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.exports.selection import (
+    ALL,
+    CHAIN,
+    SNAPSHOTS,
+    WALLS,
+    Rows,
+    SelectedRows,
+    Selection,
+)
 from granwave.analysis.result.hdf5_file import unfailing
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import COMPRESSION, GROUP
@@ -55,15 +64,12 @@ from granwave.lammps_inputs.files import write_csv_rows
 if TYPE_CHECKING:
     import h5netcdf
 
+OUTDATED_SNAPSHOTS = r"snapshot_\d{4,}\.csv"
 OUTDATED_CSV = (
-    r"snapshot_\d{4,}\.csv|walls_(bottom|plate|tube|[xy]lo|[xy]hi|bar|incident_bar)\.csv|(probes|prestage)\.csv"
+    rf"{OUTDATED_SNAPSHOTS}|walls_(bottom|plate|tube|[xy]lo|[xy]hi|bar|incident_bar)\.csv|(probes|prestage)\.csv"
     r"|chain_\w+\.csv|bar_(bar|incident_bar)_\w+\.csv"
 )
 CSV_TABLES = ("spheres", "contacts", "wall_contacts", "energy", "probes", "prestage")
-# further parts of an export
-WALLS = "walls"
-CHAIN = "chain"
-SNAPSHOTS = "snapshots"
 CSV_PARTS = (*CSV_TABLES, WALLS, CHAIN, SNAPSHOTS)
 #: Columns in this order, followed by the others in the order of their names.
 _FIRST = ("id", "i", "j", "wall", "step", "time", "position", "radius", "mass")
@@ -72,9 +78,13 @@ _ROWS = 65_536  # formatted at once, as text takes many times the memory of numb
 
 
 def write_run_csv(
-    result: Result, path_of: Callable[[str], Path], only: Container[str] = CSV_PARTS
+    result: Result,
+    path_of: Callable[[str], Path],
+    only: Container[str] = CSV_PARTS,
+    selected: Selection = ALL,
 ) -> None:
-    """Write the tables of a run; ``only``: names among `CSV_PARTS`."""
+    """Write the tables of a run, or their selected rows; ``only``: names among `CSV_PARTS`."""
+    rows = SelectedRows(result, selected)
     tables = {name: name for name in CSV_TABLES if name in result and name in only}
     if WALLS in only:
         tables |= {f"walls/{wall}": f"walls_{wall}" for wall in result.names("walls")}
@@ -85,44 +95,52 @@ def write_run_csv(
             path_of(f"{name}.csv"),
             columns,
             {column: result.unit(f"{group}/{column}") for column in columns},
+            rows.of_table(group),
         )
     if CHAIN in only:
-        _write_chain(result, path_of)
+        _write_chain(result, path_of, rows)
     if SNAPSHOTS in only:
-        _write_snapshots(result, path_of)
+        _write_snapshots(result, path_of, rows)
 
 
-def _write_snapshots(result: Result, path_of: Callable[[str], Path]) -> None:
-    """Write the spheres in each snapshot, and the times of the snapshots."""
-    files = [f"snapshot_{number:04d}.csv" for number in range(result.n_frames)]
+def _write_snapshots(result: Result, path_of: Callable[[str], Path], rows: SelectedRows) -> None:
+    """Write the selected spheres in each selected snapshot, and the times of these snapshots."""
+    frames = rows.frames
+    files = [f"snapshot_{number:04d}.csv" for number in frames]
     units = {"id": "1"} | {name: result.unit(f"{GROUP}/{name}/value") for name in result.quantities}
-    for number, name in enumerate(files):
+    for number, name in zip(frames, files, strict=True):
         values = {quantity: result.frame(number, quantity) for quantity in result.quantities}
-        _write_csv(path_of(name), {"id": result["spheres/id"], **values}, units)
+        columns = {"id": result["spheres/id"], **values}
+        _write_csv(path_of(name), columns, units, rows.of_table("spheres"))
     snapshots = {
-        "frame": np.arange(result.n_frames),
-        "step": result[f"{GROUP}/position/step"],
-        "time": result.frame_times,
+        "frame": np.array(frames, dtype=np.int64),
+        "step": result[f"{GROUP}/position/step"][frames],
+        "time": result.frame_times[frames],
         "file_name": np.array(files, dtype=object),
     }
     _write_csv(path_of("snapshots.csv"), snapshots, {"time": "s"})
 
 
-def _write_chain(result: Result, path_of: Callable[[str], Path]) -> None:
-    """Write the history of a chain and its bars: tables of positions, and one table for each
-    quantity.
+def _write_chain(result: Result, path_of: Callable[[str], Path], rows: SelectedRows) -> None:
+    """Write the history of the selected beads of a chain and of its bars: tables of positions, and
+    one table for each quantity.
     """
     if "chain" not in result:
         return
-    beads = [f"bead_{bead}" for bead in result["chain/id"].tolist()]
-    ends = zip(result["chain/contact_i"].tolist(), result["chain/contact_j"].tolist(), strict=True)
-    contacts = ["contact_{}_{}".format(*pair) for pair in ends]
+    of_beads = rows.beads
+    of_contacts = rows.chain_contacts
+    beads = [f"bead_{bead}" for bead in result["chain/id"][of_beads].tolist()]
     places = {"id": result["chain/id"], "position": result["chain/position"]}
-    _write_csv(path_of("chain_beads.csv"), places, {"position": "m"})
+    _write_csv(path_of("chain_beads.csv"), places, {"position": "m"}, of_beads)
     places = {name: result[f"chain/contact_{name}"] for name in ("i", "j", "position")}
-    _write_csv(path_of("chain_contacts.csv"), places, {"position": "m"})
-    tables = {f"chain/{name}": (f"chain_{name}", beads) for name in ("displacement", "velocity")}
-    tables["chain/contact_force"] = ("chain_contact_force", contacts)
+    _write_csv(path_of("chain_contacts.csv"), places, {"position": "m"}, of_contacts)
+    ends = zip(places["i"][of_contacts].tolist(), places["j"][of_contacts].tolist(), strict=True)
+    contacts = ["contact_{}_{}".format(*pair) for pair in ends]
+    columns_of = {"displacement": of_beads, "velocity": of_beads, "contact_force": of_contacts}
+    tables = {
+        f"chain/{name}": (f"chain_{name}", contacts if name == "contact_force" else beads)
+        for name in columns_of
+    }
     for bar in result.names("bars"):
         position = result[f"bars/{bar}/position"]
         nodes = np.arange(1, len(position) + 1)
@@ -141,11 +159,16 @@ def _write_chain(result: Result, path_of: Callable[[str], Path]) -> None:
             [f"element_{node}" for node in nodes[:-1]],
         )
     for name, (file, columns) in tables.items():
-        values = {"time": result["chain/time"]} | dict(zip(columns, result[name].T, strict=True))
+        history = result[name].T
+        group, _, quantity = name.partition("/")
+        if group == CHAIN:
+            history = history[columns_of[quantity]]
+        values = {"time": result["chain/time"]} | dict(zip(columns, history, strict=True))
         _write_csv(
             path_of(f"{file}.csv"),
             values,
             {"time": "s"} | dict.fromkeys(columns, result.unit(name)),
+            rows.of_table(CHAIN),
         )
 
 
@@ -166,9 +189,12 @@ def place_of_column(column: str) -> int:
 
 
 def _write_csv(
-    path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units: Mapping[str, str]
+    path: Path,
+    columns: Mapping[str, NDArray | h5py.Dataset],
+    units: Mapping[str, str],
+    selected: Rows | None = None,
 ) -> None:
-    """Write columns, (n,) or (n, 3), of equal length."""
+    """Write columns, (n,) or (n, 3), of equal length, or their selected rows."""
     n_rows = max((len(values) for values in columns.values()), default=0)
     with open(path, "w", encoding="utf-8", newline="") as file:
         for start in range(0, max(n_rows, 1), _ROWS):
@@ -177,6 +203,8 @@ def _write_csv(
                 if isinstance(values, h5py.Dataset) and h5py.check_string_dtype(values.dtype):
                     values = values.asstr()
                 part = np.asarray(values[start : start + _ROWS])
+                if selected is not None:
+                    part = part[selected[start : start + _ROWS]]
                 part = part.astype(np.int64) if name == _STEP else part
                 parts = (
                     {f"{name}_{axis}": part[:, n] for n, axis in enumerate("xyz")}
@@ -206,8 +234,11 @@ _TABLES = {
 }
 
 
-def write_run_netcdf(result: Result, path_of: Callable[[str], Path]) -> None:
-    """Write ``result.nc``."""
+def write_run_netcdf(
+    result: Result, path_of: Callable[[str], Path], selected: Selection = ALL
+) -> None:
+    """Write ``result.nc``, with the selected rows of its tables."""
+    rows = SelectedRows(result, selected)
     with _create(path_of, "result.nc") as file:
         file.attrs["title"] = str(result.file.attrs["name"])
         for name in ("case", "run", "versions"):
@@ -220,19 +251,21 @@ def write_run_netcdf(result: Result, path_of: Callable[[str], Path]) -> None:
             long_name="axis; impact goes along +z",
         )
         for group in _TABLES:
-            _add_table(file, result, group)
+            _add_table(file, result, group, rows.of_table(group))
         for n, wall in enumerate(result.names("walls")):
+            instants = _every(rows.of_table(f"walls/{wall}"))
             if n == 0:
-                _add(file, "wall_time", ("wall_time",), result[f"walls/{wall}/time"], "s", "time")
+                times = result[f"walls/{wall}/time"][instants]
+                _add(file, "wall_time", ("wall_time",), times, "s", "time")
             for name in result.names(f"walls/{wall}"):
                 if name != "time":
-                    values = result[f"walls/{wall}/{name}"]
+                    values = result[f"walls/{wall}/{name}"][instants]
                     unit = result.unit(f"walls/{wall}/{name}")
                     place = "on" if name == "force" else "of"
                     words = f"{name.replace('_', ' ')} {place} the wall {wall}, positive outwards"
                     _add(file, f"wall_{wall}_{name}", ("wall_time",), values, unit, words)
-        _add_chain(file, result)
-        _add_snapshots(file, result)
+        _add_chain(file, result, rows)
+        _add_snapshots(file, result, rows)
 
 
 def write_scan_netcdf(scan: ScanData, path_of: Callable[[str], Path]) -> None:
@@ -266,8 +299,15 @@ def _create(path_of: Callable[[str], Path], name: str) -> Iterator[h5netcdf.File
         yield file
 
 
-def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
-    """Add the columns of a table of the result, each with its dimension, unit and description."""
+def _every(rows: Rows | None) -> Rows | slice:
+    """Return an index of the selected rows."""
+    return slice(None) if rows is None else rows
+
+
+def _add_table(file: h5netcdf.File, result: Result, group: str, rows: Rows | None) -> None:
+    """Add the selected rows of a table of the result, each column with its dimension, unit and
+    description.
+    """
     dimension, prefix, owner, coordinates = _TABLES[group]
     names = result.names(group)
     axes = (
@@ -278,7 +318,7 @@ def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
     own = {name: dimension if (dimension, name) in axes else f"{prefix}_{name}" for name in names}
     others = " ".join(own[name] for name in coordinates if own.get(name, dimension) != dimension)
     for name in names:
-        values = result[f"{group}/{name}"]
+        values = result[f"{group}/{name}"][_every(rows)]
         dimensions = (dimension, "axis")[: values.ndim]
         described = name if own[name] == dimension else f"{name.replace('_', ' ')} {owner}"
         extra = {"coordinates": others} if others and name not in coordinates else {}
@@ -287,17 +327,22 @@ def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
         )
 
 
-def _add_chain(file: h5netcdf.File, result: Result) -> None:
-    """Add the history of a chain and its bars."""
+def _add_chain(file: h5netcdf.File, result: Result, rows: SelectedRows) -> None:
+    """Add the history of the selected beads of a chain and of its bars."""
+    if CHAIN not in result:
+        return
+    instants = _every(rows.of_table(CHAIN))
     for name in result.names("chain"):
         contact = name.startswith("contact_")
         own = "chain_contact" if contact else "bead"
         column = name.removeprefix("contact_")
-        values = result[f"chain/{name}"]
         unit = result.unit(f"chain/{name}")
         if name == "time":
+            values = result[f"chain/{name}"][instants]
             _add(file, "chain_time", ("chain_time",), values, unit, "time")
             continue
+        values = result[f"chain/{name}"][..., rows.chain_contacts if contact else rows.beads]
+        values = values[instants] if values.ndim == 2 else values
         dimensions = ("chain_time", own) if values.ndim == 2 else (own,)
         variable = own if (own, column) == ("bead", "id") else f"{own}_{column}"
         _add(
@@ -311,6 +356,7 @@ def _add_chain(file: h5netcdf.File, result: Result) -> None:
     for bar in result.names("bars"):
         for name in result.names(f"bars/{bar}"):
             values = result[f"bars/{bar}/{name}"]
+            values = values[instants] if values.ndim == 2 else values
             unit = result.unit(f"bars/{bar}/{name}")
             own = f"{bar}_element" if name == "force" else f"{bar}_node"
             dimensions = ("chain_time", own) if values.ndim == 2 else (own,)
@@ -324,16 +370,20 @@ def _add_chain(file: h5netcdf.File, result: Result) -> None:
             )
 
 
-def _add_snapshots(file: h5netcdf.File, result: Result) -> None:
-    _add(file, "frame", ("frame",), np.arange(result.n_frames), long_name="number of the snapshot")
-    _add(file, "frame_time", ("frame",), result.frame_times, "s", "time of the snapshot")
+def _add_snapshots(file: h5netcdf.File, result: Result, rows: SelectedRows) -> None:
+    frames = rows.frames
+    numbers = np.array(frames, dtype=np.int64)
+    _add(file, "frame", ("frame",), numbers, long_name="number of the snapshot")
+    _add(file, "frame_time", ("frame",), result.frame_times[frames], "s", "time of the snapshot")
     _add(
         file,
         "frame_step",
         ("frame",),
-        result[f"{GROUP}/position/step"],
+        result[f"{GROUP}/position/step"][frames],
         long_name="time step of the snapshot",
     )
+    spheres = _every(rows.of_table("spheres"))
+    n_spheres = file.dimensions["sphere"].size
     for name in result.quantities:
         if name == "position":
             continue  # given by initial position and displacement
@@ -342,15 +392,15 @@ def _add_snapshots(file: h5netcdf.File, result: Result) -> None:
             f"frame_{name}",
             ("frame", "sphere", "axis")[: source.ndim],
             np.float64,
-            chunks=(1, min(max(source.shape[1], 1), _ROWS_IN_CHUNK), *source.shape[2:]),
+            chunks=(1, min(max(n_spheres, 1), _ROWS_IN_CHUNK), *source.shape[2:]),
             **COMPRESSION,
         )
         description = f"{name.replace('_', ' ')} at the snapshot"
         variable.attrs.update(
             _attributes(result.unit(f"{GROUP}/{name}/value"), description, coordinates="frame_time")
         )
-        for number in range(result.n_frames):
-            variable[number] = result.frame(number, name)
+        for place, number in enumerate(frames):
+            variable[place] = result.frame(number, name)[spheres]
 
 
 def _add(

@@ -164,8 +164,9 @@ def _lines(
     """Return the ends of the lines of contacts in a section, (n_lines, 2, 2), m, and the contact of
     each, (n_lines,).
 
-    A line goes from the centre of one grain to that of the other. A contact across periodic sides
-    has two lines, one from each grain to the nearest image of the other; the second ones are last.
+    A line goes from the centre of one grain to the centre of the other. A contact across periodic
+    sides has two lines, one from each grain to the nearest image of the other; the second ones are
+    last.
     """
     position = result["spheres/position"]
     first = position[result.rows(state.i)]
@@ -231,10 +232,12 @@ _BEYOND = 3.0  # ratio of the limits of the axis to the densities
 def force_distribution(result: Result) -> Drawing | None:
     """Draw the distribution of the contact forces, relative to their mean, with exponential tails.
 
-    The forces are those at rest, at the instant of the largest elastic energy, and the largest of
-    each contact, as far as the run has them, from ten contacts on. Nearly equal forces are drawn as
-    a band over their range.
+    The states are at rest, at the instant of the largest elastic energy, and at the largest force
+    of each contact. A state needs a record and at least ten contacts. Nearly equal forces are drawn
+    as a band over their range. A chain has no distribution: all its contacts carry the same pulse.
     """
+    if result.case.packing.rule.is_chain:
+        return None
     states = [state for state in contact_forces(result) if len(state.force) >= _FEWEST]
     if not states:
         return None
@@ -333,8 +336,8 @@ def _widen(axes: Axes, density: Vectors) -> None:
 def _histogram(values: Vectors, wide: bool) -> tuple[Vectors, Vectors, NDArray[np.int64]]:
     """Return the centres of bins, the probability density, and the number of values of each.
 
-    Bins are even from 0 to the largest value, from the smallest one on where it is not small; where
-    the axis is ``wide`` they are even on its logarithmic scale, from the smallest value on.
+    Bins of equal width reach from 0 to the largest value, or from the smallest value if it is not
+    small. If the axis is ``wide``, their widths are equal on its logarithmic scale.
     """
     number = round(2 * len(values) ** (1 / 3))
     number = min(max(number, _FEWEST_BINS), _MOST_BINS)

@@ -161,8 +161,8 @@ def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:
-    """Draw the number of yielded contacts and spheres, and depth and radius of the outermost,
-    against time.
+    """Draw the number of yielded contacts and spheres, and depth and radius of the outermost
+    yielded sphere, against time.
 
     The title names the boundaries that the zone reaches.
     """
@@ -173,7 +173,8 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
     time = np.concatenate([[0.0], growth.time, [end]])
     figure, upper, lower = panels(3.2, rows=2, sharex=True)
     if cut := cut_of(packing_zone(result)):
-        upper.set_title(f"the zone reaches a boundary: {bounds_in_words(cut)}", fontsize=7)
+        names = bounds_in_words(cut, periodic=result.case.boundary.periodic)
+        upper.set_title(f"the zone reaches a boundary: {names}", fontsize=7)
     for axes, quantity, curves in (
         (upper, "Number yielded", {"contacts": growth.contacts, "spheres": growth.spheres}),
         (
@@ -203,8 +204,8 @@ def peak_force_depth(result: Result) -> Drawing | None:
     marker for each layer of contacts along the preferred directions, and bars over the range of
     these directions.
 
-    Under a static load also the largest dynamic force of each layer, above the static one; the law
-    is then fitted to it.
+    Under a static load it also shows the largest dynamic force of each layer, above the static
+    force; the law is then fitted to this force.
     """
     depth, force = peak_force_by_depth(result)
     if (
@@ -338,7 +339,9 @@ def plastic_zone_size(result: Result) -> Drawing | None:
             distances[name] = values
             if bound in cut_of(zone):
                 bounds[bound] = float(values[zone[bound]].min())
-    return draw_zone_size(zone["energy"], distances, result.case.packing.diameter, "D", bounds)
+    periodic = result.case.boundary.periodic
+    diameter = result.case.packing.diameter
+    return draw_zone_size(zone["energy"], distances, diameter, "D", bounds, periodic=periodic)
 
 
 def draw_zone_size(
@@ -347,6 +350,8 @@ def draw_zone_size(
     diameter: float,
     unit: str,
     bounds: Mapping[str, float],
+    *,
+    periodic: bool = False,
 ) -> Drawing | None:
     """Draw the fraction of an energy beyond a distance, on a logarithmic axis; None without energy.
 
@@ -362,6 +367,8 @@ def draw_zone_size(
         Symbol of this unit.
     bounds
         Distances of the boundaries that the zone reaches, by name, m.
+    periodic
+        True if the sides are periodic.
     """
     if not distances or not np.any(energy > 0):
         return None
@@ -388,13 +395,14 @@ def draw_zone_size(
             float(place[beyond[-1] + 1 :].min(initial=place[-1])) if beyond.size else diameter / 2,
         )
         if bound in bounds:
+            shown = bounds_in_words([bound], periodic=periodic)
             reach = max(reach, bounds[bound])
             axes.axvline(
                 bounds[bound] / diameter,
                 color=colour,
                 linestyle=":",
                 linewidth=0.9,
-                label=f"zone reaches the {bound}",
+                label=f"zone reaches the {shown}",
             )
         columns |= {f"{name}_m": place, f"share_beyond_{name}": outside}
         columns |= {
@@ -438,8 +446,8 @@ def directions(result: Result) -> Drawing | None:
     """Draw the fractions of travelling energy and dissipation by direction: polar for a layer, else
     stereographic.
 
-    Not of crystals in the x-z plane, which are no layer about the impact, and would be a line in a
-    stereographic view.
+    Crystals in the x-z plane have no such figure: they are no layer about the impact, and would be
+    a line in a stereographic view.
     """
     if not result.case.packing.rule.has_faces:
         return None
@@ -489,7 +497,7 @@ def _draw_layer(
 def _draw_half_sphere(
     result: Result, axes: Any, spread: waves.Spread, _: str, colours: str
 ) -> dict[str, NDArray]:
-    """Draw the shares below the impact in a stereographic view; return the columns of the
+    """Draw the fractions below the impact in a stereographic view; return the columns of the
     directions.
     """
     edges = np.deg2rad(

@@ -59,7 +59,7 @@ def outline_grains(
 
 def disc_radii(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64]:
     """Return the radii of the discs of a section: radii of the spheres on a plane of the lattice,
-    else of the cuts.
+    and radii of the cuts on other planes.
 
     Centres of scattered spheres are off the planes of the lattice by less than the tolerance of
     the plane.

@@ -139,7 +139,7 @@ def energies(result: Result) -> Drawing | None:
 
 
 def _limits_of_error(residual: NDArray[np.float64]) -> dict[str, Any]:
-    """Return the limits of the axis of errors, which single small ones do not widen."""
+    """Return the limits of the axis of errors, which single small errors do not widen."""
     largest = float(residual.max(initial=0.0))
     if not 0 < largest < math.inf:  # a logarithmic axis shows only positive, finite errors
         return {}

@@ -279,9 +279,7 @@ def draw_figures(
 
 
 def _shares(names: Sequence[str]) -> list[list[int]]:
-    """Return the numbers of the figures that one process draws at a time, those that take long
-    before the others.
-    """
+    """Return the numbers of the figures that one process draws at a time, slow figures first."""
     numbers = {name: number for number, name in enumerate(names)}
     figures = {name: run_figures()[name] for name in names}
     shares: list[list[int]] = []

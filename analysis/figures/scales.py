@@ -219,7 +219,7 @@ def long_times_in_ms(figure: Figure) -> None:
 
 
 def _in_milliseconds(time: float, _position: int | None = None) -> str:
-    """Return the label in ms of a time, µs."""
+    """Return the label, in ms, of a time in µs."""
     return f"{time * _MILLI:.6g}".replace("-", _MINUS)
 
 
@@ -255,7 +255,7 @@ def least_span(figure: Figure) -> None:
 
 
 def _around(values: NDArray[np.float64], scale: str) -> tuple[float, float] | None:
-    """Return limits of an axis around the ends of its values; None if these are apart."""
+    """Return limits of an axis around nearly equal values; None if the values differ clearly."""
     low, high = values.tolist()
     if not 0 <= high - low < _LEAST_SPAN * max(abs(low), abs(high)):
         return None

@@ -197,7 +197,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
 
 
 def _next_plane(result: Result, cut: SpheresOnPlane) -> SpheresOnPlane | None:
-    """Return the spheres of the lattice plane behind the orthogonal one, which fill the gaps
+    """Return the spheres of the lattice plane behind the orthogonal plane, which fill the gaps
     between its spheres; None for other planes, or without such a plane.
     """
     if cut.plane.name != "orthogonal" or not result.case.packing.rule.is_lattice:
@@ -216,7 +216,7 @@ def _next_plane(result: Result, cut: SpheresOnPlane) -> SpheresOnPlane | None:
 
 
 def _draw_behind(axes: Axes, result: Result, behind: SpheresOnPlane, colouring: Colouring) -> None:
-    """Draw the discs of spheres behind a section, paler than those on it."""
+    """Draw the discs of spheres behind a section, paler than the discs of the section."""
     values = colouring.values[behind.index]
     discs = draw_discs(axes, behind, values, colouring, result["spheres/radius"][behind.index])
     faces = np.array(discs.get_facecolor(), dtype=np.float64)
@@ -267,8 +267,8 @@ def cut_of(result: Result, name: str) -> SpheresOnPlane | None:
 
 
 def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
-    """Return the plane with a label for the origin of distances: the impacted sphere,
-    where the impact axis goes between several.
+    """Return the plane with a label for the origin of distances, which is the impacted sphere if
+    the impact axis runs between several impacted spheres.
     """
     if np.array_equal(result.impact_axis, result.origin[:2]):
         return plane

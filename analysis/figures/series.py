@@ -49,15 +49,15 @@ _LEAST_VELOCITY = 0.01  # in m/s: tenths are common there
 
 
 def energy_unit(largest: float) -> tuple[float, str]:
-    """Return the unit in which energies up to ``largest`` (J) are shown: how many are a joule, and
-    its name.
+    """Return the unit of energies up to ``largest`` (J): the number of units in a joule, and its
+    name.
     """
     return next((unit for unit in _ENERGIES if largest * unit[0] >= 1), _ENERGIES[-1])
 
 
 def velocity_unit(largest: float) -> tuple[float, str]:
-    """Return the unit in which velocities up to ``largest`` (m/s) are shown: how many are 1 m/s,
-    and its name.
+    """Return the unit of velocities up to ``largest`` (m/s): the number of units in 1 m/s, and its
+    name.
     """
     return next(
         (unit for unit in _VELOCITIES if largest * unit[0] >= _LEAST_VELOCITY), _VELOCITIES[-1]
@@ -67,7 +67,7 @@ def velocity_unit(largest: float) -> tuple[float, str]:
 def against_time(
     axes: Axes, time: NDArray[np.float64], values: NDArray[np.float64], line: Any = "-", **look: Any
 ) -> None:
-    """Draw a record against time, and label that axis.
+    """Draw a record against time, and label the axis of time.
 
     Long records are drawn by the lowest and the highest value of every bin, which give the same
     curve.

@@ -9,7 +9,7 @@ _MATHEMATICS = "$"  # delimiter of formulas, which are never broken
 
 
 def break_long_titles(figure: Figure) -> bool:
-    """Break each title of an axis that leaves the figure into two lines of like length.
+    """Break each title of an axis that leaves the figure into two lines of similar length.
 
     Returns
     -------
@@ -28,7 +28,9 @@ def break_long_titles(figure: Figure) -> bool:
 
 
 def in_two_lines(text: str) -> str:
-    """Return a text in two lines of like length; as it is if it has lines, or only formulas."""
+    """Return a text in two lines of similar length; unchanged if it has several lines, or only
+    formulas.
+    """
     places = [
         place
         for place, character in enumerate(text)

@@ -139,7 +139,7 @@ def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
 def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:
     """Draw the curves of another run, dashed, over the panels of a run.
 
-    Second axes, such as of the impulse over the force, are removed.
+    Second axes, such as the axis of the impulse in a figure of the force, are removed.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def _is_second(axes: Axes, panels: Sequence[Axes]) -> bool:
 
 
 def _curves_of(axes: Axes) -> list[tuple[Line2D, str]]:
-    """Return the curves of axes with their labels; of error bars the points without the bars."""
+    """Return the curves of axes with their labels; for error bars the points without the bars."""
     labels: dict[Line2D, str] = {}
     ends: list[Line2D] = []
     for container in axes.containers:
@@ -232,7 +232,7 @@ def _add_curve(axes: Axes, curve: Line2D, label: str, name: str) -> None:
 
 
 def _widened(own: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
-    """Return limits that include both, in the direction of the first."""
+    """Return limits that include two ranges, in the direction of the first range."""
     ends = (*own, *other)
     if own[0] > own[1]:
         return max(ends), min(ends)

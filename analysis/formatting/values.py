@@ -119,7 +119,7 @@ def _text(value: Any) -> str:
 def unit_of(key: str) -> str:
     """Return the unit of a dotted key, such as ``load.velocity``; empty if it has none.
 
-    That of `AMPLITUDE` follows from the kind of the load: `amplitude_unit`.
+    The unit of `AMPLITUDE` follows from the kind of the load: `amplitude_unit`.
     """
     if key == AMPLITUDE:
         return ""

@@ -266,8 +266,8 @@ def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
 
 
 def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the rows of a file without headers, as all parts of a dump of contacts are but
-    the first.
+    """Iterate over the rows of a file without headers, such as all parts of a dump of contacts
+    except the first.
 
     Box and columns are taken from ``like``, a frame of the file with a header; otherwise as
     `text_frames`.

@@ -44,7 +44,7 @@ def read_energy(directory: str | Path) -> Table:
 
     Columns `ENERGY_COLUMNS` and `FRICTION_COLUMNS`; with a moving bottom ``support``,
     ``support_lost`` and ``target`` (energy of the support, dissipation by its damper, work done on
-    it), J; with bars the energy of each, J; of chains that rub against their holder ``holder``
+    it), J; with bars the energy of each, J; for chains with friction of the guide ``holder``
     (dissipation by this friction), with absorbing spheres ``absorbed``, with viscous losses
     ``viscous``, with cohesion ``adhesion`` (dissipation where surfaces meet and part), with
     resistance to rolling and twisting ``rolling``, ``twisting`` (dissipation), ``elastic_rolling``

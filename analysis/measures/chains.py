@@ -49,7 +49,7 @@ class Chain:
     """Record of a chain from a run as `granwave.load` gives it.
 
     Contacts, including contacts with strikers and with the faces of bars, are numbered from the
-    impacted end, from 0; likewise beads, strikers first.
+    impacted end, from 0. Beads are numbered in the same way, strikers first.
 
     Parameters
     ----------
@@ -88,8 +88,8 @@ class Chain:
 
     @cached_property
     def loss(self) -> ContactLoss | None:
-        """Loss between two such beads: "time" and the loss time (s), "dashpot" and its factor, or
-        "prony" and weight and time (s) of each branch; None without.
+        """Loss between two beads that are not replaced: "time" and the loss time (s), "dashpot" and
+        its factor, or "prony" and weight and time (s) of each branch; None without.
         """
         own = self.case.material
         return viscous_loss(self.assembly, self.case.contact, own, own)
@@ -101,7 +101,7 @@ class Chain:
 
     @cached_property
     def scales(self) -> ChainScales:
-        """Units of a chain of like beads."""
+        """Units of a chain of identical beads."""
         return ChainScales(self.case)
 
     def array(self, name: str) -> NDArray:
@@ -119,7 +119,7 @@ class Chain:
 
     @cached_property
     def recorded(self) -> bool:
-        """The chain's history was recorded."""
+        """True if the history of the chain was recorded."""
         with Result(self.directory) as result:
             return "chain/time" in result
 
@@ -216,7 +216,7 @@ class GrainRow(Chain):
 
     @cached_property
     def passed(self) -> int:
-        """The last contact from which the crest of the leading wave has gone on."""
+        """The last contact that the crest of the leading wave has passed."""
         force = self.of_contacts("peak_force")
         time = self.of_contacts("time_peak")
         done = (

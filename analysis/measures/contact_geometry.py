@@ -24,7 +24,7 @@ def contact_geometry(result: Result) -> dict[str, NDArray[np.float64]]:
     """Return where the contacts of a run are at the start.
 
     The point of a contact lies on the line between both centres, and divides it as the radii do;
-    across periodic sides it is next to the first sphere. So it does for cylinders, too.
+    across periodic sides it is next to the first sphere. The same holds for cylinders.
 
     Returns
     -------

@@ -1,10 +1,11 @@
 """Force that grains pass on into the depth, against time.
 
-A plane across the axis of depth parts the grains by the positions of their centres at the start.
-The force through it is the sum of the forces along z on the grains below it from those above it:
-the momentum gained by the grains below, and the force on the bottom. In a chain it is the force of
-one contact, recorded at the instants of the history; in other packings it requires the forces of
-all contacts at the snapshots, recorded with ``output.contact_forces``.
+A plane across the axis of depth divides the grains by the positions of their centres at the start.
+The force through the plane is the sum of the forces along z that grains above it exert on grains
+below it. It changes the momentum of the grains below, and is balanced by the force on the bottom.
+In a chain it is the force of one contact, recorded at the instants of the history; in other
+packings it requires the forces of all contacts at the snapshots, recorded with
+``output.contact_forces``.
 """
 
 from __future__ import annotations

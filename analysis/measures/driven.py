@@ -15,9 +15,9 @@ linear chain responds proportionally, at the load's frequency only. Where the br
 falling amplitude separate, there are two states at one load; where half the frequency appears, the
 period has doubled.
 
-Mean power input of a harmonic load, and mean power absorbed at absorbing ends: slopes of energies
-of the ledger against time, by least squares over the last half of the run, so that energy exchanged
-within a period does not count.
+Mean power input of a harmonic load, and mean power absorbed at absorbing ends: slopes of the
+recorded energies against time, by least squares over the last half of the run, so that energy
+exchanged within a period does not count.
 """
 
 from __future__ import annotations
@@ -84,12 +84,12 @@ class SteadyMotion:
 
     @property
     def unsteady(self) -> float:
-        """Part of the motion of both ends that is not of the frequency; the larger."""
+        """Fraction of the motion that is not at the frequency; the larger fraction of both ends."""
         return float(self.left[[self.row.first, self.row.last]].max())
 
     @property
     def ratio(self) -> float | None:
-        """Amplitude of the last sphere divided by the amplitude of the loaded one; None for a
+        """Amplitude of the last sphere divided by the amplitude of the loaded sphere; None for a
         single sphere, or if either is not steady.
         """
         if not self.driven or self.unsteady > STEADY or self.first == self.last:
@@ -250,8 +250,8 @@ class AmplitudeSweep:
 
     @property
     def apart(self) -> float:
-        """Largest difference between the branches of the last sphere at one load, over its largest
-        amplitude.
+        """Largest difference between the branches of the last sphere at one load, divided by its
+        largest amplitude.
         """
         answer = self.last[MULTIPLES.index(1.0)]
         both = [(self.load[chosen], answer[chosen]) for chosen in (self.rising, ~self.rising)]
@@ -280,8 +280,8 @@ def fitted_amplitudes(time: Array, signals: Array, frequency: float) -> Array:
 
 
 def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
-    """Answer of a row whose load rises and falls; None for other runs, or where too few instants
-    were recorded.
+    """Response of a chain whose load rises and falls; None for other runs, or where too few
+    instants were recorded.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ Both are least-squares lines through the logarithms of the forces, with equal we
     F = F_D (z/D)^-n           exponent n, of waves that spread without a scale
 
 Standard errors are those of the slopes. They measure the scatter of the layers about the line,
-which is systematic: forces that follow neither law have a large one.
+which is systematic: forces that follow neither law have a large standard error.
 """
 
 from __future__ import annotations
@@ -119,8 +119,8 @@ class FittedLine(NamedTuple):
 def power_decay(depth: Array, force: Array, diameter: float) -> PowerDecay | None:
     """Fit forces by a power of the depth, by least squares in their logarithms.
 
-    Layers within half a diameter of the impacted sphere, where the load acts, are omitted, and the
-    last one, which the bottom loads.
+    Layers within half a diameter of the impacted sphere, where the load acts, and the last layer,
+    which the bottom loads, are omitted.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ the speed of the bead first passes 10 % of its largest, at a grain of a ``[[line
 
 The line through the arrivals is a least-squares fit of position against time. Along the load it
 uses the arrivals of `granwave.analysis.measures.waves.wave_speed`: the deeper half, without the
-five uppermost grains; along a ``[[line]]`` through all.
+five uppermost grains; along a ``[[line]]`` it uses all arrivals.
 """
 
 from __future__ import annotations

@@ -64,7 +64,7 @@ _SETTLED = 1e-11
 
 
 class ChainScales:
-    """Units and closed forms of a chain of like beads.
+    """Units and closed forms of a chain of identical beads.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class ChainScales:
         self.impulse = self.force * self.time
 
     def overlap(self, force: Array) -> Array:
-        """Hertz's, m, at forces in N."""
+        """Hertz's overlap, m, at forces in N."""
         return static_overlap(self._law, force)
 
     def impulse_force(self, impulse: float) -> float:
@@ -120,8 +120,8 @@ class ChainScales:
 
 @cache
 def discrete_speed() -> float:
-    """Speed of the travelling wave of the discrete Hertz chain over Nesterenko's at the same force:
-    1.01246.
+    """Speed of the travelling wave of the discrete Hertz chain divided by Nesterenko's speed at the
+    same force: 1.01246.
     """
     # V = D sqrt(factor/m) k^(1/3) F^(1/6), with k = E sqrt(D)/(3 (1 - nu^2)) and m = pi rho D^3/6
     return math.sqrt(6 * _discrete_wave()[2] / math.pi) / 6 ** (1 / 3) / _NESTERENKO
@@ -281,7 +281,7 @@ class PrecompressedLine:
 
     @property
     def velocity(self) -> float:
-        """omega alpha0: far slower impacts make small waves, m/s."""
+        """omega alpha0, m/s; impacts that are far slower make small waves."""
         return self.frequency * self.overlap
 
 
@@ -378,7 +378,7 @@ def crest_speed(line: PrecompressedLine, n: NDArray[np.int64]) -> float:
 
 
 def crest_force(n: NDArray[np.int64]) -> Array:
-    """Largest force at contact n, from 1, after an impact on the line, over v sqrt(K m):
+    """Largest force at contact n, from 1, after an impact on the line, divided by v sqrt(K m):
     (n_contacts,).
     """
     return np.array(

@@ -103,8 +103,8 @@ class Rays:
 
     @property
     def difference(self) -> Array:
-        """Largest less smallest peak force over the largest, contact by contact where all exist:
-        (n,).
+        """Largest minus smallest peak force divided by the largest, for contacts that all rays
+        have: (n,).
 
         By symmetry it is 0 if one sphere is impacted.
         """
@@ -172,7 +172,7 @@ class Involved:
     volume: Array
 
     def part(self, share: float) -> tuple[float, float]:
-        """Fraction of the input and volume of the least material that did a fraction of the
+        """Fraction of the input, and volume, of the least material that contains a fraction of the
         dissipation.
         """
         enough = self.enough(share)

@@ -5,7 +5,7 @@ with one material and diameter, or equal parts along the load. Strikers, walls a
 energy have separate fractions.
 
 Under a static load the elastic energy of a region is no part of the input, which is measured from
-the static state; there a fraction is of the kinetic energy only.
+the static state; fractions are then of the kinetic energy only.
 """
 
 from __future__ import annotations
@@ -214,7 +214,7 @@ def _stored_in_beads(result: Result) -> Array:
     (n_times, n_beads), J.
 
     Contacts that yielded remember the largest overlap of the instants that were recorded, and the
-    one that they had before the run.
+    largest overlap before the run.
     """
     place = result["chain/position"] + result["chain/displacement"]
     radius = result["spheres/radius"][result.rows(result["chain/id"])]

@@ -134,7 +134,7 @@ class Target:
 
     @property
     def moves(self) -> bool:
-        """The plane can move."""
+        """True if the plane can move."""
         return bool(len(self.mass))
 
     def rates(self, place: Array, speed: Array, force: float) -> tuple[Array, Array]:

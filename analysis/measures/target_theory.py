@@ -43,7 +43,7 @@ _MOST_OF_IT = 0.9  # fraction of the impulse, around its middle, that defines it
 
 @dataclasses.dataclass(frozen=True)
 class HertzImpact:
-    """A sphere that hits a rigid wall, all elastic.
+    """Elastic impact of a sphere on a rigid wall.
 
     Attributes
     ----------
@@ -70,12 +70,12 @@ class HertzImpact:
 
     @property
     def overlap(self) -> float:
-        """The largest, m."""
+        """Largest overlap, m."""
         return (5 * self.mass * self.velocity**2 / (4 * self.stiffness)) ** 0.4
 
     @property
     def force(self) -> float:
-        """The largest, N."""
+        """Largest force, N."""
         return self.stiffness * self.overlap**1.5
 
     @property
@@ -87,7 +87,7 @@ class HertzImpact:
 
     @property
     def impulse(self) -> float:
-        """N s."""
+        """Impulse, N s."""
         return 2 * self.mass * self.velocity
 
     @property

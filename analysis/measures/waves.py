@@ -3,8 +3,9 @@
 Directionality: fractions of energy and dissipation by direction from the impact point, for any
 packing.
 
-The direction of a sphere is that from the nearest impacted sphere. In a layer it is an angle; in a
-packing of several layers a point of the half sphere below, cut into cells of equal solid angle.
+The direction of a sphere is its direction from the nearest impacted sphere. In a layer it is an
+angle; in a packing of several layers a point of the half sphere below, cut into cells of equal
+solid angle.
 """
 
 from __future__ import annotations
@@ -62,12 +63,12 @@ class Spread:
 
     @property
     def relative(self) -> Array:
-        """Cells over their mean: 1 everywhere if nothing is directional."""
+        """Values of the cells divided by their mean: 1 everywhere if nothing is directional."""
         return self.cells / (self.cells.mean() or 1.0)
 
 
 def struck_rows(result: Result) -> NDArray[np.int64]:
-    """Rows of the impacted spheres of the packing: by strikers, or by the load."""
+    """Rows of the spheres of the packing that strikers or the load hit."""
     case = result.case
     n = result.assembly.lattice.n_spheres
     if case.striker:
@@ -144,7 +145,7 @@ def spread(result: Result, values: ArrayLike) -> Spread | None:
 
 
 def is_layer(result: Result) -> bool:
-    """The packing has one layer."""
+    """Return True if the packing has one layer."""
     return bool(
         np.ptp(result["spheres/position"][result.in_packing, 2])
         < _ONE_LAYER * result.case.packing.diameter
@@ -192,7 +193,7 @@ def travelling_frame(result: Result) -> int:
 
 
 def _outermost(result: Result) -> NDArray[np.bool_]:
-    """Spheres at the sides and the bottom, those apart that are as near to an impact on that side."""
+    """Spheres at the sides and the bottom, without sides on which an impact acts."""
     inside = result.in_packing
     positions = result["spheres/position"]
     packing = positions[inside]
@@ -210,7 +211,7 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
 
 
 def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
-    """Speed of the front of the wave into the depth: slope of depth over arrival, by layers.
+    """Speed of the front of the wave into the depth: slope of depth against arrival, by layers.
 
     The front is at a layer when the force of a contact there first passes 10 % of the largest
     force of that contact. The slope is a least-squares fit to the deeper half of the layers that

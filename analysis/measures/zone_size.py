@@ -9,8 +9,8 @@ energy that it dissipated by yielding, or an element, weighed by its plastic wor
               centre above counts as depth 0
     radius    the same for the distance of the centres from the impact axis
     volume    smallest volume that contains the fraction: parts are added in descending
-              order of energy per volume; in a packing without voids. Of
-              equal parts these are the fewest
+              order of energy per volume; in a packing without voids. Of equal parts these
+              are the fewest
 
 None of these is interpolated: a size is the distance of a part, or a sum over parts. In a lattice
 the depth is the depth of a layer, and does not change with the load until the next layer is needed.
@@ -67,6 +67,8 @@ BOTTOM = "bottom"
 SIDES = "sides"
 _WAYS = {BOTTOM: "depth", SIDES: "radius"}  # columns of the distance from each boundary
 _DISTANCES = ("depth", "radius", BOTTOM, SIDES)
+IMAGES = "periodic images"  # beyond periodic sides, in texts
+PERIODIC_SIDES = "sides_periodic"  # key of the summary
 WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # results of `wave_returns`
 _ROUNDING = 1e-12  # tolerance of sums of energy against a fraction, relative
 # fraction of the energy dissipated after the first wave returned, above which the run is marked
@@ -202,9 +204,9 @@ def packing_zone(result: Result) -> Zone:
     strikers.
 
     The last layer is at the ``bottom``, the first and last sphere of a row and the first and last
-    row at the ``sides``. With periodic sides those half a period from the axis are, where a zone
-    meets its image. A packing of one layer has no bottom, a chain has no sides; grains of a file
-    have no defined boundaries.
+    row at the ``sides``. With periodic sides the spheres half a period from the axis are at the
+    sides, where a zone meets its image. A packing of one layer has no bottom, a chain has no sides;
+    grains of a file have no defined boundaries.
 
     Returns
     -------
@@ -254,7 +256,8 @@ def cut_of(zone: Zone) -> list[str]:
 def zone_summary(result: Result) -> dict[str, Any]:
     """Return the values of the summary on the size of the plastic zone; None without yielding."""
     if not result.yields:
-        return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
+        keys = ("zone_cut", "zone_growing", PERIODIC_SIDES, *WAVE_KEYS)
+        return zone_sizes(None) | dict.fromkeys(keys)
     active, distances = _active_and_distances(result)
     sizes = zone_sizes(*map(active.get, ("energy", "volume", "depth", "radius")))
     border = {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]}
@@ -274,6 +277,7 @@ def zone_summary(result: Result) -> dict[str, Any]:
     return (
         sizes
         | {"zone_cut": cut_of(active), "zone_growing": growing}
+        | {PERIODIC_SIDES: result.case.boundary.periodic}
         | wave_returns(times, time, lost)
     )
 
@@ -300,14 +304,15 @@ def _joined(parts: Sequence[Zone]) -> Zone:
 def _return_times(
     result: Result, distances: Zone, border: dict[str, float | None]
 ) -> dict[str, float] | None:
-    """Return when a wave that a bound reflects can be back at the border of the zone, by bound, s.
+    """Return the time at which a wave reflected by a boundary can return to the border of the zone,
+    by boundary, s.
 
     The peak of the first wave is at the bound at t_b and was at the border of the zone, at
     ``border`` (m), at t_z on its way: it takes as long back, and returns at 2 t_b - t_z. Waves get
-    weaker and slower on their way, so this is about the earliest time. A bound that no wave reached
-    within the run sends none back. Where contacts are loaded from the start arrivals cannot be
-    seen; then the wave goes all ways at the speed with which it reached the bottom. None where that
-    is not known either.
+    weaker and slower on their way, so this is about the earliest time. No wave returns from a
+    boundary that no wave reached within the run. If contacts are loaded from the start, arrivals
+    cannot be observed: the wave is assumed to travel in all directions at the speed with which it
+    reached the bottom. None if this speed is unknown too.
     """
     inner = {name: border[name] or 0.0 for name in _WAYS if name in distances}
     if result.case.precompression is None:
@@ -402,11 +407,23 @@ def mark_of(summary: Mapping[str, Any]) -> Mark:
     return Mark.WAVE if isinstance(share, int | float) and share > NOTED_SHARE else Mark.NONE
 
 
-def bounds_in_words(bounds: object) -> str:
+def bounds_in_words(bounds: object, *, periodic: object = False) -> str:
     """Return a list of bounds, or of other names, as words: ``bottom, sides``, or ``none`` where it
     is empty.
+
+    Parameters
+    ----------
+    periodic
+        True if the sides are periodic, so that there are images in place of sides.
     """
-    return (", ".join(map(str, bounds)) or "none") if isinstance(bounds, list | tuple) else ""
+    if not isinstance(bounds, list | tuple):
+        return ""
+    return ", ".join(_names(bounds, periodic)) or "none"
+
+
+def _names(bounds: Sequence[object], periodic: object) -> list[str]:
+    """Return the names of bounds in texts."""
+    return [IMAGES if periodic and bound == SIDES else str(bound) for bound in bounds]
 
 
 def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
@@ -425,15 +442,16 @@ def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
     ):  # a collision, or a pulse that goes from end to end
         return ""
     found = []
+    periodic = summary.get(PERIODIC_SIDES)
     if summary.get("zone_cut"):
-        found.append(
-            f"the plastic zone reaches the {' and the '.join(summary['zone_cut'])} of the {body}"
-        )
+        names = " and the ".join(_names(summary["zone_cut"], periodic))
+        found.append(f"the plastic zone reaches the {names} of the {body}")
     share = summary.get("wave_return_share")
     if isinstance(share, int | float) and share > NOTED_SHARE:
-        bounds = " and the ".join(summary.get("wave_returned") or ())
+        names = _names(summary.get("wave_returned") or (), periodic)
+        wave = "wave" if IMAGES in names else "reflection"
         microseconds = 1e6 * summary["wave_return_s"]
-        arrival = f"a reflection from the {bounds} arrived ({microseconds:.3g} us)"
+        arrival = f"a {wave} from the {' and the '.join(names)} arrived ({microseconds:.3g} us)"
         found.append(
             f"up to {100 * share:.3g} % of the plastic dissipation occurred after {arrival}"
         )

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import html
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property, partial
 from pathlib import Path
@@ -20,6 +20,7 @@ from granwave.analysis.errors import (
     OutputFormatError,
     did_you_mean,
 )
+from granwave.analysis.exports.selection import SelectedRows, between, selection
 from granwave.analysis.exports.to_tables import CSV_TABLES, place_of_column
 from granwave.analysis.lammps_output.dumps import read_frame_forces
 from granwave.analysis.measures.contact_geometry import UNITS as PLACE_UNITS
@@ -236,7 +237,7 @@ class Run(Values):
 
     @property
     def tables(self) -> tuple[str, ...]:
-        """Names of the tables that `table` gives."""
+        """Names of the tables that `table` returns."""
         return tuple(name for name in CSV_TABLES if name in self.result)
 
     def table(self, name: str) -> pandas.DataFrame:
@@ -255,6 +256,53 @@ class Run(Values):
                 f"{result.path}: has no table {name}; {hint}it has {', '.join(there)}"
             )
         return frame_of(*self._columns(name), _INDEX.get(name, ""))
+
+    def select(
+        self,
+        table: str,
+        *,
+        spheres: int | Iterable[int] | None = None,
+        layers: int | Iterable[int] | None = None,
+        depth: Sequence[float] | None = None,
+        region: str | None = None,
+        time: Sequence[float] | None = None,
+    ) -> pandas.DataFrame:
+        """Return selected rows of a table, as ``granwave export`` selects them.
+
+        Parameters
+        ----------
+        table
+            ``spheres``, ``contacts``, ``wall_contacts``, ``energy``, ``probes`` or ``walls``.
+        spheres
+            Ids of spheres, also for their contacts.
+        layers
+            Numbers of layers, from 1 at the top, also for the contacts of their spheres.
+        depth
+            Smallest and largest depth of the centre or contact below the impacted sphere, m.
+        region
+            Region of the centre or contact: arguments of the LAMMPS region command, m, such as
+            ``"sphere 0.04 0.04 0 0.02"``.
+        time
+            First and last time, s.
+
+        Raises
+        ------
+        InputError
+            A value is wrong, nothing is selected, or a selection does not apply to the table.
+        MissingDataError
+            The run has no such table.
+        """
+        wanted = selection(spheres, layers, depth, region, time)
+        wanted.refuse_tables_without([table])
+        if table == "walls":
+            rows = self.walls
+            if wanted.time:
+                rows = rows[between(rows["time"].to_numpy(), wanted.time)]
+        else:
+            rows = self.contacts if table == "contacts" else self.table(table)
+            mask = SelectedRows(self.result, wanted).of_table(table)
+            rows = rows if mask is None else rows[mask]
+        return rows
 
     def _columns(self, group: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
         """Return the columns of a group of result.h5, and their units."""
@@ -346,7 +394,7 @@ class Run(Values):
 
     @cached_property
     def energies(self) -> pandas.DataFrame:
-        """Ledger of energies by ``time``."""
+        """Terms of the energy balance by ``time``."""
         return self.table("energy")
 
     # ------------------------------------------------------------------ fields

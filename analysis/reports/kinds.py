@@ -86,7 +86,8 @@ class ReportRun:
 
     @property
     def accepted_error(self) -> float:
-        """Largest error of the energy balance, over the input, with which the run was accepted.
+        """Largest error of the energy balance, relative to the input, with which the run was
+        accepted.
 
         Results of versions that did not record it were judged by the limits of those versions.
         """
@@ -251,7 +252,9 @@ class ReportKind:
         return ""
 
     def symbols(self, runs: Sequence[ReportRun]) -> list[Symbol]:
-        """Return symbols of figures and tables of runs of this kind, besides those of packings."""
+        """Return symbols of figures and tables of runs of this kind, in addition to the symbols of
+        packings.
+        """
         return []
 
     # ------------------------------------------------------------------ without energies

@@ -27,10 +27,17 @@ from granwave.analysis.document.model import (
     text_table,
     tidied,
     value_cell,
+    value_cells,
     value_column,
 )
 from granwave.analysis.formatting.numbers import counted, plain
-from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
+from granwave.analysis.measures.zone_size import (
+    NOTED_SHARE,
+    PERIODIC_SIDES,
+    Mark,
+    bounds_in_words,
+    mark_of,
+)
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
@@ -289,9 +296,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         if _beyond_law(run)
     ]
     cut = [
-        f"{run.label} ({bounds_in_words(run.summary['zone_cut'])})"
-        for run in runs
-        if mark_of(run.summary) is Mark.CUT
+        f"{run.label} ({_bounds_reached(run)})" for run in runs if mark_of(run.summary) is Mark.CUT
     ]
     waves = [
         f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)"
@@ -322,6 +327,11 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
     if runs and not notes:
         return [Note(_GOOD, "good")]
     return notes
+
+
+def _bounds_reached(run: ReportRun) -> str:
+    """Return the boundaries that the plastic zone of a run reaches, in words."""
+    return bounds_in_words(run.summary["zone_cut"], periodic=run.summary.get(PERIODIC_SIDES))
 
 
 def _poor_balances(poor: Sequence[ReportRun]) -> list[tuple[str, Sequence[str], Tone, str]]:
@@ -435,6 +445,12 @@ def _fitted(run: ReportRun) -> bool:
     return law != LINE and (law not in ALL_LAWS or bool(ALL_LAWS[law].fitted))
 
 
+def _energy_column(key: str, runs: Sequence[ReportRun]) -> tuple[TableColumn, list[Cell]]:
+    """Return the column of an energy of runs."""
+    unit, cells = value_cells(key, [run.summary.get(key) for run in runs])
+    return value_column(key, unit=unit), cells
+
+
 def _table(runs: Sequence[ReportRun]) -> DocumentTable:
     parts = list(_PARTS)
     for kind in dict.fromkeys(run.kind for run in runs):
@@ -457,7 +473,7 @@ def _table(runs: Sequence[ReportRun]) -> DocumentTable:
     ]
     columns = [
         (TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]),
-        *((value_column(key), [value_cell(run.summary.get(key)) for run in runs]) for key in shown),
+        *(_energy_column(key, runs) for key in shown),
         (TableColumn("Error / input", numeric=True), errors),
         (TableColumn("Accepted error", numeric=True), [value_cell(run.accepted_error) for run in runs]),
         (TableColumn("Balance"), [Cell(text, text, tone) for text, tone in verdicts]),

@@ -115,5 +115,5 @@ def printed(summary: Mapping[str, Any], in_per_cent: Collection[str] = ()) -> di
 
 
 def share(value: float) -> str:
-    """Return a fraction in per cent, with three digits; rounding is none."""
+    """Return a fraction in per cent, with three digits; 0 for rounding errors."""
     return f"{plain(f'{100 * value:.3g}')} %" if abs(value) > _ROUNDING else "0 %"

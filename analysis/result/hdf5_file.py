@@ -26,7 +26,8 @@ from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 
 @contextlib.contextmanager
 def new_hdf5(path: Path, **options: Any) -> Iterator[h5py.File]:
-    """Give a new HDF5 file that replaces ``path`` when complete; on an error the old file remains.
+    """Provide a new HDF5 file that replaces ``path`` when complete; on an error the old file
+    remains.
 
     Parameters
     ----------
@@ -49,7 +50,7 @@ def new_hdf5(path: Path, **options: Any) -> Iterator[h5py.File]:
 
 @contextlib.contextmanager
 def unfailing(path: Path) -> Iterator[io.FileIO]:
-    """Give a new file in which writing never fails; at the end, the first error is raised."""
+    """Provide a new file in which writing never fails; at the end, the first error is raised."""
     with naming(path), _Unfailing(path, "w+") as stream:
         try:
             yield stream
@@ -82,7 +83,7 @@ class _Unfailing(io.FileIO):
 
 COMPRESSION: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 ROWS_IN_CHUNK = 32_768
-AT_ONCE = ANALYSED_AT_ONCE  # spheres of a part, or rows of a table; a multiple of ROWS_IN_CHUNK
+AT_ONCE = ANALYSED_AT_ONCE  # rows of a table that are held at once; a multiple of ROWS_IN_CHUNK
 _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
 _DERIVED = {
@@ -153,8 +154,8 @@ def store(dataset: h5py.Dataset, pieces: Pieces, *before: int) -> None:
 
 
 def append_columns(file: h5py.File, name: str, columns: Mapping[str, Encoded], n_rows: int) -> None:
-    """Write the next rows of a group that is made in parts; ``n_rows`` is their number with all
-    before them.
+    """Write the next rows of a group that is made in parts; ``n_rows`` is the number of all rows so
+    far.
     """
     group = file.require_group(name)
     for column, (dtype, tail, pieces) in columns.items():

@@ -1,17 +1,18 @@
 """Histories of a chain with its bars, and of lines of grains, as groups of ``result.h5``.
 
-    /chain/{time, id, position, displacement, velocity, contact_i, contact_j, contact_position,
-    contact_force} /bars/NAME/{position, displacement, velocity, force}
+    /chain/{time, id, position, displacement, velocity}
+    /chain/{contact_i, contact_j, contact_position, contact_force}
+    /bars/NAME/{position, displacement, velocity, force}
 
 Beads and nodes are in the order of z; rows are the instants of ``/chain/time``. Forces in bars are
 forces of the elements, positive in compression.
 
 Lines of grains, ``[[line]]``:
 
-    /lines/NAME/{time, id, position, distance, displacement, velocity, force_sums}    motion, in the order of the line;
-                                                                                     angular_velocity
-                                                                                     if grains turn
-    /lines/NAME/{arrival, peak_speed, peak_time, width, lateral_force, largest_speed}     of each grain
+    /lines/NAME/{time, id, position, distance, displacement, velocity, force_sums}
+        motion, in the order of the line; angular_velocity if grains turn
+    /lines/NAME/{arrival, peak_speed, peak_time, width, lateral_force, largest_speed}
+        of each grain
 
 ``distance`` counts along the line from its first grain to each. ``force_sums`` are the sums of the
 magnitudes of the contact forces along x, y and z; the lateral force is half of the sum across the
@@ -113,7 +114,7 @@ def _instants(
     """Read a history of particles of these ids up to the step ``last``: steps (n_times,), and the
     instants.
 
-    ``strange`` describes an instant that holds others, by its number.
+    ``strange`` describes an instant with other particles, by its number.
     """
     path = directory / DUMPS / name
     frames = list(read_instants(directory, name, columns, "id"))

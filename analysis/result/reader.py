@@ -3,8 +3,8 @@ balance.
 
 The error is |kinetic + elastic + dissipated - input|. It is divided by the largest |input| up to
 then. A prescribed displacement also gives the moved grains their kinetic energy, and takes it back
-when they stop: it is excluded from that input, or the error of a grain that is pushed in fast and
-then held would be compared with an energy that no other grain ever had.
+when they stop: it is excluded from that input. Otherwise the error of a grain that is pushed in
+fast and then held would be compared with an energy that no other grain ever had.
 """
 
 from __future__ import annotations
@@ -324,7 +324,7 @@ class Result:
 
     @cached_property
     def impact_axis(self) -> NDArray[np.float64]:
-        """AnyPath of the impact axis in x and y: the centroid of the impacted spheres' initial
+        """Position of the impact axis in x and y: the centroid of the impacted spheres' initial
         centres, (2,), m.
 
         The axis is along z. With periodic sides the images nearest to the impacted sphere count.
@@ -505,7 +505,7 @@ class Result:
 
     @property
     def largest_input(self) -> float:
-        """Largest energy input of the run, which errors of the balance are divided by, J."""
+        """Largest energy input of the run, J, by which errors of the balance are divided."""
         return float(np.max(work_on_packing(self.ledger, moved_mass(self.assembly))))
 
     @property

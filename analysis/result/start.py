@@ -109,7 +109,7 @@ class Start:
         return int(self.ids(self.n_spheres - 1, self.n_spheres)[0])
 
     def range(self, part: int) -> tuple[int, int]:
-        """Return the first row of a part, and that after its last."""
+        """Return the first row of a part, and the row after its last row."""
         return part * self.at_once, min((part + 1) * self.at_once, self.n_spheres)
 
     def read(self, rows: slice | NDArray[np.int64] = slice(None)) -> Frame:

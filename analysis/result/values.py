@@ -1,4 +1,4 @@
-"""Values of a result.h5 that no run leaves: ids that are none, and numbers that are not finite.
+"""Impossible values of a result.h5: invalid ids, and numbers that are not finite.
 
 A time is NaN where nothing happened; a quantity of a snapshot is NaN for all spheres where LAMMPS
 did not record it.
@@ -26,7 +26,7 @@ _BLOCK = 2**20  # numbers that are read at a time
 
 
 def wrong_value(file: h5py.File) -> str:
-    """Describe the first value that no run leaves; empty if there is none."""
+    """Describe the first impossible value; empty if there is none."""
     tables = [name for name in _TABLES if name in file]
     tables += [f"{_OF_WALLS}/{name}" for name in file.get(_OF_WALLS, {})]
     names = []

@@ -38,7 +38,7 @@ from granwave.analysis.lammps_output.dumps import (
 )
 from granwave.analysis.lammps_output.frame import CUT
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_record, read_table
-from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
+from granwave.analysis.result.hdf5_file import new_hdf5, write_group
 from granwave.analysis.result.histories import Groups, line_groups, read_chain
 from granwave.analysis.result.sphere_tables import after_static_stage, write_tables
 from granwave.analysis.result.start import DentRecord, Start
@@ -50,6 +50,7 @@ from granwave.lammps_inputs.files import regular, scratch_files
 from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.planning.cost import spheres_of_part
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
 
@@ -60,7 +61,7 @@ _OF_MOVING_WALLS = names(MOVING_WALL)  # columns of walls.txt, after the wall's 
 def write_result(
     directory: AnyPath,
     *,
-    at_once: int = AT_ONCE,
+    at_once: int | None = None,
     assembly: Assembly | None = None,
     processes: Processes = ALONE,
 ) -> Path:
@@ -75,7 +76,8 @@ def write_result(
     directory
         Directory of the run, with case.toml, data.granwave and dumps/, and optionally run.json.
     at_once
-        Largest number of spheres in a part. The values do not depend on it.
+        Largest number of spheres in a part; None: as `spheres_of_part` says. The values do not
+        depend on it.
     assembly
         All bodies of the case that was run, if it was read before.
     processes
@@ -109,6 +111,8 @@ def write_result(
         text = regular(case_file).read_text(encoding="utf-8")
         if assembly is None:
             assembly = assemble(read_stored_case(case_file))
+        if at_once is None:
+            at_once = spheres_of_part(assembly.n_particles)
         case = assembly.case
         resolved = tomllib.loads(text).get("resolved", {})
         ledger = read_energy(directory)

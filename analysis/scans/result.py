@@ -211,7 +211,7 @@ _WORTH = 1e-3  # deviation of the reduction from 1 below which a packing does no
 
 
 def protects(varied: Sequence[str], summaries: Iterable[Mapping[str, Any]]) -> bool:
-    """Return True for a scan of targets, or on a target that moves, that a packing protects.
+    """Return True for a scan of protected targets: the target varies, or moves.
 
     Parameters
     ----------

@@ -88,7 +88,7 @@ _PREFIX = "study_"  # beginning of the name of a module that was loaded from a f
 
 
 def is_study_file(name: str) -> bool:
-    """True for the path of a study's file, as against the name of a built-in study."""
+    """True for the path of a study's file, False for the name of a built-in study."""
     return name.endswith(SUFFIX)
 
 

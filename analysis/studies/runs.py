@@ -90,7 +90,8 @@ def read_run(label: str, directory: Path, summary: Mapping[str, Any]) -> Finishe
 
 
 def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[FinishedRun]:
-    """Read runs of spheres; none whose energy balance was rejected or whose case cannot be read.
+    """Read runs of spheres, except runs whose energy balance was rejected or whose case cannot be
+    read.
 
     Parameters
     ----------
@@ -167,8 +168,8 @@ def _materials(assembly: Assembly) -> str:
 
 
 def load_label(assembly: Assembly) -> str:
-    """Velocity of the fastest sphere, ``5 m/s``; for a force or a prescribed motion, that it acts
-    on top.
+    """Velocity of the fastest sphere, ``5 m/s``; for a force or a prescribed motion, the label of
+    the load.
     """
     if assembly.case.load.label:
         return assembly.case.load.label

@@ -116,7 +116,7 @@ class Row:
 
     @property
     def deviation(self) -> float | None:
-        """Our value over the source's value, or over the theory's value without a source, minus 1;
+        """Our value divided by the source's value (without a source, the theory's value), minus 1;
         None for a bound.
         """
         against = self.theory if self.source is None else self.source
@@ -340,7 +340,7 @@ def write_rows(found: Sequence[Study], directory: AnyPath) -> Path | None:
 
 
 def span(label: str, values: Mapping[str, Estimate], unit: str = "") -> str:
-    """Say between which values a quantity lies: ``Peak force: from 212 ± 50 N (10 layers) to 1560 N
+    """State the range of a quantity: ``Peak force: from 212 ± 50 N (10 layers) to 1560 N
     (2 layers).``
 
     Parameters

@@ -1,6 +1,6 @@
 """Labels and units of the keys of cases of finite elements, in tables and figures of scans.
 
-A test compares the units with the cases.
+A test compares these units with the units of the cases.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ _DIGITS = 12
 
 @dataclasses.dataclass(frozen=True)
 class Counterpart:
-    """Case of equal input, as a command to be pasted into a shell; or the reason why there is none.
+    """Case of equal input, as a command for the shell; or the reason why there is none.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ def check_of_punch(case: ContinuumCase) -> CheckPart:
 
 
 def _lines(what: str, found: Counterpart) -> list[str]:
-    """Return the lines below a table on a counterpart, which is a packing or a continuum."""
+    """Return the lines on a counterpart, a packing or a continuum, that follow a table."""
     command = found.command or f"none, {found.reason}"
     lines = ["", f"{what} of equal input: {command}"]
     if found.stays_elastic:
@@ -103,7 +103,7 @@ def _values(found: Counterpart) -> dict[str, Any]:
 
 
 def _first_yield(case: ContinuumCase) -> str:
-    """Return the velocity from which the block of a continuum case yields."""
+    """Return the smallest velocity of the punch at which the block of a continuum case yields."""
     velocity = case.yield_velocity
     if velocity is None:
         return ""
@@ -213,7 +213,7 @@ def packing_of(case: ContinuumCase) -> Counterpart:
 
 
 def _yield_velocity(packing: Case) -> float:
-    """Return the velocity from which a sphere that hits another head-on yields, m/s."""
+    """Return the smallest velocity of a head-on impact at which two spheres yield, m/s."""
     law = sphere_contact(packing)
     return math.sqrt(4 * law.loading_work(law.yield_overlap) / packing.sphere_mass)
 
@@ -232,7 +232,7 @@ def _small_packing(material: Material, changes: dict[str, Any]) -> Case:
 
 
 def _material(material: Material) -> dict[str, Any]:
-    """Return the overrides that give a material: the name of a preset, or its values."""
+    """Return the overrides that set a material: the name of a preset, or the values."""
     if presets().get(material.name or "") == material:
         return {"material": material.name}
     names = ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
@@ -247,7 +247,7 @@ def _command(verb: str, base: str, changes: dict[str, Any], directory: str) -> s
 
 
 def _written(value: Any) -> str:
-    """Write a value as ``--set`` takes it."""
+    """Write a value in the form that ``--set`` accepts."""
     if isinstance(value, float):
         return f"{value:.{_DIGITS}g}"
     return str(value).replace(" ", "")

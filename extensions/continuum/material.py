@@ -56,7 +56,7 @@ class Elastoplastic:
 
     @property
     def hardening_modulus(self) -> float:
-        """Growth of the yield strength over equivalent plastic strain, Pa."""
+        """Derivative of the yield strength with respect to the equivalent plastic strain, Pa."""
         return self.youngs_modulus * self.hardening / (1 - self.hardening)
 
     @property
@@ -79,7 +79,7 @@ class Elastoplastic:
 
     @property
     def stiffness(self) -> NDArray[np.float64]:
-        """Stiffness matrix of stress (rr, zz, tt, rz) over strain (rr, zz, tt, gamma_rz), (4, 4),
+        """Stiffness matrix, from strain (rr, zz, tt, gamma_rz) to stress (rr, zz, tt, rz): (4, 4),
         Pa.
         """
         lam, mu = self.lame
@@ -90,7 +90,7 @@ class Elastoplastic:
 
 
 def compiled(function: Callable) -> Callable:
-    """Compile at the first call, and cache the code on disk if possible."""
+    """Compile a function at its first call, and cache the code on disk if possible."""
     from numba import njit  # imported on demand: takes a second to load
 
     options: dict[str, Any] = {

@@ -1,5 +1,5 @@
-"""Values of ``summary.json`` of runs of finite elements that no run of spheres has, and the rows of
-both at the terminal.
+"""Values of ``summary.json`` that only finite-element runs have, and the rows of these runs in the
+terminal.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ _BY_NAME = {entry.name: entry for entry in (*ENTRIES, *QUANTITIES)}
 
 
 def _changed(name: str, **changes: Any) -> Quantity:
-    """Return an entry that the terminal shows in another way."""
+    """Return an entry with another form in the terminal."""
     return dataclasses.replace(_BY_NAME[name], **changes)
 
 

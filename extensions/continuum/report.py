@@ -43,7 +43,7 @@ class ElementKind(ReportKind):
     looks = _LOOKS
 
     def study_run(self, run: ReportRun) -> ContinuumRun | SphereContactRun | None:
-        """Return a run as studies take it."""
+        """Return a run in the form that studies use."""
         return read_elements(run.label, run.directory, run.summary)
 
     def name_values(self, run: ReportRun, values: dict[str, str]) -> None:

@@ -88,7 +88,7 @@ class ElementResult:
         self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
 
     def __getitem__(self, name: str) -> NDArray:
-        """A data set by its name."""
+        """Return a data set by its name."""
         return self.values[name]
 
 
@@ -136,8 +136,9 @@ class ElementRun(abc.ABC):
 
     @classmethod
     def figures(cls) -> ModuleType:
-        """Module ``figures`` next to that of the run; the drawing library takes a second to
-        load.
+        """Module ``figures`` of this kind of run, imported on demand.
+
+        The drawing library takes a second to load.
         """
         return importlib.import_module(f"{cls.__module__.rpartition('.')[0]}.figures")
 
@@ -153,7 +154,7 @@ class ElementRun(abc.ABC):
 
     @abc.abstractmethod
     def progress(self) -> tuple[float, str]:
-        """Progress so far, in the unit, and a note next to it."""
+        """Progress so far, in the unit of `total`, and a note."""
 
     @abc.abstractmethod
     def values(self) -> dict[str, Any]:

@@ -15,7 +15,7 @@ BEST_DESIGNS = tuple(f"best-{n}.toml" for n in range(1, 11))
 
 
 def has_outcome(directory: Path) -> bool:
-    """Return True for a search that has an outcome; False if it cannot be read."""
+    """Return True for a search with an outcome; False if its file cannot be read."""
     return os.access(directory / DESIGN_OUTCOME, os.R_OK)
 
 

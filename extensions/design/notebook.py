@@ -29,7 +29,7 @@ class Designs:
 
     @cached_property
     def table(self) -> pandas.DataFrame:
-        """Table of all designs: designs.csv, units are part of the names."""
+        """Table of all designs, from designs.csv; units are part of the names."""
         import pandas
 
         return pandas.read_csv(self.directory / DESIGN_TABLE)

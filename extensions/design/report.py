@@ -1,5 +1,5 @@
-"""Report of a search for the best design: the best design, results of its checks, the ten best
-designs, and the course of the search.
+"""Report of a search for the best design: best design, results of its checks, ten best designs, and
+course of the search.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from granwave.analysis.document.model import (
     text_table,
     unit_of_value,
     value_cell,
+    value_cells,
     value_column,
 )
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
@@ -152,7 +153,7 @@ def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figur
 
 
 def _sentence_case(text: str) -> str:
-    """Return a text with a capital at its start, unless it begins with a key."""
+    """Return a text that begins with a capital, unless it begins with a key."""
     is_key = "." in text.partition(" ")[0]
     return text if is_key else f"{text[:1].upper()}{text[1:]}"
 
@@ -204,8 +205,8 @@ def _statistic(found: Mapping[str, Any]) -> str:
 
 
 def ranking_of(found: Mapping[str, Any]) -> str:
-    """Return a sentence on the ranking of the designs; empty for searches of 1.0, whose files do
-    not contain it.
+    """Return a sentence on the ranking of the designs; empty for searches of 1.0, whose files
+    contain no ranking.
     """
     if "statistic" not in found:
         return ""
@@ -221,8 +222,8 @@ def ranking_of(found: Mapping[str, Any]) -> str:
 def range_under_checks(best: Mapping[str, Any], name: str) -> str:
     """Return the range of an objective in the further runs of the best design, in words.
 
-    Of several runs of the design, its checks are further runs of the first: the range is of the
-    relative change. Empty without further runs.
+    If a design has several runs, its checks are further runs of the first one, and the range is
+    that of the relative change. Empty without further runs.
     """
     changes = [
         check["changes"][name]
@@ -263,22 +264,31 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
         for end in ("low", "high"):
             if f"{name}_{end}" in table:
                 spread.append(f"{name}_{end}")
-    heads = [TableColumn("Design", key=True), *map(value_column, objectives)]
-    heads += [
-        TableColumn(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True)
-        for name in spread
-    ]
-    heads += [
-        TableColumn(
-            label_of(name) + _bounds(limits.get(name, {})), unit_of_value(name), numeric=True
+    heads = [TableColumn("Design", key=True)]
+    columns = [list(map(value_cell, rows["number"].astype(object)))]
+    for name in [*objectives, *spread]:
+        of_value = name if name in objectives else name.rpartition("_")[0]
+        unit, cells = value_cells(of_value, rows[name].astype(object).tolist())
+        is_end = name not in objectives
+        heads.append(
+            TableColumn(name.rpartition("_")[2], unit, numeric=True)
+            if is_end
+            else value_column(name, unit=unit)
         )
-        for name in known
-    ]
-    heads += [case_column(key, "", numeric=False) for key in keys]
-    shown = rows[["number", *objectives, *spread, *known, *keys]].astype(object).to_numpy().tolist()
-    cells = tuple(tuple(map(value_cell, row)) for row in shown)
+        columns.append(cells)
+    for name in known:
+        unit, cells = value_cells(name, rows[name].astype(object).tolist())
+        title = label_of(name) + _bounds(limits.get(name, {}))
+        heads.append(TableColumn(title, unit, numeric=True))
+        columns.append(cells)
+    for key in keys:
+        heads.append(case_column(key, "", numeric=False))
+        columns.append(list(map(value_cell, rows[key].astype(object))))
     return DocumentTable(
-        "Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True
+        "Best designs; best-1.toml ... are their cases",
+        tuple(heads),
+        tuple(zip(*columns, strict=True)),
+        sortable=True,
     )
 
 
@@ -296,7 +306,7 @@ def _value_of(name: str, value: float) -> str:
 
 
 def _bounds(limit: Mapping[str, float]) -> str:
-    """Return the bounds of a limit as a heading has them."""
+    """Return the bounds of a limit in the form of a heading."""
     ends = {"low": "at least", "high": "at most"}
     return "".join(
         f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None
@@ -439,7 +449,7 @@ def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
 
 
 def _ends(column: pd.Series[Any]) -> str:
-    """Return the smallest and the largest of numbers, or words in their order."""
+    """Return the smallest and the largest of numbers, or all words in their order."""
     if pd.api.types.is_numeric_dtype(column):
         return f"{column.min():.4g} to {column.max():.4g}"
     words = _named(sorted(column.astype(str).unique()))
@@ -447,8 +457,8 @@ def _ends(column: pd.Series[Any]) -> str:
 
 
 def _named(words: list[str]) -> list[str]:
-    """Return the names of materials that are given as tables, if the names distinguish them; other
-    words unchanged.
+    """Return the names of materials that are given as tables, if the names differ; other words
+    unchanged.
     """
     found = [re.search(r'\b(?:name|preset) = "([^"]+)"', word) for word in words]
     names = [one[1] if one else word for one, word in zip(found, words, strict=True)]
@@ -456,7 +466,7 @@ def _named(words: list[str]) -> list[str]:
 
 
 def _scaled(column: pd.Series[Any]) -> np.ndarray:
-    """Return numbers from 0 to 1, words by their order."""
+    """Scale numbers to the range from 0 to 1; words count by their order."""
     numbers = (
         column.to_numpy(float)
         if pd.api.types.is_numeric_dtype(column)

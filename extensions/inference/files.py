@@ -1,4 +1,4 @@
-"""Files of inferred contact forces, whose summary is summary.json."""
+"""Files of inferred contact forces; their summary is in summary.json."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MADE_CASE = "measurement.toml"
 
 
 def _holds_inference(directory: Path) -> bool:
-    """Return True for a directory whose summary is of inferred forces."""
+    """Return True for a directory with a summary of inferred forces."""
     return (read_json(directory / SUMMARY_FILE) or {}).get("kind") == INFERENCE
 
 

@@ -52,7 +52,7 @@ class InferredForces(Values):
 
 
 def load_inferred(directory: Path) -> InferredForces:
-    """Return the forces that ``granwave infer`` left in a directory.
+    """Return the forces that ``granwave infer`` wrote to a directory.
 
     Raises
     ------

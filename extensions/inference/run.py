@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 
 def save(inferred: Inferred, results: ResultDirectory, *, force: bool, figures: bool) -> None:
-    """Write the files of an inference into a directory, which is locked meanwhile; by ``force``
-    earlier ones are moved into NAME.old before.
+    """Write the files of an inference into a directory, which is locked meanwhile; with ``force``
+    earlier files are first moved to NAME.old.
     """
     from granwave.extensions.inference.forces.output import WRITTEN
     from granwave.workflows.run.directory import held

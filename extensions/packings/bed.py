@@ -40,7 +40,7 @@ FOLDER = "beds"
 
 @dataclasses.dataclass(frozen=True)
 class Container:
-    """Walls that grains are in: a box from x = y = 0, or a tube about x = y = 0.
+    """Walls around the grains: a box from x = y = 0, or a tube about x = y = 0.
 
     Attributes
     ----------
@@ -194,7 +194,7 @@ class BedFile:
 
     @contextlib.contextmanager
     def locked(self) -> Iterator[None]:
-        """Hold the lock of the bed; another process that makes it is waited for."""
+        """Hold the lock of the bed; wait for another process that makes the bed."""
         self.path.parent.mkdir(parents=True, exist_ok=True)
         descriptor = os.open(self.path.with_suffix(".lock"), os.O_RDWR | os.O_CREAT, 0o666)
         try:

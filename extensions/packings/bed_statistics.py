@@ -47,7 +47,7 @@ _CARRIES = 1e-3  # force of a contact over the mean, above which the contact car
 def inner_part(recipe: Recipe, bed: Bed) -> tuple[Floats, Floats]:
     """Return the corners of the inner part of a bed: (3,) each, m.
 
-    In a tube it is the largest box with a square base; along periodic axes it is all of the bed.
+    In a tube it is the largest box with a square base; along periodic axes it spans the bed.
     """
     container = bed.container
     margin = _MARGIN * recipe.diameter.mean
@@ -68,7 +68,7 @@ def inner_part(recipe: Recipe, bed: Bed) -> tuple[Floats, Floats]:
 
 
 def _surface(bed: Bed) -> float:
-    """Return the mean depth of the surface, m: where the upper tenth of the grains begins."""
+    """Return the mean depth of the surface, m, above which a tenth of the grains lies."""
     return float(np.quantile(bed.grains.position[:, 2], 0.1))
 
 
@@ -111,7 +111,7 @@ def statistics_of(recipe: Recipe, bed: Bed) -> PackingStatistics:
 
 
 def _least_contacts(recipe: Recipe) -> int:
-    """Return the number of contacts that a grain needs to carry load."""
+    """Return the least number of contacts of a grain that carries load."""
     if recipe.friction:
         return LEAST_CONTACTS
     return LEAST_UNDER_GRAVITY if recipe.rests_under_gravity else LEAST_WITHOUT_FRICTION
@@ -154,7 +154,7 @@ def _mean(values: NDArray[Any]) -> float:
 
 
 def statistics_rows(found: PackingStatistics, *, friction: bool) -> list[tuple[str, str]]:
-    """Return the statistics and the published values as names and values in words."""
+    """Return the statistics and the published values, as pairs of a name and a value in words."""
     pressure = (
         []
         if math.isnan(found.pressure)
@@ -183,7 +183,7 @@ def _words_of_grains(found: PackingStatistics) -> str:
 
 
 def _words_of_solid_fraction(found: PackingStatistics) -> str:
-    """Return the solid fraction and the published ones, or the reason why there is none."""
+    """Return the measured and the published solid fractions, or the reason why there is none."""
     if math.isnan(found.solid_fraction):
         return f"none: {_SMALL_INSIDE}; add grains, or use a deeper or wider container"
     low, high = RANDOM_LOOSE_PACKING
@@ -194,7 +194,7 @@ def _words_of_solid_fraction(found: PackingStatistics) -> str:
 
 
 def _words_of_coordination(found: PackingStatistics, *, friction: bool) -> str:
-    """Return the coordination and the published one, or the reason why there is none."""
+    """Return the measured and the published coordination, or the reason why there is none."""
     if math.isnan(found.coordination):
         return f"none: {_NOBODY_INSIDE}"
     limit = COORDINATION_WITH_FRICTION if friction else COORDINATION_WITHOUT_FRICTION
@@ -206,8 +206,8 @@ def _words_of_coordination(found: PackingStatistics, *, friction: bool) -> str:
 
 
 def _words_of_tail(found: PackingStatistics) -> str:
-    """Return the exponent of the tail of the forces and the published one, or the reason why there
-    is none.
+    """Return the measured and the published exponent of the tail of the forces, or the reason why
+    there is none.
     """
     if not math.isfinite(found.force_tail):
         return "none: too few contacts above the mean force"

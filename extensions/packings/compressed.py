@@ -1,8 +1,8 @@
 """Compressed packings: random grains in a box that shrinks to a solid fraction or a pressure.
 
 If all sides are periodic, the packing is an infinite, periodic crystal. Otherwise there are planes
-at the bottom and the top, and at the sides unless these are periodic. A case has no plane at the
-top: the weight of the grains holds them.
+at the bottom and the top, and at the sides unless these are periodic. A case with these grains has
+no plane at the top: gravity holds the grains.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ class CompressedRecipe(Recipe):
         return self._bed(made, diameter)
 
     def _bed(self, made: CompressedGrains, diameter: NDArray[np.float64]) -> Bed:
-        """Return a packing with its uppermost surface, or its end, at z = 0."""
+        """Return a packing whose uppermost surface, or whose end, is at z = 0."""
         x, y, z = made.lengths.tolist()
         position = made.position.copy()
         if self.periodic:
@@ -161,8 +161,8 @@ class CompressedMaker(BedMaker):
     section = CompressedSection
 
     def read(self, given: MakerInput, errors: ErrorList) -> CompressedRecipe | None:
-        """Read how a packing is made; faults are added to ``errors``, and None is returned with
-        any.
+        """Read the recipe of a packing; faults are added to ``errors``, and the result is then
+        None.
         """
         before = len(errors.items)
         keys = read_table(CompressedSection, given.tables["packing"], "packing", errors)

@@ -4,12 +4,10 @@ each step.
 Grains are scattered in a box, and positions and box are scaled together, evenly along all axes,
 until the solid fraction or the pressure is met. After each step the grains come to rest: without
 friction by minimisation of the energy (FIRE, Bitzek et al. 2006), with friction by motion with
-drag. This is the way of O'Hern, Silbert, Liu and Nagel, Phys. Rev. E 68 (2003) 011306, from random
-positions on.
-
-Under Hertz's law the pressure of a jammed packing grows with about the power 3/2 of the solid
-fraction beyond jamming: its power 2/3 is extrapolated to the required pressure, which is reached
-within `PRESSURE_TOLERANCE`.
+drag. This is the method of O'Hern, Silbert, Liu and Nagel, Phys. Rev. E 68 (2003) 011306, which
+starts from random positions. Under Hertz's law the pressure of a jammed packing is about
+proportional to the power 3/2 of the solid fraction beyond jamming: the power 2/3 of the pressure is
+extrapolated linearly to the required pressure, which is reached within `PRESSURE_TOLERANCE`.
 """
 
 from __future__ import annotations
@@ -128,7 +126,7 @@ def start_lengths(diameter: Floats, proportions: Floats) -> Floats:
 
 
 def _scale(diameter: Floats, proportions: Floats, fraction: float) -> float:
-    """Return the factor of the proportions of a box for a solid fraction, m."""
+    """Return the factor, m, by which the proportions of a box give the box of a solid fraction."""
     return float((volume(diameter) / (fraction * np.prod(proportions))) ** (1 / 3))
 
 
@@ -141,7 +139,7 @@ def compress(
     target: CompressionTarget,
     report: Report = lambda *_: None,
 ) -> CompressedGrains:
-    """Compress grains, and return them at rest; on one core, bitwise reproducible.
+    """Compress grains on one core, bitwise reproducibly, and return them at rest.
 
     Parameters
     ----------
@@ -250,9 +248,7 @@ class _Compression:
             self._report(self._fraction / fraction, f"solid fraction {self._fraction:.3f}")
 
     def _to_pressure_at_rest(self, pressure: float) -> None:
-        """Compress until the pressure remains after the grains come to rest: moving grains carry a
-        part of it.
-        """
+        """Compress until the grains at rest have the pressure: moving grains carry a part of it."""
         for _ in range(_MOST_ROUNDS):
             self._to_pressure(pressure)
             self._rest(final=True)
@@ -301,8 +297,8 @@ class _Compression:
 
     @property
     def _slope(self) -> float:
-        """Estimate of the slope of the power 2/3 of the pressure over the solid fraction, if all
-        contacts of equal spheres were compressed evenly, Pa^(2/3).
+        """Estimate of the derivative of the power 2/3 of the pressure with respect to the solid
+        fraction, for equal spheres whose contacts are compressed equally, Pa^(2/3).
         """
         fraction = self._fraction if self._fraction > _LOOSE else 0.64
         # p = phi Z F/(pi D^2), F = 4/3 E* sqrt(D/4) overlap^(3/2), overlap = D change/(3 phi)
@@ -328,7 +324,7 @@ class _Compression:
         self._rest()
 
     def _place_walls(self, lengths: Floats) -> None:
-        """Put the walls at the faces of a box, and the ends of periodic axes."""
+        """Move the walls to the faces of a box, and set the periods of periodic axes."""
         lines = []
         for axis, (length, repeats) in enumerate(
             zip(lengths.tolist(), self._periodic, strict=True)
@@ -406,7 +402,7 @@ class _Compression:
         )
 
     def _springs(self, state: Path) -> str:
-        """Return the tangential springs of all contacts but those with the upper plane."""
+        """Return the tangential springs of all contacts except contacts with the upper plane."""
         self._engine.commands(f'write_restart "{state}"')
         return springs_table(read_restart(state), _WALLS)
 

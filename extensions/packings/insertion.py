@@ -18,7 +18,7 @@ _MOST_ATTEMPTS = 10_000  # most attempts for one grain
 
 
 def column_height(volume: float, area: float) -> float:
-    """Return the height of the column that grains of a volume (m^3) fall from, m."""
+    """Return the height of the column from which grains of a total volume (m^3) fall, m."""
     return volume / (SOLID_FRACTION * area)
 
 
@@ -64,7 +64,7 @@ def scatter(
     periodic: Sequence[bool],
     random: np.random.Generator,
 ) -> Floats:
-    """Draw positions of grains in a box from 0 that do not overlap: (n, 3), m.
+    """Draw positions of grains that do not overlap in a box with a corner at 0: (n, 3), m.
 
     Parameters
     ----------

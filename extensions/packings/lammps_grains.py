@@ -59,7 +59,7 @@ def grain_data(
 
 
 def grain_script(data: Path, diameter: Floats, boundary: Sequence[str], words: str) -> str:
-    """Return the commands that read grains, with contacts of one law.
+    """Return the commands that read grains whose contacts follow one law.
 
     Parameters
     ----------

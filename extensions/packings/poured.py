@@ -57,7 +57,7 @@ class PouredRecipe(Recipe):
 
     @property
     def container(self) -> Container:
-        """Walls that the grains settle in."""
+        """Walls between which the grains settle."""
         radius = self.keys.tube
         if radius is not None:
             return Container((2 * radius, 2 * radius), tube=radius)
@@ -86,7 +86,7 @@ class PouredRecipe(Recipe):
 
     @property
     def expected_height(self) -> float:
-        """Height of the column that grains fall from, estimated with the mean diameter, m."""
+        """Height of the column from which the grains fall, estimated with the mean diameter, m."""
         mean = self.keys.diameter.mean
         return column_height(self.keys.grains * math.pi / 6 * mean**3, self.container.area)
 
@@ -137,7 +137,7 @@ class PouredMaker(BedMaker):
     section = PouredSection
 
     def read(self, given: MakerInput, errors: ErrorList) -> PouredRecipe | None:
-        """Read how a bed is made; faults are added to ``errors``, and None is returned with any."""
+        """Read the recipe of a bed; faults are added to ``errors``, and the result is then None."""
         before = len(errors.items)
         keys = read_table(PouredSection, given.tables["packing"], "packing", errors)
         if keys is None:

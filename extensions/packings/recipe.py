@@ -103,7 +103,7 @@ class BedMaker(PackingMaker):
 
     @abc.abstractmethod
     def read(self, given: MakerInput, errors: ErrorList) -> Recipe | None:
-        """Read how a bed is made; faults are added to ``errors``, and None is returned with any."""
+        """Read the recipe of a bed; faults are added to ``errors``, and the result is then None."""
 
     def tables(self, given: MakerInput, errors: ErrorList) -> dict[str, Any] | None:
         """Return the tables of the case with the grains of its bed."""
@@ -120,7 +120,7 @@ def table_of(tables: Mapping[str, Any], name: str) -> Mapping[str, Any]:
 
 
 def are_numbers(*values: Any) -> bool:
-    """Return True if values are numbers that make sense; their own readers show the faults."""
+    """Return True if values are numbers that make sense; the readers of the keys report faults."""
     return all(
         isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value < math.inf
         for value in values
@@ -128,7 +128,7 @@ def are_numbers(*values: Any) -> bool:
 
 
 def bed_of(recipe: Recipe, given: MakerInput) -> Bed:
-    """Return a bed, from its file or made and kept there.
+    """Return a bed: read from its file, or made and stored there.
 
     Raises
     ------
@@ -169,7 +169,7 @@ def _rows_of(recipe: Recipe, file: BedFile, memory: float) -> list[Row]:
 
 
 def _make(recipe: Recipe, file: BedFile) -> None:
-    """Make a bed and write it, unless another process did so meanwhile."""
+    """Make and write a bed, unless another process has done so meanwhile."""
     with file.locked():
         if file.exists:
             return
@@ -215,6 +215,7 @@ def tables_of_bed(
     enclosure: dict[str, Any] = {"bottom": bed.bottom}
     sides: Any = "wall"
     packing: dict[str, Any] = {"kind": "file", "grains": bed.grains, "diameter": diameter}
+    packing["source"] = table_of(tables, "packing").get("kind")
     if container.tube is not None:
         sides = {"tube": {"radius": container.tube}}
     elif container.periodic:

@@ -162,7 +162,7 @@ def settle(
     law: SettlingLaw,
     report: Report = lambda *_: None,
 ) -> Settled:
-    """Let grains fall, and return them at rest; on one core, bitwise reproducible.
+    """Let grains fall and settle on one core, bitwise reproducibly, and return them at rest.
 
     Parameters
     ----------

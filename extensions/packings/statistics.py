@@ -1,6 +1,6 @@
 """Statistics of a packing of spheres: solid fraction, coordination, fabric, distribution of forces.
 
-All functions are plain numpy on positions, diameters and pairs of rows.
+All functions use only numpy, on positions, diameters and pairs of rows.
 
 Published values for comparison, of equal spheres, are in `PUBLISHED`:
 
@@ -47,9 +47,8 @@ def solid_fraction(
     high: Floats,
     period: Sequence[float] = (),
 ) -> float:
-    """Return the fraction of a box inside of a packing that spheres cover.
-
-    It is counted on a regular grid of points, whose error is about 1e-3.
+    """Return the fraction of a box inside a packing that spheres fill. It is counted on a regular
+    grid of points, with an error of about 1e-3.
 
     Parameters
     ----------
@@ -123,7 +122,7 @@ def coordination(n_grains: int, pairs: Rows) -> NDArray[np.int64]:
 def without_rattlers(
     n_grains: int, pairs: Rows, least: int = LEAST_CONTACTS, at_walls: Rows | None = None
 ) -> NDArray[np.bool_]:
-    """Return True for the grains that carry load: grains with enough contacts with each other.
+    """Return True for the grains that carry load: grains with enough contacts with such grains.
 
     Parameters
     ----------
@@ -169,7 +168,8 @@ def anisotropy(tensor: Floats) -> float:
 
 
 def force_over_mean_at_depth(force: Floats, depth: Floats) -> Floats:
-    """Return contact forces over the mean force at their depth, which grows with the weight above.
+    """Return contact forces divided by the mean force at their depth, which grows with the weight
+    above.
 
     The mean is taken over the contacts in the same layer; layers have equal numbers of contacts.
 
@@ -188,7 +188,7 @@ def force_over_mean_at_depth(force: Floats, depth: Floats) -> Floats:
 
 
 def force_distribution(force: Floats) -> tuple[Floats, Floats]:
-    """Return the probability density of contact forces over their mean.
+    """Return the probability density of contact forces divided by their mean.
 
     Parameters
     ----------

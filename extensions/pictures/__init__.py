@@ -1,4 +1,4 @@
-"""Packings in three dimensions: figures, animations, a page to turn and cut, files for ParaView
+"""Packings in three dimensions: figures, animations, an interactive page, and files for ParaView
 and OVITO.
 """
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from granwave.analysis.exports.formats import ExportFormat, of_result, staged
+from granwave.analysis.exports.selection import Selection
 from granwave.extensions.pictures import ovito_scene, to_vtp
 from granwave.lammps_inputs.errors import InputError
 
@@ -46,7 +49,14 @@ def export_scene(directory: Path, output: Path) -> list[Path]:
     return placed
 
 
+def _select_vtp(selected: Selection, _parts: tuple[str, ...]) -> Callable[[Path, Path], list[Path]]:
+    """Return the function that writes selected spheres and contacts."""
+    return of_result(partial(to_vtp.export_run, selected=selected), to_vtp.OUTDATED)
+
+
 VTP = ExportFormat(
-    "spheres.pvd and contacts.pvd (ParaView)", of_result(to_vtp.export_run, to_vtp.OUTDATED)
+    "spheres.pvd and contacts.pvd (ParaView)",
+    of_result(to_vtp.export_run, to_vtp.OUTDATED),
+    select=_select_vtp,
 )
 OVITO = ExportFormat(f"{OVITO_SCRIPT}, which opens spheres and contacts together", export_scene)

@@ -103,7 +103,7 @@ class Scene:
     show: Callable[[int], None]
 
     def draw(self, number: int) -> Figure:
-        """Return the figure as it is at the instant of a number."""
+        """Return the figure at the instant with this number."""
         self.show(number)
         return self.figure
 
@@ -234,8 +234,8 @@ def _of_packing(result: Result, quantity: str, size: Size) -> Scene:
 
 
 def _of_chain(result: Result, size: Size) -> Scene:
-    """Return the scene of a chain: forces now and the largest so far, above the map of all forces
-    until now.
+    """Return the scene of a chain: present forces and largest forces so far, above the map of all
+    forces until now.
     """
     if "chain" not in result:
         raise InputError(
@@ -413,7 +413,7 @@ def film_pictures(
     """Yield the frames in red, green, blue: (height, width, 3), with even width and height as
     required for animations.
 
-    The unchanged parts are drawn once, and overlaid on the changing parts.
+    The unchanging parts are drawn once, and overlaid on the changing parts.
     """
     figure = film.draw(0)
     figure.set_dpi(width / figure.get_figwidth())
@@ -439,7 +439,7 @@ def film_pictures(
 
 
 def _still(figure: Figure, canvas: FigureCanvasAgg, moving: Sequence[Artist]) -> Image.Image:
-    """Return the unchanged parts, on a transparent background."""
+    """Return the unchanging parts, on a transparent background."""
     grounds = [figure.patch, *(axes.patch for axes in figure.axes)]
     for artist in (*moving, *grounds):
         artist.set_visible(False)

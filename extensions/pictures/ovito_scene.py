@@ -3,12 +3,12 @@
     python open_in_ovito.py [RUN] [--scene FILE] [--picture FILE]
 
 needs only the ``ovito`` package (``pip install ovito``); OVITO Pro runs it directly (File > Run
-Python Script). It saves a scene that OVITO Basic opens too, without Python. Spheres come from
-``data.granwave`` and ``dumps/spheres.bin`` (``spheres.dump`` if the snapshots are text); contacts
-are bonds, from ``dumps/contacts.dump``. Lengths are metres.
+Python Script). It saves a scene that also OVITO Basic can open, which has no Python. Spheres come
+from ``data.granwave`` and ``dumps/spheres.bin`` (``spheres.dump`` if the snapshots are text);
+contacts are bonds, from ``dumps/contacts.dump``. Lengths are metres.
 
-Spheres are drawn at `SPHERE_SCALE` of their radius, so that the contacts between them are seen, and
-coloured by the decimal logarithm of their peak force so far (N). A contact appears with the
+Spheres are drawn at `SPHERE_SCALE` of their radius, so that the contacts between them are visible,
+and coloured by the decimal logarithm of their peak force so far (N). A contact appears with the
 snapshot that follows its first load; its colour and width show its peak force during the run, and
 its other columns (peak_overlap, dissipated, time_yield ...) are bond properties, in SI units.
 """

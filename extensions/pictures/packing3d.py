@@ -64,8 +64,7 @@ def packing_3d_dissipation(result: Result) -> Drawing | None:
 def draw_packing(
     result: Result, colouring: Colouring, size: tuple[float, float] | None = None
 ) -> Drawing | None:
-    """Draw the cut packing in any colouring; return None for a chain, which is better shown by
-    curves.
+    """Draw the cut packing in any colouring; return None for a chain, for which curves are clearer.
 
     Parameters
     ----------
@@ -151,7 +150,9 @@ def _has_outlines(result: Result) -> bool:
 
 
 def _surface_of(result: Result) -> tuple[NDArray[np.intp], RenderedSpheres]:
-    """Return the rows of the visible spheres and their view, common to all images of a result."""
+    """Return the rows of the visible spheres and the rendered spheres, common to all images of a
+    result.
+    """
     if result not in _SURFACES:
         positions = result["spheres/position"]
         beyond = (positions - result.origin)[:, :2]
@@ -175,14 +176,14 @@ def bar_location(size: tuple[float, float] | None) -> str:
 
 
 def can_be_cut(result: Result) -> bool:
-    """Return True for a packing that extends along x and y; of a chain curves show more."""
+    """Return True for a packing that extends along x and y; chains are shown by curves."""
     positions = result["spheres/position"]
     return len(positions) >= _LEAST_SPHERES and bool(np.min(np.ptp(positions, axis=0)[:2]) > 0)
 
 
 def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
-    """Draw the outlines of a tube, and of a plate on the top: behind the packing, and thin in front
-    of it.
+    """Draw the outlines of a tube, and of a plate on the top: thick behind the packing, and thin in
+    front of it.
     """
     radius = float(result["spheres/radius"].max())
     low, high = result.assembly.lattice_bounds()

@@ -1,4 +1,4 @@
-"""Products of a run: its animation, and the page to turn and cut its packing."""
+"""Products of a run: its animation, and the page with its packing in three dimensions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def make_film(results: ResultDirectory, file: str) -> None:
 
 
 def make_page(results: ResultDirectory, file: str) -> None:
-    """Write the page of a run, under the name that it always has."""
+    """Write the page of a run; its name is fixed."""
     from granwave.extensions.pictures.view.page import write_view
 
     write_view(results)

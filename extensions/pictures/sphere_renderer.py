@@ -69,8 +69,8 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class RenderedSpheres:
-    """Spheres as they are seen and lit, without colours: most of the work, and the same for all
-    quantities.
+    """Visible surfaces of spheres with their light, without colours: most of the work, and the same
+    for all quantities.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ def _mean_of_squares(values: NDArray[np.float32]) -> NDArray[np.float32]:
 
 @dataclass(frozen=True, eq=False)
 class _Grains:
-    """Spheres and cylinders as the camera sees them.
+    """Spheres and cylinders in the coordinates of the camera.
 
     Attributes
     ----------
@@ -235,8 +235,8 @@ class _Grains:
     def surface(
         self, front: NDArray[np.int32], rows: NDArray[Any], columns: NDArray[Any], pitch: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Return the position towards the viewer and the normal of the visible surface in pixels:
-        (n,), m, and (n, 3).
+        """Return the position towards the viewer, (n,), m, and the normal, (n, 3), of the visible
+        surface in pixels.
         """
         grain = front[rows, columns]
         radius = self.radius[grain]
@@ -265,7 +265,7 @@ def _paint_by_sphere(
     front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]
 ) -> None:
     """Write the number of each sphere into its pixels, sphere by sphere: fast for few large
-    ones.
+    spheres.
     """
     corner = np.maximum(np.floor(place - reach[:, None]).astype(int), 0)
     beyond = np.ceil(place + reach[:, None]).astype(int) + 1
@@ -279,7 +279,7 @@ def _paint_by_sphere(
 def _paint_by_pixel(
     front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]
 ) -> None:
-    """Draw one pixel of all spheres at a time: fast for many small ones."""
+    """Draw one pixel of all spheres at a time: fast for many small spheres."""
     flat = front.ravel()
     base = np.floor(place).astype(np.int64)
     part = (place - base).astype(np.float32)
@@ -337,7 +337,7 @@ def surface_of_cylinder(
     """Find the visible part of a cylinder with flat ends.
 
     A point of the mantle lies at the distance of the radius from the axis, a quadratic equation for
-    its depth; of the two ends only that towards the viewer can be seen.
+    its depth; of the two ends only the end towards the viewer is visible.
 
     Parameters
     ----------

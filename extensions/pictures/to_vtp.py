@@ -1,15 +1,14 @@
 """Export of a run to VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, with
 times in s.
 
-    spheres_NNNN.vtp a point for each sphere at its position in the snapshot, with id, radius,
-    displacement,
-                        velocity, contact_force, peak_force, dissipated_energy, elastic_energy and
-                        contacts_yielded at this time, and friction_energy with friction
-    contacts_NNNN.vtp a line between the centres of each pair of ``/contacts``, with i, j, overlap
-    at this time
-                        (negative: a gap), loaded and yielded (1: by this time), and, for the whole
-                        run, peak_overlap, peak_force, dissipated_energy, friction_energy,
-                        initial_overlap, initial_force
+    spheres_NNNN.vtp    a point for each sphere at its position in the snapshot, with id, radius,
+                        displacement, velocity, contact_force, peak_force, dissipated_energy,
+                        elastic_energy and contacts_yielded at this time, and friction_energy with
+                        friction
+    contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``, with i, j, overlap
+                        at this time (negative: a gap), loaded and yielded (1: by this time), and,
+                        for the whole run, peak_overlap, peak_force, dissipated_energy,
+                        friction_energy, initial_overlap, initial_force
 
 SI units. In ParaView, a Glyph filter with spheres, scaled by ``radius`` with a factor of 2, draws
 spheres to scale. A contact across a periodic boundary ends at the image of its second sphere.
@@ -26,6 +25,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.analysis.exports.selection import ALL, SelectedRows, Selection
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs.errors import InputError
@@ -42,8 +42,10 @@ _OF_RUN = (
 Arrays = Mapping[str, NDArray]
 
 
-def export_run(result: Result, path_of: Callable[[str], Path]) -> None:
-    """Write two files for each snapshot, and the two collections that list them."""
+def export_run(result: Result, path_of: Callable[[str], Path], selected: Selection = ALL) -> None:
+    """Write two files for each snapshot, and the two collections that list them; ``selected``:
+    the spheres, contacts and snapshots that are written.
+    """
     try:
         import vtkmodules.vtkIOXML  # noqa: F401
     except ImportError as error:
@@ -51,9 +53,10 @@ def export_run(result: Result, path_of: Callable[[str], Path]) -> None:
             f'--to vtp requires VTK ({error}): pip install "granwave[pictures]"'
         ) from None
 
+    rows = SelectedRows(result, selected)
     radius = result[f"{GROUP}/radius"]
-    times = result.frame_times.tolist()
-    for number, time in enumerate(times):
+    times = {number: float(result.frame_times[number]) for number in rows.frames}
+    for number, time in times.items():
         positions = result.frame(number, "position")
         quantities = [name for name in result.quantities if name != "position"]
         values: dict[str, NDArray] = {name: result.frame(number, name) for name in quantities}
@@ -63,18 +66,25 @@ def export_run(result: Result, path_of: Callable[[str], Path]) -> None:
         ends = result.ends[yielded > 0]
         values["contacts_yielded"] = np.bincount(ends.ravel(), minlength=result.n_spheres)
         spheres = {"id": result["spheres/id"], "radius": radius, **values}
-        vertices = np.arange(len(positions)).reshape(-1, 1)
-        _write(path_of(_name("spheres", number)), positions, vertices, spheres, time)
+        spheres = {name: array[rows.spheres] for name, array in spheres.items()}
+        places = positions[rows.spheres]
+        vertices = np.arange(len(places)).reshape(-1, 1)
+        _write(path_of(_name("spheres", number)), places, vertices, spheres, time)
         points, lines, overlap = _lines(result, positions, radius)
         contacts = {"i": result["contacts/i"], "j": result["contacts/j"], "overlap": overlap}
         contacts |= {"loaded": _since(result["contacts/time_first"], time), "yielded": yielded}
         contacts |= {
             name: result[f"contacts/{name}"] for name in _OF_RUN if f"contacts/{name}" in result
         }
+        contacts = {name: array[rows.contacts] for name, array in contacts.items()}
+        if selected.is_of_place:
+            used, ends = np.unique(lines[rows.contacts], return_inverse=True)
+            points = points[used]
+            lines = ends.reshape(-1, 2)
         _write(path_of(_name("contacts", number)), points, lines, contacts, time)
     for what in ("spheres", "contacts"):
         _write_collection(
-            path_of(f"{what}.pvd"), {time: _name(what, n) for n, time in enumerate(times)}
+            path_of(f"{what}.pvd"), {time: _name(what, n) for n, time in times.items()}
         )
 
 

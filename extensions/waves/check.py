@@ -1,4 +1,6 @@
-"""Small waves of a chain, for ``granwave check``: how fast they are, and which are stopped."""
+"""Small waves of a chain, for ``granwave check``: their speed, and the frequencies that are
+blocked.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +28,9 @@ def small_waves(assembly: Assembly) -> dict[str, Any] | None:
     packings.
 
     They follow from the bands of the infinite
-    chain. Values are the cut-off, the lowest gaps below it, the speed of long waves, their way
-    from end to end, and for each frequency of the load if it passes; units are part of the names.
+    chain. Values are the cut-off, the lowest gaps below it, the speed of long waves, their travel
+    time from end to end, and whether each frequency of the load passes; units are part of the
+    names.
     """
     case = assembly.case
     if case.precompression is None or not case.packing.rule.is_chain:

@@ -36,7 +36,7 @@ _MOST_FREQUENCIES = 1_000_000  # most frequencies of START:END:COUNT
 
 
 def ids(text: str) -> list[int]:
-    """Read ids with commas between them."""
+    """Read ids that are separated by commas."""
     found = text.split(",")
     if not all(_ID.fullmatch(one.strip()) and int(one) > 0 for one in found):
         raise argparse.ArgumentTypeError(
@@ -46,7 +46,7 @@ def ids(text: str) -> list[int]:
 
 
 def frequencies(text: str) -> NDArray[numpy.float64]:
-    """Read frequencies, Hz: numbers with commas between them, or START:END:COUNT."""
+    """Read frequencies, Hz: numbers separated by commas, or START:END:COUNT."""
     import numpy
 
     try:

@@ -1,7 +1,6 @@
 """Bands, modes and transmission as xarray Datasets; units of variables are in ``attrs["units"]``.
 
-They are made from the groups of spectra.h5, as `granwave.extensions.waves.spectra.files` writes
-them.
+They are made from the groups of spectra.h5, which `granwave.extensions.waves.spectra.files` writes.
 """
 
 from __future__ import annotations
@@ -117,8 +116,8 @@ def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -
 
 
 def load_spectra(directory: Path) -> Dataset | dict[str, Dataset]:
-    """Return the bands, modes or transmission in a directory; of several kinds a dictionary by
-    kind.
+    """Return the bands, modes or transmission in a directory; if there are several kinds, a
+    dictionary by kind.
 
     Raises
     ------

@@ -87,7 +87,7 @@ def structure_along(case: Case, packing: Assembly) -> BandStructure:
 
 
 def transform_along(result: Result, structure: BandStructure) -> SpaceTime:
-    """Return the transform of the velocities along the line, over its zone.
+    """Return the transform of the velocities along the line, over the Brillouin zone of the line.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def transform_along(result: Result, structure: BandStructure) -> SpaceTime:
 
 
 def transform_drawing(transform: SpaceTime, structure: BandStructure, title: str = "") -> Drawing:
-    """Draw a transform in grey, with the bands over it."""
+    """Draw a transform in grey, and the bands on it."""
     figure, axes = panels(2.6)
     bands = structure.bands
     edge = transform.k[-1]

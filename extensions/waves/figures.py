@@ -20,7 +20,7 @@ _LEAST_GAP = 0.002  # fraction of the height of the panel; narrower gaps are inv
 
 
 def band_diagram(found: BandStructure) -> Drawing:
-    """Draw the bands along the path, gaps shaded, with the attenuation next to them where it is
+    """Draw the bands along the path, with gaps shaded, and next to them the attenuation where it is
     known.
     """
     bands = found.bands
@@ -119,9 +119,7 @@ def group_velocities(found: BandStructure) -> Drawing:
 
 
 def slowness_curves(found: BandStructure) -> Drawing | None:
-    """Draw the slowness of long waves over the directions of a plane; None where there is no
-    plane.
-    """
+    """Draw the slowness of long waves over the directions of a plane; None without a plane."""
     curves = found.surface
     if curves is None or np.isnan(curves.speed).all():
         return None
@@ -248,8 +246,8 @@ def participation(modes: Modes) -> Drawing:
 
 
 def transmission_curve(found: Transmission, gaps: tuple[Gap, ...] = ()) -> Drawing:
-    """Draw the ratios of amplitudes against frequency, with gaps of the bands shaded where they are
-    known.
+    """Draw the ratios of amplitudes against frequency, with the gaps of the bands shaded if they
+    are known.
     """
     figure, axes = one_panel(2.4, "Frequency (kHz)", "Amplitude / drive amplitude", yscale="log")
     for gap in gaps:

@@ -17,12 +17,12 @@ SPECTRA_KINDS = ("bands", "modes", "transmission")
 
 
 def spectra_in(directory: Path) -> list[str]:
-    """Return the commands whose values are in a directory, of `SPECTRA_KINDS`."""
+    """Return the commands of `SPECTRA_KINDS` whose values are in a directory."""
     return [name for name in SPECTRA_KINDS if (directory / f"{name}.json").is_file()]
 
 
 def _holds_spectra(directory: Path) -> bool:
-    """Return True for a directory of small waves, unless they are among the files of a run."""
+    """Return True for a directory of small waves that is not the directory of a run."""
     return bool(spectra_in(directory)) and not (directory / SUMMARY_FILE).exists()
 
 

@@ -135,7 +135,7 @@ def transmission(
     force: bool = False,
     **keys: Any,
 ) -> Dataset:
-    """Find the steady response of a finite packing to a grain that is moved.
+    """Find the steady response of a finite packing to the prescribed motion of a grain.
 
     Parameters
     ----------

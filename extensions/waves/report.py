@@ -170,7 +170,7 @@ class SpectraKind(ReportKind):
 
 
 def _with_edges(run: ReportRun) -> dict[str, object]:
-    """Return the summary of bands with the edges of the pass bands; None where not known."""
+    """Return the summary of bands with the edges of the pass bands; None if not known."""
     edges = run.summary.get("band_edges_Hz") or []
     lowest = [edge[0] for edge in edges if edge and edge[0] is not None]
     complete = (run.number("n_bands") or 0) >= (run.number("n_freedoms") or 0)

@@ -55,7 +55,7 @@ FIGURES = {
 def check_place(
     directory: Path | None, name: str, source: Assembly | Path, *, force: bool
 ) -> ResultDirectory | None:
-    """Return the directory for results of this name; None if there is none.
+    """Return the directory for results of this name; None without a directory.
 
     Raises
     ------
@@ -118,8 +118,8 @@ class SmallWaves:
         """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of
         the files.
 
-        By ``force`` earlier results of the command are moved into NAME.old before, of another case
-        all of them.
+        With ``force`` earlier results of the command are first moved to NAME.old; all results if
+        they are of another case.
         """
         if results is None:
             return []

@@ -1,14 +1,14 @@
 """Bands of precompressed rows and packings compared with the space-time transforms of their runs.
 
-A weak hit on the first bead or layer holds all frequencies. The velocities along the chain, or of
-the layers, are transformed in space and time, and the ridges of the transform are compared with the
-bands of the same static state.
+A weak impact on the first bead or layer contains all frequencies. The velocities along the chain,
+or of the layers, are transformed in space and time, and the ridges of the transform are compared
+with the bands of the same static state.
 
-For a packing with scattered diameters, a piece with periodic sides in all directions gives the
-frequencies of its response to a plane wave along z. Each mode at a wave vector k holds a fraction
-of the plane wave, in which the spheres move along z by exp(i k z). The line in a transform of the
-motion is at the mode with the largest fraction; the weighted mean of this mode and the modes near
-it is used.
+For a packing with scattered diameters, a part with periodic boundaries in all directions gives the
+frequencies of the response to a plane wave along z. Each mode at a wave vector k contains a
+fraction of the plane wave, in which the spheres move along z by exp(i k z). The line in a transform
+of the motion is at the mode with the largest fraction; the weighted mean of this mode and the modes
+near it is used.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class Wave(FinishedRun):
 
     @cached_property
     def transform(self) -> SpaceTime:
-        """Transform of its velocities, over the zone of its line."""
+        """Transform of its velocities, over the Brillouin zone of its line."""
         with Result(self.directory) as result:
             return transform_along(result, self.structure)
 
@@ -100,8 +100,8 @@ class Wave(FinishedRun):
         return f"{kind}{other}, {load}"
 
     def band_at(self, k: float, frequency: float) -> float:
-        """Frequency of the band along the line that is nearest, Hz; of scattered diameters, of the
-        plane wave.
+        """Frequency of the band along the line that is nearest, Hz; for scattered diameters, the
+        frequency of the plane wave.
         """
         if self.scattered:
             return scattered_line(self.case, k)
@@ -116,7 +116,7 @@ class Wave(FinishedRun):
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
     """Chains of one or two kinds of beads and lattices under a static load, with a weak impact
-    along it.
+    along the load.
 
     Lattices with layers have periodic sides, and may have scattered diameters; lattices of one
     layer have free sides.
@@ -211,7 +211,7 @@ def _speed(run: Wave) -> float:
 
 
 def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
-    """Transforms with the bands over them, a panel for each run."""
+    """Transforms and the bands on them, a panel for each run."""
     for number, run in enumerate(runs, start=1):
         drawing = transform_drawing(run.transform, run.structure, run.label_of_kind)
         name = f"_transform_{number}"
@@ -223,13 +223,13 @@ def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
 
 
 def without_scatter(case: Case) -> Assembly:
-    """Return the case with like spheres."""
+    """Return the case with identical spheres."""
     return _changed(case, {"diameter_scatter": 0.0}, {})
 
 
 def scattered_line(case: Case, k: float) -> float:
-    """Return the frequency of the plane longitudinal wave of the wave number k along z, rad/m, in
-    Hz.
+    """Return the frequency, Hz, of the plane longitudinal wave with the wave number k, rad/m, along
+    z.
     """
     stiffness = _piece(case.to_toml())
     network = stiffness.network
@@ -272,8 +272,8 @@ def _changed(case: Case, packing: dict[str, object], boundary: dict[str, object]
 
 
 def rows_of_square(like: Case) -> Iterator[Row]:
-    """Edges at X of a square packing of such spheres with friction under pressure: closed forms, to
-    rounding.
+    """Edges at X of a square packing of such spheres with friction under pressure: equal to closed
+    forms up to rounding.
     """
     packing = _packing(
         like, {"kind": "square", "size": [4, 4]}, 1e5, {"bottom": "free"}, friction=0.3

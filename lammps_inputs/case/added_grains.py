@@ -1,13 +1,16 @@
 """``[[grains]]``: grains at positions given by a formula, next to a lattice or to the grains of a
 file.
 
-    at = [[0, 0, 0.01], ...]                     positions, m
-    at = "octahedral" all holes of an fcc or hcp packing between six spheres, or between
-                                                 four ("tetrahedral")
-    ring = {n = 6, radius = 0.01, z = 0.005} n positions around the axis x = y = 0; angle: of the
-    first ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a
-    chain: 3 and 4 repeat = {times = 10, step = [0, 0, 0.015]} copies of these positions, each
-    displaced by one more step
+    at = [[0, 0, 0.01], ...]
+        positions, m
+    at = "octahedral"
+        all holes of an fcc or hcp packing between six spheres, or between four ("tetrahedral")
+    ring = {n = 6, radius = 0.01, z = 0.005}
+        n positions around the axis x = y = 0; angle: of the first
+    ring = {n = 2, radius = "touching", gap = 3}
+        where they touch both spheres of a gap of a chain: 3 and 4
+    repeat = {times = 10, step = [0, 0, 0.015]}
+        copies of these positions, each displaced by one more step
 
 Such a case is treated as ``packing.kind = "file"``: the sites of the lattice come first and
 keep their ids.
@@ -338,6 +341,7 @@ def with_added_grains(
         size=(len(grains),),
         diameter=packing.diameter,
         grains=grains,
+        source=packing.source or _lattice_in_words(packing),
         period=period,
         cell=packing.cell,
         restart=packing.restart,
@@ -347,6 +351,12 @@ def with_added_grains(
         springs=packing.springs,
         relaxation=packing.relaxation,
     )
+
+
+def _lattice_in_words(packing: PackingSection) -> str:
+    """Return kind and size of a lattice to which grains are added."""
+    size = " \N{MULTIPLICATION SIGN} ".join(map(str, packing.size))
+    return f"{packing.kind} {size} with added grains"
 
 
 def _check_added(packing: PackingSection, added: Sequence[AddedGrains], errors: ErrorList) -> None:

@@ -6,7 +6,8 @@
     [[hold]]                     grains that do not move
     [[guide]]                    grains that move in some directions only, as in a groove
     [[line]]                     a line of grains whose motion is recorded and measured
-    [[sensor]] a sphere whose mean contact force (chains) or acceleration is recorded
+    [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is
+                                 recorded
 
 Spheres of a chain are numbered from 1 at the impacted end. Strikers follow the spheres of the
 packing, in the order of the file.
@@ -71,7 +72,7 @@ class Replace:
     """``[[replace]]``: spheres that differ from the rest; a later entry overrides an earlier one.
 
     They are selected by ``index``, by a box from ``low`` to ``high`` around their lattice sites
-    (for a chain, those of equal spheres), or as a random fraction ``share`` of all spheres. A
+    (for a chain, the sites of equal spheres), or as a random fraction ``share`` of all spheres. A
     larger sphere needs space around it: vacancies or smaller neighbours. The beads of a chain are
     moved apart.
     """

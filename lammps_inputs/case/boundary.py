@@ -5,12 +5,11 @@ or ``bar``.
 
 plate        a rigid plate on a spring and an optional damper
 damper       a massless plate on a damper, which carries the static force: an end that absorbs waves
-half_space the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a
-spring
-             4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart,
-             1966)
-bar an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or
-non-reflecting
+half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue,
+             a spring 4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and
+             Richart, 1966)
+bar          an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or
+             non-reflecting
 """
 
 from __future__ import annotations
@@ -71,8 +70,8 @@ class Backing:
         return not self.mass and not self.stiffness
 
     def longest_timestep(self, contacts: float) -> float:
-        """Return the longest timestep that resolves its motion under contacts of this stiffness in
-        sum (N/m), s.
+        """Return the longest timestep, s, that resolves the motion of the support under contacts
+        with this total stiffness, N/m.
         """
         if not self.mass:
             return _OF_DECAY * self.damping / contacts
@@ -82,9 +81,9 @@ class Backing:
     def moved_mass(self, grain: float, stiffness: float) -> float:
         """Return the mass with which the support resists a contact, kg, as in the wall fix.
 
-        A plate or a free bar counts with its mass, and the spring and damper of a plate as at the
-        frequency of the grain on a plane at rest. A surface without mass and a bar whose end is
-        fixed or does not reflect belong to the ground: the mass is infinite.
+        A plate or a free bar counts with its mass; spring and damper of a plate count with their
+        effect at the frequency of the grain on a plane at rest. A surface without mass and a bar
+        whose end is fixed or does not reflect belong to the ground: the mass is infinite.
 
         Parameters
         ----------
@@ -145,7 +144,7 @@ class Support(abc.ABC):
 
     @abc.abstractmethod
     def label(self, material: str) -> str:
-        """Return its name in tables and titles: ``plate of 0.5 kg, 314 µs``.
+        """Return the name of the support in tables and titles: ``plate of 0.5 kg, 314 µs``.
 
         Parameters
         ----------
@@ -314,7 +313,7 @@ _NAMES = schema.ListType(
 
 @dataclasses.dataclass(frozen=True)
 class Touched:
-    """Grains that side walls act on: those of these materials, and those of these groups."""
+    """Grains that side walls act on, selected by material and by group."""
 
     material: tuple[str, ...] = schema.typed("names of materials", _NAMES, default=())
     group: tuple[str, ...] = schema.typed("names of groups", _NAMES, default=())

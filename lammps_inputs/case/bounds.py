@@ -59,7 +59,7 @@ class HeldLayer(Bottom):
 
 
 class NoBottom(Bottom):
-    """Nothing."""
+    """Free surface below the last layer."""
 
     name = "free"
     label = "no bottom"
@@ -67,7 +67,7 @@ class NoBottom(Bottom):
 
 
 class EndlessBottom(Bottom):
-    """The packing again."""
+    """Periodic repetition of the packing along z."""
 
     name = "periodic"
     label = "{material} wall"
@@ -93,12 +93,12 @@ class Sides:
 
     @property
     def is_free(self) -> bool:
-        """True if there is nothing."""
+        """True if the sides are free surfaces."""
         return not self.has_planes and not self.repeats
 
 
 class NoSides(Sides):
-    """Nothing."""
+    """Free surfaces at the sides."""
 
     name = "free"
 
@@ -111,7 +111,7 @@ class SidePlanes(Sides):
 
 
 class EndlessSides(Sides):
-    """The packing again."""
+    """Periodic repetition of the packing along x and y."""
 
     name = "periodic"
     repeats = True

@@ -224,7 +224,7 @@ class Case:
 
     @property
     def has_partial_slip(self) -> bool:
-        """True if any contact with friction slips in a part of its circle."""
+        """True if any contact with friction has partial slip."""
         return self.has_friction and any(
             one.tangential == "partial_slip" for one in self.contact_laws
         )
@@ -241,7 +241,7 @@ class Case:
 
     @property
     def has_loss(self) -> bool:
-        """True if any contact loses energy by the rate of its overlap."""
+        """True if any contact dissipates energy by a viscous loss."""
         return any(one.loss is not None for one in self.contact_laws)
 
     @property
@@ -258,7 +258,7 @@ class Case:
 
     @property
     def has_holder_friction(self) -> bool:
-        """True if beads rub against the guide of their chain."""
+        """True if there is friction between beads and the guide of their chain."""
         return bool(self.boundary.holder_friction)
 
     @property
@@ -287,7 +287,7 @@ class Case:
 
     @property
     def seeks_balance(self) -> bool:
-        """True if a static stage brings the packing to balance, False if it starts as found."""
+        """True if a static stage brings the packing to balance, False if contacts start unchanged."""
         way = self.packing.contact_way
         return way is None or way.balances or not way.presses
 
@@ -384,7 +384,7 @@ class Case:
 
 
 class WrongTable(Exception):
-    """A check needs a table of a `PartialCase` that is wrong."""
+    """Error of a check that needs an invalid table of a `PartialCase`."""
 
 
 class PartialCase(Case):

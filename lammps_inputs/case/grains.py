@@ -1,12 +1,16 @@
 """Grains at user-defined positions: the rows of ``packing.file``, or of the same text in
 ``packing.grains``.
 
-    x, y, z, diameter                    m; depth is +z
-    shape, length                        sphere or cylinder, and the length of a cylinder, m
-    axis direction of the axis of a cylinder: x, y (the default) or z; or axis_x, axis_y, axis_z any
-    direction material name of a preset or of a [materials.NAME]; by default the material of the
-    packing group a word, for [[hold]] clump a number; grains with the same number move as one rigid
-    body vx, vy, vz initial velocity, m/s omegax, omegay, omegaz initial angular velocity, rad/s
+    x, y, z, diameter       m; depth is +z
+    shape, length           sphere or cylinder, and the length of a cylinder, m
+    axis                    direction of the axis of a cylinder: x, y (the default) or z; or any
+                            direction in three columns: axis_x, axis_y, axis_z
+    material                name of a preset or of a [materials.NAME]; by default the material of
+                            the packing
+    group                   a word, for [[hold]]
+    clump                   a number; grains with the same number move as one rigid body
+    vx, vy, vz              initial velocity, m/s
+    omegax, omegay, omegaz  initial angular velocity, rad/s
 
 Columns are in any order below a line of names. Tables of other programs, and other
 formats, are read by `granwave.lammps_inputs.readers`.
@@ -174,13 +178,13 @@ class Grains:
 
     @property
     def usual_diameter(self) -> float:
-        """Most frequent diameter, the largest of several, m."""
+        """Most frequent diameter, m; the largest one if several are equally frequent."""
         diameters, counts = np.unique(self.diameter, return_counts=True)
         return float(diameters[counts == counts.max()].max())
 
     @cached_property
     def clumps(self) -> dict[int, tuple[int, ...]]:
-        """Ids of the grains of each clump, by its number; a number of a single grain is none."""
+        """Ids of the grains of each clump, by its number; a single grain is not a clump."""
         rows = np.flatnonzero(self.clump)
         order = rows[np.argsort(self.clump[rows], kind="stable")]
         numbers, first = np.unique(self.clump[order], return_index=True)
@@ -350,7 +354,7 @@ def _in_natural_order(names: Iterable[str]) -> list[str]:
 
 
 def _words_of(table: GrainTable, name: str) -> list[str]:
-    """Return a column of words, empty where the table has none: (n,)."""
+    """Return a column of words: (n,); empty words if the table has no such column."""
     words = table.words.get(name)
     if words is None:
         return [""] * len(table)

@@ -1,5 +1,5 @@
-"""Hints for invalid input: usual magnitudes of values in SI units, and keys of another name or
-table.
+"""Hints for invalid input: usual magnitudes of values in SI units, and keys with another name or in
+another table.
 """
 
 from __future__ import annotations

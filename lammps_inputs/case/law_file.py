@@ -1,8 +1,8 @@
 """Contact law from another file: ``law = "fit.toml"`` in ``[contact]`` or a ``[[pair]]``.
 
 The file has a table ``[contact]``, such as the output of ``granwave fit``, or is another case. Its
-keys replace ``law``; keys of the case itself take precedence. The case that a run keeps holds the
-constants, so that it needs no other file.
+keys replace ``law``; keys of the case itself take precedence. The case that a run stores contains
+the constants, so that it needs no other file.
 """
 
 from __future__ import annotations

@@ -27,7 +27,8 @@ RATE = "rate"  # keyword of the parameters of a rate-dependent yield strength
 def with_parameters(
     parameters: Iterable[_contact_laws.LawParameter], *, first: Sequence[str]
 ) -> Callable[[type[Section]], type[Section]]:
-    """Make a decorator that adds the fields of parameters to a section, before it is a dataclass.
+    """Make a decorator that adds the fields of parameters to a section, before the section becomes
+    a dataclass.
 
     Parameters
     ----------
@@ -50,7 +51,7 @@ def with_parameters(
 
 
 def _annotation(parameter: _contact_laws.LawParameter) -> str:
-    """Return the type of the value of a parameter; None where it may be omitted."""
+    """Return the annotation of the field of a parameter, with None if the key may be omitted."""
     kind = "str" if parameter.words else "float"
     return kind if _in_case(parameter) is not None else f"{kind} | None"
 

@@ -1,9 +1,9 @@
 """Packings that are made before a case is read: kinds of ``[packing]`` that extensions add.
 
 A case names such a kind, and how its grains are made. While the case is read, the `PackingMaker` of
-the kind replaces the table by one of ``packing.kind = "file"`` with the grains: all that follows
-is as with grains of a file, and the case that a run stores is complete without the maker. A
-generator stores its packings in files, and reads them the next time.
+the kind replaces the table by one of ``packing.kind = "file"`` with the grains: the case is then a
+case with grains of a file, and the case that a run stores is complete without the maker. A
+generator stores its packings in files, which it reads when they are needed again.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class PackingToMake:
 
 
 class PackingNotMadeError(InputError):
-    """Grains of packings are not made yet, and are not to be made now.
+    """Error of packings whose grains are not made yet, and may not be made now.
 
     Parameters
     ----------
@@ -121,7 +121,9 @@ class PackingMaker(abc.ABC):
 
 @contextlib.contextmanager
 def nothing_made() -> Iterator[None]:
-    """Read cases without making their grains: `PackingNotMadeError` is raised where they lack."""
+    """Read cases without making their grains: `PackingNotMadeError` is raised where they are
+    missing.
+    """
     before = _MAKES.set(False)
     try:
         yield
@@ -136,7 +138,7 @@ def packing_makers() -> dict[str, PackingMaker]:
 
 
 def is_made(tables: Mapping[str, Any]) -> bool:
-    """Return True if the tables of a case name a packing that is made before."""
+    """Return True if the tables of a case name a packing that is made before the case is read."""
     packing = tables.get(_PACKING)
     kind = packing.get("kind") if isinstance(packing, Mapping) else None
     return isinstance(kind, str) and kind in packing_makers()
@@ -145,7 +147,8 @@ def is_made(tables: Mapping[str, Any]) -> bool:
 def with_made_grains(
     tables: Mapping[str, Any], source: str | Path, errors: ErrorList
 ) -> Mapping[str, Any]:
-    """Return the tables of a case, with the grains of a packing that is made before.
+    """Return the tables of a case, with the grains of a packing that is made before the case is
+    read.
 
     With faults, which are added to ``errors``, the packing is `NOT_MADE`.
 

@@ -398,7 +398,7 @@ def read_shapes(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> l
     """Return the shapes of grains from the columns shape, length, and axis or axis_x, axis_y,
     axis_z of a table.
 
-    A grain is a cylinder if it has a length, unless its column shape says sphere.
+    A grain is a cylinder if it has a length, unless its shape is "sphere".
 
     Parameters
     ----------

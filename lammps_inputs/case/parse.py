@@ -272,7 +272,7 @@ def _moves(packing: PackingSection) -> bool:
 
 
 def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | None:
-    """Return the precompression, which a negative gap at the sides implies."""
+    """Return the precompression, which may be implied by a negative gap at the sides."""
     given: Precompression | None = parts.get(PRECOMPRESSION)
     boundary = parts.get("boundary")
     packing = parts.get("packing")
@@ -338,7 +338,7 @@ def read_parts(
 
 
 def _usual_axis(packing: Mapping[str, Any]) -> dict[str, str]:
-    """Return the axis of cylinders of a packing, as a key, where it is not the usual y."""
+    """Return the axis of the cylinders of a packing as value of a key, if it is not the default y."""
     kind = packing.get("kind")
     rule = lattice_kinds().get(kind) if isinstance(kind, str) else None
     return {"axis": "z"} if rule is not None and rule.cylinder_axis[2] else {}
@@ -359,7 +359,7 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _with_axes(strikers: Any, packing: Any) -> Any:
-    """Return strikers with the axis of the cylinders of the packing, where they are cylinders."""
+    """Return strikers; cylinders among them have the axis of the cylinders of the packing."""
     in_packing = isinstance(packing, Mapping) and packing.get("shape") == "cylinder"
     if not in_packing or not isinstance(strikers, list | tuple):
         return strikers

@@ -1,7 +1,7 @@
 """``[precompression]``: static load of a packing, and its kinds.
 
-A kind of static load is a subclass of `StaticLoad`, listed in `STATIC_LOADS`: its words, the keys
-that belong to it, and flags that say where it acts. Its forces are a class of
+A kind of static load is a subclass of `StaticLoad`, listed in `STATIC_LOADS`: its texts, its keys,
+and flags that state where it acts. Its forces are a class of
 `granwave.lammps_inputs.contact.static_load`.
 """
 

@@ -98,7 +98,7 @@ class RegionShape:
 
 
 def read_shape(text: str) -> RegionShape:
-    """Read the words of a region; raise `ValidationError` if they are none."""
+    """Read the words of a region; raise `ValidationError` if they are not a region."""
     style, *words = text.split() or [""]
     schema.refuse_if(style not in _VALUES, _FORM)
     axis = words.pop(0) if style in _WITH_AXIS and words else ""
@@ -236,12 +236,12 @@ class RegionWall:
 
     @property
     def smooth_angle(self) -> float:
-        """Largest turn at an edge inside of a patch of triangles, degrees."""
+        """Largest angle between the normals of adjacent triangles of a patch, degrees."""
         return SMOOTH_ANGLE if self.angle is None else self.angle
 
     @property
     def corners(self) -> NDArray[np.float64]:
-        """Corners of the triangles: (n, 3, 3), m; of a region none."""
+        """Corners of the triangles: (n, 3, 3), m; empty for a region."""
         if self.triangles is None:
             return np.empty((0, 3, 3))
         return placed_triangles(self.triangles, self.units, self.moved)

@@ -1,5 +1,5 @@
-"""``[run]``, ``[output]`` and ``[figures]``: times of a run, records besides its snapshots, and
-its figures.
+"""``[run]``, ``[output]`` and ``[figures]``: times of a run, records in addition to its snapshots,
+and its figures.
 """
 
 from __future__ import annotations
@@ -79,8 +79,8 @@ _FRAMES = schema.EitherType(
 
 
 def parse_share(text: str, expected: str) -> float:
-    """Convert a fraction such as ``"25 %"`` to 0.25; raise `ValidationError` if it is none from 0
-    to 100 %.
+    """Convert a fraction such as ``"25 %"`` to 0.25; raise `ValidationError` unless it is from 0 to
+    100 %.
     """
     if not (found := _SHARE.fullmatch(text)) or float(found[1]) > 100:
         raise ValidationError(expected)
@@ -157,12 +157,14 @@ class RunSettings:
 
     @property
     def accepted_balance_error(self) -> float:
-        """Largest error of the energy balance, over the input, with which the run is accepted."""
+        """Largest error of the energy balance, relative to the input, with which the run is
+        accepted.
+        """
         return max(BALANCE_TOLERANCE, self.energy_tolerance)
 
     @property
     def adaptive(self) -> bool:
-        """The timestep follows the error of the energy balance."""
+        """True if the timestep follows the error of the energy balance."""
         return isinstance(self.timestep, str)
 
     @property
@@ -467,7 +469,7 @@ class Figures:
 
     @property
     def chosen(self) -> tuple[str, ...]:
-        """Names of the figures to draw, as far as they apply."""
+        """Names of the figures to draw, if they apply."""
         if self.only:
             return self.only
         return figure_names() if self.all else usual_figure_names()

@@ -1,4 +1,4 @@
-"""``packing.springs``: tangential springs of the contacts of a bed that was settled before.
+"""``packing.springs``: tangential springs of the contacts of a settled bed.
 
     first, second       ids of two spheres, or a wall (bottom, tube, xlo, xhi, ylo, yhi) and the
                         id of a sphere

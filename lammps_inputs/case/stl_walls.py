@@ -81,7 +81,7 @@ def stl_text(corners: NDArray[np.float64]) -> str:
 
 
 def checked_triangles(text: str) -> str:
-    """Return the text of triangles; raise `ValidationError` if it is none."""
+    """Return the text of triangles; raise `ValidationError` if it does not contain triangles."""
     try:
         TriangleMesh(read_stl(text.encode()), SMOOTH_ANGLE)
     except ValueError as error:

@@ -29,7 +29,7 @@ Check = Callable[[Case, ErrorList], None]
 
 
 def check_together(case: Case, errors: ErrorList) -> None:
-    """Check keys of different tables against each other, as far as the tables are right."""
+    """Check keys of different tables against each other, for valid tables."""
     _fit(
         case,
         errors,
@@ -68,7 +68,7 @@ def check_together(case: Case, errors: ErrorList) -> None:
 
 
 def _fit(case: Case, errors: ErrorList, *checks: Check) -> bool:
-    """Return True if a case passes all checks; a check that reads a wrong table ends there."""
+    """Return True if a case passes all checks; a check that reads an invalid table does not pass."""
     before = len(errors.items)
     complete = True
     for check in checks:

@@ -359,7 +359,7 @@ def check_held(case: Case, errors: ErrorList) -> None:
 
 
 def check_touched(case: Case, errors: ErrorList) -> bool:
-    """Check that the side walls that act on some grains only find these, and that there are such
+    """Check that side walls that act only on some grains find these grains, and that there are such
     walls.
 
     Return False if walls would act on no grain, so that their position is undefined.

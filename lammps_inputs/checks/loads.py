@@ -1,9 +1,9 @@
 """Checks of loads, boundaries and damping.
 
 A load that oscillates needs time for the waves to arrive and to become steady, and records that
-resolve them: a row passes a packet of the frequency f on at its group velocity, which is zero at
-the edges of a band. Runs that end before it has arrived show a row that seems to stop such waves: a
-cut-off that is not there.
+resolve them: a chain transmits a packet of the frequency f at its group velocity, which is zero at
+the edges of a band. A run that ends before the packet has arrived shows a cut-off that does not
+exist.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ def check_excluded(case: Case, errors: ErrorList) -> None:
 
 
 def check_side_gap(case: Case, errors: ErrorList) -> None:
-    """Check that there are side walls to leave a gap to, and that a negative gap leaves room for
-    the packing.
+    """Check that a gap at the sides has side walls, and that a negative gap leaves room for the
+    packing.
     """
     gap = case.boundary.gap
     most = LARGEST * case.packing.diameter / 2

@@ -290,8 +290,8 @@ def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> 
 
 
 def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
-    """Check that walls that move to a force do not yield the spheres that they press, nor exceed
-    their law.
+    """Check that walls that move to a force neither cause yielding nor exceed the range of the
+    contact law.
     """
     for name, force in stage.presses.items():
         wall = next((wall for wall in walls(assembly) if wall.key == name), None)

@@ -52,8 +52,8 @@ def check_below(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that walls can hold the strikers that they are to hold: at rest, acting on all, clear
-    of them at first.
+    """Check that walls can hold strikers with ``walls = true``: the walls are at rest, act on all
+    grains, and do not touch the strikers at the start.
     """
     case = assembly.case
     first = assembly.lattice.n_spheres + 1

@@ -190,8 +190,8 @@ def _of_times(assembly: Assembly) -> Iterator[str]:
 
 
 def _of_cut_contacts(assembly: Assembly) -> Iterator[str]:
-    """Warn of grains of a file that touch across the sides of its periodic box, where the case
-    does not repeat.
+    """Warn of grains of a file that touch across sides of its periodic box that are not periodic in
+    the case.
     """
     case = assembly.case
     grains = case.packing.grains

@@ -114,7 +114,7 @@ def bed_table(assembly: Assembly) -> str:
 
 
 def _pair_lines(assembly: Assembly, state: BedState) -> Iterator[str]:
-    """Give the lines of contacts between spheres."""
+    """Yield the lines of contacts between spheres."""
     contacts = state.spheres.contacts
     if contacts is None:
         return
@@ -139,7 +139,7 @@ def _gaps(assembly: Assembly, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 def _wall_lines(assembly: Assembly, state: BedState) -> Iterator[str]:
-    """Give the lines of contacts with walls."""
+    """Yield the lines of contacts with walls."""
     n = len(state.spheres.radius)
     moved = assembly.positions()[:n] - assembly.deck_origin - state.spheres.position
     for of_file, wall in state.walls:
@@ -159,7 +159,7 @@ def _wall_lines(assembly: Assembly, state: BedState) -> Iterator[str]:
 
 
 def _spring_lines(assembly: Assembly) -> Iterator[str]:
-    """Give the lines of springs of the case, of contacts that overlap and have friction."""
+    """Yield the lines of springs of the case, for contacts that overlap and have friction."""
     case = assembly.case
     text = case.packing.springs
     if text is None or not case.has_friction:
@@ -182,7 +182,7 @@ def _spring_lines(assembly: Assembly) -> Iterator[str]:
 
 
 def _line_at_wall(assembly: Assembly, spring: ContactSpring, wall: Wall) -> Iterator[str]:
-    """Give the line of the spring of a sphere at a wall that it overlaps, and that has friction."""
+    """Yield the line of the spring of a sphere at a wall, if they overlap and have friction."""
     row = spring.second - 1
     position = assembly.positions()[row : row + 1]
     overlap = -float(wall.gaps(position, assembly.sphere_diameters()[row : row + 1] / 2)[0])
@@ -316,7 +316,8 @@ def _rigid_pair(assembly: Assembly, spheres: RestartSpheres) -> tuple[int, int] 
     """Return the ids of two spheres of a rigid body of the file; None if there is none.
 
     Such spheres overlap and have no contact, as LAMMPS leaves out the contacts within bodies.
-    Spheres that the case holds may do so too, and those of one clump, whose number the file has.
+    Spheres that the case holds may overlap without a contact too, and spheres of a clump whose
+    number is in the file.
     """
     if spheres.contacts is None:
         return None

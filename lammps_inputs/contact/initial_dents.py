@@ -2,7 +2,7 @@
 run.
 
 A dent is given by the largest overlap that a contact had before the run, or by the force that it
-carried at this overlap on first loading; up to it the contact is elastic from then on. Overlaps
+carried at this overlap on first loading; up to this overlap the contact is then elastic. Overlaps
 below first yield leave no dent, and neither do contacts whose law does not yield.
 """
 
@@ -69,10 +69,10 @@ class NearContacts(NamedTuple):
 
 
 def dents_in(region: Dents, law: ContactLaw, radius: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the largest overlaps so far, as a region gives them, of contacts with effective radii
-    (n,): (n,), m.
+    """Return the largest overlaps so far, given by a region, of contacts with effective radii (n,):
+    (n,), m.
 
-    Those by a force (N) are where first loading reaches it; F/R*^2 depends on alpha/R* only.
+    A force (N) gives the overlap at which first loading reaches it; F/R*^2 depends on alpha/R* only.
     """
     if not region.force:
         return np.full(len(radius), (region.overlap or 0.0) if region.force is None else 0.0)

@@ -39,7 +39,7 @@ HERTZ = Contact(law="hertz")
 
 
 def elastic_contact(contact: Contact) -> Contact:
-    """Return Hertz's law, or the law itself if it is a power of the overlap, which is elastic."""
+    """Return Hertz's law, or the law of the case if it is a power of the overlap and thus elastic."""
     return contact if contact.entry.is_power else HERTZ
 
 
@@ -138,8 +138,8 @@ def law_between(
 
 
 def error_in_parameters(contact: Contact) -> str:
-    """Describe why the parameters of a law exclude each other, or do not give a passive law; empty
-    if they do.
+    """Describe why the parameters of a law exclude each other, or give a law that is not passive;
+    empty for valid parameters.
     """
     try:
         ContactLaw(
@@ -260,8 +260,8 @@ def viscous_loss(
     shapes: tuple[Shape, Shape] | None = None,
     behind: Backing | None = None,
 ) -> ContactLoss | None:
-    """Return the loss of contacts between grains of a material and their partners; None if they
-    lose nothing.
+    """Return the loss of contacts between grains of a material and their partners; None without a
+    loss.
 
     Parameters
     ----------
@@ -313,7 +313,7 @@ def loss_at_bar(
 ) -> ContactLoss | None:
     """Return the loss of grains of a material at the face of a bar with free ends.
 
-    The pair style takes the body of a face as immovable: the factor of a dashpot makes up for the
+    The pair style treats the body of a face as immovable: the factor of a dashpot corrects for the
     mass of the bar.
     """
     loss = viscous_loss(assembly, contact, material, bar.material, flat=True, behind=bar.backing)

@@ -3,12 +3,11 @@
 A body is a table such as ``{"shape": "cylinder", "radius": 0.005, "length": 0.01, "axis": "y",
 "material": "brass"}``. The laws are those of runs, from `granwave.lammps_inputs.contact.law`:
 
-point spheres on spheres, planes and the sides of cylinders, crossed cylinders, spheres in a tube:
-any law, with the
-        radius of the sphere that is as stiff on a plane (general elliptic contact)
-line cylinders on planes, and parallel ones: law hertz for half-spaces that give way over the
-length, law line for
-        plane strain
+point   spheres on spheres, planes and the sides of cylinders, crossed cylinders, spheres in a
+        tube: any law, with the radius of the sphere that is as stiff on a plane (general elliptic
+        contact)
+line    cylinders on planes, and parallel ones: law hertz for half-spaces that deform over the
+        length, law line for plane strain
 """
 
 from __future__ import annotations

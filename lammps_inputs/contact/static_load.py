@@ -2,21 +2,19 @@
 
 Dead loads are constant forces on spheres during the static stage and the run:
 
-uniaxial the same force along +z on each sphere of the top layer (grains of a file: on the uppermost
-ones); for a
-           pressure, pressure times area of a cell; the opposite force on the last sphere of a chain
-           without a bottom
-uniform the forces of the missing neighbours outside of the packing, if every contact of the lattice
-carried the
-           same force f. The mean stress (virial) of spheres with z contacts each in a cell of
-           volume V is p = z f D/(2 d V) in d dimensions; hence f = p D^2/(2 sqrt 2) for fcc and
-           hcp. A lattice of equal spheres is then in equilibrium at its sites under the pressure p,
-           and its faces carry p times their area. Vacant sites that are connected to the outside
-           count as outside.
-gravity    m g along +z on each sphere of the packing; with ``strikers`` on these too, which are
-           held until the static stage is over
+uniaxial   the same force along +z on each sphere of the top layer (grains of a file: on the
+           uppermost ones); for a pressure, pressure times area of a cell; the opposite force on
+           the last sphere of a chain without a bottom
+uniform    the forces of the missing neighbours outside of the packing, if every contact of the
+           lattice carried the same force f. The mean stress (virial) of spheres with z contacts
+           each in a cell of volume V is p = z f D/(2 d V) in d dimensions; hence
+           f = p D^2/(2 sqrt 2) for fcc and hcp. A lattice of equal spheres is then in equilibrium
+           at its sites under the pressure p, and its faces carry p times their area. Vacant sites
+           that are connected to the outside count as outside.
+gravity    m g along +z on each sphere of the packing; with ``strikers`` also on strikers, which
+           are held until the static stage is over
 walls      none, or as uniaxial: walls are moved in, and held in place
-overlaps   the same: the grains overlap at the start
+overlaps   none, or as uniaxial: the grains overlap at the start
 
 Fixed spheres carry no dead load, and strikers only their weight.
 """
@@ -83,7 +81,9 @@ class DeadLoad(abc.ABC):
 
 
 class LoadOnTop(DeadLoad):
-    """A force along z on each sphere of the top layer, opposite on the last of a free chain."""
+    """A force along z on each sphere of the top layer, and the opposite force on the last sphere of
+    a free chain.
+    """
 
     def forces(self, assembly: Assembly, ids: NDArray[np.int64]) -> NDArray[np.float64]:
         lattice = assembly.lattice
@@ -134,8 +134,8 @@ class Weight(DeadLoad):
         return _share_of(weight * (n_layers - held) / n_layers, assembly)
 
     def force_in_bed(self, assembly: Assembly) -> float:
-        """Return a multiple of the mean at the bottom: the weight times the area of a grain over
-        the area of the bed.
+        """Return a multiple of the mean at the bottom: the weight times the area of a grain divided
+        by the area of the bed.
         """
         low, high = assembly.bounds()
         diameter = assembly.case.packing.diameter
@@ -145,7 +145,7 @@ class Weight(DeadLoad):
 
 
 class PressOfWalls(LoadOnTop):
-    """None if walls or overlaps press, except for a force on the top."""
+    """No dead load, except for a force on the top: walls or overlaps press."""
 
     def axes(self, assembly: Assembly) -> str:
         return "" if _stage_of(assembly).force is None else "z"
@@ -206,7 +206,7 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
 
 
 def striker_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the ids of the strikers that gravity acts on, and weights: (n,) and (n, 3), N."""
+    """Return the ids of the strikers on which gravity acts, and their weights: (n,) and (n, 3), N."""
     stage = _stage_of(assembly)
     falls = (assembly.ids > assembly.lattice.n_spheres) & assembly.case.strikers_fall
     weight = np.zeros((int(falls.sum()), 3))
@@ -234,7 +234,7 @@ def force_of_contact(assembly: Assembly) -> float:
 
 
 def force_in_bed(assembly: Assembly) -> float:
-    """Estimate the largest force on a loaded contact, in a wide bed the force in a column, N."""
+    """Estimate the largest force on a loaded contact, N; in a wide bed it is the force in a column."""
     return _dead_load(assembly).force_in_bed(assembly)
 
 
@@ -260,8 +260,8 @@ def sphere_hertz(case: Case) -> ContactLaw:
 
 
 def static_stiffness(assembly: Assembly) -> float:
-    """Estimate the stiffness of a contact under the static load, N/m: that of Hertz's law at
-    `force_of_contact`.
+    """Estimate the stiffness of a contact under the static load, N/m: the stiffness of Hertz's law
+    at `force_of_contact`.
     """
     case = assembly.case
     law = sphere_hertz(case)
@@ -276,7 +276,9 @@ def static_stiffness(assembly: Assembly) -> float:
 
 
 def stiffness_in_bed(assembly: Assembly) -> float:
-    """Estimate the stiffness of the contacts of a disordered bed that carry most, N/m."""
+    """Estimate the stiffness of the contacts of a disordered bed that carry the largest forces,
+    N/m.
+    """
     share = force_in_bed(assembly) / force_of_contact(assembly)
     return static_stiffness(assembly) * share ** (1 / 3)
 

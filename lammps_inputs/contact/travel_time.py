@@ -1,8 +1,8 @@
-"""Row along which the transmission of a load that oscillates is measured, and the time that waves
-take along it.
+"""Chain along which the transmission of an oscillating load is measured, and the travel time of
+waves along it.
 
-Beads of masses m and contacts of stiffnesses k pass displacement u and force s from one bead to the
-next by
+Beads of masses m and contacts of stiffnesses k transmit displacement u and force s from one bead to
+the next by
 
     s' = s - m omega^2 u,   u' = u + s'/k
 
@@ -33,7 +33,7 @@ _STEP = 1e-5  # relative step of a frequency, for the slope of the phase
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class WaveRow:
-    """Row that waves run along.
+    """Chain along which waves travel.
 
     Attributes
     ----------
@@ -51,14 +51,14 @@ class WaveRow:
 
     @property
     def of_long_wave(self) -> float:
-        """Time of a long wave from a bead to the next, the mean of all, s; no wave is faster."""
+        """Mean travel time of a long wave from one bead to the next, s; no wave is faster."""
         if self.repeats:
             return math.sqrt(float(self.mass.mean()) * float((1 / self.stiffness).mean()))
         return float(np.sqrt(self.mass / self.stiffness).mean())
 
     def per_bead(self, frequency: Array) -> Array:
-        """Return the time of a wave packet from a bead to the next, s; infinite where there is no
-        wave: (n,).
+        """Return the travel time of a wave packet from one bead to the next, s; infinite if there
+        is no wave: (n,).
         """
         if self.repeats:
             low, here, high = (
@@ -93,8 +93,8 @@ def row_of(assembly: Assembly) -> WaveRow | None:
     """Return the equivalent chain of plane waves along z; None if the static force is not known
     beforehand.
 
-    A chain has its beads; the layers of a lattice without disorder move as wholes, and the rotation
-    of the force with the contacts is neglected.
+    A chain is its own equivalent. The layers of a lattice without disorder move as wholes, and the
+    rotation of the force with the contacts is neglected.
     """
     case = assembly.case
     lattice = assembly.lattice

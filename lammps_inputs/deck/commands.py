@@ -42,14 +42,14 @@ _IN_PARTS = f"nfile ${{{PARTS}}}"
 
 
 def id_ranges(ids: Iterable[int]) -> str:
-    """Join rising ids as LAMMPS takes them, runs of them as ``first:last``."""
+    """Join rising ids in the form of LAMMPS, with consecutive ids as ``first:last``."""
     every = np.fromiter(ids, dtype=np.int64)
     ranges = np.split(every, 1 + np.flatnonzero(np.diff(every) != 1)) if every.size else []
     return joined(f"{one[0]}:{one[-1]}" if len(one) > 1 else one[0] for one in ranges)
 
 
 def command(*words: str) -> list[str]:
-    """Join the words of a command, with LAMMPS continuation lines where it gets long."""
+    """Join the words of a command, with LAMMPS continuation lines if it is long."""
     lines = [words[0]]
     for word in words[1:]:
         if len(lines[-1]) + len(word) + 3 > _WIDTH:
@@ -85,7 +85,7 @@ def dump(
     one_line: bool = False,
     parts: bool = False,
 ) -> list[str]:
-    """Return the commands of a dump, appended to if a run is resumed.
+    """Return the commands of a dump, to which a resumed run appends.
 
     Particles are sorted by id, except in parts, where LAMMPS sorts nothing if several ranks share a
     file.
@@ -121,7 +121,7 @@ def dump(
 def write_dump(
     style: str, file: str, columns: dict[str, str], above: str = "", *, parts: bool = False
 ) -> list[str]:
-    """Return the command that writes the present state; ``above``: of particles for which this
+    """Return the command that writes the present state; ``above``: only of particles for which this
     source is positive; ``parts``: to several files, see `PARTS`.
     """
     of_id, select = ([], "") if style == "local" else (["%d"], f" sort id thresh {above} > 0.0")
@@ -150,7 +150,7 @@ def law_coefficients(
     *,
     resists: bool = False,
 ) -> str:
-    """Return the coefficients of a contact law, as pair_coeff and the wall fix take them.
+    """Return the coefficients of a contact law in the form of pair_coeff and the wall fix.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ def _loss_parameters(contact: Contact) -> list[str]:
 
 
 def _word(value: float | str) -> str:
-    """Return the value of a parameter as an input script has it."""
+    """Return the value of a parameter in the form of an input script."""
     return value if isinstance(value, str) else num(value)
 
 
@@ -255,8 +255,8 @@ def contacts(assembly: Assembly) -> list[str]:
 
 
 def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]:
-    """Return the laws of all pairs of types; ``elastic``: Hertz's without friction, regardless of
-    the case.
+    """Return the laws of all pairs of types; ``elastic``: Hertz's law without friction, regardless
+    of the case.
     """
     case = assembly.case
     lines = []

@@ -1,13 +1,13 @@
 """Damped run: motion with friction, losses and local damping until a packing is at rest.
 
-Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
+Grains that friction supports would slide without it. Where `precompression.damped` is true, both
 halves of the static stage integrate the motion with friction, losses and local damping (Cundall and
 Strack 1979), starting from the positions of the case; the resulting tangential springs are kept.
 Along each axis, half of the net force on a sphere is subtracted where the sphere moves with the
 force, and added where it moves against it. This damps a grain that rolls under its weight as fast,
 relative to its period, as a grain that oscillates on a stiff contact. A drag that ends the swings
 would hold the rolling grain, which then creeps on with a net force equal to its drag. Settled
-grains need some thousand steps, and tens of thousands where some roll to other positions.
+grains need about a thousand steps, or tens of thousands if some grains roll to other positions.
 
 The last motion is the slow swing of single grains that roll in hollows. Twice in its period the net
 force on such a grain passes through zero while it moves, with its drag in balance with its weight.
@@ -118,13 +118,13 @@ def damped_run(assembly: Assembly, group: str) -> list[str]:
 
 def largest_force(assembly: Assembly) -> str:
     """Return the largest force of a contact, between grains and, for grains of a file, with walls:
-    these may touch nothing else.
+    such grains may touch only walls.
     """
     return LARGEST_OF_ALL if counts_walls(assembly) else LARGEST_OF_PAIRS
 
 
 def counts_walls(assembly: Assembly) -> bool:
-    """Return True if the largest force of a contact includes those with walls."""
+    """Return True if the largest force of a contact includes contacts with walls."""
     return assembly.case.packing.contact_way is not None and bool(plane_fixes(assembly))
 
 
@@ -135,8 +135,8 @@ def bears_its_weight(assembly: Assembly) -> bool:
 
 
 def _quiet(assembly: Assembly) -> str:
-    """Return the largest net force over the largest force of a contact; 0 where only single grains
-    of a bed still roll.
+    """Return the largest net force divided by the largest force of a contact; 0 where only single
+    grains of a bed still roll.
     """
     largest = largest_force(assembly)
     ratio = f"c_static_net/({largest}+({largest}==0))"
@@ -149,8 +149,8 @@ def _quiet(assembly: Assembly) -> str:
 
 
 def _unbalanced_weight(assembly: Assembly, group: str) -> list[str]:
-    """Return the commands of net forces over weights: of all grains together, and of the grain or
-    the clump with the largest ratio.
+    """Return the commands of net forces divided by weights: of all grains together, and of the
+    grain or the clump with the largest ratio.
     """
     if not bears_its_weight(assembly):
         return []
@@ -179,7 +179,9 @@ def _weight(assembly: Assembly) -> str:
 
 
 def _part_of_net_force(assembly: Assembly) -> str:
-    """Return the formula of a net force, whose sum over the grains of a clump is that of it."""
+    """Return the formula of a net force, whose sum over the grains of a clump is the net force on
+    the clump.
+    """
     if not assembly.clumps:
         return "v_static_net"
     mass = _of_body(_MASS_OF_BODY)
@@ -189,7 +191,7 @@ def _part_of_net_force(assembly: Assembly) -> str:
 def _drag_on_spin(assembly: Assembly, mass: float, radius: float) -> float:
     """Return the drag on the spin of a grain in a damped run, N m s; mass in kg, radius in m.
 
-    It damps swings on the springs of contacts, and lets grains roll that the weight drives.
+    It damps oscillations on the springs of contacts, but grains that their weight drives can roll.
     """
     drag = 0.4 * _DRAG_ON_SPIN * math.sqrt(static_stiffness(assembly) * mass) * radius**2
     _, loads = dead_loads(assembly)
@@ -211,8 +213,8 @@ def _without_spin(assembly: Assembly, group: str) -> list[str]:
 
 
 def _local_damping(assembly: Assembly) -> list[str]:
-    """Return the commands of local damping; its fixes act on the sum of the other forces, so that
-    they are the last.
+    """Return the commands of local damping; its fixes act on the sum of the other forces, and
+    therefore come last.
     """
     part = num(_DAMPED_PART)
     words = [f"v_{_DAMPING}_{axis}" for axis in "xyz"]
@@ -246,7 +248,9 @@ def _dampings(assembly: Assembly) -> list[str]:
 
 
 def clump_sums(assembly: Assembly) -> list[str]:
-    """Return the computes of the sums over each clump, which the last of them gives its grains."""
+    """Return the computes of the sums over each clump; the last compute assigns the sums to the
+    grains.
+    """
     if not assembly.clumps:
         return []
     columns = joined(f"c_{_BODY}_{name}[*]" for name in ("sum", "moment", "velocity"))

@@ -110,7 +110,9 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
 
 
 def _velocity_lines(assembly: Assembly) -> Iterator[str]:
-    """Return the velocities of the data file, if grains have their own, or continue from a bed."""
+    """Return the velocities of the data file, if grains have initial velocities, or continue from a
+    bed.
+    """
     title = "\nVelocities # id, velocity, angular velocity\n\n"
     bed = bed_velocities(assembly)
     moving = own_velocities(assembly)

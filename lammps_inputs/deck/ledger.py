@@ -123,7 +123,7 @@ def _term_insum_of(assembly: Assembly, part: EnergyPart) -> list[str]:
 
 
 def _kinetic_energy(assembly: Assembly, columns: dict[str, str]) -> list[str]:
-    """Return the commands of the kinetic energy, and set its sources in the columns."""
+    """Return the commands for the kinetic energy, and set the sources of its columns."""
     case = assembly.case
     lines = []
     moving = ["c_kinetic"]

@@ -44,8 +44,8 @@ def may_lose_its_load(assembly: Assembly) -> bool:
 
 
 def minimise(assembly: Assembly, *, first: bool = False) -> str:
-    """Return the command that finds balance, to a net force that is a fraction of contact forces,
-    plus rounding.
+    """Return the command that finds equilibrium, up to a net force that is a fraction of contact
+    forces, plus rounding.
     """
     case = assembly.case
     of_file = case.packing.contact_way is not None
@@ -73,8 +73,8 @@ def _minimise_to(least: str) -> str:
 def press_walls(assembly: Assembly) -> list[str]:
     """Return the commands that move walls inwards iteratively until they carry their forces.
 
-    The power 2/3 of the force is about linear in the distance: its secant gives the next distance,
-    in the first round the line through the start.
+    The power 2/3 of the force is about linear in the distance: a secant gives the next distance, or
+    in the first round a line through the start.
     """
     stage = assembly.case.precompression
     if stage is None or not stage.presses:

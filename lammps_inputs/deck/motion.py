@@ -62,8 +62,8 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
 
 
 def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
-    """Timestep that follows the error of the energy balance; behind all fixes that act at the end
-    of a step.
+    """Return the command of the adaptive timestep, which follows all fixes that act at the end of a
+    step.
     """
     if not schedule.adaptive:
         return []

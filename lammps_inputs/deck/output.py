@@ -114,8 +114,8 @@ def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
 
 
 def displacements(case: Case) -> list[str]:
-    """Return the commands for displacements from the data file, of all spheres and of those
-    probed.
+    """Return the commands for displacements from the data file, of all spheres and of probed
+    spheres.
     """
     lines = ["compute         displacement all displace/atom"]
     spheres = [probe.sphere for probe in case.probes if probe.sphere is not None]
@@ -189,8 +189,8 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
 
 
 def _next_frame(steps: tuple[int, ...]) -> str:
-    """Return a formula for the next of the steps after the present one; after the last, a step
-    beyond the run.
+    """Return a formula for the next of the steps after the present step; after the last of them, a
+    step beyond the run.
 
     It depends on the present step only, so that it also holds in a resumed run.
     """
@@ -247,8 +247,8 @@ def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> l
 
 
 def contacts_file(assembly: Assembly, name: str = run_directory.CONTACTS_FILE) -> str:
-    """Return the name of the dump of the contacts at the end, or of another, with "%" if it has
-    several files.
+    """Return the name of the dump of the contacts at the end, or of another dump, with "%" if it
+    has several files.
     """
     return of_each_rank(name) if written_in_parts(assembly) else name
 

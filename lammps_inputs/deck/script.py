@@ -1,7 +1,8 @@
 """The LAMMPS input script of a case.
 
 It has three parts, separated by `RUN_MARKER` and `END_MARKER`: set-up, run, and output at the end.
-A program that drives LAMMPS can execute the first part, run in its own way, and execute the last.
+A program that drives LAMMPS can execute the first part, run in a different way, and execute the
+last part.
 """
 
 from __future__ import annotations
@@ -220,7 +221,7 @@ def _spheres_from(assembly: Assembly, restart_from: str) -> list[str]:
 
 
 def _initial_places(*, resumed: bool) -> list[str]:
-    """Return the commands that store where the spheres begin; a restart file has the positions."""
+    """Return the commands that store the initial positions of the spheres; a restart file has them."""
     lines = [
         "# Initial positions of the spheres: contact forces keep the directions between them.",
         "fix             initial all property/atom d2_initial 3 ghost yes",

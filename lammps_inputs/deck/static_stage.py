@@ -8,7 +8,7 @@ force exceeds yield get their dents there. FIRE overshoots, which leaves no dent
 begins with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents correspond
 to a monotonically increasing load. Then time and energies are reset to zero.
 
-Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
+Grains that friction supports would slide without it. Where `precompression.damped` is true, both
 halves are one damped run (`damped_run.py`) starting from the positions of the case; the resulting
 tangential springs are kept.
 
@@ -173,7 +173,7 @@ def _keeps_velocities(assembly: Assembly) -> bool:
 
 
 def stored_velocities(assembly: Assembly) -> list[str]:
-    """Return the commands that store the velocities of the grains, which then are at rest."""
+    """Return the commands that store the velocities of the grains, which are then at rest."""
     if not _keeps_velocities(assembly):
         return []
     return [
@@ -264,7 +264,9 @@ def _waiting(assembly: Assembly) -> list[str]:
 
 
 def _near_balance(assembly: Assembly) -> list[str]:
-    """Return the commands that displace the grains to the balance found beforehand."""
+    """Return the commands that displace the grains to the equilibrium that was found before the
+    run.
+    """
     if balanced_displacements(assembly) is None:
         return []
     return [
@@ -276,7 +278,7 @@ def _near_balance(assembly: Assembly) -> list[str]:
 
 
 def _halt(assembly: Assembly) -> list[str]:
-    """Return the commands that stop a packing that rearranges, where it may not."""
+    """Return the commands that stop the run if a packing rearranges that must not."""
     if assembly.case.may_rearrange:
         return []
     return [
@@ -287,8 +289,8 @@ def _halt(assembly: Assembly) -> list[str]:
 
 
 def _springs(assembly: Assembly) -> list[str]:
-    """Return the energies stored in the springs of friction, rolling and twisting, which damped
-    motion leaves.
+    """Return the energies stored in the springs of friction, rolling and twisting after damped
+    motion.
     """
     case = assembly.case
     parts = [_TANGENTIAL] if case.has_friction else []
@@ -390,14 +392,14 @@ def _record(assembly: Assembly) -> dict[str, str]:
 
 
 def _computes_of_weight(assembly: Assembly) -> tuple[str, ...]:
-    """Return the ends of the names of the computes of net forces over weights."""
+    """Return the suffixes of the names of the computes of net forces divided by weights."""
     if not bears_its_weight(assembly):
         return ()
     return ("_rolling", "_worst", "_sum")
 
 
 def _with_walls(assembly: Assembly) -> list[str]:
-    """Return the commands of the largest force of a contact, of those with walls too."""
+    """Return the commands of the largest force of a contact, including contacts with walls."""
     if not counts_walls(assembly):
         return []
     forces = [f"f_{fix}[{_FORCE_OF_WALL}]" for fix in plane_fixes(assembly)]
@@ -422,8 +424,8 @@ def _turning(case: Case) -> list[str]:
 
 
 def _moving_bed(assembly: Assembly) -> list[str]:
-    """Return the commands that record the kinetic energy of a restart file, which is input too. The
-    impacted spheres get another velocity.
+    """Return the commands that record the kinetic energy of a restart file, which counts as input.
+    The impacted spheres get another velocity.
     """
     case = assembly.case
     terms = ["ke(all)"]

@@ -1,9 +1,10 @@
-"""All bodies of a case: spheres of the lattice, replaced ones, strikers, and nodes of elastic bars.
+"""All bodies of a case: spheres of the lattice, replaced spheres, strikers, and nodes of elastic
+bars.
 
 Ids count from 1: the sites of the lattice, then the strikers, then the nodes of the incident bar,
-then those of the bar, each along +z. A vacant site keeps its id, which nothing has: the spheres are
-rows in the order of `Assembly.ids`. A packing of like spheres costs nothing, however large; see
-`granwave.lammps_inputs.lattices`.
+then the nodes of the bar, both along +z. A vacant site keeps its id, which no sphere has: the
+spheres are rows in the order of `Assembly.ids`. A packing of identical spheres needs no memory,
+however large; see `granwave.lammps_inputs.lattices`.
 """
 
 from __future__ import annotations
@@ -146,7 +147,7 @@ class Assembly:
 
     @cached_property
     def present(self) -> NDArray[np.bool_]:
-        """True for ids that a sphere has: (last_sphere,)."""
+        """True for ids of spheres, False for ids of vacancies: (last_sphere,)."""
         return self._with_strikers(self.sites.present, [True] * len(self.strikers))
 
     @cached_property
@@ -209,7 +210,7 @@ class Assembly:
 
     @property
     def grains_called(self) -> str:
-        """``spheres``, ``cylinders``, or ``grains`` where there are both."""
+        """``spheres``, ``cylinders``, or ``grains`` if there are both."""
         return grains_called(self.n_spheres, self.n_cylinders)
 
     def grain_shapes(self) -> list[Shape]:
@@ -268,7 +269,7 @@ class Assembly:
         LAMMPS adds a step of some nanometres to each coordinate, whose rounding grows with the
         distance from the origin. Grains of a file at a distance from the origin larger than their
         extent are moved to the origin, along each axis; results are in the coordinates of the file.
-        The axis of a tube, or of bars, stays where it is, and so does all next to walls of regions.
+        The axis of a tube or of bars, and packings with walls of regions, keep their position.
         """
         low, high = self.lattice_bounds()
         origin = np.zeros(3)
@@ -386,7 +387,7 @@ def kept_by_assembly(function: Callable[[Assembly], Value]) -> Callable[[Assembl
 def assemble(case: Case) -> Assembly:
     """Place all bodies of a case.
 
-    Whoever needs them more than once keeps the assembly, and hands it on.
+    Code that needs them more than once keeps the assembly, and passes it on.
 
     Raises
     ------

@@ -1,13 +1,13 @@
 """Strikers and elastic bars in their positions.
 
 A striker touches given spheres, outside of the packing, all at once. With a diameter scatter there
-may be no such position: it then rests on as many of them as support it. A misaligned striker is
-shifted perpendicular to its direction and moved along it until it touches the first of its spheres;
-gaps to the others remain.
+may be no such position: it then rests on as many of these spheres as necessary to support it. A
+misaligned striker is shifted perpendicular to its direction and moved along it until it touches the
+first of its spheres; gaps to the others remain.
 
 A bar at an end of a chain is a row of point masses, half a mass at either end, joined by springs E
-A / (element length). The node at the chain's end is its face: a particle without radius, which the
-contact law takes as a flat.
+A / (element length). The node at the chain's end is its face: a particle without radius, which is a
+flat for the contact law.
 """
 
 from __future__ import annotations
@@ -103,8 +103,8 @@ def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
 def _gaps(
     centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the gaps of a striker at ``centre`` to spheres over the distances at which it touches
-    them: (n,).
+    """Return the gaps of a striker at ``centre`` to spheres, divided by the distances at which it
+    touches them: (n,).
     """
     return np.asarray(np.linalg.norm(at - centre, axis=1) / reach - 1)
 
@@ -114,8 +114,8 @@ def _resting(
 ) -> NDArray[np.float64] | None:
     """Return the deepest position at rest on the spheres without an overlap; None without one.
 
-    It touches one sphere more than the dimension of their arrangement: two of a row, three of a
-    layer.
+    The number of touched spheres is one more than the dimension of their arrangement: two of a row,
+    three of a layer.
     """
     spans = np.linalg.svd(at - at.mean(axis=0), compute_uv=False)
     enough = 1 + int(np.count_nonzero(spans > _FLAT * spans[0]))

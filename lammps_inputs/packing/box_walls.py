@@ -44,7 +44,7 @@ class BoxWall:
 def box_walls(grains: Grains) -> list[BoxWall]:
     """Return the faces of the box of a file that are walls, by the grains that press them.
 
-    Grains reach beyond such a face, and none by more than the overlap of a contact. Periodic faces,
+    Grains extend beyond such a face, but not by more than the overlap of a contact. Periodic faces,
     and faces that grains cross, are no walls.
     """
     reading = grains.reading

@@ -15,8 +15,8 @@ from granwave.lammps_inputs.packing.cylinders import nearest_image
 
 
 def together(assembly: Assembly, centres: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the centres of grains with the grains of each clump at their images next to its first:
-    (n, 3), m.
+    """Return the centres of grains, (n, 3), m; the grains of a clump are at their images next to
+    its first grain.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Distances, extents and contacts of cylinders, with the geometry of ``plugins/laws/cylinders.h``.
 
-A sphere touches the side of a cylinder in a point, as two cylinders that cross do; parallel
+A sphere and the side of a cylinder touch in a point, and so do two cylinders that cross; parallel
 cylinders touch along a line. The ends of a cylinder do not touch anything.
 """
 
@@ -76,8 +76,8 @@ def distances(
 def nearest_image(
     step: NDArray[np.float64], period: tuple[float, float] | None
 ) -> NDArray[np.float64]:
-    """Return vectors between centres, (n, 3), as those to the nearest images with periods along x
-    and y, m.
+    """Convert vectors between centres, (n, 3), to vectors to the nearest images with periods along
+    x and y, m.
     """
     if period is not None:
         step[:, :2] -= period * np.round(step[:, :2] / period)
@@ -91,8 +91,8 @@ def separations(
     second: NDArray[np.int64],
     period: tuple[float, float] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the distances between the axes or centres of pairs of grains, and the lengths by
-    which they miss the end of a cylinder: (n,), m.
+    """Return the distances between the axes or centres of pairs of grains, and their distances from
+    the end of a cylinder: (n,), m.
 
     Parameters
     ----------
@@ -116,8 +116,8 @@ def separations(
 def nearest_vectors(
     between: NDArray[np.float64], first: Shape, second: Shape
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the parts of vectors between centres, (n, 3), along which the distances of two bodies
-    count.
+    """Return the components of vectors between centres, (n, 3), along which the distances of two
+    bodies count.
 
     Returns
     -------
@@ -163,9 +163,9 @@ def turning_projection(
 def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     """Return the pairs of ids that touch or overlap at the end of a cylinder, sorted, i < j.
 
-    A sphere does if its distance from the rim or the face is below its radius; cylinders do if the
-    contact of their sides is beyond an end, and parallel cylinders also if they are side by side
-    over only a part of the shorter one.
+    For a sphere its distance from the rim or the face is below its radius. For cylinders the
+    contact of their sides is beyond an end, or parallel cylinders are side by side over only a part
+    of the shorter cylinder.
 
     Parameters
     ----------

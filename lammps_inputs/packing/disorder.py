@@ -4,20 +4,20 @@ tilted floor.
 Separate streams of random numbers follow from ``packing.seed``, so that a change of one property
 does not change the others:
 
-    diameters one number for each site, scaled by the width of the band; independent of vacancies
-    and replaced
-                  spheres
-    vacancies one number for each site; the sites of the smallest numbers are vacant, so that the
-    vacancies of a larger fraction include those of a smaller fraction replace       likewise, with
-    one stream for each entry, by its position in the case strikers three numbers for each striker
-    with a misalignment, one stream each, by its position in the case
+    diameters   one number for each site, scaled by the width of the band; independent of vacancies
+                and replaced spheres
+    vacancies   one number for each site; the sites of the smallest numbers are vacant, so that the
+                vacancies of a larger fraction include those of a smaller fraction
+    replace     as vacancies, with one stream for each entry, by its position in the case
+    strikers    three numbers for each striker with a misalignment, one stream each, by its position
+                in the case
 
 The numbers are the upper 53 bits of the output of PCG64, whose stream numpy guarantees for all
 versions and machines. For a normal distribution they pass through a special function whose last
 bits may depend on the machine; the results are rounded to multiples of `_GRID` of the band.
 
-Spheres of a square packing on a slightly tilted floor: each lies on it, leaning on two neighbours
-or walls.
+Spheres of a square packing on a slightly tilted floor: each lies on the floor and leans on two
+neighbours or walls.
 
 The spheres roll to a corner and come to rest one after another, so that every sphere touches the
 next sphere towards the corner in its row and in its column, or the wall. Sphere (a, b), counted
@@ -80,8 +80,8 @@ def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
 
 
 def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDArray[np.int64]:
-    """Return the vacant sites, from 0: listed sites, or random ones for a fraction; never a site of
-    the ids in ``kept``.
+    """Return the vacant sites, from 0: listed sites, or random sites for a fraction; the ids in
+    ``kept`` are never vacant.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def random_share(
 
 
 def striker_shift(seed: int | None, striker: Striker, place: int) -> NDArray[np.float64]:
-    """Return the shift of a striker, its offset with its random misalignment: (3,), m.
+    """Return the shift of a striker: its offset plus its random misalignment, (3,), m.
 
     Parameters
     ----------
@@ -211,7 +211,9 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
 
 
 def _from_corner(values: Array, tilt: tuple[int, int]) -> Array:
-    """Reverse the axes of values (ny, nx) so that the first is at the corner; its own inverse."""
+    """Reverse the axes of values (ny, nx) so that the first is at the corner; the function is its
+    own inverse.
+    """
     return values[:: -tilt[1], :: -tilt[0]]
 
 

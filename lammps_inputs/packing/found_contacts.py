@@ -1,5 +1,5 @@
-"""Contacts of grains at user-defined positions, as ``packing.contacts`` starts them: grains that
-move until they touch, and overlaps that press.
+"""Contacts of grains at user-defined positions, by ``packing.contacts``: grains that move until
+they touch, and overlaps that press.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
 
 
 def _slack(packing: PackingSection) -> float:
-    """Return the largest gap or overlap of grains that just touch, m."""
+    """Return the largest gap or overlap at which grains count as just touching, m."""
     return TOUCHING * packing.diameter
 
 

@@ -60,5 +60,7 @@ class MeshFace:
         return np.asarray(self.mesh.nearest(positions, self.patch)[1])
 
     def effective_radii(self, radii: Floats) -> Floats:
-        """Return the radii of spheres that are as stiff on a plane: their own, (n,), m."""
+        """Return the radii of spheres that are as stiff on a plane: the radii of the given spheres,
+        (n,), m.
+        """
         return radii

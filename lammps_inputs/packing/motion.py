@@ -17,7 +17,7 @@ from granwave.lammps_inputs.packing.places import Places, struck_spheres
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class LoadedAssembly(LoadedPacking):
-    """Bodies of a case as its load sees them."""
+    """Bodies of a case, with the properties that its load uses."""
 
     assembly: Assembly
 
@@ -84,7 +84,7 @@ def start_speed(assembly: Assembly) -> float:
 
 def struck_site(assembly: Assembly) -> int | None:
     """Return the id of the impacted sphere, or of the sphere that the first moving striker hits;
-    None if none is.
+    None without either.
     """
     struck = struck_of(assembly)
     sphere = struck[0] if struck else None
@@ -183,8 +183,8 @@ _HELD = 3.0
 
 
 def line_ids(assembly: Assembly, line: Line) -> tuple[int, ...]:
-    """Return the ids of the grains of a line in their order: those given, or those along a
-    direction.
+    """Return the ids of the grains of a line in their order: the given grains, or the grains along
+    a direction.
     """
     ids = assembly.ids
     own = ids <= assembly.lattice.n_spheres

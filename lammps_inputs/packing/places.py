@@ -154,8 +154,8 @@ class Places:
         yield self._near[0]
 
     def apart(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m; see
-        `distances`.
+        """Return the distances of pairs of ids (n, 2), from which overlaps are computed: (n,), m;
+        see `distances`.
         """
         grains = self.grains
         first, second = pairs.T - 1
@@ -202,7 +202,7 @@ def near_pairs(
     """Find all pairs of rows with surfaces at most ``slack`` apart, and some wider pairs: (n, 2), i
     < j.
 
-    Classes of size keep the search short where a few grains are much larger than the rest.
+    Classes of size keep the search short if a few grains are much larger than the others.
 
     Parameters
     ----------
@@ -309,9 +309,7 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
 def centred(
     strikers: Sequence[Striker], packing: PackingSection, boundary: Boundary
 ) -> tuple[Striker, ...]:
-    """Return strikers with the id of the sphere at the centre of the top, where they are to touch
-    it.
-    """
+    """Return strikers; if they touch the sphere at the centre of the top, its id is filled in."""
     if all(striker.touches for striker in strikers):
         return tuple(strikers)
     layout = layout_of(packing, boundary)

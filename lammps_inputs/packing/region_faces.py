@@ -1,4 +1,4 @@
-"""Faces of regions: distances and normals of spheres at them, as the wall fix finds them."""
+"""Faces of regions: distances and normals of spheres at them, as computed by the wall fix."""
 
 from __future__ import annotations
 
@@ -61,8 +61,8 @@ class RegionFace:
         return positions - distance[:, None] * normal
 
     def effective_radii(self, radii: Floats) -> Floats:
-        """Return the radii of spheres that are as stiff on a plane as these are on the face: (n,),
-        m.
+        """Return the radii of spheres that are as stiff on a plane as the given spheres on the
+        face: (n,), m.
         """
         shape = self.shape
         side = -1.0 if shape.is_inside else 1.0
@@ -71,6 +71,14 @@ class RegionFace:
         if shape.style == "cylinder" and (self.name == SIDE or not shape.is_inside):
             return np.asarray(elliptic_radius(1 / radii, 1 / radii + side / shape.values[2]))
         return radii
+
+
+def contains(shape: RegionShape, positions: Floats) -> NDArray[np.bool_]:
+    """Return True for positions (n, 3), m, in a region or on its faces: (n,)."""
+    names = _all_faces(shape) if shape.is_inside else ("",)
+    distances = [_distance(shape, name, positions)[0] for name in names]
+    inside: NDArray[np.bool_] = np.min(distances, axis=0) >= 0
+    return inside
 
 
 def _all_faces(shape: RegionShape) -> tuple[str, ...]:

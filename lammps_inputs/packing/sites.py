@@ -1,10 +1,10 @@
 """Sites of a lattice with different spheres: diameters, materials, vacancies.
 
-Spheres are centred on the sites of the lattice of nominal spheres: smaller ones leave gaps, larger
-ones need space. The beads of a chain, including those of `[[replace]]`, are stacked in contact by
-their nominal diameters; diameters below nominal by the tolerance leave gaps. The tolerance counts
-from the nominal diameter of each sphere. On a tilted floor the spheres of a square packing lean on
-each other instead (`granwave.lammps_inputs.packing.disorder`).
+Spheres are centred on the sites of the lattice of nominal spheres: smaller spheres leave gaps,
+larger spheres need space. The beads of a chain, including those of `[[replace]]`, are stacked in
+contact by their nominal diameters; diameters below nominal by the tolerance leave gaps. The
+tolerance counts from the nominal diameter of each sphere. On a tilted floor the spheres of a square
+packing lean on each other instead (`granwave.lammps_inputs.packing.disorder`).
 """
 
 from __future__ import annotations
@@ -65,7 +65,8 @@ class Sites:
     uniform: bool = False
 
     def period_of_chain(self, *, whole: bool = False) -> int | None:
-        """Return the fewest beads that a chain repeats at least twice; None if it repeats none.
+        """Return the smallest number of beads that a chain repeats at least twice; None without a
+        period.
 
         Parameters
         ----------
@@ -191,7 +192,7 @@ class Sites:
         yield self._contacts_of_larger()
 
     def _touch(self, pairs: NDArray[np.int64], gaps: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Select the touching pairs; those with larger spheres are found by `near_larger`."""
+        """Select the touching pairs; pairs with larger spheres are found by `near_larger`."""
         slack = TOUCHING * self.lattice.diameter
         if isinstance(self.lattice, Places):
             return gaps <= slack  # initial overlaps are contacts too, where they are requested
@@ -238,7 +239,7 @@ class Sites:
         return pairs, gaps[order][first]
 
     def _shifts(self) -> Iterator[NDArray[np.float64]]:
-        """Iterate over the shifts of the images of the packing, its own of 0 first: (3,), m."""
+        """Iterate over the shifts of the images of the packing, first the shift 0: (3,), m."""
         x, y = self.lattice.lengths
         steps = (0, -1, 1) if self.lattice.periodic else (0,)
         for along_x, along_y in itertools.product(steps, steps):
@@ -299,9 +300,7 @@ def sites_of(case: Case, lattice: Layout) -> Sites:
 
 
 def _sites_of_grains(case: Case, places: Places) -> Sites:
-    """Return the sites of grains of a file, each with a diameter, a material and a shape of its
-    own.
-    """
+    """Return the sites of grains of a file, each with its own diameter, material and shape."""
     grains = places.grains
     found = {name: case.named_material(name) for name in dict.fromkeys(grains.material)}
     each = list(zip(grains.material, grains.shape, strict=True))
@@ -325,7 +324,7 @@ def _sites_of_grains(case: Case, places: Places) -> Sites:
 
 
 def named_spheres(case: Case, lattice: Lattice) -> dict[int, str]:
-    """Return the spheres that a case names, with the key that does; they are never vacant."""
+    """Return the spheres that a case names, with the keys that name them; they are never vacant."""
     names = [case.load.named(partial(struck_spheres, lattice))]
     names += [("output.probes", [one for probe in case.output.probes for one in probe.spheres])]
     names += [

@@ -1,11 +1,12 @@
-"""Contacts of grains at user-defined positions that touch within a tolerance: the rounding of their
-file, and the displacements after which they just touch.
+"""Contacts of grains at user-defined positions that touch within a tolerance: tolerance from the
+rounding in their file, and displacements after which they just touch.
 
 A grain whose coordinates are rounded to the unit u of their last place has an error of up to u/2
 along each axis and in its diameter. The gap of a pair is then off by up to (sqrt(3) + 1/2) u.
 
-Of the displacements that close all gaps g of the pairs, J d = -g to first order, the least-squares
-smallest is applied, iteratively: the gaps fall quadratically.
+The gaps g of the pairs are closed by displacements d with J d = -g to first order; the solution
+with the smallest sum of squares is applied iteratively, and the gaps converge quadratically to
+zero.
 """
 
 from __future__ import annotations
@@ -40,9 +41,9 @@ Period = tuple[float, float] | None
 def last_place(values: NDArray[np.float64]) -> float:
     """Return the unit of the last digit of the largest of some numbers, as they were written.
 
-    A file has a number of decimals, or of significant digits; with either of them, the largest
-    numbers have the largest unit, and some number has all the digits. Trailing zeros and the
-    rounding of a change of unit do not matter.
+    A file has a number of decimals, or of significant digits; in both cases the largest numbers
+    have the largest unit, and some number has all the digits. Trailing zeros and the rounding of a
+    change of unit do not matter.
     """
     sizes = np.unique(np.abs(values))
     if not sizes.any():
@@ -57,8 +58,8 @@ def _significant_digits(value: float) -> int:
 
 
 def rounding_of(grains: Grains) -> float:
-    """Return the unit of the last digit of the lengths of grains, m: as found by the reader of the
-    file, otherwise from the digits.
+    """Return the unit of the last digit of the lengths of grains, m: from the reader of the file,
+    otherwise from the digits.
     """
     if len(grains.half_unit):
         return 2 * float(grains.half_unit.max())
@@ -112,8 +113,8 @@ class GrainGaps:
 
 
 def gaps_up_to(grains: Grains, largest: float, period: Period = None) -> GrainGaps:
-    """Return the gaps of all pairs of grains that overlap, or are at most so far apart; without
-    pairs within a clump.
+    """Return the gaps of all pairs of grains that overlap, or whose gap is at most this large;
+    without pairs within a clump.
 
     Parameters
     ----------

@@ -123,8 +123,8 @@ class Wall:
         return found
 
     def effective_radii(self, radii: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the radii of spheres that are as stiff on a plane as these are on the wall: (n,),
-        m.
+        """Return the radii of spheres that are as stiff on a plane as the given spheres on the
+        wall: (n,), m.
         """
         if self.face is not None:
             return self.face.effective_radii(radii)
@@ -256,8 +256,8 @@ def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
 
 
 def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
-    """Find grains that overlap with walls that do not act on them: wall, the deepest grain, and how
-    deep, m.
+    """Find grains that overlap with walls that do not act on them: wall, deepest grain, and its
+    overlap, m.
     """
     found: list[tuple[str, int, float]] = []
     sites = assembly.sites
@@ -295,8 +295,8 @@ def touched(case: Case, sites: Sites, only: Touched) -> NDArray[np.bool_]:
 
 
 def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
-    """Return the coordinates of the two planes across an axis, which touch the outermost spheres
-    that they act on.
+    """Return the coordinates of the two planes across an axis, which touch the outermost spheres on
+    which they act.
     """
     only = assembly.case.boundary.sides_touch
     sites = assembly.sites
@@ -310,8 +310,8 @@ def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
 
 
 def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], ...]:
-    """Return the fixes of a wall; it acts on the packing, and on strikers that walls hold; others
-    pass it.
+    """Return the fixes of a wall; it acts on the packing, and on strikers that walls hold; other
+    strikers pass it.
     """
     if wall.held_layer:
         return ()

@@ -1,12 +1,13 @@
 """Expected arrival of the wave of the load at the bottom, before a run.
 
 A solitary wave in a chain of equal beads of mass m takes 1.355 sqrt(m/k) from bead to bead, with
-the stiffness k = 3/2 F/alpha of a Hertz contact at the largest force F. Where a layer rests on the
-next by several contacts, their stiffnesses along the way add up. The force falls with the depth as
-a wave spreads, F ~ n^-p over n layers, and the stiffness with its cube root: p is 0 for a plane
-wave and for a wave guided by lines of contacts; for packings with one (in a plane) or two lateral
-dimensions it was determined from runs. Against runs on brass at 1 to 5 m/s the estimate is within
-10 % in chains, 13 to 18 % late in sc, fcc and hcp, and 37 % late in bcc.
+the stiffness k = 3/2 F/alpha of a Hertz contact at the largest force F. If a sphere of a layer
+rests on the next layer by several contacts, their stiffnesses along the direction of the wave add
+up. The force falls with the depth as a wave spreads, F ~ n^-p over n layers, and the stiffness with
+its cube root: p is 0 for a plane wave and for a wave guided by lines of contacts; for packings with
+one (in a plane) or two lateral dimensions it was determined from runs. Compared with runs on brass
+at 1 to 5 m/s the estimate is within 10 % in chains, 13 to 18 % late in sc, fcc and hcp, and 37 %
+late in bcc.
 
 Under a static load small waves travel at the speed of long waves, see
 `granwave.lammps_inputs.contact.travel_time`.
@@ -34,8 +35,8 @@ _FEWEST_STEPS = 3  # steps from layer to layer
 
 
 def expected_arrival(assembly: Assembly) -> float | None:
-    """Return when the wave of the load is expected at the bottom, s; None where that is not known:
-    of bars, loads that oscillate or do not push down, lying packings, and cylinders.
+    """Return the expected time of arrival of the wave at the bottom, s; None if it is not known:
+    for bars, loads that oscillate or do not push down, lying packings, and cylinders.
     """
     case = assembly.case
     load = case.load

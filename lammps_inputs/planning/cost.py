@@ -3,33 +3,36 @@ the packing.
 
 The constants of memory and disk space were measured on fcc packings of 2e5 to 2e6 spheres on two
 ranks, with and without friction and static stage, and are rounded up. The analysis of a larger
-packing goes through parts of it, and holds a part and the layers next to it. So does the writer of
-the deck; only the sites of dissimilar spheres, and of strikers, are stored all at once.
+packing processes parts of it, and holds a part and the layers next to it in memory. The writer of
+the deck processes the same parts; only the sites of dissimilar spheres and of strikers are all
+stored at once.
 
-Wall times hold within a factor of two. Their constants are processor times on one core of a 2-core
-virtual machine (AMD EPYC, Zen 4) with the other core busy, as in a scan; a run alone on the machine
-is up to 1.6 times as fast. Each is the difference between runs that differ in one property: fcc
-packings of 600 to 7000 brass spheres struck at 1 to 20 m/s, with and without yielding, friction and
-precompression, and chains of 1 to 510 beads and 20 beads on bars.
+Wall times are correct within a factor of two. Their constants are processor times on one core of a
+2-core virtual machine (AMD EPYC, Zen 4) with the other core busy, as in a scan; a run alone on the
+machine is up to 1.6 times as fast. Each is the difference between runs that differ in one property:
+fcc packings of 600 to 7000 brass spheres impacted at 1 to 20 m/s, with and without yielding,
+friction and precompression, and chains of 1 to 510 beads and 20 beads on bars.
 
-For equal spheres the size of the plastic zone in diameters depends on e = energy input / (F_y
-alpha_y) only, whatever material and size. Power laws were fitted to impacts on brass spheres in
-packings that were larger than the zone; all data lie within the factor `spread`:
+For equal spheres the size of the plastic zone in diameters depends only on e = energy input / (F_y
+alpha_y), for any material and size. Power laws were fitted to impacts on brass spheres in packings
+that were larger than the zone; all data lie within the factor `spread`:
 
-    kind      depth / D      radius / D     spread   fitted to
-    fcc, hcp 1.30 e^0.255 1.0 e^0.265 1.5 13 impacts, e from 13 to 1.35e5, one of them on 7 spheres
-    bcc 1.30 e^0.32 2.2 e^0.26 1.4 4 impacts, e from 13 to 1.4e3 sc, chain 75 0 - 6 impacts, e from
-    3.4 to 5.4e5
+    kind       depth / D     radius / D    spread   fitted to
+    fcc, hcp   1.30 e^0.255  1.0 e^0.265   1.5      13 impacts, e from 13 to 1.35e5, one of them
+                                                    on 7 spheres
+    bcc        1.30 e^0.32   2.2 e^0.26    1.4      4 impacts, e from 13 to 1.4e3
+    sc, chain  75            0             -        6 impacts, e from 3.4 to 5.4e5
 
 Along a line of contacts a pulse with a force just above F_y is not attenuated: 75 spheres or more
-yield, 240 to 350 of 600 within 8 ms. Below e = 3 little more than the struck contacts yields.
-Friction, disorder and precompression are not considered. There is no estimate for a packing of one
-layer.
+yield, 240 to 350 of 600 within 8 ms. Below e = 3 hardly any contacts except the impacted contacts
+yield. Friction, disorder and precompression are not considered. There is no estimate for a packing
+of one layer.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import math
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
@@ -42,9 +45,11 @@ from granwave.lammps_inputs.planning.encounters import expected_energy
 from granwave.lammps_inputs.planning.ranks import wave_of
 from granwave.lammps_inputs.planning.schedule import Schedule
 
-ANALYSED_AT_ONCE = (
-    2**18
-)  # spheres that the analysis holds at once, in addition to a few layers of them
+ANALYSED_AT_ONCE = 2**18  # largest number of spheres of a packing that is analysed as a whole
+# spheres of a part of a larger packing, which are held at once, in addition to a few layers of them
+_PART = 2**17
+# ranks up to which all help in the analysis, even if there are fewer parts
+_ALWAYS_HELPING = 8
 MOST_DRAWN = 1_000_000  # largest number of spheres of a packing that is drawn by default
 
 # bytes
@@ -92,7 +97,7 @@ _ROWS_PER_PARTICLE = 0.25
 
 @dataclasses.dataclass(frozen=True)
 class RunSpace:
-    """Memory and disk space of a run, as `granwave.lammps_inputs.planning.plan.Plan` has them."""
+    """Memory and disk space of a run; see `granwave.lammps_inputs.planning.plan.Plan`."""
 
     first_rank: float
     other_rank: float
@@ -107,14 +112,23 @@ def expected_deck(assembly: Assembly) -> float:
     return assembly.n_particles * _DATA
 
 
+def spheres_of_part(n_spheres: int) -> int:
+    """Return the largest number of spheres in a part of a packing in the analysis."""
+    return ANALYSED_AT_ONCE if n_spheres <= ANALYSED_AT_ONCE else _PART
+
+
 def analysing_ranks(assembly: Assembly, n_ranks: int) -> int:
     """Return the number of ranks that take part in the analysis.
 
     Each rank holds a part of the packing; the size of a part does not depend on the number of
     ranks. Together they may need as much memory as the steps, or `_LEAST_OF_RANK` for each rank.
+    The number of ranks is at most the number of parts; the first rank collects the results.
     """
     space = max(_of_steps(assembly), n_ranks * _LEAST_OF_RANK)
-    return max(1, min(n_ranks, int(space / _of_part(assembly))))
+    n = assembly.n_particles
+    n_parts = math.ceil(n / spheres_of_part(n))
+    most = min(n_ranks, max(_ALWAYS_HELPING, n_parts + 1))
+    return max(1, min(most, int(space / _of_part(assembly))))
 
 
 def _of_steps(assembly: Assembly) -> float:
@@ -131,7 +145,7 @@ def _of_part(assembly: Assembly) -> float:
     if n <= ANALYSED_AT_ONCE:  # only snapshots of a small packing
         return n * _ANALYSED_SPHERE
     nx, ny, _ = assembly.lattice.shape
-    at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
+    at_once = min(n, spheres_of_part(n) + _LAYERS * nx * ny)
     return at_once * (_ANALYSED_SPHERE + assembly.n_neighbours / n * _ANALYSED_PAIR)
 
 
@@ -177,7 +191,7 @@ def _scratch(assembly: Assembly, touched: float) -> float:
     """Estimate the scratch files of the analysis, bytes; ``touched`` is the number of pairs that
     have touched.
 
-    Rows of a snapshot in parts are sorted in scratch files, before those of the contacts.
+    Rows of a snapshot in parts are sorted in scratch files, before the rows of the contacts.
     """
     n = assembly.n_particles
     if n <= ANALYSED_AT_ONCE:
@@ -199,7 +213,7 @@ def numbers_in_snapshot(case: Case) -> int:
 
 
 def _dumped(assembly: Assembly) -> float:
-    """Estimate the size of a snapshot as LAMMPS writes it, bytes."""
+    """Estimate the size of a snapshot that LAMMPS writes, bytes."""
     case = assembly.case
     sphere = (
         _TEXT_FRAME if case.output.dump_format == "text" else _VALUE * numbers_in_snapshot(case)
@@ -210,8 +224,8 @@ def _dumped(assembly: Assembly) -> float:
 
 @kept_by_assembly
 def _reached(assembly: Assembly) -> float:
-    """Estimate the share of the packing that the wave of the load reaches until the end of the run;
-    1 where the wave is not known, or all contacts are loaded from the start.
+    """Estimate the fraction of the packing that the wave of the load reaches until the end of the
+    run; 1 if the wave is not known, or if all contacts are loaded from the start.
     """
     case = assembly.case
     arrival = expected_arrival(assembly)
@@ -403,12 +417,15 @@ class ExpectedZone:
         Factor of uncertainty of both.
     room
         Distances from the impacted sphere to the bottom and the sides, by name, m.
+    periodic
+        True if the sides are periodic, so that the distance is half a period.
     """
 
     depth: float
     radius: float
     spread: float
     room: dict[str, float]
+    periodic: bool = False
 
     @property
     def reaches(self) -> tuple[str, ...]:
@@ -459,4 +476,4 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     diameter = case.packing.diameter
     depth = growth.depth(energy) * diameter
     radius = growth.radius(energy) * diameter
-    return ExpectedZone(depth, radius, growth.spread, room)
+    return ExpectedZone(depth, radius, growth.spread, room, case.boundary.periodic)

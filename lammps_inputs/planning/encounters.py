@@ -10,18 +10,18 @@ direction:
   m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
 * a sphere accelerated by a rigid plate to twice its velocity, or the fraction of the plate's energy
   per contact;
-* a sphere against a wall, or against a held sphere: m_eff = m, v_n = v if lines of contacts
-carry the pulse there
-  undivided (chain, simple cubic), else v halved with each layer on the way; a wall that moves
+* a sphere against a wall, or against a held sphere: m_eff = m, v_n = v if lines of contacts carry
+the whole pulse to the wall (chain, simple cubic), otherwise v halved with each layer before the
+wall; a wall that moves
   counts with the mass of its plate.
 
 If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a
 pair of masses m1 < m2 takes up at most m2/(m1 + m2), or all of it if one of them is held. The
-energy input of a force F is at most that of its impulse J on a free sphere, J^2/2m, and no contact
-force exceeds some 2.5 F (2.3 F in a Hertzian chain). If there are many diameters, diameters within
-10 % of each other are represented by the smallest, which has the stiffest contact for its mass.
-Equal spheres with diameter scatter are represented by the smallest sphere, impacted by a nominal
-sphere. Under a static load each contact also takes up the work of that load.
+energy input of a force F is at most the energy of its impulse J on a free sphere, J^2/2m, and no
+contact force exceeds about 2.5 F (2.3 F in a Hertzian chain). If there are many diameters,
+diameters within 10 % of each other are represented by the smallest, which has the stiffest contact
+for its mass. Equal spheres with diameter scatter are represented by the smallest sphere, impacted
+by a nominal sphere. Under a static load each contact also takes up the work of that load.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ from granwave.lammps_inputs.roots import brentq
 
 
 def expected_energy(assembly: Assembly) -> float:
-    """Return the energy input of the load, J; for a force an upper bound."""
+    """Return the energy input of the load, J; for a force, an upper bound."""
     energy = sum(
         0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items()
     )
@@ -98,8 +98,8 @@ def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
-    """Return one pair for each kind of neighbours, and a pair of unmodified spheres if there are
-    two.
+    """Return one pair for each kind of neighbours, and a pair of spheres that are not replaced if
+    there are two.
     """
     sites = assembly.sites
     pairs: list[tuple[int, int]] = []
@@ -346,9 +346,7 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
 
 
 def _of_pairs(assembly: Assembly) -> list[Encounter]:
-    """Return a collision for each kind of touching pair, and for those with a grain that is
-    held.
-    """
+    """Return a collision for each kind of touching pair, and for pairs with a held grain."""
     energy = expected_energy(assembly)
     of, _ = kinds_of_grains(assembly.sites)
     held = held_against_load(assembly)

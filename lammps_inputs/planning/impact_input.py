@@ -1,7 +1,7 @@
 """Normalised inputs of impacts.
 
-Packing and continuum are compared at equal energy over sigma_y^2 D^3/E, with the diameter D of the
-spheres or of the punch.
+Packing and continuum are compared at equal energy in units of sigma_y^2 D^3/E, with the diameter D
+of the spheres or of the punch.
 """
 
 from __future__ import annotations

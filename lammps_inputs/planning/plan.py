@@ -112,7 +112,7 @@ class Plan:
     @property
     def allowed(self) -> float:
         """Longest first timestep that a single kind of contact of two grains would allow, s; of
-        contacts with walls where there are no others.
+        contacts with walls if there are no other contacts.
 
         The pulse that reaches a wall is weaker in a larger packing, so that contacts with walls
         would allow any timestep.
@@ -253,7 +253,7 @@ def _note_times(assembly: Assembly, schedule: Schedule) -> None:
 
 
 def check_files(assembly: Assembly) -> None:
-    """Check the files that a run reads besides its case.
+    """Check the files that a run reads in addition to its case.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Time of a step on many ranks, and the grid of ranks that takes least.
+"""Time of a step on many ranks, and the grid of ranks with the shortest steps.
 
 LAMMPS divides the box into a grid of equal bricks, one for each rank, and the slowest rank decides:
-all wait for it. A sphere at rest costs far less than a moving sphere, so that the ranks reached by
-the wave of an impact are busy, and the others wait. The model of a step is
+all wait for it. A sphere at rest takes far less time than a moving sphere. The ranks that the wave
+of an impact has reached are therefore busy, and the other ranks wait. The model of a step is
 
     t = n c_rest + a (c_active - c_rest) + g c_ghost + 2 s t_message + c t_sum log2(ranks)
 
@@ -13,9 +13,10 @@ at rest, not spheres. Ids of a lattice count along x first, so that a block is a
 small wave keeps two to six times as many spheres active as it moves. The measured work of a step of
 an impact with friction is proportional to the active spheres within 4 %.
 
-The front of a wave is as far from the loaded spheres along y and z together as it has travelled: a
-diamond. Along x the wave reaches a third of that farther on average, and half a block. The largest
-fraction of a brick is the product of the largest share along x and that of the cross-section.
+The distances of the front of a wave from the loaded spheres along y and z add up to the distance
+that it has travelled: a diamond. Along x the wave reaches a third of this distance on average, and
+half a block beyond. The largest fraction of a brick is the product of the largest fraction along x
+and the largest fraction of the cross-section.
 
 LAMMPS's own grid has the smallest surface. For a wave from one point, or from the top layer by
 layer, columns along its direction are loaded more evenly, at the cost of more ghosts.
@@ -108,7 +109,7 @@ class Wave:
 
     @property
     def farthest(self) -> float:
-        """Distance after which all spheres move, m."""
+        """Distance travelled by the front when all spheres move, m."""
         return float(max((self.first - self.low).max(), (self.high - self.last).max()))
 
     @property
@@ -120,8 +121,8 @@ class Wave:
         return bool(np.count_nonzero(covered) >= 2)
 
     def shares(self, grid: Grid, travelled: float) -> Floats:
-        """Return the fraction of the spheres that move and lie in each layer of bricks, along each
-        axis, at the brick with most of them, and of all bricks together: (3, 2).
+        """Return, along each axis, the fraction of the spheres that move and lie in a layer of
+        bricks: for the brick with most of them, and for all bricks together, (3, 2).
         """
         shares = np.empty((3, 2))
         for axis, n_bricks in enumerate(grid):
@@ -248,8 +249,8 @@ def best_grid(wave: Wave, n_ranks: int, costs: StepCosts) -> Grid:
 
 
 def wave_of(assembly: Assembly) -> Wave:
-    """Return the wave of the load of a case; it fills the packing from the start where there is no
-    load on some spheres, or where a precompression loads all contacts.
+    """Return the wave of the load of a case; it fills the packing from the start if there is no
+    load on some spheres, or if a precompression loads all contacts.
     """
     low, high = assembly.faces()
     loaded = impacted_of(assembly)

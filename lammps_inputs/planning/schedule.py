@@ -1,11 +1,11 @@
 """Schedule of a run, in counts of LAMMPS's step counter.
 
 With an automatic timestep (fix gran/timestep of the plugin) a count is a tick, and a step is a
-power of two of them. A tick is shortened until the end time (or a block, for ``end_time = "auto"``)
-is a whole number of ledger intervals: the run ends exactly at the requested time, and its last step
-is in the record of energies. All records fall on multiples of the longest step, except snapshots
-at given times. With a timestep given by the user a count is that step, and the end time is rounded
-up by as few steps as possible.
+power of two of ticks. A tick is shortened until the end time (or a block, for ``end_time =
+"auto"``) is a whole number of intervals of the energy record: the run ends exactly at the requested
+time, and its last step is in the record of energies. All records fall on multiples of the longest
+step, except snapshots at given times. With a timestep given by the user a count is one step, and
+the end time is rounded up by as few steps as possible.
 """
 
 from __future__ import annotations
@@ -99,12 +99,12 @@ class Schedule:
 
     @property
     def adaptive(self) -> bool:
-        """The timestep follows the error of the energy balance."""
+        """True if the timestep follows the error of the energy balance."""
         return self.energy_tolerance > 0
 
     @property
     def first_timestep(self) -> float:
-        """The timestep of the run, or the first one, s."""
+        """Fixed timestep of the run, or its first timestep, s."""
         return self.first_step * self.timestep
 
     @property
@@ -199,8 +199,8 @@ def make_schedule(assembly: Assembly, timestep: float | None = None) -> Schedule
 def _frames(
     assembly: Assembly, tick: float, unit: int, n_units: int, n_steps: int
 ) -> tuple[int, tuple[int, ...]]:
-    """Return the counts between snapshots if they are evenly spaced, else 0 and those at each after
-    the first.
+    """Return the counts between snapshots if they are evenly spaced; otherwise 0 and the count of
+    each snapshot after the first.
 
     Parameters
     ----------
@@ -240,9 +240,8 @@ def _frames(
 
 def _dense_times(assembly: Assembly) -> tuple[float, ...]:
     """Return the times of the snapshots of ``run.frames = "auto"``, s, two thirds of them until the
-    wave is at the bottom; empty where they are evenly spaced.
-
-    They are so where the arrival is not known, or two thirds of an even spread come no later.
+    wave is at the bottom; empty if they are evenly spaced.  They are evenly spaced if the arrival
+    is unknown, or if at least two thirds of evenly spaced times are before the arrival.
     """
     run = assembly.case.run
     if run.frames != AUTO:

@@ -1,28 +1,30 @@
 """Timestep from the stiffest contact that the load can cause; see
 `granwave.lammps_inputs.planning.encounters`.
 
-The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow some fifty
-times more. The error of velocity Verlet is proportional to dt^2 and largest in the first
-collisions, where few contacts store all the energy. There the work W is done with the loading
-stiffness, and its recoverable part E is returned with the higher unloading stiffness. The effective
-stiffness is
+The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow a timestep
+about fifty times longer. The error of velocity Verlet is proportional to dt^2 and largest in the
+first collisions, where few contacts store all the energy. In these collisions the work W is done
+with the loading stiffness, and its recoverable part E is returned with the higher unloading
+stiffness. The effective stiffness is
 
     k = (E/W) k_unloading + (1 - E/W) k_loading        at the largest overlap
 
 or, with an initial dent larger than this overlap, k_unloading at the overlap at which the contact
 stores all of W.
 
-The largest error over the energy input is then c k dt^2 / m, with m twice the effective mass of the
-pair and c nearly constant: 0.105 to 0.135 in 24 impacts on fcc packings (brass, steel, aluminium;
-0.5 to 40 m/s), less on other lattices, 0.15 for Hertz and Thornton contacts, 0.2 for bilinear ones.
-dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`: 29 ns for an impact at 5 m/s on 10 mm brass
-spheres in fcc. A bar limits dt to half the transit time of a wave through an element.
+The largest error divided by the energy input is then c k dt^2 / m, with m twice the effective mass
+of the pair and c nearly constant: 0.105 to 0.135 in 24 impacts on fcc packings (brass, steel,
+aluminium; 0.5 to 40 m/s), less in other lattices, 0.15 for Hertz and Thornton contacts, 0.2 for
+bilinear contacts. dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`: 29 ns for an impact at 5
+m/s on 10 mm brass spheres in fcc. A bar limits dt to half the transit time of a wave through an
+element.
 
 dt is rounded down to two significant digits. At given velocity it is proportional to the diameter,
 like all times.
 
-No wave runs above the cut-off; grains then move by a fraction that falls with the square of the
-frequency, and the timestep follows the load. Far above, a run takes long, and shows rounding.
+No wave propagates above the cut-off. At higher frequencies the motion of the grains falls with the
+square of the frequency, and the timestep follows the load: far above the cut-off a run takes long,
+and shows only rounding errors.
 """
 
 from __future__ import annotations
@@ -157,7 +159,7 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
 
 def largest_timestep(assembly: Assembly) -> float:
     """Bound on the timestep by viscous losses, support and bars at any time, s; infinite without
-    these.
+    any of these.
     """
     return min((limit.step for limit in _limits_at_any_time(assembly)), default=math.inf)
 
@@ -165,7 +167,7 @@ def largest_timestep(assembly: Assembly) -> float:
 def _limits_at_any_time(assembly: Assembly) -> list[TimestepLimit]:
     """Return the bounds by losses, bars and other moving bodies.
 
-    Of given stiffnesses K and dampings gamma of resistance to rolling: with the smallest effective
+    For given stiffnesses K and dampings gamma of resistance to rolling: with the smallest effective
     mass m* and radius R* of any contact, the square of the angular frequency of spheres of 2/5 m
     R^2 is at most 2.5 K/m*, their rate of decay 2.5 gamma/m*; twisting has K/R*^2 and gamma/R*^2
     instead.
@@ -204,7 +206,7 @@ def _limits_at_any_time(assembly: Assembly) -> list[TimestepLimit]:
 
 
 def _limits_along_surfaces(case: Case, lossy: Sequence[Encounter]) -> list[TimestepLimit]:
-    """Return the bounds by the damping along surfaces of collisions with a loss."""
+    """Return the bounds from the damping along the surfaces of contacts with a loss."""
     ratios = [one.loss.tangential or 0.0 for one in case.contact_laws if one.loss is not None]
     largest = max(ratios, default=0.0)
     if not largest or not case.has_friction:

@@ -5,6 +5,7 @@ source        a file that is read: its bytes, its text, and the options of the u
 packed        files that are packed, or of kinds that hold no grains
 columns       columns of a file as quantities of grains, by usual names and units
 registry      readers by the name of their format; reading of any file
-table, lammps_dump, lammps_data, yade, mercury, xyz, vtk_files, h5md,
-ase_files     a format each: ``recognises`` tells if a file has it, ``read`` returns its grains
+
+A format each: table, lammps_dump, lammps_data, yade, mercury, xyz, vtk_files, h5md, ase_files;
+``recognises`` returns True for a file of it, ``read`` returns the grains.
 """

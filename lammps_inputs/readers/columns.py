@@ -150,7 +150,7 @@ def quantity_of(head: str) -> tuple[str, str]:
 
 
 def counted_from_zero(heads: Sequence[str]) -> list[str]:
-    """Return heads whose components are numbered from 1 (Centroid_1 ... 3), with those from 0."""
+    """Return heads whose components are numbered from 1 (Centroid_1 ... 3), with numbers from 0."""
     numbers: dict[str, set[str]] = {}
     matches = [_NUMBERED.fullmatch(head) for head in heads]
     for match in matches:
@@ -166,7 +166,7 @@ def counted_from_zero(heads: Sequence[str]) -> list[str]:
 
 
 def _velocities_of_components(heads: Sequence[str]) -> list[str]:
-    """Return heads with vx, vy and vz in place of u, v and w, if all of these are there."""
+    """Return heads with vx, vy and vz in place of u, v and w, if the table has all three."""
     plain = [split_unit(head)[0].strip().lower() for head in heads]
     if not all(name in plain for name in _COMPONENTS):
         return list(heads)
@@ -226,7 +226,9 @@ def find_columns(
 
 
 def _needless_volumes(columns: dict[str, GrainColumn], options: FileOptions) -> list[str]:
-    """Remove a column of volumes that the user did not name, next to sizes; return its name."""
+    """Remove a column of volumes that the user did not name, if there are also sizes; return its
+    name.
+    """
     if "volume" not in columns or "volume" in options.names or not has_sizes(columns, options):
         return []
     return [columns.pop("volume").head]
@@ -243,7 +245,9 @@ def gives_sizes(quantities: Collection[str], options: FileOptions) -> bool:
 
 
 def _sources_of_volume(quantities: Collection[str]) -> tuple[str, ...]:
-    """Return the quantities from which the volumes of spheres follow; empty without."""
+    """Return the quantities from which the volumes of spheres follow; empty without such
+    quantities.
+    """
     if "length" in quantities:  # cylinders
         return ()
     for names in _VOLUMES:
@@ -306,7 +310,7 @@ def diameters_of(
 
 
 def _refuse_second(table: TextTable, quantity: str, earlier: GrainColumn, head: str) -> None:
-    """Raise ValueError for a second column of a quantity, unless the first has its very name."""
+    """Raise ValueError for a second column of a quantity, unless the first has exactly its name."""
     place = f"line {table.head_line}"
     if head == earlier.head:
         raise ValueError(f"{place}: found the column {head} twice")
@@ -373,7 +377,7 @@ def require_columns(
 
 
 def _unnamed(n_columns: int, options: FileOptions) -> str:
-    """Return what a table without names lacks, with an example that fits its columns."""
+    """Return the quantities that a table lacks, with an example for its columns."""
     usual = [*PLACE, RADIUS]
     example = usual[:n_columns]
     columns = show(example)
@@ -402,7 +406,7 @@ def _is_in_voxels(unit: str, kind: str) -> bool:
 def from_one(numbers: NDArray[np.int64], head: str) -> NDArray[np.int64]:
     """Return numbers of clumps of a column, 0 for none.
 
-    Other programs than granwave write -1 for it, and then count from 0.
+    Programs other than granwave write -1 for none, and then count from 0.
     """
     if head.strip().lower() != CLUMP and (numbers == NO_CLUMP).any():
         return numbers + 1
@@ -494,9 +498,7 @@ class ColumnReader:
         return half
 
     def radius(self, notes: list[str]) -> NDArray[np.float64] | None:
-        """Return the radii: (n,), m; None if the table has neither these nor diameters, and no
-        volumes.
-        """
+        """Return the radii: (n,), m; None if the table has no radii, diameters or volumes."""
         if not has_sizes(self.columns, self.options):
             diameter = self._diameters_of_volumes(notes)
         else:

@@ -1,4 +1,4 @@
-"""Grains as a file of a packing has them."""
+"""Grains in the form of a file of a packing."""
 
 from __future__ import annotations
 

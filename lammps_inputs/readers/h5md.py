@@ -77,7 +77,7 @@ def _grains(group: Any, source: GrainSource) -> GrainTable:
 
 
 def _power(position: Any) -> int:
-    """Return the power of ten of the unit of the positions; 0 of a file that names none."""
+    """Return the power of ten of the unit of the positions; 0 for a file without a unit."""
     unit = _word(_values(position).attrs.get("unit", _word(position.attrs.get("unit", ""))))
     if unit and unit not in LENGTH_UNITS:
         raise ValueError(
@@ -98,7 +98,7 @@ def _values(element: Any) -> Any:
 
 
 def _step(position: Any, wanted: int | None) -> tuple[int, int]:
-    """Return number and row of the step that is read."""
+    """Return number and row of the step to be read."""
     if not hasattr(position, "keys"):
         return 0, 0
     n_rows = len(position["value"])
@@ -123,8 +123,8 @@ def _steps(element: Any) -> NDArray[np.generic]:
 
 
 def _at(element: Any, step: int, row: int) -> NDArray[np.generic] | None:
-    """Return the values of an element at a step; None of a group of other things, or if it has none
-    of that step.
+    """Return the values of an element at a step; None for other groups, or without values at this
+    step.
     """
     if hasattr(element, "keys"):
         if "value" not in element:
@@ -141,7 +141,7 @@ def _at(element: Any, step: int, row: int) -> NDArray[np.generic] | None:
 
 
 def _add_box(group: Any, grains: GrainTable, place: tuple[int, int], power: float) -> None:
-    """Add the box at a place, step and row, if it is one along the axes."""
+    """Add the box at a position, step and row, if its edges are along the axes."""
     if "box" not in group or "edges" not in group["box"]:
         return
     edges = _at(group["box"]["edges"], *place)

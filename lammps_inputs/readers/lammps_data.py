@@ -121,7 +121,7 @@ def _section(text: str, section: re.Match[str], n_rows: int, name: str) -> Layou
 
 
 def _lines_from(text: str, start: int) -> Sequence[str]:
-    """Return the lines of a text from a place on."""
+    """Return the lines of a text from a position on."""
     return text[start:].splitlines()
 
 
@@ -168,8 +168,8 @@ def _of_style(words: list[str], n_columns: int) -> list[str]:
 
 
 def _bounds(head: str, power: float) -> NDArray[np.float64] | None:
-    """Return the box: (3, 2), m; None unless the head of the file has it along all axes, and if it
-    is tilted.
+    """Return the box: (3, 2), m; None if the head of the file lacks it along some axis, or if it is
+    tilted.
     """
     tilts = _TILTS.search(head)
     if tilts is not None and any(word.strip("+-0.eE") for word in tilts[1].split()):

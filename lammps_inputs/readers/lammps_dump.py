@@ -92,8 +92,8 @@ def read(source: GrainSource) -> GrainTable:
 
 
 def powers_of_style(style: str, options: FileOptions) -> Mapping[str, float]:
-    """Return the powers of ten of the units of a style by kind of quantity; none of a file that
-    names no style.
+    """Return the powers of ten of the units of a style by kind of quantity; none for a file without
+    a style.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def powers_of_style(style: str, options: FileOptions) -> Mapping[str, float]:
 
 
 def _step_of(text: str, start: int) -> int:
-    """Return the step of a frame that begins at a place of the text."""
+    """Return the step of a frame that begins at a position in the text."""
     lines = text[start : start + len(_STEP) + 100].splitlines()
     if len(lines) < 2 or not lines[1].strip().lstrip("-").isdigit():
         line = text.count("\n", 0, start) + 2
@@ -319,7 +319,7 @@ class DumpFrame:
         return grains
 
     def _add_box(self, box: DumpBox, grains: GrainTable, scaled: set[str], power: float) -> None:
-        """Add the box to the grains, and place those whose positions are fractions of it."""
+        """Add the box to the grains, and convert positions that are fractions of the box."""
         periodic = [flag == _PERIODIC for flag in self.flags] or [False] * 3
         if box.is_straight:
             grains.bounds = in_si(box.bounds, power)

@@ -1,6 +1,6 @@
 """Dumps of LAMMPS in YAML (``dump yaml``), one or several steps.
 
-LAMMPS writes each key and each row of atoms in a line of its own, so that no library is needed.
+LAMMPS writes each key and each row of atoms on a separate line, so that no library is needed.
 
 https://docs.lammps.org/dump.html
 """
@@ -118,7 +118,7 @@ def _flags(text: str) -> tuple[str, ...]:
 
 
 def _box(rows: Sequence[str]) -> DumpBox | None:
-    """Return the box of its rows; None without them."""
+    """Return the box of its rows; None without such rows."""
     if not rows:
         return None
     numbers = np.array([row.split() for row in rows[:_N_OF_EDGES]], dtype=np.float64)

@@ -5,7 +5,7 @@ velocity, radius, angles, angular velocity and a number. Particles in two dimens
 with their centres at z = 0.
 
 A restart file has the domain, the species, the boundaries and a line for each particle, with words
-and numbers; before version 0.10 with numbers alone.
+and numbers, or only numbers before version 0.10.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ FIXED = "fixed"
 
 
 def recognises(source: GrainSource) -> bool:
-    """Return True for a restart file, or a first line of a step above a particle."""
+    """Return True for a restart file, or for the first line of a step followed by a particle."""
     if _VERSIONS.match(source.head):
         return True
     lines = source.head.splitlines()

@@ -1,7 +1,7 @@
 """Particles of MFiX (``particle_input.dat``).
 
 From version 2.0 on, a head has the number of particles, and for each variable whether it has
-columns or one value for all. The older files have no head: x, y, z, radius, density and velocity,
+columns or one value for all. Older files have no head: x, y, z, radius, density and velocity,
 or x, y, radius, density and velocity in two dimensions; packing.format names them.
 
 https://mfix.netl.doe.gov/doc/mfix/latest/html/reference/particle_input.html
@@ -96,7 +96,7 @@ def _read_old(source: GrainSource) -> GrainTable:
 
 
 def _heads(flags: Mapping[str, bool], *, is_plane: bool) -> list[str]:
-    """Return the names of the columns, by the variables that have some."""
+    """Return the names of the columns of the variables that have columns."""
     axes = _IN_PLANE if is_plane else _IN_SPACE
     heads = list(axes)
     for name, columns in (
@@ -155,13 +155,13 @@ def _grains(
 
 
 def _with_depth(row: str) -> str:
-    """Return the values of a particle in two dimensions with z = 0 behind its place."""
+    """Return the values of a particle in two dimensions with z = 0 after its position."""
     words = row.split()
     return " ".join([*words[:2], "0", *words[2:]])
 
 
 def _number(words: Sequence[str]) -> float | None:
-    """Return the first of some words as a number; None if it is none."""
+    """Return the first of some words as a number; None if it is not a number."""
     if not words or not is_number(words[0]):
         return None
     return float(words[0])

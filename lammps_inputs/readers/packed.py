@@ -125,7 +125,7 @@ def _starts_with(raw: bytes, start: bytes) -> bool:
 
 
 def _fits(raw: bytes, pattern: re.Pattern[bytes]) -> bool:
-    """Return True if a file begins with a pattern; that of YADE is below the line of XML."""
+    """Return True if a file begins with a pattern; the pattern of YADE is below the line of XML."""
     head = raw[:_HEAD]
     return bool(pattern.search(head) if pattern is _BOOST else pattern.match(head))
 

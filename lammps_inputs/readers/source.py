@@ -1,4 +1,4 @@
-"""A file of grains that is read: its bytes, its text, and the options of the user."""
+"""A file of grains to be read: its bytes, its text, and the options of the user."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ class FileOptions:
 
     @property
     def heads(self) -> Sequence[str]:
-        """Names of the columns in their order; empty unless they were given so."""
+        """Names of the columns in their order; empty unless they were given as a list."""
         return () if isinstance(self.columns, Mapping) else self.columns
 
     @property
     def names(self) -> Mapping[str, str | int]:
-        """Columns by quantity; empty unless they were given so."""
+        """Columns by quantity; empty unless they were given as a table."""
         return self.columns if isinstance(self.columns, Mapping) else {}
 
     @property

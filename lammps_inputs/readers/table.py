@@ -1,4 +1,4 @@
-"""Tables: CSV and text of any program, as of lethe, Chrono and spreadsheets."""
+"""Tables: CSV and text of any program, such as lethe, Chrono and spreadsheets."""
 
 from __future__ import annotations
 
@@ -32,7 +32,9 @@ _NOTHING = (
 
 
 def recognises(source: GrainSource) -> bool:
-    """Return True for a line with a name of a place, or equally many cells with numbers."""
+    """Return True for a line with the name of a coordinate, or for lines with equally many cells
+    with numbers.
+    """
     if source.is_binary:
         return False
     layout = without_count(layout_of(source.whole_lines))
@@ -86,7 +88,7 @@ def read_table_text(text: str, options: FileOptions) -> GrainTable:
 
 
 def _row_of_names(layout: Layout) -> int:
-    """Return the row with the names of the columns, if there are others above it; 0 without."""
+    """Return the row with the names of the columns, if there are other rows above it; otherwise 0."""
     for row in range(min(len(layout.rows), _LARGEST_TITLE)):
         try:
             cells = layout_from(layout, row).cells(0)

@@ -1,5 +1,5 @@
 """Points with radii in files of VTK: legacy files (ASCII or binary), and XML files of points (VTP,
-VTU) with inline or appended data, as ParaView reads them. Neither needs VTK.
+VTU) with inline or appended data, as ParaView reads them. No format needs the library VTK.
 
 https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html
 """
@@ -170,7 +170,7 @@ def _names_of_types(types: NDArray[np.generic]) -> list[str]:
 def _by_quantity(
     arrays: Mapping[str, NDArray[np.generic]], options: FileOptions, notes: list[str]
 ) -> Arrays:
-    """Return arrays by quantity; those that are omitted are noted."""
+    """Return arrays by quantity; omitted arrays are noted."""
     values: Arrays = {}
     left_out: list[str] = []
     named = {str(name): quantity for quantity, name in options.names.items()}
@@ -215,7 +215,7 @@ def _diameters_of_volumes(
 
 
 def _vector(values: Arrays, names: tuple[str, ...]) -> NDArray[np.float64] | None:
-    """Return a vector quantity: (n, 3); None unless all its components are there."""
+    """Return a vector quantity: (n, 3); None unless all its components are present."""
     if not all(name in values for name in names):
         return None
     return np.stack([np.asarray(values[name], dtype=np.float64) for name in names], axis=1)
@@ -270,7 +270,7 @@ class _LegacyReader:
         return None
 
     def _read_section(self, words: list[str]) -> None:
-        """Read the section that a line begins; lines of no section are passed over."""
+        """Read the section that a line begins; other lines are skipped."""
         keyword = words[0].upper()
         try:
             self._read_values(keyword, words)
@@ -302,7 +302,7 @@ class _LegacyReader:
                 self._read_array(self._line() or [])
 
     def _read_array(self, words: list[str]) -> None:
-        """Read an array of a field; arrays of words are passed over."""
+        """Read an array of a field; arrays of words are skipped."""
         if words and words[0].upper() == "METADATA":
             self._pass_metadata()
             words = self._line() or []
@@ -316,14 +316,14 @@ class _LegacyReader:
             self._keep(name, values, int(parts))
 
     def _pass_lookup_table(self) -> None:
-        """Pass over the line LOOKUP_TABLE, which some programs leave out."""
+        """Skip the line LOOKUP_TABLE, which some programs omit."""
         place = self.place
         words = self._line() or [""]
         if words[0].upper() != "LOOKUP_TABLE":
             self.place = place
 
     def _pass_metadata(self) -> None:
-        """Pass over the lines of a block METADATA, which ends with an empty line."""
+        """Skip the lines of a block METADATA, which ends with an empty line."""
         end = re.compile(rb"\r?\n[ \t]*\r?\n").search(self.content, self.place - 1)
         self.place = len(self.content) if end is None else end.end()
 
@@ -348,7 +348,7 @@ class _LegacyReader:
         return values
 
     def _ascii_numbers(self, n: int, dtype: np.dtype[np.generic]) -> NDArray[np.generic]:
-        """Return the next numbers of an ASCII file, which stand in any number of lines."""
+        """Return the next numbers of an ASCII file, which may be on any number of lines."""
         words: list[str] = []
         while len(words) < n and (line := self._line()) is not None:
             words += line
@@ -491,7 +491,7 @@ class _XmlReader:
             raise ValueError(f"found an array {name} that is damaged ({error})") from None
 
     def _bytes(self, content: bytes, is_raw: bool) -> bytes:
-        """Return the bytes of an array, which begins with its size or with that of its blocks."""
+        """Return the bytes of an array, which begins with its size or with the size of its blocks."""
         size = self.header.itemsize
         if not self.is_packed:
             head = _decode(content, size, is_raw)

@@ -1,9 +1,9 @@
-"""Trajectories in XYZ and extended XYZ, as OVITO and ASE write them: a number of grains, a comment,
-and a row for each grain.
+"""Trajectories in XYZ and extended XYZ, for example of OVITO and ASE: a number of grains, a
+comment, and a row for each grain.
 
 The comment of extended XYZ names the columns (``Properties=species:S:1:pos:R:3:radius:R:1``) and
 has the box (``Lattice``, ``Origin``, ``pbc``). Plain XYZ has the name of a type and x, y, z, unless
-its comment is a list of names; further columns have none.
+its comment is a list of names; further columns have no names.
 
 https://www.ovito.org/manual/reference/file_formats/input/xyz.html
 """
@@ -44,7 +44,7 @@ _STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its l
 
 
 def recognises(source: GrainSource) -> bool:
-    """Return True for a number of rows, a comment, and a row with a place."""
+    """Return True for a number of rows, a comment, and a row with a position."""
     lines = source.head.splitlines()[: _N_OF_HEAD + 1]
     if len(lines) <= _N_OF_HEAD or not lines[0].strip().isdigit():
         return False
@@ -127,7 +127,7 @@ def _starts(lines: list[str]) -> list[int]:
 
 
 def _heads(entries: dict[str, str], comment: list[str], layout: Layout) -> list[str]:
-    """Return the names of the columns; those behind the positions of plain XYZ are empty."""
+    """Return the names of the columns; names after the positions of plain XYZ are empty."""
     if _PROPERTIES in entries:
         return _heads_of_properties(entries[_PROPERTIES].strip('"'))
     n_columns = len(layout.cells(0))
@@ -186,7 +186,7 @@ def _add_box(grains: GrainTable, entries: dict[str, str], power: float) -> None:
 
 
 def _numbers(entries: dict[str, str], name: str, n: int) -> NDArray[np.float64] | None:
-    """Return the numbers of an entry of the comment: (n,); None without it."""
+    """Return the numbers of an entry of the comment: (n,); None without this entry."""
     if name not in entries:
         return None
     words = entries[name].strip('"').split()

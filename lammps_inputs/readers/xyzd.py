@@ -1,8 +1,8 @@
 """Packings of packing-generation (``packing.xyzd``): x, y, z and the diameter of each sphere as
 binary numbers, in a periodic box.
 
-Box and final porosity are in the text file ``packing.nfo`` in the same folder. The diameters of the
-file are those of a step of the generation; those of the packing follow from the porosity.
+Box and final porosity are in the text file ``packing.nfo`` in the same folder. The diameters in the
+file belong to a step of the generation; the diameters of the packing follow from the porosity.
 
 https://github.com/VasiliBaranov/packing-generation
 """
@@ -35,7 +35,7 @@ _INFO = ".nfo"
 
 
 def recognises(source: GrainSource) -> bool:
-    """Return True for binary numbers that are places and diameters."""
+    """Return True for binary numbers that are positions and diameters."""
     return bool(_type_of(source.content))
 
 
@@ -78,7 +78,7 @@ def read(source: GrainSource) -> GrainTable:
 
 
 def _type_of(content: bytes) -> str:
-    """Return the type of the numbers of a file of spheres; empty if it is none."""
+    """Return the type of the numbers of a file of spheres; empty for other files."""
     for kind in _DIGITS:
         n_bytes = _N_OF_SPHERE * np.dtype(kind).itemsize
         if not content or len(content) % n_bytes:
@@ -93,7 +93,7 @@ def _type_of(content: bytes) -> str:
 
 
 def _check(grains: GrainTable) -> None:
-    """Raise ValueError for a place or a size that is no finite number, or a size that is 0."""
+    """Raise ValueError for a position or a size that is not a finite number, or a size that is 0."""
     assert grains.radius is not None
     is_wrong = ~np.isfinite(grains.position).all(axis=1) | ~(grains.radius > 0)
     wrong = np.flatnonzero(is_wrong | ~np.isfinite(grains.radius))
@@ -142,7 +142,7 @@ def _add_info(grains: GrainTable, info: str, power: float) -> None:
 
 
 def _numbers(match: re.Match[str]) -> NDArray[np.float64]:
-    """Return the numbers of a match; raise ValueError if they are none."""
+    """Return the numbers of a match; raise ValueError if they are not numbers."""
     try:
         return np.array(match.groups(), dtype=np.float64)
     except ValueError:

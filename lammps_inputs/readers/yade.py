@@ -1,7 +1,7 @@
 """Packings of YADE: ``export.text`` and ``export.textExt``, and ``SpherePack.save``.
 
-A first line ``#format x_y_z_r`` names the columns, one ``##PERIODIC:: x y z`` the periodic cell;
-without any of them the format must be named, and the columns are x, y, z, r.
+A first line ``#format x_y_z_r`` names the columns, a line ``##PERIODIC:: x y z`` the periodic cell;
+without these lines the format must be named, and the columns are x, y, z, r.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _CLUMP = "clumpId"
 
 
 def recognises(source: GrainSource) -> bool:
-    """Return True for a text with a first line as YADE writes it."""
+    """Return True for a text with a first line of YADE."""
     return bool(_FORMAT.search(source.head) or _PERIODIC.match(source.head))
 
 

@@ -1,13 +1,13 @@
-"""Balance of grains at user-defined positions under a static load, near which the static stage
+"""Equilibrium of grains at user-defined positions under a static load, near which the static stage
 starts.
 
-FIRE, which finds the balance in LAMMPS, takes the more iterations the longer a row of grains is,
-and lets a row without a guide buckle on the way. Newton's method on the energy of elastic contacts
-takes few, see `granwave.lammps_inputs.statics.relax`. The stiffness leaves out the turning of
-forces, so that it is never negative.
+FIRE, which finds the equilibrium in LAMMPS, needs more iterations for longer chains of grains, and
+a chain without a guide can buckle on the way. Newton's method on the energy of elastic contacts
+needs few iterations, see `granwave.lammps_inputs.statics.relax`. The stiffness leaves out the
+turning of forces, so that it is never negative.
 
-A lattice with scattered diameters under a light load has hardly more contacts than motions, which
-close one after the other; it needs a path from smooth contacts, see
+A lattice with scattered diameters under a light load has hardly more contacts than degrees of
+freedom, and its contacts close one after another; it requires a path from smoothed contacts, see
 `granwave.lammps_inputs.statics.smoothed`.
 """
 
@@ -53,7 +53,7 @@ def balanced_displacements(assembly: Assembly) -> NDArray[np.float64] | None:
 
 
 def _is_searched(assembly: Assembly) -> bool:
-    """Return True for few grains under static loads, without walls that give way and strikers."""
+    """Return True for few grains under static loads, without movable walls and strikers."""
     case = assembly.case
     stage = case.precompression
     if stage is None or stage.presses or case.settles_damped or case.striker or case.has_cohesion:
@@ -64,14 +64,14 @@ def _is_searched(assembly: Assembly) -> bool:
 
 
 def _is_file_in_balance(assembly: Assembly) -> bool:
-    """Return True for grains of a file that are brought to balance."""
+    """Return True for grains of a file that are brought to equilibrium."""
     way = assembly.case.packing.contact_way
     return way is not None and way.balances and isinstance(assembly.lattice, Places)
 
 
 def _is_loose_lattice(assembly: Assembly) -> bool:
-    """Return True for a lattice whose gaps are much larger than the overlaps under its load, which
-    leaves hardly more contacts than motions.
+    """Return True for a lattice whose gaps are much larger than the overlaps under its load, so
+    that it has hardly more contacts than degrees of freedom.
     """
     case = assembly.case
     stage = case.precompression

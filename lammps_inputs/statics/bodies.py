@@ -161,11 +161,9 @@ class Bodies:
     def pairs(
         self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None
     ) -> tuple[NeighbourPairs, NDArray[np.bool_]]:
-        """Return pairs of rows from the vectors between their centres (n, 3), m, and True where
-        nothing touches.
-
-        That is where the nearest positions are beyond the end of a cylinder. Distances may be
-        given: (n,), m.
+        """Return pairs of rows from the vectors between their centres (n, 3), m, and True for
+        grains that cannot touch because their nearest positions are beyond the end of a cylinder.
+        Distances may be given: (n,), m.
         """
         apart = step
         turns = np.empty((len(first), 3, 3))
@@ -205,8 +203,8 @@ class Bodies:
         return float(2 * self.radius.mean())
 
     def _at_walls(self, position: Array, gap: float) -> Iterator[NeighbourPairs]:
-        """Give the grains whose gap to a wall is less than ``gap``, m; the ends of cylinders do not
-        touch.
+        """Yield the grains whose gap to a wall is less than ``gap``, m; the ends of cylinders do
+        not touch.
         """
         for wall in self.walls:
             if wall.held_layer:
@@ -292,7 +290,7 @@ class Bodies:
         return joined([joined([near], (-near.overlap <= gap) & ~beyond), *at_walls])
 
     def laws_of(self, contacts: NeighbourPairs) -> Iterator[Part]:
-        """Give the laws of contacts, each with its rows and their scales."""
+        """Yield the laws of contacts, each with its rows and their scales."""
         pairs = np.flatnonzero(contacts.second >= 0)
         kind = self.kind[contacts.first]
         radii = contacts.radii

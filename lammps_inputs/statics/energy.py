@@ -65,7 +65,7 @@ class EnergyProblem:
 
     @property
     def loaded(self) -> bool:
-        """True if a load acts, on grains, on the cell or on walls."""
+        """True if a load acts on grains, on the cell or on walls."""
         bodies = self.bodies
         return bool(bodies.dead_load.any() or any(bodies.stress.values()) or bodies.presses)
 
@@ -131,7 +131,7 @@ class EnergyProblem:
         return Evaluation(energy, gradient, contacts, tables, force.max(initial=0.0), rounding)
 
     def largest_approach(self, now: Evaluation, move: Array) -> float:
-        """Return the largest motion of grains against their neighbours and the walls, m."""
+        """Return the largest motion of grains relative to their neighbours and the walls, m."""
         motion = np.zeros_like(self.bodies.position)
         motion[self.free] = move[: self.n_motions]
         pairs = now.contacts.second >= 0
@@ -176,8 +176,8 @@ class EnergyProblem:
         return sparse.csr_array(sparse.hstack([moved[:, : self.n_motions], strained, closed]))
 
     def _approach(self, grain: Ints, normal: Array) -> sparse.csr_array:
-        """Derivatives by the unknowns of gaps in front of grains along normals (n, 3): (n,
-        n_unknowns).
+        """Derivatives, with respect to the unknowns, of gaps in front of grains along normals (n,
+        3): (n, n_unknowns).
         """
         number = self.number[grain]
         kept = number >= 0
@@ -188,11 +188,11 @@ class EnergyProblem:
 
 
 def smoothed_overlaps(overlap: Array, smoothing: float) -> tuple[Array, Array]:
-    """Return overlaps that are positive in open contacts too, and their slopes: (n,), m and 1.
+    """Return overlaps that are positive also in open contacts, and their slopes: (n,), m and 1.
 
     The overlap a follows from the overlap d of the geometry by a (a - d) = s^2: it is s in a
-    contact that just touches, d in one that is closed by much more, and s^2/|d| in one that is open
-    by much more.
+    contact that just touches, d in a contact with d >> s, and s^2/|d| in a contact that is open by
+    much more than s.
 
     Parameters
     ----------
@@ -210,8 +210,8 @@ def smoothed_overlaps(overlap: Array, smoothing: float) -> tuple[Array, Array]:
 
 
 def factorised(matrix: sparse.sparray) -> Any:
-    """Factorise a matrix with a symmetric pattern; SuperLU's default ordering fills in ten times as
-    much.
+    """Factorise a matrix with a symmetric pattern; SuperLU's default ordering gives ten times as
+    much fill-in.
     """
     options = {"SymmetricMode": True}
     return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
@@ -245,7 +245,8 @@ def newton_step(
 def _is_slender(matrix: sparse.csc_array) -> bool:
     """Return True for the matrix of a long row or a slender packing.
 
-    Its factors are small, and conjugate gradients would take as many steps as it is long.
+    Its factors are small, and conjugate gradients would take a number of steps proportional to its
+    length.
     """
     if matrix.nnz <= _OF_A_ROW * matrix.shape[0]:
         return True

@@ -1,4 +1,4 @@
-"""Grains of a packing as the search for its static state has them, with walls and loads."""
+"""Grains of a packing for the search of its static state, with walls and loads."""
 
 from __future__ import annotations
 

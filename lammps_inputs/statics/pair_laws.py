@@ -83,7 +83,7 @@ class Touches:
 
     def small(self, overlap: Array, peak: Array, scale: Array) -> tuple[Array, Array, Array]:
         """Return force, N, and normal and tangential stiffness of small motions, N/m, at a state
-        with a past.
+        with a load history.
 
         Parameters
         ----------
@@ -122,14 +122,14 @@ class Touches:
         return np.asarray(rolling), np.asarray(twisting)
 
     def _dent(self, scale: Array) -> Array:
-        """Return the largest earlier overlaps over R*."""
+        """Return the largest earlier overlaps divided by R*."""
         if self.dents is None:
             return np.zeros_like(scale)
         sizes, which = np.unique(scale, return_inverse=True)
         return np.asarray((dents_in(self.dents, self.law, sizes) / sizes)[which.ravel()])
 
     def _unloading(self, a: Array, peak: Array) -> Array:
-        """Slope of the branch that a contact un- and reloads on: n F/(alpha - alpha_R), N/m at R* =
+        """Slope of the branch of unloading and reloading: n F/(alpha - alpha_R), N/m at R* =
         1.
         """
         if not self.scaled:  # no power of the overlap, or one of its own; elastic
@@ -224,8 +224,8 @@ class PairLaws:
         radii: Array,
         scale: Array | None,
     ) -> Iterator[Part]:
-        """Give the law at R* = 1 m of two bodies with its scales, or, without these, one for each
-        pair of radii.
+        """Yield the law at R* = 1 m of two bodies with its scales, or, without scales, one law for
+        each pair of radii.
         """
         sizes = np.full((1, 2), 2.0)
         which = np.zeros(len(rows), dtype=np.int64)

@@ -1,12 +1,12 @@
 """Static state of grains under load, by Newton's method on their `EnergyProblem`.
 
-As in the static stage of a run, walls move in up to their force with elastic contacts, and stay
-there.
+As in the static stage of a run, walls move in with elastic contacts until they carry their forces,
+and then stay.
 
 A packing that buckles has no stable static state near its given positions. Newton's method with the
 turning of forces then finds the state in which all forces balance and from which the packing
-buckles: some motions lower its energy. Grains that are loose at first are followed until they touch
-others.
+buckles: some motions lower its energy. Grains that are initially loose are followed until they
+touch others.
 """
 
 from __future__ import annotations
@@ -75,8 +75,8 @@ class StaticState:
 
 
 def relax(bodies: Bodies) -> StaticState:
-    """Find the static state of grains under their loads, or, if they buckle, the balance from which
-    they do.
+    """Find the static state of grains under their loads, or, if they buckle, the equilibrium from
+    which they buckle.
 
     Raises
     ------
@@ -157,7 +157,7 @@ def _balance(problem: EnergyProblem, start: Array | None = None) -> tuple[Static
 
 
 def _other_ways(problem: EnergyProblem) -> Iterator[tuple[EnergyProblem, _Way]]:
-    """Give the problems and searches that find a balance if Newton's method does not."""
+    """Yield the problems and searches that find an equilibrium if Newton's method does not."""
     if problem.n <= _BUCKLED_UP_TO:
         yield EnergyProblem(problem.bodies, with_turning=True), _search
     if problem.n <= _FALLEN_UP_TO:
@@ -208,8 +208,7 @@ class _Progress:
         return self.since > _NO_PROGRESS and net <= enough + now.rounding
 
     def is_rounding(self, now: Evaluation, stiffness: float) -> bool:
-        """Return True if only rounding is left of net forces, next to contacts that carry much
-        more.
+        """Return True if the net forces are rounding errors of much larger contact forces.
 
         Parameters
         ----------
@@ -228,11 +227,12 @@ def fall(
     farthest: float = np.inf,
 ) -> tuple[Array, Evaluation]:
     """Return the unknowns and the state that the method of Levenberg (1944) and Marquardt (1963)
-    reaches from a start; it follows loose grains until they touch others.
+    reaches from a start. The method follows loose grains until they touch others.
 
     If the start is far from the unloaded state, the search begins in the unloaded state, since no
     contact resists at the start. Springs hold all grains in place during a step. They soften after
-    each step that lowers the energy or the net force, and stiffen if a step would lower neither.
+    each step that lowers the energy or the net force, and stiffen if a step would lower neither
+    energy nor net force.
 
     Parameters
     ----------
@@ -270,8 +270,8 @@ def fall(
 def _downhill(
     problem: EnergyProblem, x: Array, now: Evaluation, move: Array
 ) -> tuple[Array, Evaluation] | None:
-    """Return the unknowns after the part of a step that lowers energy or net force; None if no part
-    does.
+    """Return the unknowns after a part of a step that lowers energy or net force; None if there is
+    no such part.
     """
     net = _net(problem, now)
     size = 1.0
@@ -289,7 +289,7 @@ def _downhill(
 
 
 def _net(problem: EnergyProblem, now: Evaluation) -> float:
-    """Return the largest net force on a grain, a wall, or the cell (over its mean period), N."""
+    """Return the largest net force on a grain, a wall, or the cell (divided by its mean period), N."""
     motions = float(np.abs(now.gradient[: problem.n_motions]).max(initial=0.0))
     lengths = np.linalg.norm(problem.bodies.periods, axis=1)
     cell = float(np.abs(now.gradient[problem.n_motions : problem.n_of_grains]).max(initial=0.0))

@@ -1,15 +1,16 @@
-"""Static state of grains near jamming: a path from smooth contacts to those of the case.
+"""Static state of grains near jamming: a path from smoothed contacts to the contacts of the case.
 
-Near jamming there are hardly more contacts than motions. Newton's method then knows nothing of the
-gaps that a step closes, and each contact that opens leaves grains without support. Contacts are
-therefore smoothed first (Chen and Harker, SIAM J. Matrix Anal. Appl. 14 (1993) 1168): a contact of
-the overlap d gets the overlap a with a (a - d) = s^2, which is positive across gaps too. The
-smoothing s shrinks step by step, each balance starts from the last one, and the last one has none.
+Near jamming there are hardly more contacts than degrees of freedom. Newton's method does not take
+into account gaps that a step closes, and each contact that opens leaves grains without support.
+Contacts are therefore smoothed first (Chen and Harker, SIAM J. Matrix Anal. Appl. 14 (1993) 1168):
+a contact of the overlap d gets the overlap a with a (a - d) = s^2, which is positive across gaps
+too. The smoothing s shrinks step by step. Each equilibrium starts from the previous equilibrium,
+and the last equilibrium is without smoothing.
 
 The second derivatives include the turning of forces, which is not negligible for the soft motions
-of such a packing. Where they are indefinite, springs hold the grains during a step. The energy
-decreases along each step, which ends near its minimum or goes on as long as the energy falls, as in
-a packing that buckles.
+of such a packing. If they are indefinite, springs hold the grains during a step. The energy
+decreases along each step, which ends near its minimum, or continues as long as the energy falls, as
+in a packing that buckles.
 """
 
 from __future__ import annotations
@@ -77,7 +78,9 @@ def is_balanced(now: Evaluation) -> bool:
 
 
 def _typical_gap(problem: EnergyProblem, x: Array) -> float:
-    """Return the median distance from touching of as many contacts as there are motions, m."""
+    """Return the median distance from touching of the nearest contacts, as many as degrees of
+    freedom, m.
+    """
     overlap = np.sort(problem.at(x).contacts.overlap)[::-1]
     return float(np.median(np.abs(overlap[: problem.n])))
 
@@ -109,8 +112,8 @@ def _minimum(
 
 
 def _descent(problem: EnergyProblem, now: Evaluation, holding: float) -> tuple[Array, float] | None:
-    """Return a step of Newton's method along which the energy decreases, and the stiffness that
-    holds the grains in it, N/m; None if there is none.
+    """Return a step of Newton's method along which the energy decreases, and the stiffness of the
+    springs that hold the grains, N/m; None if there is no such step.
 
     Parameters
     ----------
@@ -137,8 +140,8 @@ def _descent(problem: EnergyProblem, now: Evaluation, holding: float) -> tuple[A
 def _along(
     problem: EnergyProblem, x: Array, now: Evaluation, step: Array, smoothing: float
 ) -> tuple[Array, Evaluation] | None:
-    """Return the unknowns and the state after a step of the right size; None if the energy rises
-    after the smallest one.
+    """Return the unknowns and the state after a step of suitable length; None if the energy rises
+    even after the smallest step.
 
     The slopes of the energy along the step are compared, which rounding affects less than the
     energy.

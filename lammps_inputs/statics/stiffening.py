@@ -1,10 +1,10 @@
-"""Beds that were settled with soft grains, and get a hard material.
+"""Beds that were settled with soft grains, and receive a hard material.
 
-The overlaps of a settled bed carry its weight. With a modulus that is a thousand times larger they
-would press a thousand times as hard, and the bed would burst. The grains move by least squares, as
-little as possible, until each contact presses as it did in the soft bed: the overlap of Hertz's law
-shrinks with the power -2/3 of the modulus. Friction and weight then stay in balance, up to the
-small turn of the contacts.
+The overlaps of a settled bed carry its weight. With a modulus that is a thousand times larger the
+contact forces would be a thousand times larger, and the bed would burst. The grains move as little
+as possible (least squares) until each contact carries its force in the soft bed: the overlap of
+Hertz's law shrinks with the power -2/3 of the modulus. Friction and weight then stay in balance, up
+to the small turn of the contacts.
 
 The ratio f of the forces follows from moments, sum_c f F_c d_c + sum_i x_i . L_i = 0,
 with the normal forces F_c of the overlaps in the material of the case, the distances d_c of the
@@ -12,8 +12,8 @@ centres, and the loads L_i and friction of the walls on grains at x_i. Tangentia
 have no moment of this kind.
 
 A bed without friction has hardly more contacts than it needs. The new directions of its contacts
-(turned by up to 3 %) are too much for it: it rearranges, and Newton's method follows it to a new
-balance (`granwave.lammps_inputs.statics.smoothed`).
+(turned by up to 3 %) disturb its equilibrium: it rearranges, and Newton's method follows it to a
+new equilibrium (`granwave.lammps_inputs.statics.smoothed`).
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ class StiffenedBed:
 
 def stiffened_bed(assembly: Assembly) -> StiffenedBed | None:
     """Return the grains of a soft bed at the overlaps of the material of the case; None for a bed
-    that has these overlaps, or that no damped stage brings to balance.
+    that already has these overlaps, or that no damped stage brings to equilibrium.
     """
     if not _may_be_soft(assembly):
         return None
@@ -117,11 +117,11 @@ def stiffened_bed(assembly: Assembly) -> StiffenedBed | None:
 
 @kept_by_assembly
 def hardened_without_friction(assembly: Assembly) -> float:
-    """Return the modulus of the case over that with which a bed without friction was settled; 1 for
-    all other packings.
+    """Return the modulus of the case divided by the modulus with which a bed without friction was
+    settled; 1 for all other packings.
 
-    The forces of such a bed, divided by the ratio of moduli, are in balance with its weight, which
-    those of overlaps by rounding are not.
+    The forces of such a bed, divided by the ratio of moduli, are in equilibrium with its weight;
+    forces of overlaps by rounding are not.
     """
     if not _may_be_soft_without_friction(assembly):
         return 1.0
@@ -141,8 +141,8 @@ def hardened_without_friction(assembly: Assembly) -> float:
 
 
 def rearranged_bed(assembly: Assembly) -> StiffenedBed | None:
-    """Return the grains of a soft bed without friction in balance with the material of the case;
-    None for all other packings.
+    """Return the grains of a soft bed without friction in equilibrium with the material of the
+    case; None for all other packings.
 
     Raises
     ------
@@ -188,7 +188,7 @@ def rearranged_bed(assembly: Assembly) -> StiffenedBed | None:
 
 
 def _pressing(ratio: float) -> str:
-    """Return the words for overlaps that press harder than the load, by a ratio."""
+    """Return the text for overlaps whose forces exceed the load by a ratio."""
     return (
         f"{KEY}: the forces of the overlaps are {ratio:.0f} times as large as the load, as in a "
         f"bed that was settled with a Young's modulus {ratio:.0f} times smaller"
@@ -196,7 +196,7 @@ def _pressing(ratio: float) -> str:
 
 
 def _may_be_soft_without_friction(assembly: Assembly) -> bool:
-    """Return True for spheres without friction under gravity, which a search brings to balance."""
+    """Return True for spheres without friction under gravity, which a search brings to equilibrium."""
     case = assembly.case
     stage = case.precompression
     way = case.packing.contact_way
@@ -206,7 +206,7 @@ def _may_be_soft_without_friction(assembly: Assembly) -> bool:
 
 
 def _may_be_soft(assembly: Assembly) -> bool:
-    """Return True for spheres under dead loads that a damped stage brings to balance."""
+    """Return True for spheres under dead loads that a damped stage brings to equilibrium."""
     return assembly.case.settles_damped and _are_loaded_spheres(assembly.case)
 
 

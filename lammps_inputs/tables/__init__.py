@@ -1,4 +1,4 @@
-"""Tables of text that people have: any separator, decimal sign, header and comments.
+"""Tables of text with any separator, decimal sign, header and comments.
 
 layout      rows of a text, their separator and decimal sign
 text_table  columns of a table, read by pandas

@@ -1,9 +1,9 @@
 """Digits with which the numbers of a column were written.
 
-A number in a file represents all numbers that round to it: half a unit of its last digit is the
-error that it may have. Trailing zeros may be missing (``%g``), so that the last place follows from
-all coordinates together: either all numbers have as many decimals, or the longest has all its
-significant digits. Of a few short numbers that a person typed, it says little.
+A number in a file represents all numbers that round to it: its error is up to half a unit of its
+last digit. Trailing zeros may be missing (``%g``), so that the last place follows from all
+coordinates together: either all numbers have as many decimals, or the longest has all its
+significant digits. For a few short numbers typed by hand, the error is not reliable.
 """
 
 from __future__ import annotations

@@ -100,7 +100,7 @@ def layout_of(text: str) -> Layout:
 
 
 def layout_from(layout: Layout, row: int) -> Layout:
-    """Return the layout of the rows from one on; the rows above may have another separator."""
+    """Return the layout of the rows from this row on; the rows above may have another separator."""
     return _layout(layout.numbers[row:], layout.rows[row:], layout.comments)
 
 
@@ -130,7 +130,7 @@ def split_row(row: str, separator: str) -> list[str]:
 
 
 def join_cells(cells: Sequence[str], separator: str) -> str:
-    """Return cells as a row that `split_row` and pandas take apart again."""
+    """Return cells as a row that `split_row` and pandas split into the same cells."""
     text = io.StringIO()
     csv.writer(text, delimiter=separator, lineterminator="").writerow(cells)
     return text.getvalue()
@@ -146,7 +146,7 @@ def is_number(cell: str) -> bool:
 
 
 def with_decimal_point(cell: str) -> str:
-    """Return a number with a decimal comma as one with a point; other cells are unchanged."""
+    """Return a number with a decimal comma as a number with a point; other cells are unchanged."""
     return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell
 
 

@@ -196,7 +196,9 @@ def table_of(layout: Layout, heads: Sequence[str], head_line: int, *, start: int
 
 
 def _with_units(words: Sequence[str]) -> list[str]:
-    """Return names between blanks, each with the unit in brackets behind it: ``x (mm)``."""
+    """Return names that are separated by blanks; a unit in brackets is joined to its name: ``x
+    (mm)``.
+    """
     names: list[str] = []
     for word in words:
         if names and _UNIT_IN_BRACKETS.fullmatch(word):
@@ -218,7 +220,9 @@ def _units_below(layout: Layout) -> list[str]:
 
 
 def _heads_in_comment(layout: Layout, n: int) -> list[str]:
-    """Return the names of ``n`` columns in the last comment before the rows; none without such."""
+    """Return the names of ``n`` columns in the last comment before the rows; none without such a
+    comment.
+    """
     if not layout.comments:
         return []
     line = layout.comments[-1]
@@ -230,7 +234,9 @@ def _heads_in_comment(layout: Layout, n: int) -> list[str]:
 
 
 def _checked_rows(layout: Layout, start: int, names: Sequence[str]) -> Sequence[str]:
-    """Return the rows from one on, which have as many cells as there are names."""
+    """Return the rows from this row on, after a check that they have as many cells as there are
+    names.
+    """
     sign = layout.separator
     expected = len(names)
     rows = list(layout.rows[start:])

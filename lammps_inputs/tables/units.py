@@ -80,7 +80,7 @@ def unit_of(cell: str) -> str:
 
 
 def has_size(unit: str) -> bool:
-    """Return True if a unit of lengths has a size, as of a voxel: ``0.012 mm``."""
+    """Return True if a unit of lengths has a size, such as a voxel: ``0.012 mm``."""
     return unit not in LENGTH_UNITS
 
 

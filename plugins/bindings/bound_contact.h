@@ -5,6 +5,7 @@
 #define GRANWAVE_BINDINGS_BOUND_CONTACT_H
 
 #include "../laws/cylinders.h"
+#include "../laws/partial_slip.h"
 #include "arguments.h"
 #include "collision.h"
 

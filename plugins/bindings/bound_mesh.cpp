@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "bound_mesh.h"
 
-#include "../laws/triangle_mesh.h"
+#include "../kernels/triangle_mesh.h"
 #include "arguments.h"
 
 #include <pybind11/numpy.h>

@@ -12,8 +12,8 @@
 #include <Kokkos_Core.hpp>
 
 #include "../laws/elastoplastic.h"
-#include "../laws/front.h"
-#include "../laws/periodic_images.h"
+#include "../kernels/front.h"
+#include "../kernels/periodic_images.h"
 
 namespace granwave {
 

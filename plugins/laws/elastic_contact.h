@@ -32,9 +32,9 @@
 #ifndef GRANWAVE_ELASTIC_CONTACT_H
 #define GRANWAVE_ELASTIC_CONTACT_H
 
+#include "kernel.h"
 #include "material.h"
 #include "power.h"
-#include "processors.h"
 
 #include <cmath>
 #include <utility>
@@ -145,32 +145,6 @@ class LineContact {
     exponents<1>(&s, &w);
     return w;
   }
-};
-
-/* Batch of contacts along lines as plain arrays: forces and stiffnesses of several at a time, with the same bits as one by one.
-   Contacts are computed in groups, the last of which may hold numbers of earlier batches. */
-struct LineBatch {
-  static constexpr int GROUP = 8;
-  static constexpr int CAPACITY = 64;    // a multiple of it
-
-  int size = 0;
-  int place[CAPACITY];                            // index of the contact, as set by the caller
-  double overlap[CAPACITY] = {};                  // input
-  double force[CAPACITY], stiffness[CAPACITY];    // output
-
-  bool full() const { return size == CAPACITY; }
-  void add(int index, const LineContact &contact, double present)
-  {
-    place[size] = index;
-    overlap[size] = present;
-    overlap_scale[size] = contact.overlap_scale();
-    force_scale[size] = contact.force_scale();
-    size++;
-  }
-  void compute();
-
- private:
-  double overlap_scale[CAPACITY] = {}, force_scale[CAPACITY] = {};
 };
 
 /* F = constant overlap^exponent; no force at all with constant 0. */

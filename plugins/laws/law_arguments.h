@@ -5,7 +5,9 @@
 #ifndef GRANWAVE_LAW_ARGUMENTS_H
 #define GRANWAVE_LAW_ARGUMENTS_H
 
-#include "contact_memory.h"
+#include "contact_law.h"
+#include "resistance.h"
+#include "viscous_loss.h"
 
 #include <stdexcept>
 
@@ -32,18 +34,6 @@ struct LawArguments {
   bool has_rate() const { return first[RATE_SENSITIVITY] > 0.0 || (second && (*second)[RATE_SENSITIVITY] > 0.0); }
   // largest number for a pair of these materials
   int n_extra() const { return law->n_extra + (has_rate() ? RATE_EXTRA : 0); }
-
-  /* Add the parts of its history to the existing history of contacts. */
-  void extend(ContactMemory &has) const
-  {
-    has.friction |= friction > 0.0 || resistance;
-    has.slip |= slips_partially();
-    has.cohesion |= bool(options.cohesion);
-    has.resistance |= bool(resistance);
-    has.loss |= bool(loss);
-    has.prony |= loss.relaxes();
-    has.damping |= loss.tangential > 0.0;
-  }
 
   ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }
 };

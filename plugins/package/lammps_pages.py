@@ -71,7 +71,7 @@ class _Page:
         self.labels = labels
         self.section = ""
         text = _MEMBER.sub(lambda m: m.expand(_PACKAGE) + (" It" if m["end"] != "." else ""), text)
-        text = re.sub(r"`plugins/laws/(\w+)\.h`", r"`src/GRANWAVE/granwave_\1.h`", text)
+        text = re.sub(r"`plugins/(?:laws|kernels)/(\w+)\.h`", r"`src/GRANWAVE/granwave_\1.h`", text)
         self.root = SyntaxTreeNode(MarkdownIt("commonmark").enable("table").parse(text))
 
     def __str__(self) -> str:

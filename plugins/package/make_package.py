@@ -42,7 +42,7 @@ def sources() -> dict[str, str]:
     """
     found = {
         path.name: path.read_text(encoding="utf-8")
-        for room in ("styles", "laws")
+        for room in ("styles", "kernels", "laws")
         for path in sorted((PLUGINS / room).iterdir())
         if path.suffix in (".h", ".cpp") and path.name not in PLUGIN_ONLY
     }
@@ -52,7 +52,9 @@ def sources() -> dict[str, str]:
         return f'#include "{new.get(line[1], line[1])}"'
 
     return {
-        new[name]: re.sub(r'^#include "(?:\.\./laws/)?([^"]+)"', include, text, flags=re.MULTILINE)
+        new[name]: re.sub(
+            r'^#include "(?:\.\./(?:laws|kernels)/)?([^"]+)"', include, text, flags=re.MULTILINE
+        )
         for name, text in found.items()
     }
 

@@ -6,9 +6,9 @@
 #ifndef GRANWAVE_CONTACT_LIST_H
 #define GRANWAVE_CONTACT_LIST_H
 
-#include "../laws/contact_history.h"
-#include "../laws/contact_memory.h"
-#include "../laws/touching_pairs.h"
+#include "../kernels/contact_history.h"
+#include "../kernels/contact_memory.h"
+#include "../kernels/touching_pairs.h"
 #include "pair_rows.h"
 
 #include <functional>

@@ -4,8 +4,8 @@
 #ifndef GRANWAVE_CONTACT_REPORT_H
 #define GRANWAVE_CONTACT_REPORT_H
 
-#include "../laws/contact_history.h"
-#include "../laws/contact_memory.h"
+#include "../kernels/contact_history.h"
+#include "../kernels/contact_memory.h"
 
 #include "lmptype.h"
 

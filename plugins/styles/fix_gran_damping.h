@@ -27,7 +27,7 @@ FixStyle(gran/holder,FixGranHolder);
 #ifndef LMP_FIX_GRAN_DAMPING_H
 #define LMP_FIX_GRAN_DAMPING_H
 
-#include "../laws/exact_sum.h"
+#include "../kernels/exact_sum.h"
 #include "fix.h"
 
 namespace LAMMPS_NS {

@@ -11,7 +11,7 @@ FixStyle(gran/hysteretic/history,FixGranHystereticHistory);
 #ifndef LMP_FIX_GRAN_HYSTERETIC_HISTORY_H
 #define LMP_FIX_GRAN_HYSTERETIC_HISTORY_H
 
-#include "../laws/contact_history.h"
+#include "../kernels/contact_history.h"
 #include "fix.h"
 
 #include <functional>

@@ -16,7 +16,7 @@ FixStyle(gran/timestep,FixGranTimestep);
 #ifndef LMP_FIX_GRAN_TIMESTEP_H
 #define LMP_FIX_GRAN_TIMESTEP_H
 
-#include "../laws/step_controller.h"
+#include "../kernels/step_controller.h"
 #include "fix_gran_cylinder.h"
 
 #include <string>

@@ -7,6 +7,7 @@
 
 #include "domain.h"
 #include "error.h"
+#include "../kernels/tube.h"
 #include "../laws/law_arguments.h"
 #include "motion.h"
 #include "neighbor.h"
@@ -32,7 +33,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
     tangential_model = args.tangential;
     loss = args.loss;
     resistance = args.resistance;
-    args.extend(has);
+    has.extend(args);
     if (has.cohesion && curved && std::strcmp(curved->kind(), "mesh") == 0)
       throw std::invalid_argument("a mesh holds spheres without cohesion");
     has.loss_first = true;

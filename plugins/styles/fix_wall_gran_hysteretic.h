@@ -24,11 +24,12 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #ifndef LMP_FIX_WALL_GRAN_HYSTERETIC_H
 #define LMP_FIX_WALL_GRAN_HYSTERETIC_H
 
-#include "../laws/contact_step.h"
-#include "../laws/exact_sum.h"
-#include "../laws/front.h"
-#include "../laws/mesh_wall.h"
-#include "../laws/support.h"
+#include "../kernels/contact_step.h"
+#include "../kernels/exact_sum.h"
+#include "../kernels/front.h"
+#include "../kernels/line_batch.h"
+#include "../kernels/mesh_wall.h"
+#include "../kernels/support.h"
 #include "fix_gran_cylinder.h"
 #include "moved_mass.h"
 #include "region_wall.h"

@@ -15,7 +15,7 @@ CommandStyle(gran/dents,GranDents);
 #ifndef LMP_GRAN_DENTS_H
 #define LMP_GRAN_DENTS_H
 
-#include "../laws/contact_memory.h"
+#include "../kernels/contact_memory.h"
 #include "command.h"
 #include "motion.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "motion.h"
 
-#include "../laws/touching_pairs.h"
+#include "../kernels/touching_pairs.h"
 
 #include "comm.h"
 #include "error.h"

@@ -10,7 +10,7 @@
 #ifndef GRANWAVE_MOVED_MASS_H
 #define GRANWAVE_MOVED_MASS_H
 
-#include "../laws/stored.h"
+#include "../kernels/stored.h"
 
 #include "fix.h"
 

@@ -4,7 +4,7 @@
 #ifndef GRANWAVE_PAIR_BATCH_H
 #define GRANWAVE_PAIR_BATCH_H
 
-#include "../laws/contact_batch.h"
+#include "../kernels/contact_batch.h"
 #include "pair_laws.h"
 
 namespace granwave {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "pair_geometry.h"
 
-#include "../laws/periodic_images.h"
+#include "../kernels/periodic_images.h"
 
 #include "atom.h"
 #include "domain.h"

@@ -10,6 +10,8 @@
 #include "fix_gran_hysteretic_history.h"
 #include "pair_laws.h"
 
+#include "atom.h"
+
 #include <array>
 
 namespace granwave {
@@ -39,6 +41,13 @@ class PairGeometry {
   /* Separation of the bodies of a special pair. */
   CylinderPair::Separation separation(int i, int j) const;
   double distance_squared(int i, int j) const;
+  /* The same from the coordinates of both as they are, across a periodic boundary with other last bits. */
+  double rounded_distance_squared(int i, int j) const
+  {
+    const double *const xi = lmp_->atom->x[i], *const xj = lmp_->atom->x[j];
+    const double delx = xi[0] - xj[0], dely = xi[1] - xj[1], delz = xi[2] - xj[2];
+    return delx * delx + dely * dely + delz * delz;
+  }
   /* Distance that the overlap is counted from, from the squared one of the centers. Beyond the end of a cylinder it is that. */
   double distance(int i, int j, double rsq) const;
   double distance(int i, int j) const { return distance(i, j, distance_squared(i, j)); }

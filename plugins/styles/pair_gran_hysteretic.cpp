@@ -158,7 +158,7 @@ int PairGranHysteretic::find_memory()
     for (int j = i; j <= laws.types(); j++) {
       if (!setflag[i][j]) continue;
       const LawArguments &args = laws.arguments(i, j);
-      args.extend(wanted);
+      wanted.extend(args);
       has_dashpot = has_dashpot || args.loss.kind == LossKind::DASHPOT;
       n_extra = std::max(n_extra, args.n_extra());
       has_rate = has_rate || args.has_rate();

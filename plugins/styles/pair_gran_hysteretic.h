@@ -26,8 +26,9 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #ifndef LMP_PAIR_GRAN_HYSTERETIC_H
 #define LMP_PAIR_GRAN_HYSTERETIC_H
 
-#include "../laws/contact_step.h"
-#include "../laws/plastic_batch.h"
+#include "../kernels/contact_step.h"
+#include "../kernels/line_batch.h"
+#include "../kernels/plastic_batch.h"
 #include "contact_list.h"
 #include "contact_report.h"
 #include "ghost_velocities.h"
@@ -181,6 +182,7 @@ class PairGranHysteretic : public Pair {
   void begin_evaluation();
   void compute_forces(Tally);
   void compute_special(Tally);
+  bool clearly_apart(int i, int j, int k, double radsum) const;
   bool add_special(int r, int k);
   void compute_batch(Tally, bool special = false);
   void set_elastic(Batch &);
@@ -188,7 +190,7 @@ class PairGranHysteretic : public Pair {
   void compute_plastic(Batch &, std::uint64_t beyond, std::uint64_t raised);
   void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
-  void compute_tangential(Batch &);
+  void compute_tangential(Batch &, bool special);
   bool advance_friction(Batch &);
   bool add_damping(Batch &);
   void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);
@@ -199,6 +201,11 @@ class PairGranHysteretic : public Pair {
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 
   // output
+  struct TotalledContact;
+  void add_to_totals(const TotalledContact &);
+  double total_pairs();
+  void total_records();
+  void total_forgotten();
   Report report_forgotten(int i, const granwave::ContactRecord &, const double *block);
   Report report_pair(int i, int j, int k, double side, double rsq);
   Report report_pair(std::size_t r, int k);
@@ -214,6 +221,7 @@ class PairGranHysteretic : public Pair {
   std::vector<double> largest_radius;    // by type
   bool radii_vary = false;               // true if a fix may change radii during a run
   bool uniform = false;                  // true if all spheres are equal
+  bool only_spheres = false;             // true if all pairs touch by the distance of their centers, without cohesion
   bool has_rate = false;                 // true if a law depends on the rate
   bool has_dashpot = false;              // true if a pair of types has one
 

@@ -17,8 +17,9 @@ using namespace granwave;
 namespace {
 
 constexpr const char *INITIAL_PLACES = "initial";    // custom array, d2_initial in commands
+constexpr double MARGIN = 1e-6;                      // of squared distances, far above their rounding
 
-}
+}    // namespace
 
 /* Index of the custom array with the places at which normals are taken, if they are the initial ones; else -1. */
 int PairGranHysteretic::find_initial_places()
@@ -104,6 +105,7 @@ void PairGranHysteretic::compute_special(Tally what)
   ContactList &c = contacts;
   const int rows = static_cast<int>(c.row.size());
   if (rows == c.plain) return;
+  only_spheres = !has.cohesion && !normals_initial && !laws.cylinders();
   batch.size = 0;
   for (int r = c.plain; r < rows; r++) {
     if (c.rests(r)) continue;
@@ -120,6 +122,14 @@ void PairGranHysteretic::compute_special(Tally what)
   if (batch.size > 0) compute_batch(what, true);
 }
 
+/* Return true if pair k of spheres i and j, which touch by the distance of their centers, is so far from touching, and from the gap
+   beyond which a contact is forgotten, that the last bits of the distance do not matter. */
+bool PairGranHysteretic::clearly_apart(int i, int j, int k, double radsum) const
+{
+  const double rsq = geometry.rounded_distance_squared(i, j), reach = radsum + gap;
+  return rsq > radsum * radsum * (1.0 + MARGIN) && (contacts.peak[k] == 0.0 || rsq < reach * reach * (1.0 - MARGIN));
+}
+
 /* Put special pair k of row r into the batch, or end its spring and forces if it does not touch. Returns true if it is in
    the batch. */
 bool PairGranHysteretic::add_special(int r, int k)
@@ -127,6 +137,10 @@ bool PairGranHysteretic::add_special(int r, int k)
   ContactList &c = contacts;
   const int i = c.row[r], j = c.partner[k];
   const double radsum = atom->radius[i] + atom->radius[j];
+  if (only_spheres && clearly_apart(i, j, k, radsum)) {
+    if (c.has_spring(k)) release_contact(k);
+    return false;
+  }
   const CylinderPair::Separation found = geometry.separation(i, j);
   const bool touches = !(found.distance * found.distance >= TouchingPairs::touch_squared(radsum));    // also true for NaN
   const bool sticks = has.cohesion && has.cohesion_of(c.block(k))->active();

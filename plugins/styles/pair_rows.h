@@ -37,6 +37,8 @@ class PairRows {
   int size() const { return static_cast<int>(partner.size()); }
   const Sphere &sphere_of_row(int r) const { return spheres[row[r]]; }
   const Sphere &partner_of_pair(int k) const { return spheres[partner[k]]; }
+  /* Row of pair k. */
+  int row_of(int k) const { return static_cast<int>(std::upper_bound(begin.begin(), begin.end(), k) - begin.begin()) - 1; }
 
   /* Call a function for each row r and pair k with the indices i and j of its spheres. */
   template <class Visit> void each_pair(const Visit &visit) const

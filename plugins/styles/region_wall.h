@@ -6,7 +6,7 @@
 #ifndef LMP_GRANWAVE_REGION_WALL_H
 #define LMP_GRANWAVE_REGION_WALL_H
 
-#include "../laws/curved_wall.h"
+#include "../kernels/curved_wall.h"
 
 #include <string>
 #include <unordered_map>

@@ -5,7 +5,7 @@
 #ifndef GRANWAVE_WALL_HISTORY_H
 #define GRANWAVE_WALL_HISTORY_H
 
-#include "../laws/stored.h"
+#include "../kernels/stored.h"
 #include "../laws/tangential.h"
 
 #include <algorithm>

@@ -44,8 +44,8 @@ BINDING = (
     "bindings/collision.cpp",
     "bindings/python_bindings.cpp",
     "laws/law_arguments.cpp",
-    "laws/stl_file.cpp",
-    "laws/triangle_mesh.cpp",
+    "kernels/stl_file.cpp",
+    "kernels/triangle_mesh.cpp",
 )
 FLAGS = ("-std=c++17", "-O1", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off")
 

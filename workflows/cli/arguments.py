@@ -46,7 +46,7 @@ def number(text: str) -> float:
 def number_that(
     expected: str, accepts: Callable[[float], bool], kind: Callable[[float], Any] = float
 ) -> Callable[[str], Any]:
-    """Make a function that reads a number that is accepted.
+    """Make a function that reads a number and checks whether it is accepted.
 
     Parameters
     ----------
@@ -101,11 +101,33 @@ radius = number_that(
 
 
 def words(text: str) -> tuple[str, ...]:
-    """Read names with commas between them."""
+    """Read names separated by commas."""
     found = tuple(name.strip() for name in text.split(","))
     if not all(found):
         raise argparse.ArgumentTypeError(f'found an empty name in "{text}"')
     return found
+
+
+def whole_numbers(text: str) -> tuple[int, ...]:
+    """Read whole numbers from 1 up and ranges of them, such as ``1,5,10-20``."""
+    found: list[int] = []
+    for word in words(text):
+        first, dash, last = word.partition("-")
+        numbers = range(positive(first), 1 + positive(last if dash else first))
+        if not numbers:
+            raise argparse.ArgumentTypeError(f"found {word}, expected the smaller number first")
+        found.extend(numbers)
+    return tuple(found)
+
+
+def bounds(text: str) -> tuple[float, float]:
+    """Read a lower and an upper bound, with a comma between them."""
+    found = tuple(number(word) for word in words(text))
+    if len(found) != 2 or not found[0] <= found[1]:
+        raise argparse.ArgumentTypeError(
+            f"found {text}, expected a lower and an upper bound, such as 0.01,0.02"
+        )
+    return found[0], found[1]
 
 
 def bench_parts(text: str) -> tuple[str, ...]:

@@ -33,8 +33,8 @@ Names = Callable[[argparse.Namespace], Iterable[str]]
 
 
 def completion(options: argparse.Namespace) -> int:
-    """Execute ``granwave completion``: print the code that switches it on in a shell; return the
-    exit status.
+    """Execute ``granwave completion``: print the code that enables completion in a shell; return
+    the exit status.
     """
     from argcomplete.shell_integration import shellcode
 
@@ -68,8 +68,8 @@ def with_completers(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
 
 
 def _completers_of(command: Command) -> dict[str, Callable[..., list[str]]]:
-    """Return the completers of the options of a command that list words; and of its case, if it
-    runs cases of a kind.
+    """Return the completers of a command: of its options that list words, and of its case if it
+    runs cases.
     """
     completers = {
         option.destination: _words_of(option)
@@ -82,14 +82,14 @@ def _completers_of(command: Command) -> dict[str, Callable[..., list[str]]]:
 
 
 def _words_of(option: Option) -> Callable[..., list[str]]:
-    """Completer of an option with a list of words."""
+    """Return the completer of an option with a list of words."""
     words = option.words
     assert words is not None
     return _names(lambda _: words())
 
 
 def _names(names: Names) -> Callable[..., list[str]]:
-    """Completer of a name, or of names with commas between them."""
+    """Return the completer of a name, or of names separated by commas."""
 
     def completer(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[str]:
         before, comma, last = prefix.rpartition(",")
@@ -99,7 +99,7 @@ def _names(names: Names) -> Callable[..., list[str]]:
 
 
 def _studies(kind: str, *verbs: str) -> Callable[..., list[str]]:
-    """Completer of built-in cases or scans, for these commands, and of TOML files."""
+    """Return the completer of built-in cases or scans, for these commands, and of TOML files."""
 
     def completer(prefix: str, **options: Any) -> list[str]:
         from argcomplete.completers import FilesCompleter

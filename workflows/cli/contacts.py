@@ -103,8 +103,7 @@ def _check_law(options: argparse.Namespace, output: Path) -> None:
 def _parameters(options: argparse.Namespace) -> dict[str, dict[str, Any]]:
     """Return the parameters of the law that are given, of ``contact`` and of each ``material``.
 
-    As in a case, those that have a default there may stand with another law, which has no use for
-    them.
+    As in a case, parameters with a default are also accepted with a law that does not use them.
     """
     law = LAWS[options.law]
     slow = {"rate_sensitivity": None}  # unless a rate is given
@@ -129,7 +128,7 @@ def _contact(
     constants: dict[str, Any],
     cohesion: Cohesion | None = None,
 ) -> ContactLaw:
-    """Return the law between two bodies; raise InputError where its parameters do not fit."""
+    """Return the law between two bodies; raise InputError if its parameters are incompatible."""
     try:
         return contact_of(materials, radii, law, constants, cohesion=cohesion)
     except InputError:

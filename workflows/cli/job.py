@@ -3,7 +3,7 @@
     python -m granwave.workflows.cli.job NAME.job
 
 Before the time limit it gets SIGTERM, writes a checkpoint and ends; the next job of its chain
-continues. Exit status: exit status of the command; 0 if an earlier job has ended the work.
+continues. Exit status: exit status of the command; 0 if an earlier job has finished the work.
 """
 
 from __future__ import annotations

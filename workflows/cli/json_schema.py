@@ -1,8 +1,8 @@
 """JSON Schema (2020-12) of the files that a user writes, derived from the declarations of their
 keys; editors use it for completion.
 
-The declared types of keys are there: bounds, words, and tables in tables. Relations between several
-keys are not included: ``granwave check`` says that.
+The schema contains the declared types of keys: bounds, words, and nested tables. It does not
+contain conditions on several keys, which ``granwave check`` tests.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def schema_of(file: str) -> Schema:
 
 
 def _put(root: Schema, table: KeyTable, kind: FileKind) -> None:
-    """Enter a table; those in it are in the types of its keys."""
+    """Add a table; its nested tables are part of the types of its keys."""
     made = _object(table, kind)
     may_be_missing = (*OPTIONAL, *kind.may_be_missing)
     if table.heading.startswith("[["):
@@ -72,7 +72,9 @@ def _put(root: Schema, table: KeyTable, kind: FileKind) -> None:
 
 
 def _add_kind(packing: Schema, made: Schema) -> None:
-    """Add the keys of a kind of packing to those of the others; a key of both is of either type."""
+    """Add the keys of a kind of packing to the keys of other kinds; a common key accepts both
+    types.
+    """
     known = packing["properties"]
     for name, schema in made["properties"].items():
         known[name] = {"anyOf": [known[name], schema]} if name in known else schema

@@ -226,7 +226,7 @@ def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> K
 
 
 def _with_contact(pair: KeyTable) -> KeyTable:
-    """Return the table ``[[pair]]`` with the keys that it has in common with ``[contact]``."""
+    """Return the table ``[[pair]]`` with the keys that it shares with ``[contact]``."""
     contact = _of_section(pair.file, CONTACT, case_sections()[CONTACT][0])
     of_contact = (key for key in contact.keys if key.name not in _NOT_OF_A_PAIR)
     taken = (dataclasses.replace(key, default="value of [contact]") for key in of_contact)

@@ -117,7 +117,7 @@ def _report_import(error: ImportError) -> int:
 
 
 def _interrupt_again(lost: sys.UnraisableHookArgs) -> None:
-    """Repeat a Ctrl-C that came while Python was clearing up, where it drops all errors."""
+    """Repeat a Ctrl-C that arrived during the clean-up of Python, which ignores all errors."""
     if lost.exc_type is KeyboardInterrupt:
         main_thread = threading.main_thread().ident
         assert main_thread is not None
@@ -178,9 +178,8 @@ def _report_file(error: OSError, words: Sequence[str]) -> int:
 
 
 def _set_up_logging() -> None:
-    """Show granwave's messages from INFO, each warning once, and of libraries errors only.
-
-    Of several ranks only the first shows messages below ERROR.
+    """Show messages of granwave from INFO on, each warning once, and only errors of libraries. Only
+    the first rank shows messages below ERROR.
     """
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(_Messages())

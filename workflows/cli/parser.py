@@ -222,7 +222,17 @@ def _core() -> tuple[Command, ...]:
             RUN_OR_SCAN, option("--to", required=True, metavar="FORMAT", help=f"one of {', '.join(export_names())}"),
             option("--only", type=read.words, metavar="NAME,...",
                     help="tables of a run to export to csv, such as contacts,energy (default: "
-                        "all)"),
+                        "all, or those that the options below select from)"),
+            option("--spheres", type=read.whole_numbers, metavar="ID,...",
+                    help="rows of these spheres and their contacts, such as 1,5,10-20"),
+            option("--layers", type=read.whole_numbers, metavar="N,...",
+                    help="rows of these layers and their contacts, such as 1,3-5; 1 is the top"),
+            option("--depth", type=read.bounds, metavar="LOW,HIGH",
+                    help="rows at these depths below the impacted sphere, m"),
+            option("--region", metavar="WORDS",
+                    help='rows in a region of LAMMPS, m, such as "sphere 0.04 0.04 0 0.02"'),
+            option("--time", type=read.bounds, metavar="FROM,TO",
+                    help="instants of histories, and snapshots, s"),
             output("directory or file of the export (default: DIR/export)", "DIR"),
         )),
         Command("law", CONTACTS, "plot or tabulate force-overlap curves of a "
@@ -350,7 +360,7 @@ class _Parser(argparse.ArgumentParser):
         )
 
     def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
-        """Return the value of an option; "--" behind its "=" is a value as any other."""
+        """Return the value of an option; after "=", "--" is an ordinary value."""
         if action.option_strings and action.nargs is None and arg_strings == ["--"]:
             return self._get_value(action, "--")
         return super()._get_values(action, arg_strings)

@@ -54,11 +54,17 @@ def report(options: argparse.Namespace) -> int:
 def export(options: argparse.Namespace) -> int:
     """Execute ``granwave export``."""
     from granwave.analysis.exports.export import export as export_directory
+    from granwave.analysis.exports.selection import selection
 
     output = options.output or options.directory / EXPORT_DIRECTORY
     existing(options.directory, "expected the directory of a run or a scan")
+    selected = selection(
+        options.spheres, options.layers, options.depth, options.region, options.time
+    )
     with held(ResultDirectory(results_directory(output))):
-        placed = export_directory(options.directory, options.to, options.output, options.only or ())
+        placed = export_directory(
+            options.directory, options.to, options.output, options.only or (), selected
+        )
     for path in placed:
         print(path)
     return 0
@@ -178,7 +184,7 @@ def _value(name: str, text: str, through: str | None) -> Any:
 
 
 def _toml(text: str) -> Any:
-    """Read a number, or numbers with commas between them; other texts stay as they are."""
+    """Read a number, or numbers separated by commas; other texts are unchanged."""
     try:
         values = tomllib.loads(f"value = [{text}]")["value"]
     except ValueError:

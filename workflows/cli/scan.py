@@ -133,7 +133,7 @@ def _check_directory(whole: Scan | Suite, directory: Path, options: argparse.Nam
 
 
 def _scans_by_directory(whole: Scan | Suite, directory: Path) -> dict[Path, Scan]:
-    """Return a scan, or those of a suite, by the directories of their results."""
+    """Return a scan, or the scans of a suite, by the directories of their results."""
     if isinstance(whole, Scan):
         return {directory: whole}
     return {directory / scan.name: scan for scan in whole.scans}
@@ -141,7 +141,7 @@ def _scans_by_directory(whole: Scan | Suite, directory: Path) -> dict[Path, Scan
 
 @dataclasses.dataclass(frozen=True)
 class _ScanPlan:
-    """Values of a planned scan, and how much slower this machine is than the estimate assumes."""
+    """Values of a planned scan, and the slowness of this machine relative to the estimate."""
 
     name: str
     values: Mapping[str, Any]

@@ -185,7 +185,7 @@ def _all(scratch: Path, ranks: int, launcher: Sequence[str]) -> Iterator[Check]:
 
 
 def _attempt(what: str, remedy: str, work: Callable[[], list[Check]]) -> list[Check]:
-    """Return the checks of some runs; one that failed if they end with an error."""
+    """Return the checks of some runs; a single failed check if a run ends with an error."""
     try:
         return work()
     except (GranwaveError, OSError) as error:
@@ -217,8 +217,8 @@ def _number(what: str, unit: str, expected: float, found: float, digits: int = 5
 
 
 def _pair_constants() -> tuple[float, float, float]:
-    """Return mass (kg), radius (m) and modulus (Pa) of a pair of equal spheres, as Hertz has
-    them.
+    """Return mass (kg), radius (m) and modulus (Pa) of a pair of equal spheres, as in Hertz's
+    formulas.
     """
     mass = _BRASS["density"] * math.pi / 6 * _DIAMETER**3
     return (
@@ -327,9 +327,7 @@ def _ranks(scratch: Path, ranks: int, launcher: Sequence[str]) -> list[Check]:
 
 def _fields(directory: Path) -> dict[str, Any]:
     """Return the values of grains, contacts and snapshots of a result by name; sums over all grains
-    are omitted.
-
-    Those are rounded in the order of the ranks.
+    are omitted, because their rounding depends on the order of the ranks.
     """
     found: dict[str, Any] = {}
 
@@ -344,7 +342,7 @@ def _fields(directory: Path) -> dict[str, Any]:
 
 
 def _resumed(scratch: Path) -> list[Check]:
-    """Stop the packing after its first steps, and continue; values must equal those of the
+    """Stop the packing after its first steps, and continue; the values must equal the values of the
     uninterrupted run.
     """
     with _stopped_early(scratch / "resumed", scratch / "stop"):
@@ -382,9 +380,7 @@ def _resumed(scratch: Path) -> list[Check]:
 
 @contextlib.contextmanager
 def _stopped_early(directory: Path, stop: Path) -> Iterator[None]:
-    """Ask the run of the block to stop, by its stop file, as soon as there is a first row of
-    energies.
-    """
+    """Stop the run in the ``with`` block by its stop file, after its first row of energies."""
     done = threading.Event()
 
     def ask() -> None:

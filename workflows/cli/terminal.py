@@ -1,5 +1,5 @@
-"""Output on terminals and for programs: colours, tables, JSON, and lines of shells that switch tab
-completion on.
+"""Output on terminals and for programs: colours, tables, JSON, and the shell commands that enable
+tab completion.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def line_of(fault: InputFault) -> str:
 
 
 def in_shell(text: str) -> str:
-    """Call options of functions in a message as the command line has them."""
+    """Replace options of functions in a message by the options of the command line."""
     for words, option in _OPTIONS.items():
         text = text.replace(words, option)
     return text

@@ -12,8 +12,8 @@ from granwave.workflows.cluster.scheduler import PENDING, Scheduler
 class Pbs(Scheduler):
     """PBS Professional and OpenPBS.
 
-    pysqa cannot read lists with array jobs. It takes jobs that have ended, which are
-    listed for some time, for pending ones.
+    pysqa cannot read lists with array jobs. It treats ended jobs, which are listed for some time,
+    as pending jobs.
     """
 
     name = "pbs"

@@ -7,12 +7,13 @@ scan = gw.scan("restitution", jobs=2)           # a scan
 best = gw.design("plate-design.toml").best      # a search for the best packing
 gw.load("fcc-small")                            # load existing results
 gw.compare(["fcc-small", "hcp-small"])          # largest differences between runs
+gw.export("fcc-small", "csv", layers=[1, 2])    # tables for other programs, or selected rows
 gw.bands("precompressed-chain")                 # small waves: bands, modes, transmission
 gw.infer("grains.csv", "infer.toml")            # contact forces from measured grains
 gw.case("fcc-small", load__velocity=10)         # a case that is checked but not run
-gw.contact_force("hertz", bodies, overlap)      # single contacts: force, stiffness, energy, overlap
-gw.measures, gw.theory # arrival, peaks, width, decay ...; Hertz's chain and impact gw.Row,
-gw.Picture # for your own studies
+gw.contact_force("hertz", bodies, overlap)      # single contacts: force, energy ...
+gw.measures, gw.theory                          # arrival, decay ...; Hertz's chain, impact
+gw.Row, gw.Picture                              # for your own studies
 """
 
 from granwave._version import __version__ as __version__
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
         contact_overlap,
         contact_stiffness,
         contact_yield,
+        export,
         load,
         run,
         scan,
@@ -73,6 +75,7 @@ if TYPE_CHECKING:
         "contact_stiffness",
         "contact_yield",
         "design",
+        "export",
         "infer",
         "load",
         "measures",

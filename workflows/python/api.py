@@ -10,7 +10,7 @@ import contextlib
 import logging
 import os
 import subprocess
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -70,6 +70,7 @@ __all__ = [
     "contact_overlap",
     "contact_stiffness",
     "contact_yield",
+    "export",
     "load",
     "run",
     "scan",
@@ -235,8 +236,8 @@ def run(
 
 @contextlib.contextmanager
 def style() -> Iterator[None]:
-    """Draw figures of matplotlib as granwave's within a ``with`` block: of one column, with its
-    fonts and colours.
+    """Give figures of matplotlib the style of granwave within a ``with`` block: the width of one
+    column, fonts and colours.
 
     Settings are restored at its end. ``figsize`` of ``pyplot.subplots`` changes the size, inches.
     """
@@ -260,7 +261,7 @@ def scan(
     profile: str | Path | None = None,
     **keys: Any,
 ) -> ScanRuns:
-    """Run a scan and load its results; points that fail are reported, and the others loaded.
+    """Run a scan and load its results; failed points are reported, and the other points are loaded.
 
     Parameters
     ----------
@@ -381,10 +382,61 @@ def compare(
         return compare_inputs(inputs, names, measured, measured_as, shift=shift, scale=scale)
 
 
+def export(
+    run: Run | ScanRuns | str | Path,
+    to: str,
+    directory: str | Path | None = None,
+    *,
+    only: str | Sequence[str] = (),
+    spheres: int | Iterable[int] | None = None,
+    layers: int | Iterable[int] | None = None,
+    depth: Sequence[float] | None = None,
+    region: str | None = None,
+    time: Sequence[float] | None = None,
+) -> list[Path]:
+    """Export a run or a scan to other programs; files of an earlier export to the same format are
+    replaced.
+
+    Parameters
+    ----------
+    run
+        As `load` gives it, or its directory.
+    to
+        Format, such as ``csv``, ``netcdf``, ``vtp`` or ``ovito``.
+    directory
+        Directory to write to; by default ``export`` in the directory of the run.
+    only
+        Names of tables to export, of csv.
+    spheres, layers, depth, region, time
+        Rows to export, of csv, netcdf and vtp, as in `Run.select`. By default csv then has the
+        tables from which something is selected.
+
+    Returns
+    -------
+    list of Path
+        Paths of the files.
+
+    Raises
+    ------
+    InputError
+        A value is wrong, the directory holds no result, or a library is missing; nothing was
+        written.
+    """
+    from granwave.analysis.exports.export import export as export_directory
+    from granwave.analysis.exports.selection import selection
+
+    with words_of_python():
+        place = Path(home(run)) if isinstance(run, str | Path) else run.directory
+        tables = [only] if isinstance(only, str) else list(only)
+        selected = selection(spheres, layers, depth, region, time)
+        output = None if directory is None else home(directory)
+        return export_directory(place, to, output, tables, selected)
+
+
 def _run_on_ranks(
     found: Case, place: Path, ranks: int, checkpoint: float, *, progress: bool, **how: Any
 ) -> None:
-    """Run a case on MPI ranks in processes of their own; arguments as in
+    """Run a case on MPI ranks in separate processes; arguments as in
     `granwave.workflows.run.driver.run_case`.
 
     Raises

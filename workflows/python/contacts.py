@@ -120,7 +120,7 @@ def contact_stiffness(
     peak_overlap: ArrayLike | None = None,
     **options: Any,
 ) -> Values:
-    """Return the slope of the force over the overlap: of loading at the peak, of unloading below
+    """Return the slope of the force against the overlap: of loading at the peak, of unloading below
     it.
 
     Parameters
@@ -153,7 +153,7 @@ def contact_energy(
     """Return the elastic energy of a contact, which unloading recovers; plastic dissipation is
     not included.
 
-    With cohesion it is counted from surfaces apart, and may be negative.
+    With cohesion it is measured from separated surfaces, and may be negative.
 
     Parameters
     ----------
@@ -246,8 +246,8 @@ def _at(
     peak_overlap: ArrayLike | None,
     options: Mapping[str, Any],
 ) -> tuple[ContactLaw, NDArray[np.float64], NDArray[np.float64]]:
-    """Return the law, the overlaps, 0 or the end of a neck in gaps, and the largest so far, of one
-    shape.
+    """Return the law, the overlaps (in gaps 0 or the end of a neck) and the largest overlaps so
+    far.
     """
     contact = contact_between_bodies(law, plain(bodies), plain(options))
     now = np.maximum(_numbers("overlap", overlap, "m"), -contact.neck_length)

@@ -1,5 +1,5 @@
-"""Cases and scans given in Python: names, files, mappings and keywords; and errors in the words of
-Python.
+"""Cases and scans given in Python: names, files, mappings and keywords; and errors with the names
+that options have in Python.
 """
 
 from __future__ import annotations
@@ -161,6 +161,8 @@ _WORDS = (
     (re.compile(r"--np (\d+)"), r"ranks=\1"),
     (re.compile(r"--quantity\b"), "quantities"),
     (re.compile(r"--as\b"), "measured_as"),
+    (re.compile(r"--only\b"), "only"),
+    (re.compile(r"--to (\w+)"), r'to="\1"'),
 )
 
 
@@ -172,8 +174,7 @@ def _gives_a_command(line: str) -> bool:
 
 @contextlib.contextmanager
 def words_of_python(*options: str) -> Iterator[None]:
-    """Call options in the messages of errors as they are called here; commands to type stay as they
-    are.
+    """Use the Python names of options in messages of errors; commands to type are unchanged.
 
     Parameters
     ----------

@@ -3,9 +3,9 @@
 A checkpoint is a LAMMPS restart file, with sizes and checksums of all output files at that step. A
 resumed run truncates its output files to these sizes and appends, so that nothing is repeated. If
 snapshots are written in parts (`granwave.lammps_inputs.packing.motion.written_in_parts`), each rank
-writes its own part of a checkpoint, several ranks a file where there are more than `MOST_PARTS`,
-and any number of ranks can read them. Checkpoints have more parts than dumps, because the run waits
-for them every minute.
+writes its own part of a checkpoint. More than `MOST_PARTS` ranks share files. Any number of ranks
+can read the parts. Checkpoints have more parts than dumps, because the run waits for them every
+minute.
 """
 
 from __future__ import annotations

@@ -59,7 +59,7 @@ _SEVERAL_ROLL = (
 
 @dataclasses.dataclass
 class Balance:
-    """Ledger up to its last complete line.
+    """Energy balance of a run up to its last complete line.
 
     Attributes
     ----------
@@ -273,8 +273,8 @@ def warn_of_rolling(
 def _net_forces_over_weights(
     assembly: Assembly, forces: Mapping[int, NDArray[np.float64]]
 ) -> dict[int, float]:
-    """Return the net force over the weight of each loaded grain by id; those of its clump for a
-    grain of a clump.
+    """Return the net force divided by the weight of each loaded grain by id; a grain of a clump has
+    the ratio of its clump.
     """
     ids, loads = dead_loads(assembly)
     load_of = dict(zip(ids.tolist(), loads, strict=True))
@@ -300,8 +300,8 @@ def _listed(ids: list[int]) -> str:
 
 
 def _relative_net_force(assembly: Assembly, found: dict[str, float]) -> float:
-    """Return the largest net force on a sphere over the largest contact force. Overlaps that push
-    the grains of a free packing apart leave no forces: the reference is the initial force.
+    """Return the largest net force on a sphere divided by the largest contact force. Overlaps that
+    push the grains of a free packing apart leave no forces: the reference is the initial force.
     """
     largest = found["largest_force"]
     if not largest or not may_lose_its_load(assembly):
@@ -383,7 +383,7 @@ def warn_of_strikers(assembly: Assembly, centres: Mapping[int, NDArray[np.float6
 
 
 def _shortest(assembly: Assembly, step: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the shortest of all steps between two points and their images: (3,), m."""
+    """Return the shortest vector between two points and their images: (3,), m."""
     if not assembly.lattice.periodic:
         return step
     low, high = box_of(assembly)[:2].T

@@ -83,8 +83,8 @@ def _own(
     """Iterate over ids and centres of the spheres between two corners, and of some outside, in
     batches by id.
 
-    Ids of a lattice count its layers, so that most of it is not looked at. Grains that are
-    elsewhere all come.
+    Ids of a lattice count its layers, so that most of its batches are skipped. Grains that are not
+    on a lattice are all included.
     """
     n = assembly.lattice.n_spheres
     lattice = assembly.lattice

@@ -209,8 +209,8 @@ def _path_for_lammps(directory: Path | None) -> Iterator[str]:
     """Return the path of a directory in a form that LAMMPS accepts within a file name; empty for
     None.
 
-    If LAMMPS would replace characters of the path, it is the path of an open descriptor, where the
-    system has them.
+    If LAMMPS would replace characters of the path, the result is the path of an open descriptor, on
+    systems that have such paths.
     """
     path = "" if directory is None else str(directory.absolute())
     if _PLAIN_PATH.fullmatch(path):

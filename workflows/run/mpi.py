@@ -161,8 +161,8 @@ def nodes(comm: Intracomm) -> list[str]:
 def leave(status: int) -> NoReturn:
     """Finalise MPI and end this rank with an exit status; collective.
 
-    Python ends as usual: MPICH's launcher now and then takes ranks that leave by ``os._exit`` for
-    killed ones.
+    Python ends as usual: MPICH's launcher sometimes treats ranks that leave by ``os._exit`` as
+    killed.
     """
     _finalise()
     sys.exit(status)

@@ -118,7 +118,7 @@ class Machine:
 
         A batch lasts about ``sqrt(2 s T / jobs)``, with the time s to start a job and the total
         time T of all points, and at least s. This balances the start-up of many jobs against idle
-        ones at the end.
+        jobs at the end.
 
         Parameters
         ----------
@@ -236,7 +236,7 @@ _MEASURED_WITHIN = 60.0  # s after which the measurement is abandoned
 
 
 def slowness_of(point: ScanPoint, jobs: int) -> float | None:
-    """Measure the wall time of a granular point over the planned wall time; None if not possible.
+    """Measure the wall time of a granular point divided by the planned time; None if not possible.
 
     The first part of the impact is timed, in which nearly all contacts are elastic, without the
     static stage.

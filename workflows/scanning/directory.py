@@ -98,7 +98,7 @@ logger = logging.getLogger(__name__)
 
 
 def decide(scan: Scan, results: ResultDirectory, *, resume: bool, force: bool) -> None:
-    """May the scan be run in a directory? Changes nothing.
+    """Decide if the scan may be run in a directory, without changing anything.
 
     Raises
     ------

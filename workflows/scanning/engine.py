@@ -153,8 +153,8 @@ class ClusterJobs(Jobs):
         self._submitted: dict[str, float] = {}  # times, by id
 
     def running(self) -> bool:
-        """Do so for all jobs at once, from time to time; return the answer of the last time in
-        between.
+        """Start jobs that have room, and ask for the states of all jobs at intervals; in between
+        return the last answer.
         """
         if time.monotonic() > self._asked + _QUEUE_POLL:
             self._unended = super().running()

@@ -1,4 +1,4 @@
-"""Jobs of a scan in the queue of a cluster: which there are, why they wait, and how they ended.
+"""Jobs of a scan in the queue of a cluster: their batches, reasons to wait, and ends.
 
 Each job that is submitted is noted in a file of the scan, with its batch, so that a later driver
 finds the jobs of an earlier one.
@@ -68,8 +68,8 @@ def jobs_of(directory: Path, scheduler: Scheduler) -> list[QueuedJob]:
 def warn_of_pending(
     jobs: Iterable[str], scheduler: Scheduler, scan: str, reported: set[str]
 ) -> None:
-    """Log the unusual reasons why jobs of a scan are pending that were not ``reported``, and add
-    them there.
+    """Log unusual reasons why jobs of a scan are pending, unless they are ``reported``, and add
+    them.
     """
     reasons = scheduler.reasons()
     for reason in {reasons[job] for job in jobs if job in reasons} - reported:

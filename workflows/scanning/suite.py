@@ -1,9 +1,9 @@
 """Suites: several scans run in sequence in one directory, with a common report.
 
 name = "packings"
-scans = ["velocity-fcc", "velocity-hcp"]            # built-in scans, or scan files
-cases = ["half-space"]                              # single runs, each as a scan of one point
-study = ["tolerance"] # studies of all runs, in addition to the studies of the scans
+scans = ["velocity-fcc", "velocity-hcp"]  # built-in scans, or scan files
+cases = ["half-space"]                    # single runs, each as a scan of one point
+study = ["tolerance"]                     # studies of all runs, in addition to those of scans
 """
 
 from __future__ import annotations

@@ -85,7 +85,7 @@ class GrowthCurves:
 
 
 def force_at_bottom(run: ComparedRun) -> SampledCurve:
-    """Return the force on the bottom in time: s, N."""
+    """Return the force on the bottom against time: s, N."""
     with run.opened() as result:
         record = reached(result)
         if record is None:
@@ -110,7 +110,7 @@ def static_force_at_bottom(run: ComparedRun) -> float:
 
 
 def energy_shares(run: ComparedRun) -> dict[str, SampledCurve]:
-    """Return the forms of energy over the final input, in time: s, 1."""
+    """Return the forms of energy divided by the final input, against time: s, 1."""
     try:
         with h5py.File(regular(run.run.directory / RESULT_FILE), "r") as file:
             time = _dataset(file, "energy/time")
@@ -125,7 +125,9 @@ def energy_shares(run: ComparedRun) -> dict[str, SampledCurve]:
 
 
 def _form(file: h5py.File, names: Sequence[str]) -> Array:
-    """Return the sum of the data sets of a form of energy; a run has the first of them at least."""
+    """Return the sum of the data sets of a form of energy; every run has at least the first of
+    them.
+    """
     first, *others = names
     present = [name for name in others if f"energy/{name}" in file]
     total = _dataset(file, f"energy/{first}")
@@ -160,7 +162,7 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
 
 
 def dissipation_by_depth(run: ComparedRun) -> SampledCurve:
-    """Return the energy that the spheres of each layer dissipated, over the input: m, 1."""
+    """Return the energy that the spheres of each layer dissipated, divided by the input: m, 1."""
     with run.opened() as result:
         mean, layer = _layers_below(result)
         lost = np.bincount(layer, result["spheres/dissipated_energy"], minlength=len(mean))

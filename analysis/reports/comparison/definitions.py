@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from granwave.analysis.formatting.numbers import quantity_in
-from granwave.analysis.measures.zone_size import bounds_in_words
+from granwave.analysis.measures.zone_size import PERIODIC_SIDES, bounds_in_words
 from granwave.analysis.reports.comparison.curves import force_at_bottom, static_force_at_bottom
 from granwave.analysis.reports.comparison.subjects import (
     MOST_CURVES,
@@ -25,7 +25,7 @@ _MOST_LISTED = 4  # runs that a sentence lists
 
 
 def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return sentences on values that are not defined alike, or are limited, in these runs."""
+    """Return sentences on values that these runs define differently, or that are limited."""
     notes = [
         _inputs(runs),
         _static_forces(runs),
@@ -139,7 +139,9 @@ def _end(run: ComparedRun) -> str:
 
 def _joined(run: ComparedRun, name: str) -> str:
     """Return a list of names in the summary of a run, in words."""
-    return bounds_in_words(run.run.summary[name]).replace(", ", " and ")
+    summary = run.run.summary
+    words = bounds_in_words(summary[name], periodic=summary.get(PERIODIC_SIDES))
+    return words.replace(", ", " and ")
 
 
 def _listed(runs: Sequence[ComparedRun], text: Callable[[ComparedRun], str]) -> str:

@@ -15,7 +15,13 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.numbers import quantity_in, size_text
 from granwave.analysis.formatting.values import as_label, unit_in_cases
 from granwave.analysis.reports.kinds import ReportRun
-from granwave.analysis.reports.setting import differing
+from granwave.analysis.reports.setting import (
+    KIND_OF_PACKING,
+    applied_value,
+    differing,
+    is_nothing,
+    origin_of,
+)
 from granwave.analysis.result.not_a_run import UNFINISHED
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import GranwaveError
@@ -146,7 +152,9 @@ def spread_first(n_runs: int, most: int) -> list[int]:
 
 
 def names_with_cases(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return the names of runs; of more than a table shows side by side with their cases."""
+    """Return the names of runs; with their cases if there are more runs than a table shows side by
+    side.
+    """
     if len(runs) > MOST_SIDE_BY_SIDE:
         return [run.label for run in runs]
     return [run.name for run in runs]
@@ -209,7 +217,9 @@ def is_physical(key: str) -> bool:
 
 def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> str:
     """Return the value of a key of a case in words: ``10 m/s``, ``12 x 12 x 8``, ``steel``."""
-    value = case.get(key)
+    value = applied_value(key, case)
+    if key == KIND_OF_PACKING:
+        value = origin_of(case) or value
     is_none = value == 0 and key in _NONE_AT_ZERO
     if value is None or value == "" or is_none:
         return missing
@@ -217,6 +227,8 @@ def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> s
         return f"table of {len(value.splitlines()) - 1} rows"
     if key == _REPLACED and isinstance(value, list):
         return ", ".join(_replacement(table) for table in value)
+    if isinstance(value, list) and any(isinstance(part, Mapping) for part in value):
+        value = [_without_nothing(part) for part in value]
     if isinstance(value, list | tuple) and all(isinstance(part, int) for part in value):
         return size_text(value)
     unit = unit_in_cases(key, [case])
@@ -238,6 +250,13 @@ def _replacement(table: Mapping[str, Any]) -> str:
     return f"{', '.join(changes)} at {places}"
 
 
+def _without_nothing(entry: Any) -> Any:
+    """Return an entry of a list of tables without zeros and empty values."""
+    if not isinstance(entry, Mapping):
+        return entry
+    return {name: value for name, value in entry.items() if not is_nothing(value)}
+
+
 def _with_unit(value: float, unit: str) -> str:
     """Return a number with its unit; of plain units with a prefix."""
     if unit.isalpha() and unit != "kg":
@@ -248,7 +267,7 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _texts(runs: Sequence[ReportRun]) -> list[str]:
-    """Return the differences of the case of each run, in a few words that its name lacks."""
+    """Return the differences of the case of each run, in a few words that are not in its name."""
     with_case = [run for run in runs if run.case]
     keys = physical_keys(with_case) if len(with_case) > 1 else []
     if len({run.kind for run in runs}) > 1:

@@ -23,7 +23,7 @@ _NO_OUTCOME = (
     "energy_input_J", "energy_input_normalised", "velocity_normalised", "energy_balance_error",
     "energy_balance_accepted", "deck_changed", "n_spheres", "n_elements", "n_cylinders",
     "n_contacts", "end_time_s", "wall_time_s", "contacts_beyond_law", "zone_cut",
-    "wave_return_share",
+    "sides_periodic", "wave_return_share",
     "packing_mass_kg", "packing_height_m", "unprotected_peak_force_N",
     "unprotected_ground_peak_force_N",
 )  # fmt: skip

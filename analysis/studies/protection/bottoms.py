@@ -21,7 +21,7 @@ _MICRO = 1e6
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
-    """Packings of the height with most bottoms, two at least, for each impact."""
+    """Packings of the height with the largest number of bottoms, at least two, for each impact."""
     groups = []
     for impact in impacts(runs):
         packings = [run for run in impact if run.assembly.lattice.n_spheres > 1]

@@ -95,8 +95,8 @@ def plate_displacement(impact: HertzImpact, plate: Plate) -> tuple[float, str] |
 def energy_into_impedance(impact: HertzImpact, boundary: Boundary) -> tuple[float, str] | None:
     """Energy that a bar without an echo, or a half-space, takes, J, and its theory.
 
-    The force is the force on a rigid wall as long as the target hardly gives way; None where it
-    gives way, and for other targets.
+    The force is the force on a rigid wall as long as the target hardly moves; None where it moves
+    more, and for other targets.
     """
     support = boundary.bottom_support
     material = boundary.bottom_material

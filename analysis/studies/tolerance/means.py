@@ -93,7 +93,9 @@ def _of_texts(
 
 
 def _means(packing: PackingRuns) -> Columns:
-    """Means of all quantities that have a value, and the seeds that a precise force takes."""
+    """Means of all quantities that have a value, and the number of seeds that a precise force
+    requires.
+    """
     columns: dict[Heading, Mapping[Setting, Cell]] = {}
     for quantity in packing.shown(TABULATED):
         columns[quantity.heading, quantity.unit] = {
@@ -111,7 +113,7 @@ def _means(packing: PackingRuns) -> Columns:
 
 
 def _shares_of_ideal(packing: PackingRuns) -> Columns:
-    """Performance in per cent of the ideal packing's."""
+    """Performance in per cent of the performance of the ideal packing."""
     columns: dict[Heading, Mapping[Setting, Cell]] = {}
     for quantity in packing.shown(PERFORMANCE):
         shares = packing.over_ideal(quantity)

@@ -3,9 +3,9 @@
 Least squares over the rows beyond first yield, of the residuals
 
     r = (F_law - F) / s,    s = |F|, but at least 0.1 % of the largest force on loading
-                                and 5 % of the force at the turn on un- and reloading
-
-so that small overlaps have the same weight as large ones. Residuals above three times the scatter
+                                and 5 % of the force at the turn on un- and reloading, so that small
+                                overlaps have the same weight as large ones. Residuals above three
+                                times the scatter
 (a standard deviation from the median of |r|) contribute linearly only (Huber's loss). The standard
 uncertainties come from the covariance s^2 (J^T W J)^-1; if residuals of neighbouring rows are
 correlated (the law differs in shape from the curve), they are multiplied by sqrt((1 + rho)/(1 -
@@ -117,7 +117,10 @@ class Fit(FittedLaw):
         return 0.0 if name == ZERO else super().published_value(name)
 
     def undetermined(self, name: str) -> bool:
-        """Return True as `FittedLaw` says; the zero is compared with the largest overlap."""
+        """Return True for a constant that the curve does not determine, see `FittedLaw`.
+
+        The uncertainty of the zero is compared with the largest overlap.
+        """
         if name != ZERO:
             return super().undetermined(name)
         return name in self.at_bound or not self.uncertainty[name] <= float(self.curve.peak.max())
@@ -272,7 +275,7 @@ def _with_zero(
 
 
 def _zero_said(fit: Fit) -> str:
-    """Return the sentence on a fitted zero of the overlap."""
+    """Return a sentence on the fitted zero of the overlap."""
     zero = fit.zero * _MICRO
     spread = fit.uncertainty[ZERO] * _MICRO
     return (
@@ -328,7 +331,7 @@ class _Problem:
         return self.first.constants | {YIELD: self.first.yield_strength}
 
     def unit(self, name: str) -> float:
-        """Return the change of a value for a variable that grows by 1; m for the zero."""
+        """Return the change of a value when its variable grows by 1; m for the zero."""
         return float(self.curve.peak.max()) if name == ZERO else self.start[name]
 
     @cached_property
@@ -356,7 +359,7 @@ class _Problem:
         return residual_scale(self.curve)[self.rows]
 
     def law(self, x: Array, *, checked: bool = False) -> ContactLaw:
-        """Return the law for some variables; with ``checked``, ValueError if it is not passive."""
+        """Return the law with these variables; with ``checked``, ValueError if it is not passive."""
         constants = {
             name: float(factor * self.start[name])
             for name, factor in zip(self.names, x, strict=True)
@@ -382,12 +385,12 @@ def residual_scale(curve: Curve) -> Array:
 
 
 def bearing(curve: Curve) -> NDArray[np.bool_]:
-    """Return True for fitted rows: all except un- and reloading without force, (n,)."""
+    """Return True for the fitted rows: all except rows of un- and reloading without a force, (n,)."""
     return curve.loading | (np.abs(curve.force) > _NO_FORCE * _turn_force(curve))
 
 
 def _turn_force(curve: Curve) -> Array:
-    """Return the largest force of the rows of the same turn; 0 on loading: (n,), N."""
+    """Return the largest force among the rows with the same turn; 0 on loading: (n,), N."""
     largest = np.zeros(curve.force.size)
     for turn in curve.turns:
         rows = ~curve.loading & (curve.peak == turn)

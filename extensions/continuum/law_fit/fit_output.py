@@ -109,8 +109,8 @@ def constants_table(fit: FittedLaw) -> Columns:
 
 
 def fit_toml(fit: FittedLaw) -> str:
-    """Return the text of a case of two such spheres, with the tables [contact] and [material] for
-    other cases.
+    """Return the text of a case of two such spheres, whose tables [contact] and [material] may be
+    copied to other cases.
     """
     softer = fit.softer_material
     material = {

@@ -94,7 +94,7 @@ class Search:
         return x
 
     def alternatives(self, x: Array) -> list[tuple[float, Array]]:
-        """Return cost and values of the best fits with the joint fixed at other positions."""
+        """Return cost and values of the best fits with the joint held at other positions."""
         if self.joint is None:
             return []
         others = np.flatnonzero(np.arange(x.size) != self.joint)
@@ -147,8 +147,8 @@ def _joints(names: Sequence[str], largest: float) -> list[Array]:
 
 
 def uncertainties(search: Search, x: Array, at_bound: Rows) -> Array:
-    """Return the standard uncertainties of the values, infinite for undetermined values and at a
-    bound: (n_values,).
+    """Return the standard uncertainties of the values, infinite for undetermined values and for
+    values at a bound: (n_values,).
 
     A fit with another joint whose sum of squares is larger by d variances, and which differs by e
     in a value, implies that the uncertainty of this value is at least e/sqrt(d).

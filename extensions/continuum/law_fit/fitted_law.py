@@ -15,8 +15,8 @@ YIELD = "yield_strength"
 
 
 def place_of_softer(materials: Sequence[Material]) -> int:
-    """Return the index of the material that yields first; a material without a yield strength
-    yields last, and the first of equal materials counts.
+    """Return the index of the material that yields first. A material without a yield strength
+    yields last; of equal materials the first is taken.
     """
     strengths = [material.yield_strength or math.inf for material in materials]
     return strengths.index(min(strengths))
@@ -88,7 +88,7 @@ class FittedLaw:
         return name in self.at_bound or not self.uncertainty[name] <= abs(self.value(name))
 
     def state(self, name: str) -> str:
-        """Describe how a value was obtained: fitted, held, or not determined, with the reason."""
+        """Describe how a value was obtained: fitted, held, or not determined and why."""
         if name not in self.uncertainty:
             return "held"
         if name in self.at_bound:

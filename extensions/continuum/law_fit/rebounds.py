@@ -104,7 +104,7 @@ def _column(
     fault: Callable[[float], str],
     errors: list[str],
 ) -> Array:
-    """Return the numbers of a column; faults go to ``errors``: (n,)."""
+    """Return the numbers of a column, (n,); faults are added to ``errors``."""
     values = []
     for line, table in zip(lines, tables, strict=True):
         text = (table.get(name) or "").strip()

@@ -2,12 +2,13 @@
 
 An impact of effective mass m at the velocity v loads the contact until the work of loading W is
 m v^2/2, and dissipates D:  e = sqrt(1 - D/W). With given constants of the law, e depends on the
-velocity over the velocity of first yield, and this velocity is proportional to the 5/2-th power of
-the yield strength: restitution determines it best. For each other constant, the uncertainty that
-these measurements would give, if it were fitted together with the yield strength, is stated.
+velocity divided by the velocity at first yield, which is proportional to the power 5/2 of the yield
+strength: restitution determines the yield strength best. For each other constant the fit states the
+uncertainty that these measurements would give if the constant were fitted together with the yield
+strength.
 
-Least squares of e_law - e, with Huber's loss from three times the scatter on, and uncertainties as
-of fits to curves.
+Least squares of e_law - e, with Huber's loss beyond three times the scatter; uncertainties as in
+fits to curves.
 """
 
 from __future__ import annotations
@@ -248,7 +249,7 @@ class _Problem:
         return restitution_at(law, self.mass, self.rebounds.velocity)
 
     def law(self, x: Array, *, checked: bool = False) -> ContactLaw:
-        """Return the law for some variables; with ``checked``, ValueError if it is not passive."""
+        """Return the law with these variables; with ``checked``, ValueError if it is not passive."""
         fitted = {
             name: float(factor * self.start[name])
             for name, factor in zip(self.names, x, strict=True)
@@ -256,8 +257,8 @@ class _Problem:
         return self._law_of(fitted, checked=checked)
 
     def published(self, law: ContactLaw) -> ContactLaw:
-        """Return the law with published constants, and the materials' own yield strength if they
-        have one.
+        """Return the law with the published constants, and with the materials' yield strength if
+        given.
         """
         if any(solid.yield_strength is None for solid in self.materials):
             return self._law_of({YIELD: law.yield_strength})
@@ -308,8 +309,8 @@ class _Problem:
 
 
 def _spread(residuals: Array, slopes: Sequence[Array]) -> Array:
-    """Return the standard uncertainties of values with these derivatives; infinite if undetermined:
-    (n_values,).
+    """Return the standard uncertainties of values, given the derivatives by them; infinite if
+    undetermined: (n_values,).
     """
     jacobian = np.column_stack(slopes)
     scatter = max(1.4826 * float(np.median(np.abs(residuals))), _NARROWEST)
@@ -357,8 +358,8 @@ def _misfit(rebounds: Rebounds, mass: float, law: ContactLaw, published: Contact
 
 
 def _warn(fit: RestitutionFit) -> None:
-    """Warn of impacts beyond the law, of elastic impacts that lose energy, and of a strength that
-    restitution does not determine.
+    """Warn of impacts beyond the range of the law, of elastic impacts that lose energy, and of a
+    yield strength that restitution does not determine.
     """
     rebounds = fit.rebounds
     overlap = overlap_at(fit.law, fit.mass, rebounds.velocity)

@@ -1,7 +1,7 @@
 """Zero of a measured overlap: the reading at which the bodies touch.
 
-A displacement gauge is set to zero somewhere near the first touch. If it reads z there, the overlap
-is the reading less z, and so is the largest overlap before an unloading.
+A displacement gauge is set to zero near first contact. If it reads z at first contact, z is
+subtracted from every overlap, and from the largest overlap before an unloading.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ Array = NDArray[np.float64]
 
 
 def shifted(curve: Curve, zero: float) -> Curve:
-    """Return a curve with its overlaps reduced by the reading at the touch, m."""
+    """Return a curve with its overlaps reduced by the reading at first contact, m."""
     return dataclasses.replace(curve, overlap=curve.overlap - zero, peak=curve.peak - zero)
 
 
 def touching(curve: Curve) -> NDArray[np.bool_]:
-    """Return True for rows with a force that shows contact: (n,)."""
+    """Return True for rows with a force large enough to indicate contact: (n,)."""
     return np.abs(curve.force) > _NO_FORCE * np.abs(curve.force).max(initial=0.0)
 
 
 def zero_range(curve: Curve) -> tuple[float, float]:
-    """Return the smallest and the largest reading at which the bodies may touch, m."""
+    """Return the smallest and the largest reading that may be first contact, m."""
     loading = curve.loading & touching(curve)
     if not loading.any():
         return 0.0, 0.0
@@ -53,8 +53,9 @@ def estimated_zero(curve: Curve, law: ContactLaw) -> float:
     """Return an initial estimate of the reading at first contact from the shape of first loading,
     m.
 
-    With this zero the ratio of the forces to the forces of the law varies least; its magnitude does
-    not matter, so that the law need not have the strength of the measured material.
+    With this zero the ratio of the measured forces to the forces of the law varies least. The
+    magnitude of the ratio does not matter, so that the law need not have the yield strength of the
+    measured material.
     """
     loading = curve.loading & touching(curve)
     overlap = curve.overlap[loading]

@@ -1,9 +1,8 @@
-"""Figures of impacts on packings and on blocks, against the input energy; and peak forces of a
-packing.
+"""Figures of impacts on packings and on blocks against the input energy, and of peak forces.
 
-Dissipated fraction and volumes involved of both. Peak forces of a packing at several velocities:
-proportional to the impulse at every contact, and a planar front. The impulse is the momentum of the
-impacted spheres; forces are in F_y.
+For both: the dissipated fraction, and the volumes that dissipate. For a packing at several
+velocities: the peak force of every contact, which is proportional to the impulse, and the front,
+which becomes planar. The impulse is the momentum of the impacted spheres; forces are in F_y.
 """
 
 from __future__ import annotations
@@ -55,8 +54,8 @@ def columns_of(curves: Curves, names: Sequence[str]) -> dict[str, list]:
 
 
 def look(n: int, *, lines: bool = True) -> dict[str, Any]:
-    """Colour and marker of the n-th curve; without lines the first, a reference, has one, and
-    others open marks.
+    """Return colour and marker of the n-th curve. Without lines only the first curve, the
+    reference, has a line; the others have open marks.
     """
     appearance: dict[str, Any] = {
         "color": _COLOURS[n % len(_COLOURS)],
@@ -92,11 +91,11 @@ def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Draw
 
 
 def dissipated_fraction(impacts: Impacts) -> Drawing:
-    """Draw the fraction against input energy of both, by sigma_y^2 D^3/E with the diameter of the
-    punch.
+    """Draw the dissipated fraction of packings and blocks against the input energy in units of
+    sigma_y^2 D^3/E, where D is the diameter of the punch.
 
-    Only spheres of the reference material are shown, by diameter: the unit is then the same for
-    all.
+    Only spheres of the reference material are shown, a curve for each diameter: the unit is then
+    the same for all.
     """
     first = impacts.reference.iloc[0]
     unit = energy_unit(first, impacts.continuum_reference.diameter.iloc[0])
@@ -170,7 +169,7 @@ def plastic_volume(packings: DataFrame, blocks: DataFrame) -> Drawing:
 
 
 def against_velocity(runs: DataFrame, fit: QuadraticLaw) -> Drawing:
-    """Draw the dissipation and its fraction of the input, with the quadratic law."""
+    """Draw the dissipation and the dissipated fraction against velocity, with the quadratic law."""
     v, lost = dissipation(runs)
     fine = np.geomspace(fit.lowest, v[-1], 200)
     figure, left, right = panels(2.6, 2)
@@ -283,9 +282,9 @@ class Linearity(NamedTuple):
 def linear(runs: DataFrame) -> Linearity | None:
     """Linearity of runs by rising velocity; None for fewer than three, or if no contact counts.
 
-    Contacts count that lie within the cone of the preferred directions, are pressed beyond F_y at
-    the largest velocity and were pressed at all at every other. Beyond the cone a contact may be
-    loaded only by the rebound.
+    A contact counts if it lies within the cone of the preferred directions, its peak force exceeds
+    F_y at the largest velocity, and it is loaded at every other velocity. Outside the cone a
+    contact may be loaded only by the rebound.
     """
     if len(runs) < _FEWEST_RUNS:
         return None
@@ -325,7 +324,7 @@ def linear(runs: DataFrame) -> Linearity | None:
 
 
 def fronts(runs: DataFrame) -> dict[float, DataFrame]:
-    """Front of up to four runs, spread over their range, by normalised velocity."""
+    """Front of up to four runs that cover the range of velocities, by normalised velocity."""
     if not len(runs) or len(preferred_directions(runs.run.iloc[0].case.packing.kind)) != 3:
         return {}
     front_of_velocity = {}
@@ -351,7 +350,7 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 
 
 def tables(impacts: Impacts) -> Iterator[DocumentTable]:
-    """Exponents of force against impulse over fifths of the depth, and the front."""
+    """Exponents of force against impulse for each fifth of the depth, and the front."""
     if linearity := linear(impacts.fast):
         numbers = numeric(("to", "mm"), "Contacts", "5 %", "Median", "95 %")
         columns = (*numeric(("Depth from", "mm"), key=True), *numbers)
@@ -413,8 +412,8 @@ def _front(result: Result, unit: float) -> DataFrame:
 
 
 def _in_cone(result: Result) -> NDArray[np.bool_]:
-    """Spheres within the cone that the preferred directions span: (n_spheres,); all where these are
-    not three.
+    """True for spheres within the cone that the preferred directions span; for all unless there are
+    three directions: (n_spheres,).
     """
     directions = preferred_directions(result.case.packing.kind)
     offset = result["spheres/position"] - result.origin

@@ -1,7 +1,7 @@
-"""Impacts on packings and on blocks that can be compared, as tables with a row for each run, and
-groups of them.
+"""Impacts on packings and on blocks that can be compared, as tables with a row for each run, and as
+groups of runs.
 
-Columns have the names that they have in the data of the figures. Energies are normalised by F_y
+Columns have the same names as in the data of the figures. Energies are normalised by F_y
 alpha_y for packings, and by sigma_y^2 D^3/E for blocks, D being the diameter of the punch.
 """
 
@@ -63,8 +63,8 @@ Curves = dict[str, DataFrame]  # runs by name, the reference first
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Impacts:
-    """All runs that can be compared: of elasto-plastic spheres, and of blocks that a rigid punch
-    hit.
+    """All runs that can be compared: impacts on packings of elasto-plastic spheres, and of a rigid
+    punch on blocks.
     """
 
     granular: DataFrame
@@ -72,18 +72,16 @@ class Impacts:
 
     @cached_property
     def reference(self) -> DataFrame:
-        """The largest group of granular runs that differ only in velocity, with one impacted
-        sphere; by velocity.
+        """The largest group of granular runs with one impacted sphere that differ only in velocity,
+        in order of velocity.
         """
         single = self.granular[self.granular.struck_spheres == 1]
         return rising(largest(single, "shape", "substance"), "velocity_normalised")
 
     @property
     def fast(self) -> DataFrame:
-        """Runs of the reference from a tenth of its largest velocity on.
-
-        Below, the peak forces of too many contacts are near F_y, where dissipation is not quadratic
-        in force.
+        """Runs of the reference at a tenth of its largest velocity or more. At lower velocities the
+        peak forces of too many contacts are near F_y, where dissipation is not quadratic in force.
         """
         velocity = self.reference.velocity_normalised
         return self.reference[velocity >= _FAST * velocity.max() * (1 - SAME)]
@@ -97,22 +95,22 @@ class Impacts:
 
     @property
     def other_substances(self) -> DataFrame:
-        """Granular runs on the packing of the reference that are not in it: of other materials or
-        diameters, or with other loading areas.
+        """Granular runs on the packing of the reference that do not belong to it: other materials,
+        diameters or loading areas.
         """
         alike = self.like_reference
         return alike[~alike["label"].isin(self.reference["label"])]
 
     @property
     def other_packings(self) -> DataFrame:
-        """Granular runs on packings of another kind, size or boundary than the reference's."""
+        """Granular runs on packings whose kind, size or boundary differs from the reference."""
         runs = self.granular
         return runs[~runs["shape"].isin(self.reference["shape"])]
 
     @cached_property
     def continuum_reference(self) -> DataFrame:
-        """The largest group of continuum runs that differ only in the energy of the punch; by
-        energy.
+        """The largest group of continuum runs that differ only in the energy of the punch, in order
+        of energy.
         """
         return rising(largest(self.continuum, "shape", "substance"), "energy_normalised")
 
@@ -147,7 +145,7 @@ def not_ideal(run: FinishedRun) -> str:
 
 
 def largest(runs: DataFrame, *keys: str) -> DataFrame:
-    """The largest group of runs that are equal in keys."""
+    """The largest group of runs with equal values of these keys."""
     return max((group for _, group in runs.groupby(list(keys), sort=False)), key=len, default=runs)
 
 
@@ -159,15 +157,15 @@ def rising(runs: DataFrame, column: str) -> DataFrame:
 
 
 def equal(runs: DataFrame, others: DataFrame, column: str) -> DataFrame:
-    """Pairs of runs and other runs that should be equal in a column; columns of the other runs have
-    an underscore.
+    """Pairs of runs that should be equal in a column; the columns of the second run end with an
+    underscore.
     """
     pairs = runs.merge(others, how="cross", suffixes=("", "_"))
     return pairs[np.abs(pairs[column] / pairs[f"{column}_"] - 1) < SAME]
 
 
 def substances(runs: DataFrame, reference: DataFrame) -> Curves:
-    """The reference, and runs of each other substance by energy; with their names."""
+    """The reference, and the runs of each other substance in order of energy, with their names."""
     first = reference.iloc[0]
     others = runs[runs.substance != first.substance].groupby("substance", sort=False)
     name = f"reference ({first.material})" if first.material else "reference"
@@ -177,7 +175,8 @@ def substances(runs: DataFrame, reference: DataFrame) -> Curves:
 
 
 def differences(first: pd.Series, other: pd.Series) -> str:
-    """Label of another substance by its differences, for a legend: such as "modulus 230 GPa".
+    """Label of another substance for a legend: its differences from the reference, such as "modulus
+    230 GPa".
 
     Materials with different names are distinguished by name.
     """
@@ -195,7 +194,7 @@ def differences(first: pd.Series, other: pd.Series) -> str:
 
 
 def energy_unit(run: pd.Series | DataFrame, diameter: float | None = None) -> Any:
-    """sigma_y^2 D^3/E, J, by default with the run's own diameter."""
+    """sigma_y^2 D^3/E, J, by default with the diameter of the run."""
     return (
         run.yield_strength**2
         * (run.diameter if diameter is None else diameter) ** 3
@@ -239,8 +238,8 @@ def by_area(impacts: Impacts) -> Curves:
 
 
 def area_table(curves: Curves) -> DataFrame:
-    """Dissipated fractions by normalised input energy and number of impacted spheres, where several
-    numbers were.
+    """Dissipated fractions by normalised input energy and number of impacted spheres, for energies
+    with several such numbers.
     """
     if "W = 1" not in curves:
         return DataFrame()
@@ -262,8 +261,8 @@ def quadratic_fit(impacts: Impacts) -> QuadraticLaw | None:
 
 
 def involved(run: Any) -> Involved | None:
-    """The material of a run that dissipated; None where its result cannot be read, or nothing was
-    dissipated.
+    """The spheres or elements of a run that dissipated; None if its result cannot be read, or if
+    nothing was dissipated.
     """
     directory = run.run.directory
     energy = run.energy_J
@@ -282,7 +281,7 @@ def _elements_involved(path: Path, energy_input: float) -> Involved:
     """Return the elements of a block that dissipated, from the ``result.h5`` of a continuum run;
     the input is in J.
 
-    Raise OSError or KeyError if the file cannot be read, or is another one.
+    Raise OSError if the file cannot be read, KeyError if it is not such a file.
     """
     with h5py.File(regular(path), "r") as file:
         density = file["fields/plastic_energy"][()]

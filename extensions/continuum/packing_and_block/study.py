@@ -84,7 +84,7 @@ def can_compare(runs: Sequence[AnyRun[Any]]) -> bool:
 
 
 def remarks(runs: Sequence[AnyRun[Any]]) -> Iterator[Note]:
-    """Name the runs of packings that are not compared, by the reason."""
+    """Name the runs of packings that are not compared, grouped by the reason."""
     left_out: dict[str, list[str]] = {}
     for run in runs:
         if isinstance(run, FinishedRun) and (reason := not_ideal(run)):
@@ -101,7 +101,7 @@ def select(runs: Sequence[AnyRun[Any]]) -> list[Impacts]:
 
 
 def text(impacts: Impacts) -> str:
-    """The references, the units of energy, and the time that it took."""
+    """The references, the units of energy, and the wall time."""
     parts = []
     many = len(impacts.reference)
     if many:
@@ -133,7 +133,9 @@ def text(impacts: Impacts) -> str:
 
 
 def pictures(impacts: Impacts) -> Iterator[Picture]:
-    """Packings and blocks side by side, then each of them with its varied parameters."""
+    """Packings and blocks side by side, then packings and blocks alone with their varied
+    parameters.
+    """
     grains = impacts.reference
     blocks = impacts.continuum_reference
     if len(grains) and len(blocks):
@@ -175,12 +177,12 @@ def _pictures_of_blocks(impacts: Impacts) -> Iterator[Picture]:
 
 
 def _picture(name: str, draw: Callable[..., Drawing], *arguments: Any) -> Picture:
-    """Picture of a name, with its caption."""
+    """Picture with this name and its caption."""
     return Picture(name, _CAPTIONS[name], partial(draw, *arguments))
 
 
 def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
-    """Packings and blocks side by side, then each of them, with notes."""
+    """Packings and blocks side by side, then packings and blocks alone, with notes."""
     rows = [
         *_rows_per_mass(_dissipating(impacts.reference, _GRANULAR_LISTED)),
         *_rows_per_mass(impacts.other_substances[:_OTHERS_LISTED]),
@@ -214,8 +216,8 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
 
 
 def _dissipating(reference: DataFrame, most: int) -> DataFrame:
-    """Runs that dissipate, from the largest energy down, a factor of two or more apart; in rising
-    order.
+    """Runs that dissipate, with the largest energy among them, whose energies are a factor of two
+    or more apart; in rising order.
     """
     chosen: list[int] = []
     energy = reference.get("energy_J", pd.Series(dtype=float)).to_numpy()
@@ -227,7 +229,7 @@ def _dissipating(reference: DataFrame, most: int) -> DataFrame:
 
 
 def _per_mass(run: Any) -> tuple[Any, ...] | None:
-    """Row of the table of dissipation per mass and volume; None where nothing was dissipated."""
+    """Row of the table of dissipation per mass and volume; None if nothing was dissipated."""
     elements = involved(run)
     if elements is None:
         return None
@@ -247,7 +249,7 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
 
 
 def _rows_per_mass(runs: DataFrame) -> Iterator[tuple[Any, ...]]:
-    """Rows of the runs whose involved material is known."""
+    """Rows of the runs for which `Impacts.involved` is known."""
     for run in runs.itertuples():
         row = _per_mass(run)
         if row:
@@ -255,7 +257,7 @@ def _rows_per_mass(runs: DataFrame) -> Iterator[tuple[Any, ...]]:
 
 
 def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
-    """Quadratic law, collapse of the scaling, and loading area."""
+    """Quadratic law, collapse of the curves on normalised axes, and loading area."""
     fit = quadratic_fit(impacts)
     if fit:
         yield from _fit_of_velocities(impacts, fit)
@@ -296,11 +298,11 @@ def _fit_of_velocities(impacts: Impacts, fit: QuadraticLaw) -> Iterator[Document
 
 
 def _of_blocks(impacts: Impacts) -> Iterator[DocumentTable]:
-    """Collapse of the scaling, and influence of the taper.
+    """Collapse of the curves on normalised axes, and influence of the taper.
 
-    At the same ratio of yield strength to modulus the differences are rounding. At another ratio
-    the rounded edge of the punch is larger or smaller relative to the displacements. This matters
-    where little more than the edge touches.
+    At the same ratio of yield strength to modulus the differences are rounding errors. At another
+    ratio the rounded edge of the punch is larger or smaller relative to the displacements. This
+    matters if little more than the edge touches.
     """
     rows: list[tuple[Any, ...]] = []
     for name, runs in list(materials(impacts).items())[1:]:

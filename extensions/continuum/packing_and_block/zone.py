@@ -1,7 +1,7 @@
 """Size of the plastic zone against energy, of packings and of the continuum: regions with 50, 90
-and 99 %.
+and 99 % of the plastic dissipation.
 
-Lengths are in diameters, of the spheres and of the punch, volumes in pi D^3/6, energies in
+Lengths are in diameters D of the spheres or of the punch, volumes in pi D^3/6, energies in
 sigma_y^2 D^3/E.
 """
 
@@ -66,8 +66,8 @@ _NOT_COMPARED_REMARK = (
 def zones(impacts: Impacts) -> dict[str, DataFrame]:
     """Plastic zones by energy, of packings and of blocks.
 
-    The packings have the spheres of the reference, of which one is impacted; for each energy the
-    largest packing is used.
+    The packings consist of the spheres of the reference, and one sphere is impacted; for each
+    energy the largest packing is used.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
 
 
 def what_of(what: str, packing: str, material: object) -> str:
-    """Return the kind of a run for a row of a table: ``granular, fcc 24 x 24 x 12, brass``.
+    """Describe a run for a row of a table: ``granular, fcc 24 x 24 x 12, brass``.
 
     Parameters
     ----------
@@ -151,8 +151,8 @@ def what_of(what: str, packing: str, material: object) -> str:
 
 
 def _comparable(impacts: Impacts) -> DataFrame:
-    """Return the runs with the spheres of the reference, of which one is impacted, in packings of
-    any size.
+    """Return the runs in packings of any size that consist of the spheres of the reference and have
+    one impacted sphere.
     """
     grains = impacts.granular
     first = impacts.reference[:1]
@@ -204,7 +204,7 @@ def differences_by_size(impacts: Impacts, what: str) -> DataFrame:
 
 
 def _influence_of_bounds(impacts: Impacts, what: str) -> str:
-    """Return how much the sizes of the zone change with the size of the packings or blocks."""
+    """Return the changes of the sizes of the zone with the size of the packings or blocks."""
     bodies = {"packing": "packings", "continuum": "blocks"}[what]
     changes = differences_by_size(impacts, what).max()
     parts = []
@@ -317,8 +317,8 @@ def _zone_sizes(sides: Mapping[str, DataFrame], sizes: list[str]) -> Drawing:
 
 
 def _curves(axes: Axes, name: str, zones: DataFrame, colour: str, line: str) -> None:
-    """Draw one size of the zones of packings or blocks, with the outermost yield; gaps where
-    nothing yielded.
+    """Draw one size of the zones of packings or blocks, and the distance of the outermost yielding;
+    gaps where nothing yielded.
     """
     for share, marker in zip(SHARES, _MARKERS, strict=True):
         y = zones[f"{name}_{share}"].replace(0.0, math.nan)
@@ -343,7 +343,7 @@ def _curves(axes: Axes, name: str, zones: DataFrame, colour: str, line: str) -> 
 
 
 def _axis_of_contacts(axes: Axes, packing: Any) -> None:
-    """Add an axis on top with the energies of the packing in F_y alpha_y."""
+    """Add an axis at the top with the energies of the packing in F_y alpha_y."""
     factor = packing.energy_normalised / packing.energy
     axes.tick_params(axis="x", which="both", top=False)
 

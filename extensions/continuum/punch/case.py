@@ -73,7 +73,7 @@ class PunchRunSettings:
         default=ELEMENTS,
     )
     timestep: float | Literal["auto"] = positive_or_auto(
-        "auto: just below the stability limit", INTERVAL
+        "timestep; auto: just below the stability limit", INTERVAL
     )
     edge_size: float | Literal["auto"] = positive_or_auto(
         "width of the elements at the punch's edge; auto: derived from elements (32 um for 62500 "
@@ -94,7 +94,7 @@ class PunchRunSettings:
 
 
 def yield_velocity(material: Material, punch: Punch, elements: int = ELEMENTS) -> float | None:
-    """Return the velocity of a punch from which the block yields at its edge, m/s.
+    """Return the smallest velocity of a punch at which the block yields at its edge, m/s.
 
     A rigid punch of radius a and mass m on an elastic half-space, of stiffness 2 a E/(1 - nu^2),
     reaches the mean pressure v sqrt(k m)/(pi a^2). The stress at its edge is a multiple of it,
@@ -134,7 +134,7 @@ class ContinuumCase(ElementCase):
 
     @property
     def yield_velocity(self) -> float | None:
-        """Velocity of the punch from which the block yields, m/s; see `yield_velocity`."""
+        """Smallest velocity of the punch at which the block yields, m/s; see `yield_velocity`."""
         return yield_velocity(self.material, self.punch, self.run.elements)
 
     @property
@@ -162,7 +162,7 @@ class ContinuumCase(ElementCase):
 
 
 def _check_material(material: Material, errors: ErrorList) -> None:
-    """Check that a block can have the properties of a material."""
+    """Check that a material has a yield strength, and no property that a block cannot have."""
     if material.yield_strength is None:
         errors.add(
             "material.yield_strength",

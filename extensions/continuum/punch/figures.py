@@ -82,7 +82,9 @@ def energies(result: ContinuumResult) -> Drawing:
 
 
 def plastic_zone_volume(result: ContinuumResult) -> Drawing:
-    """Draw the volumes at yield and ever yielded, relative to a sphere of the punch's diameter."""
+    """Draw the volume at yield and the volume that has yielded so far, divided by the volume of a
+    sphere with the diameter of the punch.
+    """
     time = result["plastic_zone/time"]
     sphere = math.pi / 6 * result.tables["punch"]["diameter"] ** 3
     now = result["plastic_zone/volume"]
@@ -97,7 +99,7 @@ def plastic_zone_volume(result: ContinuumResult) -> Drawing:
 
 def plastic_zone_size(result: ContinuumResult) -> Drawing | None:
     """Draw the fractions of plastic work beyond a depth and a radius, with the sizes of the zone;
-    None without any.
+    None without plastic work.
     """
     centres = result.centres
     ever = result.grid(result["fields/ever_yielded"])

@@ -172,8 +172,8 @@ class BlockRun(ElementRun):
         }
 
     def zone_summary(self) -> dict[str, Any]:
-        """Return the size of the plastic zone, the boundaries that it reaches, and the return of
-        waves from them.
+        """Return the size of the plastic zone, the boundaries that it reaches, and whether waves
+        returned to it from them.
 
         The fastest wave travels at the longitudinal wave speed from the punch straight to the
         boundary and back to the zone that holds 99 % of the plastic work.
@@ -197,11 +197,9 @@ class BlockRun(ElementRun):
         return sizes | cut | wave_returns(times, self.column("time"), self.column("plastic"))
 
     def _zone_strain(self) -> float:
-        """Return the equivalent strain exceeded in 1 % of the volume that ever yielded; 0 if none
-        did.
-
-        It is the sum of the elastic and the plastic one. The largest strain occurs in one element
-        at the punch's edge and depends on the element size.
+        """Return the equivalent strain, elastic plus plastic, that is exceeded in 1 % of the volume
+        that yielded; 0 if no element yielded. The largest strain occurs in one element at the
+        punch's edge and depends on the element size.
         """
         solver = self.solver
         elastic = solver.von_mises / solver.material.youngs_modulus

@@ -8,7 +8,7 @@ element. The two hourglass modes, to which it is insensitive, are resisted by `h
 The radius at the centre of an element is never zero, so that the axis needs no special treatment;
 for rectangles one point integrates the volume 2 pi r dr dz exactly, and a field of equal radial and
 hoop stress is exactly in equilibrium. The mass is lumped with the same point, a quarter of the
-element to each node; because forces are distributed in the same way, a plane wave stays plane up to
+element to each node. Because forces are distributed in the same way, a plane wave stays plane up to
 the axis.
 
 All energies are computed independently, so that their sum checks the solution: elastic from the

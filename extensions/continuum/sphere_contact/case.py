@@ -105,7 +105,7 @@ class SphereContactCase(ElementCase):
 
     @property
     def identical(self) -> bool:
-        """True if both spheres are equal, so that one of them on the plane of symmetry is
+        """True if both spheres are equal, so that a single sphere on the plane of symmetry is
         sufficient.
         """
         first, second = (

@@ -177,9 +177,7 @@ def _family(curves: dict[str, tuple[Array, Array]], names: tuple[str, str]) -> t
 def _compared(
     result: SphereContactResult, columns: dict[str, Array], ylabel: str
 ) -> tuple[Drawing, Axes]:
-    """Draw columns against the first, the overlap: results of the finite elements, of the law, and
-    of Hertz.
-    """
+    """Draw columns against the first column, the overlap: finite elements, the law, and Hertz."""
     overlap, *curves = columns.values()
     order = np.argsort(overlap)
     figure, axes = one_panel(2.5, result.overlap_label, ylabel)
@@ -329,7 +327,7 @@ def deviation(result: SphereContactResult) -> Drawing:
 
 
 def quasi_static(result: SphereContactResult) -> Drawing:
-    """Draw the non-static energies over the internal energy, and the force balance, during
+    """Draw the non-static energies divided by the internal energy, and the force balance, during
     loading.
     """
     rows = result.branch(LOADING)
@@ -365,8 +363,8 @@ def quasi_static(result: SphereContactResult) -> Drawing:
 
 
 def von_mises(result: SphereContactResult) -> Drawing | None:
-    """Draw the von Mises stress in both spheres at the largest overlap; None if it was not
-    reached.
+    """Draw the von Mises stress in both spheres at the largest overlap; None if the run did not
+    reach it.
     """
     if "fields/von_mises" not in result.values:
         return None

@@ -44,8 +44,8 @@ FAR_END = 0.5 + 0.5 / math.sqrt(3)
 
 @compiled
 def plastic_increment(mises, limit, hardening, shear, sensitivity, least):
-    """Return the increment m of the equivalent plastic strain, and the factor of the yield strength
-    at its rate.
+    """Return the increment m of the equivalent plastic strain, and the factor by which its rate
+    raises the yield strength.
 
     With Johnson and Cook's factor, m solves ``(limit + hardening m)(1 + C ln(m/least)) + 3 mu m =
     mises``, where least is the increment at the reference rate, below which the factor is 1. The
@@ -215,7 +215,7 @@ def press(x, f, around, weights, line, stiffness, approach, gaps):
 
     The gap at the two Gauss points of each segment is g = z + z_line(r) - approach, with each z
     into its own body. If it is negative, the energy ``stiffness g^2/2`` gives equal and opposite
-    forces on the nodes of both, normal to the line.
+    forces on the nodes of both surfaces, normal to the line.
 
     Parameters
     ----------
@@ -314,8 +314,8 @@ def masses(x, elements, kind, constants, extra, mass):
     """Set the nodal masses so that a step of 1 is `STABLE` times the stability limit of every
     element.
 
-    The square of an element's highest frequency is at most ``V (lambda + 2 mu) sum(b^2)`` over a
-    nodal mass.
+    The square of an element's highest frequency is at most ``V (lambda + 2 mu) sum(b^2)`` divided
+    by a nodal mass.
     """
     mass[:] = extra
     for e in range(len(elements)):

@@ -1,13 +1,13 @@
-"""Constants of the law ``elastoplastic-fe`` from ``law_table.csv``, by least squares, its errors
-and its error bars.
+"""Constants of the law ``elastoplastic-fe`` from ``law_table.csv``, by least squares; errors and
+error bars of the law.
 
     python -m granwave.extensions.continuum.sphere_contact.law_fit [HEADER] [PICTURE] [PAGE ...]
 
-prints the largest errors. With HEADER (elastoplastic_fe_constants.h of the plugin) it fits first,
-from the present constants on, and writes it with the error bars; with PICTURE it draws the errors
-of this law and of the default law; in each PAGE (Markdown) it updates the tables of errors and
-error bars. Two equal spheres at large depth are equivalent to one sphere on a rigid flat: the law
-has that symmetry.
+prints the largest errors. With HEADER (elastoplastic_fe_constants.h of the plugin) it first fits
+the constants, starting from the present ones, and writes the header with the error bars. With
+PICTURE it draws the errors of this law and of the default law. In each PAGE (Markdown) it updates
+the tables of errors and error bars. Two equal spheres at large depth are equivalent to one sphere
+on a rigid flat, and the law has the same symmetry.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ class Measured:
         return np.asarray(law.loading_force(self.overlap) / self.force - 1)
 
     def unloading_errors(self, law: ContactLaw) -> Array:
-        """Return the errors of the force on unloading relative to the peak, at `_PLACES`:
+        """Return the errors of the force on unloading, divided by the peak force, at `_PLACES`:
         (n_unloadings, n_places).
         """
         overlap = self.residual[:, None] + (self.peak - self.residual)[:, None] * _PLACES
@@ -133,7 +133,7 @@ class Measured:
 
     @cached_property
     def restitution(self) -> Array:
-        """Coefficients of restitution of finite elements, from each peak: (n_unloadings,)."""
+        """Coefficients of restitution from finite elements, for each peak: (n_unloadings,)."""
         law = self.law("hertz")
         at = np.geomspace(self.start, self.peak.max(initial=self.start), _QUADRATURE)
         hertz = law.loading_force(at)
@@ -160,8 +160,8 @@ def measured() -> list[Measured]:
 
 
 def fit(contacts: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
-    """Return the constants of the law: first the fit of loading, then of unloading, with names such
-    as r1 and n1.
+    """Return the constants of the law by names such as r1 and n1: loading is fitted first, then
+    unloading.
     """
     used = [contact for contact in contacts if not contact.held]
     of_unloading = [name for name in start if name[0] in "rn" and name[1:].isdigit()]
@@ -181,7 +181,7 @@ def _improve(
     errors_of: Callable[[Measured, ContactLaw], list[Array]],
     power: int,
 ) -> None:
-    """Fit some of the constants in place, by the least sum of the errors to this power."""
+    """Fit some of the constants in place; minimise the sum of this power of the errors."""
 
     def errors(x: Array) -> Array:
         trial = constants | dict(zip(names, map(float, x), strict=True))
@@ -214,8 +214,8 @@ def errors(
     """Return the largest errors of loading by range of the overlap, of unloading, and of the
     coefficient of restitution, for each kind of contact, per cent.
 
-    ``within_3`` is the percentage of points of loading within 3 %, ``within_5`` the percentage of
-    unloadings within 5 %.
+    ``within_3`` is the percentage of points of loading with errors up to 3 %, ``within_5`` the
+    percentage of unloadings with errors up to 5 %.
     """
     rows = []
     for kind in dict.fromkeys(contact.name.partition("_")[0] for contact in contacts):

@@ -4,9 +4,10 @@
 
 runs the contacts that are neither in the table nor in DIR, or with ``--all`` all contacts that are
 not in DIR. It leaves a file for each contact in DIR, may be stopped and called again, and at the
-end writes ``law_table.csv`` next to this module: contacts by their name in `contacts`, those
-without a file in DIR as they were. Lengths are in units of R*, forces of E* R*^2. Each contact is
-unloaded from several depths; after each, loading continues from a copy of the state before.
+end writes ``law_table.csv`` next to this module. The table identifies contacts by their name in
+`contacts`; rows of contacts without a file in DIR are unchanged. Lengths are in units of R*, forces
+of E* R*^2. Each contact is unloaded from several depths; after each, loading continues from a copy
+of the state before.
 """
 
 from __future__ import annotations
@@ -43,10 +44,10 @@ def contacts() -> dict[str, dict[str, float]]:
     """Return the contacts of ``law_contacts.csv`` by name.
 
     ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and
-    of the second its ``radius, modulus, strength`` over those of the first, and ``nu2``; equal ones
-    are omitted. A radius of 100 counts as a flat. Names that begin with ``held`` are excluded from
-    the fit. Two equal spheres to a depth of 0.88 R* are equivalent to one sphere on a rigid flat to
-    0.22 R*.
+    of the second its ``radius, modulus, strength`` divided by the values of the first, and ``nu2``;
+    values equal to the first sphere's are omitted. A radius of 100 means a flat. Names that begin
+    with ``held`` are excluded from the fit. Two equal spheres to a depth of 0.88 R* are equivalent
+    to one sphere on a rigid flat to 0.22 R*.
     """
     table = pd.read_csv(CONTACTS, index_col="name", float_precision="round_trip")
     return {name: row.dropna().to_dict() for name, row in table.iterrows()}
@@ -134,9 +135,9 @@ def stored() -> pd.DataFrame:
 def reduce(directory: Path) -> pd.DataFrame:
     """Return the table of the contacts in a directory: points of loading, and the unloadings.
 
-    Loading is smoothed over the steps by which the contact grows from node to node. An unloading
-    has the residual overlap and the exponent of its curve, and the largest deviation from that
-    curve over the largest force.
+    Loading is smoothed over the steps by which the contact grows from node to node. A row of an
+    unloading has the residual overlap and the exponent of a fitted curve, and the largest deviation
+    from this curve divided by the peak force.
     """
     rows: list[tuple[Any, ...]] = []
     for name, values in contacts().items():
@@ -158,7 +159,9 @@ def reduce(directory: Path) -> pd.DataFrame:
 
 
 def _smoothed_loading(history: pd.DataFrame, start: float) -> Iterator[tuple[float, float]]:
-    """Return overlaps and smoothed forces on loading, given the overlap at first yield over R*."""
+    """Return overlaps and smoothed forces on loading, given the overlap at first yield divided by
+    R*.
+    """
     is_loading = history["branch"] == LOADING
     loading = history[is_loading & (history["overlap"] > 0.3 * start) & (history["force"] > 0)]
     x = np.log(loading["overlap"].to_numpy())
@@ -173,7 +176,7 @@ def _smoothed_loading(history: pd.DataFrame, start: float) -> Iterator[tuple[flo
 
 def _fitted_unloading(down: pd.DataFrame) -> tuple[float, float, float, float, float]:
     """Return overlap and force at the peak of an unloading, residual overlap, exponent, and the
-    largest deviation from the fitted curve over the peak force.
+    largest deviation from the fitted curve divided by the peak force.
     """
     relative = down["overlap"].to_numpy() / down["overlap"].iloc[0]
     share = down["force"].to_numpy() / down["force"].iloc[0]

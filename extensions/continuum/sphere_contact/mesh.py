@@ -7,7 +7,8 @@ radius is resolved by the same number of elements (``4 n/pi``) at any size. The 
 the flat face.
 
 Coordinates: r from the axis, z from the contact point (0) to the flat face (R). With ``phi`` the
-arc from the contact point over R and ``theta`` the angle from the surface (0) to the axis (pi/2),
+arc from the contact point divided by R and ``theta`` the angle from the surface (0) to the axis
+(pi/2),
 
     r = R sin(phi) c      z = S + (A - S) s      S = R (1 - cos phi)      A = R (phi + k phi^2),  A(pi/2) = R
 
@@ -148,7 +149,7 @@ def _place(radius: float, x: Array, y: Array) -> Array:
 
 def _counted(radius: float, core: float, n: int) -> tuple[Array, Array]:
     """Return distances along the surface from the core to the rim, and the number of rings up to
-    each.
+    each distance.
     """
     distance = np.geomspace(core, _QUARTER * radius, _SAMPLES)
     # rings per unit of ln(distance)

@@ -1,12 +1,17 @@
 """One sphere-contact study, from case to figures: its summary, ``contact.csv`` and ``result.h5``.
 
     /history/{branch, cycle, overlap, force, face_force, contact_radius, mean_pressure, penetration}
-    /energy/{kinetic, elastic, plastic, hourglass, viscous, damping, contact, input} at the same
-    instants /loading/{overlap, force, contact_radius, mean_pressure, law_force, law_contact_radius}
-    /deviation/{force, contact_radius, mean_pressure} per cent of the law's /cycles/{peak_overlap,
-    peak_force, residual_overlap, exponent, ...} a row a cycle /pressure/N/{radius, pressure}
-    profiles, each with its overlap as attribute /fields/{position, elements, body, von_mises,
-    plastic_strain} at the largest overlap, (r, z) from the contact
+    /energy/{kinetic, elastic, plastic, hourglass, viscous, damping, contact, input}
+        at the same instants
+    /loading/{overlap, force, contact_radius, mean_pressure, law_force, law_contact_radius}
+    /deviation/{force, contact_radius, mean_pressure}
+        from the law, as a percentage of its value
+    /cycles/{peak_overlap, peak_force, residual_overlap, exponent, ...}
+        a row for each cycle
+    /pressure/N/{radius, pressure}
+        profiles, each with its overlap as attribute
+    /fields/{position, elements, body, von_mises, plastic_strain}
+        at the largest overlap, (r, z) from the contact
 
 ``branch``: 0 loading, 1 unloading, 2 reloading. The root carries ``kind``, ``name``, ``case``
 (TOML), ``summary`` and ``versions`` (JSON) as attributes; every data set a ``unit``.
@@ -169,7 +174,7 @@ class ContactRun(ElementRun):
         self.end_reason = "done"
 
     def _load(self, peak: float, *, turns: bool = True) -> None:
-        """Load until turning, or stopping, would just not exceed the overlap ``peak``."""
+        """Load until a turn, or a stop, would end just below the overlap ``peak``."""
         solver = self.solver
         every = max(1, round(self._fold / _ENTRIES[0]))
         while True:

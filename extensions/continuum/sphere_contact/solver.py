@@ -4,7 +4,7 @@ The flat faces are displaced towards each other and may move radially; the curve
 of traction except for the frictionless contact. Each body is solved in the frame of its flat face,
 where the face is at rest and the overlap enters only in the contact,
 
-    gap(r) = z_1(r) + z_2(r) - overlap z: height of the surface over the contact point, into its
+    gap(r) = z_1(r) + z_2(r) - overlap z: height of the surface above the contact point, into its
     body
 
 so that moving the faces causes no inertia forces. Equal spheres are symmetric about the contact

@@ -1,6 +1,6 @@
 """The contact law against finite elements of two spheres pressed together.
 
-Common basis: finite elements over the law, less 1, at equal overlap.
+The common quantity is the ratio of finite elements to the law at equal overlap, minus 1.
 """
 
 from __future__ import annotations
@@ -61,13 +61,15 @@ class SphereLoading:
     softer: float | None
 
     def near(self, scaled: float) -> float:
-        """Mean of `over_law` about an overlap relative to first yield; NaN beyond the largest."""
+        """Mean of `over_law` near an overlap relative to first yield; NaN beyond the largest
+        overlap.
+        """
         chosen = np.abs(np.log(self.scaled / scaled)) < _SMOOTH
         return float(self.over_law[chosen].mean()) if chosen.any() else math.nan
 
 
 def select(runs: Sequence[SphereContactRun]) -> list[list[SphereLoading]]:
-    """All runs whose contacts yield, identical spheres first."""
+    """All runs whose contacts yield; runs with identical spheres are first."""
     loadings = [_measured(run) for run in runs if math.isfinite(run.value("yield_overlap_m"))]
     loadings = [loading for loading in loadings if loading.scaled[-1] > _SPOTS[-1]]
     return [sorted(loadings, key=lambda loading: loading.place)] if loadings else []

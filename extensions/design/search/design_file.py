@@ -1,4 +1,4 @@
-"""A design file: a case, variables, limits, objectives, uncertainty, and the resulting cases."""
+"""A design file: base case, variables, limits, objectives, uncertainty, and the resulting cases."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def _base(
 
 
 def _of_base(item: InputFault, path: Path) -> InputFault:
-    """Return a fault of the base case as one of the design file, with its ``[set]``."""
+    """Return a fault of the base case as a fault of the design file, with its ``[set]``."""
     key = f"set.{item.key}" if item.changed else item.key
     return dataclasses.replace(item, key=key).inside(f"{path}: base")
 
@@ -189,8 +189,7 @@ def _of_set(table: Mapping[str, Any], base: Any, prefix: str = "") -> Iterator[t
 
 
 def _replaces(value: Any, current: Any) -> bool:
-    """Return True if a value of ``[set]`` replaces the complete value of the base. A table does so
-    if it is of another kind, such as ``{plate = ...}`` for ``{half_space = ...}``, or has a preset.
+    """Return True if a value of ``[set]`` replaces the complete value of the base.
 
     A table does so if it is of another kind, such as ``{plate = ...}`` for ``{half_space = ...}``,
     or has a preset.
@@ -244,7 +243,7 @@ def _check_place(variable: Variable, base: dict[str, Any], errors: ErrorList) ->
 def _warn_of_refused_values(
     variables: Iterable[Variable], base: dict[str, Any], source: str
 ) -> None:
-    """Warn of words and ends of ranges that make the base invalid without any other change.
+    """Warn of words and ends of ranges that alone make the base invalid.
 
     Variables with the same fault share a warning.
     """
@@ -495,8 +494,8 @@ def _range(value: Any) -> tuple[float, float]:
 def _samples(
     problem: DesignProblem, ranges: Mapping[str, tuple[float, float]], replicates: int
 ) -> Iterator[dict[str, Any]]:
-    """Return the changes of the case for each run of a design: values spread evenly over the
-    ranges, and a seed.
+    """Return the changes of the case for each run of a design: values that cover the ranges evenly,
+    and a seed.
     """
     varied = [key for key, (low, high) in ranges.items() if high > low]
     random = _may_be_random(problem, ranges)

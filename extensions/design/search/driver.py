@@ -176,7 +176,7 @@ class _Search:
             publish(study, findings)
 
     def _has_lost_runs(self, design: Design) -> bool:
-        """Return True if a design has ended and a summary of its runs is gone."""
+        """Return True if a design has ended, but the summary of one of its runs is missing."""
         if design.state not in (COMPLETE, PRUNED):
             return False
         points = self.study.directory / POINTS
@@ -200,7 +200,7 @@ class _Search:
         )
 
     def _end(self, design: Design, state: str, reason: str) -> None:
-        """End a design in a state; its queued runs are dropped."""
+        """End a design with a state, and remove its queued runs."""
         design.state = state
         design.reason = reason
         self.queue = deque(entry for entry in self.queue if entry[0] is not design)
@@ -208,7 +208,7 @@ class _Search:
     # ------------------------------------------------------------------ runs
 
     def _fill(self) -> bool:
-        """Start runs until all jobs are busy; return True while any is."""
+        """Start runs until all jobs are busy; return True if any job is busy."""
         while (
             len(self.points) < self.jobs and not self.stop.count and (self.queue or self._choose())
         ):
@@ -229,7 +229,7 @@ class _Search:
         return bool(self.points)
 
     def _take(self) -> None:
-        """Take the values of runs that have ended."""
+        """Process the values of runs that have ended."""
         finished = self.points.wait()
         for ended in finished:
             design, n = self.at_work.pop(ended.name)
@@ -244,8 +244,7 @@ class _Search:
             self.study.write()
 
     def _put_back(self, design: Design, n: int, ended: Ended) -> None:
-        """Queue a run that was stopped by a signal again. If this search is stopped itself, its
-        next start resumes the run.
+        """Queue a run again that was stopped by a signal.
 
         If this search is stopped itself, its next start resumes the run.
         """
@@ -308,7 +307,7 @@ class _Search:
         return True
 
     def _has_values(self, design: Design, ended: Ended) -> bool:
-        """Enter the values of a run that objectives and limits need; the design fails without."""
+        """Enter the values of a run that objectives and limits need; the design fails without them."""
         problem = self.problem
         values = with_derived(ended.summary, design.known["smallest_diameter_m"]) | design.known
         names_of_values = [objective.name for objective in problem.objectives]
@@ -346,7 +345,7 @@ class _Search:
 
     def _is_lost(self, design: Design) -> bool:
         """Return True if the runs so far are so much worse than the best design that further runs
-        are not useful.
+        are useless.
 
         The objective of the design is then estimated from these runs, for the model.
         """
@@ -373,10 +372,9 @@ class _Search:
     # --------------------------------------------------------------- designs
 
     def _choose(self) -> bool:
-        """Queue the runs of the next design: of the search, then the best designs in full, then
-        designs next to the best.
-
-        Return False if there is none, or none until the running designs have ended.
+        """Queue the runs of the next design: first designs of the search, then the best designs in
+        full, then designs next to the best one.  Return False if there is no next design, or none
+        before the running designs have ended.
         """
         study = self.study
         evaluations = self.problem.search.evaluations
@@ -406,7 +404,9 @@ class _Search:
             self._queue(design)
 
     def _choose_next_to_best(self) -> bool:
-        """Queue a design next to the best; return False if there is none, or enough were run."""
+        """Queue a design next to the best one; return False if there is none, or if enough were
+        run.
+        """
         study = self.study
         problem = self.problem
         search = problem.search

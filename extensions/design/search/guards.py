@@ -1,7 +1,6 @@
-"""Checks of the best design: whether its optimum depends on the model, the runs or chance.
-
-Some checks read its own run; the others are further runs with one key changed. A change of an
-objective by more than 5 % is in the first lines of the report.
+"""Checks of the best design: whether the optimum depends on the model, the runs or chance.  Some
+checks read the run of the best design; the others are further runs with one key changed. A change
+of an objective by more than 5 % is in the first lines of the report.
 """
 
 from __future__ import annotations
@@ -78,7 +77,7 @@ class GuardOutcome:
 def check_best(
     study: DesignStudy, best: Design, points: Points, jobs: int, stop: Interrupts, *, show: bool
 ) -> list[GuardOutcome]:
-    """Check the best design by its own run and by further runs.
+    """Check the best design by its run and by further runs.
 
     Returns
     -------
@@ -111,7 +110,7 @@ def _run_further(
     *,
     show: bool,
 ) -> Iterator[GuardOutcome]:
-    """Make the further runs of the best design, whose own run is ``run``; return their findings."""
+    """Make the further runs of the best design, whose run is ``run``; return their findings."""
     waiting = deque(further_runs(problem, best, run["longer"]))
     total = len(waiting)
     started = {}
@@ -176,7 +175,7 @@ def further_runs(
 ) -> Iterator[tuple[str, str, Tables]]:
     """Return the further runs of a design that need a case: name, description, and tables.
 
-    ``longer``: duration of its run divided by that of the design file.
+    ``longer``: duration of its run divided by the duration in the design file.
     """
     case = problem.case(problem.tables_of(best.values, problem.samples[0], longer=longer))
     tables = case.to_dict()
@@ -190,7 +189,9 @@ def further_runs(
 def _compared(
     problem: DesignProblem, before: Mapping[str, Any], after: Mapping[str, Any]
 ) -> tuple[dict[str, float], str]:
-    """Return the relative changes of the objectives that have two values, and a text of them."""
+    """Return the relative changes of the objectives that have two values, and a text on these
+    changes.
+    """
     changes = {}
     for objective in problem.objectives:
         old = before.get(objective.name)
@@ -235,7 +236,7 @@ def finding_of(
 def of_neighbours(
     problem: DesignProblem, best: Design, designs: Sequence[Design]
 ) -> Iterator[GuardOutcome]:
-    """Give the findings of the designs next to the best, and of the moves to them."""
+    """Return the findings of the designs next to the best one, and of the moves to them."""
     yield from _moves(problem, best, designs)
     by_values = {repr(design.values): design for design in designs}
     left = []
@@ -264,7 +265,7 @@ def of_neighbours(
 def _moves(
     problem: DesignProblem, best: Design, designs: Sequence[Design]
 ) -> Iterator[GuardOutcome]:
-    """Return the change by moves from the best design of the search to designs next to it."""
+    """Return the changes due to moves from the best design of the search to designs next to it."""
     searched = [design for design in designs if design.state == COMPLETE and not design.next_to]
     if not best.next_to or not searched:
         return
@@ -314,8 +315,8 @@ def findings_without_runs(
 def _kinetic_energy_at_end(
     problem: DesignProblem, best: Design, summary: Mapping[str, Any]
 ) -> Iterator[GuardOutcome]:
-    """Return the kinetic fraction of the energy at the end of the run. It is no warning for elastic
-    packings and chains, which rattle indefinitely.
+    """Return the kinetic fraction of the energy at the end of the run. There is no warning for
+    elastic packings and chains, which rattle indefinitely.
     """
     energy_input = summary.get("energy_input_J")
     kinetic = summary.get("energy_kinetic_J")
@@ -343,7 +344,7 @@ def target_force(place: Path) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def has_passed(force: np.ndarray) -> bool:
-    """Return True if a force has had its peak and fallen to a tenth of it."""
+    """Return True if a force has fallen to a tenth of its peak."""
     if not has_come(force):
         return False
     rise = force - force[0]
@@ -352,13 +353,13 @@ def has_passed(force: np.ndarray) -> bool:
 
 
 def has_come(force: np.ndarray) -> bool:
-    """Return True if a force has risen and had its peak before the last record."""
+    """Return True if the peak of a force is before the last record."""
     rise = force - force[0]
     return bool(rise.max(initial=0.0) > 0 and rise.argmax() < len(rise) - 1)
 
 
 def late_impulse(time: np.ndarray, force: np.ndarray) -> float:
-    """Return the fraction of the impulse in the last tenth of a run."""
+    """Return the fraction of the impulse that acts in the last tenth of a run."""
     impulse = np.diff(time) * (force[1:] + force[:-1]) / 2
     total = float(impulse.sum())
     is_late = time[1:] > 0.9 * time[-1]

@@ -114,7 +114,7 @@ class Points:
         self._running[name] = (process, time.monotonic())
 
     def _launch(self, words: Sequence[str], place: Path, log: IO[bytes]) -> subprocess.Popen[bytes]:
-        """Start a command of granwave in a process of its own, or on several ranks."""
+        """Start a command of granwave in a separate process, or on several ranks."""
         environment = mpi.alone()
         if nodes_of_job() > 1:
             command = mpi.command(self.ranks, words, _STEP)
@@ -198,7 +198,7 @@ def default_jobs(ranks: int) -> int:
 
 
 def load() -> None:
-    """Import what runs need, without starting MPI: each run starts its own."""
+    """Import the modules that runs need, without starting MPI: each run starts MPI itself."""
     if not _mpi_started():
         forks.load()
 

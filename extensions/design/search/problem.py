@@ -124,8 +124,8 @@ _RANGE = schema.OtherType(expected="[smallest, largest], or one number", kinds=(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class UncertaintyTable:
-    """``[uncertainty]``: several runs of each design, with other seeds, and with keys of the case
-    drawn from ranges.
+    """``[uncertainty]``: several runs of each design, with different seeds, and with keys of the
+    case drawn from ranges.
     """
 
     replicates: int = schema.count("number of runs of each design", default=3, at_most=1000)
@@ -199,8 +199,8 @@ class DesignLimit:
     high: float | None
 
     def margin(self, value: float) -> float:
-        """Return the distance of a value beyond its bounds, divided by the bound; 0 or negative
-        within them.
+        """Return how far a value is beyond a bound, divided by the bound; 0 or negative within the
+        bounds.
         """
         margins = []
         for sign, bound in ((1, self.high), (-1, self.low)):
@@ -259,7 +259,7 @@ class DesignProblem:
 
     @property
     def record(self) -> dict[str, Any]:
-        """Tables of the file and of its case, by which a search is recognised."""
+        """Tables of the file and of its case, which identify a search."""
         return {**self.tables, "base": self.base}
 
     def tables_of(
@@ -267,7 +267,7 @@ class DesignProblem:
     ) -> dict[str, Any]:
         """Return the tables of the case of a design.
 
-        ``longer``: the duration of the run divided by that of the design file.
+        ``longer``: duration of the run divided by the duration in the design file.
         """
         tables = with_values(with_values(self.base, values), sample or {})
         if longer == 1:
@@ -277,7 +277,7 @@ class DesignProblem:
     def cheaply(self, tables: Mapping[str, Any]) -> dict[str, Any]:
         """Return the tables of a case with the tolerance of the search.
 
-        They are unchanged if the case has a larger tolerance, or a fixed timestep.
+        They are unchanged if the tolerance of the case is larger, or if its timestep is fixed.
         """
         run = tables.get("run", {})
         is_larger = self.tolerance > run.get("energy_tolerance", ENERGY_TOLERANCE)
@@ -286,11 +286,11 @@ class DesignProblem:
         return dict(tables)
 
     def assembly(self, tables: Mapping[str, Any]) -> Assembly:
-        """Read a case, and place its bodies; raise InputError if it is invalid."""
+        """Read a case, and place its bodies; raise InputError if the case is invalid."""
         return assembly_from_dict(tables, self.path)
 
     def case(self, tables: Mapping[str, Any]) -> Case:
-        """Read a case; raise InputError if it is wrong."""
+        """Read a case; raise InputError if it is invalid."""
         return self.assembly(tables).case
 
     def statistic_of(self, objective: Objective, values: Sequence[float]) -> float:
@@ -331,7 +331,7 @@ def examined(
 
 def _values_before(assembly: Assembly, limit: DesignLimit | None) -> dict[str, float]:
     """Return `known_before`; only the number of spheres if it exceeds its limit, to save the memory
-    for their positions.
+    of the positions.
     """
     n_spheres = assembly.lattice.n_spheres
     if limit is not None and n_spheres and limit.fault(n_spheres):
@@ -378,7 +378,7 @@ def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[s
 
 
 def _ratio(part: float | None, total: float | None) -> float | None:
-    """Return the ratio of two values; None if one is missing or the total is 0."""
+    """Return the ratio of two values; None if one is missing, or if the total is 0."""
     return part / total if part is not None and total else None
 
 
@@ -407,7 +407,7 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
 
 
 def _set(table: Any, path: Sequence[str], value: Any) -> None:
-    """Set the value at the parts of a key, in a table or list; tables on the way are added."""
+    """Set the value at the parts of a key, in a table or list; missing tables are added."""
     name = path[0]
     rest = path[1:]
     if name == _REPLACE and len(rest) > 1 and (ids := ids_of(rest[0])):

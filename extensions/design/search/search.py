@@ -2,12 +2,12 @@
 improvement.
 
 First designs are drawn at random. From then on a Gaussian process (Matern 5/2, one length for each
-variable; scikit-learn) of the logarithm of the objective gives mean and deviation of every
-candidate, and the candidates are ordered by expected improvement times the probability that they
-meet the limits. Candidates are all designs of a small space, otherwise random designs and changes
-of the best. Two objectives are joined by weights that are drawn again for each design (ParEGO,
-Knowles, IEEE Trans. Evol. Comput. 10, 2006). A choice depends on the seed, its number and the
-earlier designs only.
+variable; scikit-learn) of the logarithm of the objective gives mean and standard deviation of every
+candidate. The candidates are ordered by expected improvement times the probability that they meet
+the limits. Candidates are all designs of a small space, otherwise random designs and modifications
+of the best designs. Two objectives are joined by weights that are drawn again for each design
+(ParEGO, Knowles, IEEE Trans. Evol. Comput. 10, 2006). A choice depends only on the seed, on its
+number and on the earlier designs.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def random_designs(space: Space, seed: int, start: int = 0) -> Iterator[Values]:
 def ordered(
     space: Space, designs: Sequence[TriedDesign], seed: int, *, guided: bool
 ) -> Iterator[Values]:
-    """Give designs that were not tried, the most promising first.
+    """Yield designs that were not tried, the most promising first.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def _complete(designs: Iterable[TriedDesign]) -> list[TriedDesign]:
 
 
 def _names(designs: Iterable[TriedDesign]) -> set[str]:
-    """Return a text for each design, by which values are compared."""
+    """Return a text for each design, by which designs are compared."""
     return {repr(design.values) for design in designs}
 
 
@@ -132,8 +132,8 @@ def _by_loss(design: TriedDesign) -> tuple[bool, tuple[float, ...]]:
 
 
 def _candidates(space: Space, designs: Sequence[TriedDesign], rng: Generator) -> list[Values]:
-    """Return all untried designs of a small space, otherwise random designs and changes of the
-    best.
+    """Return all untried designs of a small space, otherwise random designs and modifications of
+    the best designs.
     """
     tried = _names(designs)
     if space.size <= _ENUMERATED:
@@ -246,7 +246,7 @@ def _threads() -> Any:
 
 
 def _scaled(losses: Array) -> Array:
-    """Return the logarithms of losses of the same sign, in their order; others unchanged."""
+    """Return the logarithms of losses with the same sign, in their order; other losses unchanged."""
     if (losses > 0).all():
         return np.log(losses)
     if (losses < 0).all():
@@ -272,8 +272,8 @@ def importance(space: Space, designs: Sequence[TriedDesign], n: int = 512) -> di
     """Return the fraction of the variance of the first objective due to each variable alone
     (first-order Sobol index).
 
-    The variance is computed over the complete space with the fitted model; the remainder to 1 is
-    due to joint effects of several variables.
+    The variance is computed over the complete space with the fitted model; the fractions sum to
+    less than 1 if several variables have joint effects.
     """
     complete = _complete(designs)
     if len(complete) < _FEWEST_MODELLED:
@@ -302,7 +302,7 @@ def front(losses: Sequence[Sequence[float]]) -> list[int]:
     """Return the positions of the designs on the Pareto front, by the first objective.
 
     A design is on the front if no other design is at least as good in all objectives and better in
-    one. Of equal designs the first is used.
+    one. Of equal designs the first one is used.
     """
     table = [tuple(row) for row in losses]
     places = {row: n for n, row in reversed(list(enumerate(table)))}
@@ -320,7 +320,8 @@ def expected_random(
 ) -> list[float]:
     """Return the expected smallest first loss among each number of random designs, by the model.
 
-    Only designs within the limits of the model count. Empty if too few designs are complete.
+    Only designs that meet the limits according to the model count. Empty if too few designs are
+    complete.
     """
     complete = _complete(designs)
     losses = np.array([design.losses[0] for design in complete if design.losses])
@@ -355,7 +356,9 @@ def _limits(space: Space, designs: Sequence[TriedDesign], rng: Generator) -> Ite
 
 
 def _limited_rows(rows: list[TriedDesign], rng: Generator) -> list[TriedDesign]:
-    """Return the designs for the model of a limit: complete ones, the latest, and some others."""
+    """Return the designs for the model of a limit: complete designs, the latest designs, and some
+    others.
+    """
     if len(rows) <= _MOST_ROWS:
         return rows
     kept = {n for n, design in enumerate(rows) if design.losses}

@@ -1,7 +1,7 @@
 """Evaluated designs and their files.
 
-An interrupted search resumes from study.json; designs.csv is made from it. A finished search writes
-the cases of the best designs, design.json and the report.
+An interrupted search resumes from study.json, from which designs.csv is made. A finished search
+writes the cases of the best designs, design.json and the report.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ class Design:
         return list(dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note")))
 
     def losses(self, objectives: tuple[Objective, ...]) -> tuple[float, ...] | None:
-        """Return the objectives, with a sign for which small is good; None without a value."""
+        """Return the objectives with signs such that small values are good; None without a value."""
         if self.state in (RUNNING, FAILED) or len(self.objectives) < len(objectives):
             return None
         return tuple(objective.sign * self.objectives[objective.name] for objective in objectives)
@@ -123,12 +123,14 @@ class DesignStudy:
 
     @property
     def n_evaluated(self) -> int:
-        """Number of designs that the search ran or is running, without those next to the best."""
+        """Number of designs that the search ran or is running, without designs next to the best
+        one.
+        """
         return sum(design.ran and not design.next_to for design in self.designs)
 
     def unconfirmed(self) -> list[Design]:
-        """Return the best designs that were not run in full: of the front, or of the best tenth (at
-        least 3).
+        """Return the designs of the front, or of the best tenth (at least 3), that were not run in
+        full.
         """
         objectives = self.problem.objectives
         if len(objectives) > 1:
@@ -151,9 +153,9 @@ class DesignStudy:
         return sorted(complete, key=lambda design: design.losses(objectives) or ())
 
     def tried(self) -> list[TriedDesign]:
-        """Return all designs as the model of the search takes them.
+        """Return all designs in the form for the model of the search.
 
-        Invalid cases and failed runs count as limits, so that the model avoids their surroundings.
+        Invalid cases and failed runs count as limits, so that the model avoids designs near them.
         """
         return [self._tried(design) for design in self.designs]
 
@@ -249,7 +251,7 @@ class DesignStudy:
 
 
 def first_design(study: DesignStudy) -> None:
-    """Check that a design can be found that meets the limits known before a run.
+    """Check that some design meets the limits known before a run.
 
     Raises
     ------
@@ -346,7 +348,7 @@ def publish(study: DesignStudy, findings: Iterable[Any]) -> None:
 
 
 def _write_best_cases(study: DesignStudy) -> None:
-    """Write the case files of the best designs, in place of earlier ones."""
+    """Write the case files of the best designs, and remove earlier files."""
     problem = study.problem
     for name in BEST_DESIGNS:
         (study.directory / name).unlink(missing_ok=True)

@@ -71,8 +71,8 @@ class Variable:
         return (value - self.low) / (self.high - self.low)
 
     def features(self, value: Any) -> list[float]:
-        """Return the coordinates of a value: its position in the range from 0 to 1, or a vector for
-        words, whose distances are 1.
+        """Return the coordinates of a value: its position in the range, from 0 to 1, or for words a
+        vector such that any two words have the distance 1.
         """
         if self.ordered:
             return [self.share(value)]
@@ -81,7 +81,7 @@ class Variable:
         return [math.sqrt(0.5) * (choice == value) for choice in self.choices]
 
     def changed(self, value: Any, rng: Generator) -> Any:
-        """Return another value at random: close by in a range, any other of words."""
+        """Return a random other value: a near value in a range, any other word."""
         if not self.ordered:
             others = [choice for choice in self.choices if choice != value]
             return others[rng.integers(len(others))] if others else value
@@ -97,7 +97,7 @@ class Variable:
         return self.value(min(max(share, 0.0), 1.0))
 
     def neighbours(self, value: Any) -> list[Any]:
-        """Return the next value on either side; all other values of words."""
+        """Return the next value on either side, or all other words."""
         if not self.ordered:
             return [choice for choice in self.choices if choice != value]
         if self.choices:
@@ -107,8 +107,8 @@ class Variable:
         return [self.value(share) for share in shares if 0 <= share <= 1]
 
     def edge(self, value: Any) -> str:
-        """Return the end of the range at which a value is, ``low`` or ``high``; empty in between,
-        and for words.
+        """Return the end of the range, ``low`` or ``high``, at which a value is; empty between the
+        ends, and for words.
         """
         if not self.ordered or self.high == self.low:
             return ""
@@ -179,7 +179,7 @@ def _read_end(value: Any, *, integer: bool) -> float:
 
 
 def read_variables(tables: Mapping[str, Any], name: str, errors: ErrorList) -> list[Variable]:
-    """Read variables by key; faults go into ``errors``."""
+    """Read variables by key; faults are added to ``errors``."""
     variables = []
     for key, value in tables.items():
         try:
@@ -203,7 +203,7 @@ class Space:
         )
 
     def all(self) -> Iterator[Values]:
-        """Give all designs of a finite space."""
+        """Yield all designs of a finite space."""
         keys = [variable.key for variable in self.variables]
         for values in itertools.product(*(variable.choices for variable in self.variables)):
             yield dict(zip(keys, values, strict=True))

@@ -1,4 +1,4 @@
-"""Case file of an inference (TOML): material, and how the grains were measured."""
+"""Case file of an inference (TOML): material of the grains, and their measurement."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ Place = (
 
 @dataclasses.dataclass(frozen=True)
 class WallsType(ValueType):
-    """Type of the table of walls by name; some names imply the position of a wall."""
+    """Type of a table of walls by name; some names imply the position of the wall."""
 
     kind: ClassVar[str] = "object"
     expected: str = _WALL_FORM
@@ -357,8 +357,8 @@ def read_infer_case(path: str | Path, *, of_run: bool = False) -> InferCase:
 
 
 def _material(table: Any, errors: ErrorList) -> GrainMaterial | None:
-    """Read the material: a name, a table with a preset, or density and constants, some of which are
-    optional.
+    """Read the material: a name, a table with a preset, or density and elastic constants, of which
+    some are optional.
     """
     if isinstance(table, Mapping) and "preset" not in table:
         own = {
@@ -378,7 +378,7 @@ def _material(table: Any, errors: ErrorList) -> GrainMaterial | None:
 
 
 def _check(infer: Infer, errors: ErrorList) -> None:
-    """Add the errors of keys that do not go together."""
+    """Add errors for keys that exclude one another."""
     dimension = 3 if infer.state == "space" else 2
     walls = dict(infer.walls)
     for name, place in walls.items():

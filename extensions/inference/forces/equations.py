@@ -135,8 +135,8 @@ def make_equations(grains: MeasuredGrains, contacts: CandidateContacts) -> Equat
 
 
 def unknown_columns(friction: Array, dimension: int) -> NDArray[np.int64]:
-    """Return the columns of the unknowns: normal components, and tangential ones of contacts with
-    friction.
+    """Return the columns of the unknowns: normal components, and tangential components of contacts
+    with friction.
     """
     columns = np.arange(len(friction) * dimension).reshape(len(friction), dimension)
     return np.sort(np.concatenate([columns[:, 0], columns[friction > 0, 1:].ravel()]))
@@ -165,11 +165,11 @@ class Noise:
     angular_acceleration: float | None = None
 
     def of_tensor(self, grains: MeasuredGrains) -> float | None:
-        """Return the standard deviation of strains or stresses, whichever was measured."""
+        """Return the standard deviation of strains or of stresses, whichever were measured."""
         return self.stress if grains.compliance is None else self.strain
 
     def complete(self, grains: MeasuredGrains) -> bool:
-        """Return True if the standard deviations of all that was measured are known."""
+        """Return True if the standard deviations of all measured quantities are known."""
         return not self.missing(grains)
 
     def missing(self, grains: MeasuredGrains) -> tuple[str, ...]:
@@ -211,8 +211,8 @@ class Covariance:
         """Return a function of the factor of the moduli that gives the weights: a matrix to
         multiply all equations by.
 
-        They are 1 (equal), each row over its standard deviation (white), or whiten the rows
-        (correlated).
+        The weights are 1 (equal), divide each row by its standard deviation (white), or whiten the
+        rows (correlated).
         """
         n, k = self.stress.shape[:2]
         motion = np.ones(len(self.motion)) if kind == "equal" else 1 / self.motion
@@ -299,7 +299,9 @@ def refuse_undetermined(equations: Equations, friction: Array, ridge: float) -> 
 def add_ridge(
     matrix: sparse.csr_array, data: Array, ridge: float
 ) -> tuple[sparse.csr_array, Array]:
-    """Add rows that keep all forces small, with ``ridge`` times the mean weight of the other rows."""
+    """Add rows that keep all forces small; their weight is ``ridge`` times the mean weight of the
+    other rows.
+    """
     if not ridge:
         return sparse.csr_array(matrix), data
     n = matrix.shape[1]

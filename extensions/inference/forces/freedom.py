@@ -92,7 +92,8 @@ def freedom(force: Array, friction: Array, gradient: Array) -> Freedom:
 def expected_misfit(
     matrix: sparse.csr_array, free: Freedom, noise: sparse.csr_array, ridge: float
 ) -> float:
-    """Return the mean of chi^2 over noise; for very many forces the mean over white noise.
+    """Return the mean of chi^2 over noise; if there are very many forces, the mean over white
+    noise.
 
     Parameters
     ----------

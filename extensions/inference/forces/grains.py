@@ -45,7 +45,7 @@ TANGENTIAL = slice(1, None)  # tangential components
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class MeasuredGrains:
-    """Grains at one instant; NaN where a quantity was not measured.
+    """Grains at one instant; NaN for quantities that were not measured.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class MeasuredGrains:
 
     @property
     def at_walls(self) -> NDArray[np.bool_]:
-        """True for grains that walls act on: (n,)."""
+        """True for grains on which walls act: (n,)."""
         return np.ones(len(self), dtype=bool) if self.passes_walls is None else ~self.passes_walls
 
     @property
@@ -158,7 +158,8 @@ class MeasuredGrains:
 
 
 def stiffness(modulus: Array, poisson_ratio: Array, state: State) -> Array:
-    """Return stress over strain of isotropic grains, for rows of tensor components: (n, k, k), Pa.
+    """Return the stiffness matrices, from strain to stress, of isotropic grains, for rows of tensor
+    components: (n, k, k), Pa.
 
     Parameters
     ----------
@@ -265,7 +266,7 @@ def find_contacts(
     """Return the pairs of grains, and of grains and walls, that may touch.
 
     Two grains may touch up to a distance (R_i + R_j)(1 + tolerance) of their centres; a grain may
-    touch a wall up to R (1 + 2 tolerance), unless it passes walls.
+    touch a wall up to the distance R (1 + 2 tolerance), unless it passes walls.
     """
     x = grains.position
     radius = grains.radius

@@ -91,8 +91,8 @@ class Inference:
 
     @property
     def errors(self) -> tuple[Array, Array]:
-        """Standard errors of the normal forces, and of each component of the tangential ones: (m,)
-        each, N.
+        """Standard errors of the normal forces, and of each component of the tangential forces:
+        (m,) each, N.
         """
         assert self.spread is not None
         shear = np.linalg.norm(self.spread[:, TANGENTIAL], axis=1) / math.sqrt(
@@ -103,7 +103,8 @@ class Inference:
     @cached_property
     def n_free(self) -> float:
         """Mean of chi^2 over noise: the number of equations minus the number of free components of
-        forces, with weights that whiten the noise; see `freedom`. A fitted modulus is one more.
+        forces, with weights that whiten the noise; see `freedom`. A fitted modulus counts as one
+        more free component.
         """
         settings = self.settings
         noise = settings.deviations
@@ -120,7 +121,7 @@ class Inference:
         return expected_misfit(matrix, free, root, ridge) - (self.search is not None)
 
     def residual_of_grains(self) -> tuple[Array, Array]:
-        """Return the sizes of the residuals of motion and of stress by grain; NaN where not
+        """Return the norms of the residuals of motion and of stress for each grain; NaN if not
         measured: (n,), N.
         """
         n_motion = len(self.equations.motion_grain)
@@ -197,7 +198,7 @@ def infer(
     chi2 = float(((weighed(factor) @ residual) ** 2).sum())
 
     def repeated(rng: np.random.Generator) -> Array:
-        """Return the forces of the fitted data with new noise."""
+        """Return the forces that follow from the fitted data with new noise."""
         data = fitted + spread.draw(rng, factor)
         n_motion = len(equations.motion_data)
         if search is None or not search.error:
@@ -240,9 +241,7 @@ def _refuse_misplaced(
     contacts: CandidateContacts,
     tolerance: float,
 ) -> None:
-    """Raise InputError for grains behind walls that they do not pass, and for grains that touch
-    nothing.
-    """
+    """Raise InputError for grains on the wrong side of a wall, and for grains that touch nothing."""
     errors = []
     for name, wall in walls.items():
         distance = (grains.position - np.array(wall.point)) @ np.array(wall.normal)
@@ -272,7 +271,7 @@ def _first_ids(ids: NDArray[np.int64]) -> str:
 
 
 def relative_noise(grains: MeasuredGrains, share: float) -> Noise:
-    """Return noise in proportion to the root mean squares of strains (or stresses) and of
+    """Return noise proportional to the root mean squares of strains (or stresses) and of
     accelerations.
     """
 

@@ -90,9 +90,7 @@ def _number(text: str) -> float:
 
 
 def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
-    """Return the columns of numbers, NaN where a cell is empty; the index has the line of each
-    row.
-    """
+    """Return the columns of numbers, NaN for empty cells; the index is the line of each row."""
     rows = read_rows(Path(path))
     if not rows:
         raise InputError(
@@ -120,7 +118,7 @@ def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
 def _faults_of_names(
     headings: Sequence[str], names: Sequence[str], dimension: int
 ) -> Iterator[str]:
-    """Return the faults of the headings of a table, and of the names that they mean."""
+    """Return the faults of the headings of a table, and the quantities that the headings name."""
     names_by_group = groups(dimension)
     allowed = list(itertools.chain.from_iterable(names_by_group.values()))
     for name, heading in zip(names, headings, strict=True):
@@ -158,7 +156,7 @@ def _faults_of_deformation(
 
 
 def _numbers(path: str | Path, texts: pd.DataFrame, dimension: int) -> pd.DataFrame:
-    """Convert the cells of a table to numbers, NaN where an empty cell is allowed."""
+    """Convert the cells of a table to numbers, NaN for empty cells that are allowed."""
     names_by_group = groups(dimension)
     optional = itertools.chain.from_iterable(names_by_group[group] for group in UNMEASURED)
     may_be_empty = texts.columns.isin(list(optional))
@@ -267,7 +265,7 @@ class _Table:
         _raise(path, errors)
 
     def _repeated(self, time: float, rows: NDArray[np.int64], ids: Array) -> Iterator[str]:
-        """Give the faults of rows that repeat an id at an instant, given the rows sorted by id."""
+        """Yield the faults of rows that repeat an id at an instant; the rows are sorted by id."""
         is_repeated = np.append(False, np.diff(ids) == 0)
         id_of_row = dict(zip(rows[is_repeated].tolist(), ids[is_repeated].tolist(), strict=True))
         for row, number in sorted(id_of_row.items()):
@@ -277,7 +275,7 @@ class _Table:
             )
 
     def _inside_others(self, rows: NDArray[np.int64]) -> Iterator[str]:
-        """Give the faults of grains of an instant that lie inside each other."""
+        """Yield the faults of grains of an instant that lie inside each other."""
         x = self.take("position")[rows]
         radius = self.each("radius_m")[rows]
         lines = self.columns.index[rows]
@@ -294,7 +292,7 @@ class _Table:
                 )
 
     def has(self, group: str) -> bool:
-        """Return True if there are all columns of a group."""
+        """Return True if the table has all columns of a group."""
         return bool(self.groups[group]) and set(self.groups[group]) <= set(self.columns)
 
     def take(self, group: str) -> Array:
@@ -308,7 +306,7 @@ class _Table:
         return np.full(len(self.columns), default)
 
     def _check_values(self) -> None:
-        """Raise InputError for values that cannot be, and for partly empty groups of cells."""
+        """Raise InputError for impossible values, and for groups of which some cells are empty."""
         strains = tuple(f"e{pair}" for pair in TENSOR[self.case.dimension])
         allowed: list[tuple[tuple[str, ...], Callable[[Array], NDArray[np.bool_]], str]] = [
             (
@@ -387,8 +385,8 @@ class _Table:
         return {time: _rows_of(motions, rows) for time, rows in self.rows.items()}
 
     def differences(self) -> dict[float, tuple[Array, ...]]:
-        """Return the motions by parabolas through the frames around each instant with enough frames
-        on both sides.
+        """Return the motions, from parabolas through the frames around each instant that has enough
+        frames on both sides.
         """
         window = self.case.infer.window
         times = np.array(list(self.rows))

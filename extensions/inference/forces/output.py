@@ -83,11 +83,12 @@ class Inferred:
 
     @property
     def forces(self) -> pd.DataFrame:
-        """Columns of forces.csv, with the true forces for a run: a row for each candidate contact.
+        """Columns of forces.csv, with the true forces for a run: a row for each possible contact.
 
         Forces act on the grain with the id ``i``, into which the normal points; ``j`` is the id of
         the partner or the name of a wall. In the plane a tangential force is positive along
-        (-ny, nx); in space it is a magnitude, next to the components of the force.
+        (-ny, nx); in space it is a magnitude, and the components of the force are in further
+        columns.
         """
         tables = []
         for inference in self.found:
@@ -114,7 +115,7 @@ class Inferred:
 
     @property
     def grains(self) -> pd.DataFrame:
-        """Columns of grains.csv: residuals of the equations of each grain, NaN where nothing was
+        """Columns of grains.csv: residuals of the equations of each grain, NaN if nothing was
         measured.
         """
         tables = []
@@ -177,7 +178,7 @@ class Inferred:
 
 
 def _tangential(force: Array) -> Array:
-    """Tangential forces of components (m, d): with a sign in the plane, sizes in space."""
+    """Tangential forces from components (m, d): with a sign in the plane, magnitudes in space."""
     return (
         force[:, 1]
         if force.shape[1] == 2
@@ -186,7 +187,9 @@ def _tangential(force: Array) -> Array:
 
 
 def network(inference: Inference) -> Drawing:
-    """Draw the grains and the forces between them; lines are as wide as the force is large."""
+    """Draw the grains and the forces between them; the width of a line is proportional to the
+    force.
+    """
     contacts = inference.contacts
     ids = inference.grains.ids
     position = inference.grains.position
@@ -217,7 +220,9 @@ def network(inference: Inference) -> Drawing:
 
 
 def residuals(inference: Inference) -> Drawing:
-    """Draw the residuals of each grain's equations, over the root mean square of the forces."""
+    """Draw the residuals of the equations of each grain, divided by the root mean square of the
+    forces.
+    """
     motion, stress = inference.residual_of_grains()
     total = np.sqrt(np.nan_to_num(motion) ** 2 + np.nan_to_num(stress) ** 2)
     total[np.isnan(motion) & np.isnan(stress)] = np.nan
@@ -251,7 +256,7 @@ def errors(inference: Inference) -> Drawing | None:
 
 
 def modulus(inference: Inference) -> Drawing | None:
-    """Draw chi^2 against Young's modulus; None if it was not searched for."""
+    """Draw chi^2 against Young's modulus; None if the modulus was given."""
     if inference.search is None or inference.grains.modulus is None:
         return None
     scale = float(inference.grains.modulus[0])
@@ -286,7 +291,7 @@ def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
 
 
 def _map(inference: Inference, **options: Any) -> tuple[Figure, Axes, list[int], EllipseCollection]:
-    """Draw the grains as discs, in mm; z, the depth below the top of a packing, goes down.
+    """Draw the grains as discs, in mm; z, the depth below the top of a packing, points down.
 
     Returns
     -------

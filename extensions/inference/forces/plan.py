@@ -151,7 +151,7 @@ def _snapshot(run: Snapshots, time: float | None, frame_rate: float | None) -> i
 def _with_compliance(
     run: Snapshots, grains: MeasuredGrains, case: InferCase | None, state: State
 ) -> MeasuredGrains:
-    """Return the grains of a run with moduli and compliances, by which they have strains."""
+    """Return the grains of a run with moduli and compliances, which give strains."""
     poisson_ratio = run.poisson_ratio
     if case is not None and case.material is not None:
         poisson_ratio = np.full(len(grains), case.material.poisson_ratio)
@@ -245,8 +245,8 @@ class _Experiment:
 def _case(
     run: Snapshots, state: State, settings: Infer, walls: Mapping[str, StraightWall]
 ) -> dict[str, Any]:
-    """Return the tables of a case with which `granwave infer` reads the measurement; materials are
-    in its columns.
+    """Return the tables of a case for `granwave infer` on the measurement; materials are in columns
+    of the measurement.
     """
     setting_names = (
         "friction",
@@ -278,7 +278,7 @@ def _case(
 
 
 def _settings(run: Snapshots, case: InferCase | None) -> tuple[State, Infer]:
-    """Return the state and the settings of the case, or of the run without a case."""
+    """Return the state and the settings of the case; without a case those of the run."""
     if case is None:
         state: State = "space" if run.dimension == 3 else "plane-stress"
         return state, Infer(friction=run.friction[0], wall_friction=run.friction[1])
@@ -303,8 +303,8 @@ def _relative(inferred: Array, true: Array) -> float:
 
 
 def _columns(grains: MeasuredGrains, run: Snapshots, rows: NDArray[np.bool_]) -> Columns:
-    """Return the columns of the measurement of the grains ``rows`` of a run, as `granwave infer`
-    reads them.
+    """Return the columns of a measurement of the grains ``rows`` of a run, in the form that
+    `granwave infer` reads.
     """
     names = groups(grains.dimension)
     values = {

@@ -5,9 +5,9 @@ Strains determine the forces up to a factor; accelerations determine the factor.
 
 The right-hand side of the stress is proportional to the moduli, the right-hand side of the motion
 does not depend on them. The factor of the moduli is at the minimum of chi^2, the sum of squares of
-the errors of strains and accelerations over their standard deviations, with the best forces for
-each factor. These forces are not confined to the cone of friction: noise could push forces on the
-cone inwards only, and bias the modulus upwards by as much as its standard error. An additional
+the errors of strains and accelerations divided by their standard deviations, with the best forces
+for each factor. These forces are not confined to the cone of friction: noise could push forces on
+the cone inwards only, and bias the modulus upwards by as much as its standard error. An additional
 column of the least squares instead of the search would bias the modulus downwards, because it
 assumes that the strains have no errors.
 """
@@ -94,8 +94,8 @@ def solve_conic(matrix: sparse.csr_array, data: Array, friction: Array, dimensio
 def _free(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array | None:
     """Return the solution without cones; None if it is not unique.
 
-    By orthogonal columns, whose error grows with the condition and not with its square; of a large
-    problem by the normal equations. It is corrected once, or twice.
+    The solution is found by orthogonal columns, whose error grows with the condition and not with
+    its square, or for a large problem by the normal equations. It is then corrected once or twice.
     """
     kept = unknown_columns(friction, dimension)
     matrix = sparse.csr_array(matrix[:, kept])
@@ -124,7 +124,7 @@ def _free(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int
 
 
 def _onto(force: Array, friction: Array) -> Array:
-    """Move forces that rounding put outside their cones onto them."""
+    """Move forces that lie outside their cones by rounding onto the cones."""
     normal = np.maximum(force[:, NORMAL], 0.0)
     size = np.linalg.norm(force[:, TANGENTIAL], axis=1)
     shrink = np.minimum(
@@ -134,8 +134,8 @@ def _onto(force: Array, friction: Array) -> Array:
 
 
 def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
-    """Minimise 1/2 |r|^2 with r = matrix f - data, in units in which forces and equations are near
-    one.
+    """Minimise 1/2 |r|^2 with r = matrix f - data, in units in which forces and equations are of
+    order one.
 
     Raises
     ------
@@ -212,14 +212,14 @@ class ModulusSearch:
 
 
 def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
-    """Return the least |matrix f - data|^2 of any forces f, within the cone or not."""
+    """Return the least |matrix f - data|^2 of all forces f, also outside the cone."""
     augmented = np.concatenate([matrix.toarray(), data[:, None]], axis=1)
     triangle = np.asarray(np.linalg.qr(augmented, mode="r"))
     return float(triangle[-1, -1] ** 2) if augmented.shape[0] >= augmented.shape[1] else 0.0
 
 
 def refuse_unknowable(grains: MeasuredGrains, equations: Equations) -> None:
-    """Raise InputError if the modulus cannot be found: for measured stresses, or without motion."""
+    """Raise InputError if the modulus cannot be found: with measured stresses, or without motion."""
     if grains.compliance is None:
         raise InputError(
             'infer.modulus: found "find" with measured stresses, which require no modulus; '
@@ -285,7 +285,7 @@ def find_modulus(
 
 
 def search_near(chi2: Callable[[float], float], factor: float, width: float) -> float:
-    """Return the best factor near another, within ``width`` of its logarithm each way."""
+    """Return the best factor near another one; their logarithms differ by at most ``width``."""
     centre = math.log(factor)
     width = min(width, _WIDTH)
     bounds = (centre - width, centre + width)

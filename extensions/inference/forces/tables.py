@@ -1,4 +1,6 @@
-"""Summary and main values in words of inferred forces; numbers of several instants are lists."""
+"""Summary and main values of inferred forces, as values and in words; numbers of several instants
+are lists.
+"""
 
 from __future__ import annotations
 

@@ -42,8 +42,8 @@ _REST = 1e-6  # other force / largest contact force below which it is rounding
 
 
 class Snapshots:
-    """Snapshots of a run, in the coordinates of a measurement: packings of cylinders have y
-    upwards.
+    """Snapshots of a run, in the coordinates of a measurement: y points upwards in packings of
+    cylinders.
 
     Attributes
     ----------
@@ -150,8 +150,8 @@ class Snapshots:
         return planes
 
     def largest_snapshot(self, spare: float = 0.0) -> int:
-        """Return the number of the snapshot with the largest sum of forces, ``spare`` seconds away
-        from both ends.
+        """Return the number of the snapshot with the largest sum of forces, at least ``spare``
+        seconds away from both ends.
         """
         inside = (self.times >= self.times[0] + spare) & (self.times <= self.times[-1] - spare)
         if not inside.any():
@@ -255,8 +255,8 @@ class Snapshots:
         (n, d), N.
 
         The normal forces are recorded. Tangential forces follow from the remaining force and
-        torque on a grain. In LAMMPS their lever is the radius minus half the overlap, for
-        cylinders minus the overlap.
+        torque on a grain. In LAMMPS their lever is the radius minus half the overlap, for cylinders
+        the radius minus the overlap.
         """
         recorded = []
         for _, fixes in self.wall_fixes.values():
@@ -298,7 +298,9 @@ class Snapshots:
 
 
 def _refuse_unseen(result: Result, directory: str) -> None:
-    """Raise InputError for a run that a camera could not see, or without contact forces."""
+    """Raise InputError for a run whose grains a camera could not see, and for a run without contact
+    forces.
+    """
     assembly = result.assembly
     if not result.case.output.contact_forces:
         raise InputError(
@@ -320,7 +322,7 @@ def _refuse_unseen(result: Result, directory: str) -> None:
 
 
 def _shape_of_grains(assembly: Assembly, directory: str) -> Shape:
-    """Return the shape that all grains have: a cylinder, or None for spheres."""
+    """Return the shape of all grains: a cylinder, or None for spheres."""
     shapes = set(assembly.grain_shapes())
     cylinder = shapes.pop()
     if shapes or (cylinder is not None and 1.0 not in np.abs(cylinder.axis[1:])):

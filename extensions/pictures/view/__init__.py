@@ -1,3 +1,3 @@
-"""Page of a run for a browser: the packing in three dimensions, to be turned, cut and followed in
-time.
+"""Page of a run for a browser: the packing in three dimensions, which can be turned, cut and
+followed in time.
 """

@@ -174,8 +174,8 @@ def _page(plot: k3d.Plot, name: str) -> str:
 
 @cache
 def _without_fallbacks(source: str) -> str:
-    """Return the compressed source of k3d without the addresses of fonts for old browsers; others
-    are in it as data.
+    """Return the compressed source of k3d without the addresses of fonts for old browsers; the page
+    contains the other fonts as data.
     """
     text = zlib.decompress(base64.b64decode(source)).decode("utf-8")
     text = re.sub(r',url\(fonts/[^)]*\) format\("\w+"\)', "", text)

@@ -1,8 +1,12 @@
 // Panel of the page of a run, above that of k3d. `K3DInstance` is the plot; scene.py makes its customData.
 const run = K3DInstance.parameters.customData;
 const font = document.createElement('style');
-font.textContent = '.katex, .katex * { font-family: Verdana, "DejaVu Sans", sans-serif !important; }';
-document.head.append(font);  // numbers and names along the axes are set as mathematics otherwise
+// numbers and names along the axes are set as mathematics otherwise, title and clock in the font of the browser
+font.textContent = '.k3d-target, .katex, .katex * { font-family: Verdana, "DejaVu Sans", sans-serif !important; }';
+document.head.append(font);
+K3DInstance.gui.domElement.style.setProperty('--width', 'min(270px, 70vw)');
+K3DInstance.gui.domElement.style.setProperty('--name-width', '33%');  // names of fields and cuts are longer than their keys
+K3DInstance.gui.domElement.style.setProperty('--slider-input-width', '36%');
 const objects = Object.values(K3DInstance.getWorld().ObjectsListJson);
 const nearest = (time) => run.times.reduce((a, b) => (Math.abs(b - time) < Math.abs(a - time) ? b : a));
 const state = {
@@ -37,11 +41,11 @@ function chooseCut() {
     cut();
 }
 panel.add(state, 'field', run.fields).onChange(showField);
-panel.add(K3DInstance.parameters, 'time', 0, run.times.at(-1) || 1).name('time (µs)').listen()
+panel.add(K3DInstance.parameters, 'time', 0, run.times.at(-1) || 1).name('time (µs)').decimals(1).listen()
     .onChange((time) => K3DInstance.setTime(nearest(time)));
 panel.add(state, 'play').name('play / stop');
 panel.add(state, 'cut', ['none', ...Object.keys(run.cuts)]).onChange(chooseCut);
-const place = panel.add(state, 'at', -1, 1).name('cut at (mm)').onChange(cut);
+const place = panel.add(state, 'at', -1, 1).name('cut at (mm)').decimals(1).onChange(cut);
 const keep = panel.add(state, 'keep', ['far side', 'near side']).onChange(cut);
 chooseCut();
 K3DInstance.setTime(K3DInstance.parameters.time);

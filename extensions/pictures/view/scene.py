@@ -5,8 +5,8 @@ Lengths are in mm from the impacted sphere, and times in µs, as in figures. Fie
 spheres at every instant, as levels of a logarithmic scale.
 
 Instants are the snapshots of a run, or the more frequent records of a complete chain. A
-page holds millions of values. They are stored as the levels of a scale of `LEVELS` colours, with 0
-for values below it: numbers that repeat, which compress to a twentieth.
+page holds millions of values. They are stored as levels of a scale of `LEVELS` colours, with 0 for
+values below the scale: such levels repeat, so that they compress to a twentieth.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Instants:
     values: Callable[[int, str], NDArray[np.float64]]
 
     def at(self, numbers: Sequence[int]) -> Instants:
-        """Return some of the instants, by their numbers."""
+        """Return the instants with these numbers."""
         return Instants(
             self.times[list(numbers)],
             self.quantities,
@@ -152,7 +152,7 @@ class Field:
 
     @property
     def colours(self) -> NDArray[np.float32]:
-        """Colour map of k3d: rows of level over `LEVELS`, red, green and blue, grey below the
+        """Colour map of k3d: rows of level divided by `LEVELS`, red, green and blue; grey below the
         scale.
         """
         level = np.arange(1, LEVELS + 1) / LEVELS
@@ -163,7 +163,7 @@ class Field:
 
 
 def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) -> list[Field]:
-    """Return the fields of a run that are not zero throughout.
+    """Return the fields of a run that are not zero everywhere.
 
     Parameters
     ----------
@@ -334,9 +334,7 @@ def _spheres(
     found: Sequence[Field],
     place: NDArray[np.float64],
 ) -> Iterator[Any]:
-    """Make the grains of every field: cylinders, spheres that stay in their positions, and those
-    that move.
-    """
+    """Make the grains of every field: cylinders, spheres at fixed positions, and moving spheres."""
     import k3d
 
     times = (_MICRO * instants.times).tolist()
@@ -423,7 +421,7 @@ def _faces() -> NDArray[np.int64]:
 
 
 def _walls(result: Result) -> Iterator[Any]:
-    """Make the walls around the packing: the bottom as a sheet, the sides as their edges."""
+    """Make the walls around the packing: the bottom as a surface, the sides as edges."""
     import k3d
 
     low, high = _MILLI * (result.assembly.lattice_bounds() - result.origin)
@@ -451,7 +449,7 @@ def _walls(result: Result) -> Iterator[Any]:
 
 
 def _bars(result: Result) -> Iterator[Any]:
-    """Make the bars at the ends of a chain, as cylinders of their area."""
+    """Make the bars at the ends of a chain, as cylinders with the area of the bars."""
     import k3d
 
     axis = _MILLI * (result["spheres/position"][0] - result.origin)
@@ -490,7 +488,7 @@ def _colour_bar(field: Field) -> str:
 
 
 def round_grid(place: NDArray[np.float64], margin: float) -> NDArray[np.float64]:
-    """Return the lower and upper corner of the grid, from which k3d counts to round numbers.
+    """Return the lower and upper corner of a grid on which the numbers of k3d are round.
 
     k3d puts a number at every tenth of the power of ten above the largest extent, counted from the
     lower corner, or at every fifth of this step along axes of up to two steps.
@@ -519,8 +517,8 @@ def round_grid(place: NDArray[np.float64], margin: float) -> NDArray[np.float64]
 
 
 def _camera(result: Result, place: NDArray[np.float64]) -> list[float]:
-    """Return position, target and upward direction of the camera: a chain lies across, a layer
-    faces the viewer.
+    """Return position, target and upward direction of the camera: a chain lies across the view, a
+    layer faces the viewer.
     """
     size = np.ptp(place, axis=0)
     middle = (place.min(axis=0) + place.max(axis=0)) / 2
@@ -541,7 +539,7 @@ def _camera(result: Result, place: NDArray[np.float64]) -> list[float]:
 def _cuts(
     result: Result, place: NDArray[np.float64], camera: Sequence[float]
 ) -> tuple[Mapping[str, Sequence[float]], str]:
-    """Return the planes to cut along by name, and the name of the first one.
+    """Return the planes of cuts by name, and the name of the first one.
 
     Returns
     -------

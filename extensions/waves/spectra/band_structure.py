@@ -92,8 +92,8 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
 
 
 def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> PlaneWaves | None:
-    """Return slowness and frequencies over a plane; None for large cells, and if the packing is not
-    periodic in the plane.
+    """Return slowness and frequencies over a plane; None for large cells, and for packings that are
+    not periodic in the plane.
     """
     network = stiffness.network
     a, b = PLANES[plane]
@@ -162,7 +162,7 @@ class BandStructure:
 
     @property
     def unit_frequency(self) -> float:
-        """Frequency sqrt(k/m)/(2 pi) of the mean stiffness and the mean mass, Hz: that of
+        """Frequency sqrt(k/m)/(2 pi) of the mean stiffness and the mean mass, Hz: the unit of
         normalised axes.
         """
         network = self.state.network
@@ -296,7 +296,7 @@ def band_structure(
 
 
 def _floppy(name: str, note: str) -> str:
-    """Return the message for modes without resistance, with the means against them."""
+    """Return the message for modes without resistance, with remedies."""
     cure = (
         'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]]'
     )

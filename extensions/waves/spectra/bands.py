@@ -39,8 +39,8 @@ _WORDS = {
 
 
 def _hertz(square: Array, largest: float, rigid: NDArray[np.bool_] | bool = True) -> Array:
-    """Frequencies of omega^2, s^-2; 0 for ``rigid`` motions without stiffness, NaN for unstable
-    motions.
+    """Frequencies, Hz, from omega^2, s^-2; 0 for ``rigid`` motions without stiffness, NaN for
+    unstable motions.
     """
     zero = _ZERO * largest
     hertz = np.where(
@@ -119,7 +119,7 @@ def solve_bands(
     n_bands: int | None = None,
     chosen: NDArray[np.bool_] | None = None,
 ) -> Bands:
-    """Find the bands along a path, the lowest ones of a large cell.
+    """Find the bands along a path; of a large cell only the lowest bands.
 
     Parameters
     ----------
@@ -293,7 +293,7 @@ class Modes:
 
     @property
     def n_floppy(self) -> int:
-        """Number of modes without resistance among the modes of this object."""
+        """Number of modes without resistance among these modes."""
         return int(np.count_nonzero(self.square <= _ZERO * self.largest))
 
     @property

@@ -1,10 +1,10 @@
 """Unit cells of periodic packings: lattices, chains, and grains of a file with a cell.
 
-The cell of a lattice of identical spheres is its primitive cell, whatever its size and boundaries
-in the case; it represents the inside of the packing. The cell of a chain is the shortest sequence
-of beads that it repeats. A packing with disorder, or a chain that repeats no sequence, is its own
-cell if the case makes it periodic (``boundary.bottom = "periodic"``); so are the grains of a file
-with ``packing.cell``.
+The cell of a lattice of identical spheres is its primitive cell, whatever the size and the
+boundaries of the packing in the case; it represents the inside of the packing. The cell of a chain
+is the shortest sequence of beads that the chain repeats. A packing with disorder, or a chain that
+repeats no sequence, is its own cell if the case makes it periodic (``boundary.bottom =
+"periodic"``); so are the grains of a file with ``packing.cell``.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def _repeats(kind: PackingKind) -> tuple[list[Array], int]:
         return np.array([float(coordinate) for coordinate in coordinates])
 
     def around(j: int, k: int) -> set[tuple[float, ...]]:
-        """Return the vectors to the touching neighbours of a sphere in row j of layer k."""
+        """Return the vectors from a sphere in row j of layer k to its touching neighbours."""
         here = site(6, 6 + j, 6 + k)
         neighbours = set()
         for di, dj, dk in itertools.product(range(-3, 4), range(-2, 3), range(-1, 2)):
@@ -164,7 +164,9 @@ def _cell_of_crystal(case: Case, lattice: Lattice) -> UnitCell:
 
 
 def _whole_packing(assembly: Assembly, lattice: Lattice) -> UnitCell:
-    """Return the unit cell of a periodic packing of dissimilar or held spheres: all of it."""
+    """Return the unit cell of a periodic packing of dissimilar or held spheres: the complete
+    packing.
+    """
     case = assembly.case
     rule = lattice.rule
     repeats_sideways = "z" not in rule.axes and lattice.periodic
@@ -263,7 +265,7 @@ def _refuse_overlaps(bodies: Bodies, name: str) -> None:
 
 
 def walls_along(around: Iterable[Wall], periods: Array) -> tuple[Wall, ...]:
-    """Return the walls along the periods of an infinite packing; walls across them do not exist."""
+    """Return the walls along the periods of an infinite packing; there are no walls across them."""
     cut = np.abs(periods).max(axis=0) > 0
     return tuple(wall for wall in around if wall.is_side and (wall.tube or not cut[wall.axis]))
 

@@ -30,7 +30,7 @@ Table = Mapping[str, tuple[Any, str]]  # values and unit by name
 
 
 def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None:
-    """Write groups, and keep other groups of an existing file of the same case."""
+    """Write groups; other groups of an existing file of the same case remain."""
     earlier: dict[str, Table] = {}
     with contextlib.suppress(OSError, KeyError), h5py.File(regular(path), "r") as file:
         if file.attrs["case"] == state.case.to_toml():
@@ -89,14 +89,14 @@ def _tables(parent: h5py.Group) -> dict[str, Table]:
 
 
 def case_in(path: Path) -> str:
-    """Return the text of the case that a file of spectra is of; empty if there is none."""
+    """Return the text of the case of a file of spectra; empty if there is none."""
     with contextlib.suppress(OSError, KeyError), h5py.File(regular(path), "r") as file:
         return str(file.attrs["case"])
     return ""
 
 
 def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the tables of the case, and versions of the programs, of spectra.h5; empty where it
+    """Return the tables of the case, and versions of the programs, of spectra.h5; empty if the file
     cannot be read.
     """
     try:

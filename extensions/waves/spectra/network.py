@@ -151,8 +151,8 @@ class Network:
         return np.where(direction < 3, self.mass[grain], self.inertia[grain])
 
     def turned_off(self, directions: str) -> Network:
-        """Return the network with grains that move in some of the directions "xyz" only, and turn
-        about axes across these.
+        """Return the network with grains that move only in some of the directions "xyz", and turn
+        only about axes across these directions.
         """
         x, y, z = (axis in directions for axis in "xyz")
         allowed = np.array([x, y, z, y or z, x or z, x or y])

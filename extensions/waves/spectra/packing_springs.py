@@ -39,7 +39,7 @@ def network_of(
 
 
 def network_with(bodies: Bodies, springs: Springs) -> Network:
-    """Return the network of these contacts, without grains that nothing touches."""
+    """Return the network of these contacts, without grains that have no contact."""
     arrays = (
         bodies.ids,
         bodies.position,
@@ -53,7 +53,7 @@ def network_with(bodies: Bodies, springs: Springs) -> Network:
 
 def springs_of(bodies: Bodies, contacts: NeighbourPairs, peak: Array | None = None) -> Springs:
     """Return the springs of contacts; ``peak`` are the largest overlaps so far, (n,), m, by default
-    those now.
+    the present overlaps.
     """
     most = contacts.overlap if peak is None else np.maximum(contacts.overlap, peak)
     force, stiffness, tangential, rolling, twisting = np.zeros((5, len(most)))

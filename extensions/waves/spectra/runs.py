@@ -76,8 +76,8 @@ def as_left(result: Result) -> AsLeft:
 
 
 def _peaks(result: Result, ids: Ints) -> Callable[[NeighbourPairs | Springs], Array]:
-    """Return a function for the largest overlaps of contacts before the impact, given rows
-    of these ids.
+    """Return a function of contacts that gives their largest overlaps before the impact; the rows
+    of the grains have these ids.
     """
     initial_overlaps = pd.Series(dtype=float)
     for group, names in (("contacts", ("i", "j")), ("wall_contacts", ("id", "wall"))):
@@ -103,8 +103,8 @@ def _peaks(result: Result, ids: Ints) -> Callable[[NeighbourPairs | Springs], Ar
 
 
 class MeanCell(NamedTuple):
-    """Mean springs of the unit cells inside a run, and the largest difference of overlaps from
-    their means, over the largest.
+    """Mean springs of the unit cells inside a run, and the largest difference of an overlap from
+    its mean, divided by the largest overlap.
     """
 
     network: Network
@@ -214,8 +214,8 @@ def _mean_supports(left: AsLeft, basis: Ints, names: list[str], n_periods: int) 
 
 
 def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
-    """Grain of the cell that each grain is an image of, -1 for none, and the periods between: (n,),
-    (n, n_periods).
+    """Grain of the cell of which each grain is an image, -1 for none, (n,), and the periods between
+    them, (n, n_periods).
     """
     inverse = np.linalg.pinv(cell.periods)
     which = np.full(len(position), -1, dtype=np.int64)

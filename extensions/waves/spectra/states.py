@@ -146,7 +146,7 @@ def _state(
 
 
 def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
-    """Return the state of grains in the cell that they have."""
+    """Return the state of grains that have a cell, in this cell."""
     case = assembly.case
     if case.precompression is None:
         raise InputError(
@@ -161,8 +161,8 @@ def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
 
 
 def _slab_state(source: Assembly | Path) -> State:
-    """Return the state of a column of a packing that repeats sideways, or of all of it where its
-    grains differ.
+    """Return the state of a column of a packing that repeats sideways, or of the complete packing
+    if its grains differ.
     """
     state = source if isinstance(source, Assembly) else packing_state(source)
     assembly = state if isinstance(state, Assembly) else state.assembly

@@ -227,14 +227,16 @@ class _Plate:
         return cls(stiffness, damping, damper)
 
     def coupled(self, matrix: sparse.csc_array, omega: float) -> sparse.csc_array:
-        """Return the matrix of the grains and of the motion of the plate along z, which is last."""
+        """Return the matrix of the grains and of the motion of the plate along z, which is the last
+        unknown.
+        """
         coupling = sparse.csc_array((self.stiffness - 1j * omega * self.damping)[:, None])
         own = sparse.csc_array([[coupling.sum() - 1j * omega * self.damper]])
         return sparse.block_array([[matrix, -coupling], [-coupling.T, own]])
 
 
 def _response(matrix: sparse.csc_array, driven: Sequence[int]) -> NDArray[np.complex128]:
-    """Return all unknowns if the driven ones are 1 and no force acts on the others."""
+    """Return all unknowns if the driven unknowns are 1 and no force acts on the others."""
     motion = np.zeros(matrix.shape[0], dtype=np.complex128)
     motion[driven] = 1.0
     others = np.delete(np.arange(len(motion)), driven)
@@ -245,7 +247,7 @@ def _response(matrix: sparse.csc_array, driven: Sequence[int]) -> NDArray[np.com
 
 
 def _without_ends(network: Network, rows: NDArray[np.int64], direction: int) -> Network:
-    """Take the walls across a direction from grains; those along it stay."""
+    """Remove the walls across a direction from grains; keep the walls along it."""
     contacts = network.contacts
     ends = (contacts.second < 0) & (np.abs(contacts.normal[:, direction]) > _FACING)
     kept = ~(ends & np.isin(contacts.first, rows))
@@ -390,7 +392,7 @@ def losses_of(
     def loss_of(
         materials: tuple[Material, Material], shapes: tuple[Shape, Shape] | None
     ) -> ContactLoss | None:
-        """Loss of a pair, or without shapes of a contact with a wall."""
+        """Loss of a pair of grains, or, without shapes, of a contact with a wall."""
         more: dict[str, Any] = {"flat": True} if shapes is None else {"shapes": shapes}
         return viscous_loss(assembly, case.contact_between(*materials), *materials, **more)
 

@@ -1,4 +1,4 @@
-"""Wave vectors: real ones along paths, and complex ones inside gaps.
+"""Real wave vectors along paths, and complex wave vectors inside gaps.
 
 Paths are given in rad/m, or by the standard names of points of the Brillouin zone.
 
@@ -82,7 +82,7 @@ class Path:
     breaks: tuple[int, ...] = ()
 
     def nearest(self, row: int) -> str:
-        """Describe the position of a row: the corner that it is, or the wave vector."""
+        """Describe a row: the corner of the path at which it is, or its wave vector."""
         names = dict(self.corners)
         where = ", ".join(f"{component:.4g}" for component in self.k[row])
         return f"k = ({where}) rad/m" + (f", {names[row]}" if names.get(row) else "")
@@ -248,13 +248,13 @@ class ComplexBands:
 
     @property
     def least(self) -> Array:
-        """Smallest attenuation from plane to plane; 0 where there are waves: (n_frequencies,)."""
+        """Smallest attenuation from plane to plane; 0 at frequencies of waves: (n_frequencies,)."""
         return np.asarray(np.nan_to_num(self.attenuation[:, 0], nan=np.inf))
 
 
 def plane_spacing(stiffness: Stiffness, direction: Array) -> float:
-    """Return the distance of the planes of the lattice across a direction, m; 0 if they have
-    none.
+    """Return the distance of the planes of the lattice across a direction, m; 0 if there are no
+    such planes.
     """
     places = np.abs(stiffness.shifts @ direction)
     size = np.linalg.norm(stiffness.network.periods, axis=1).max()
@@ -360,7 +360,9 @@ def _of_faces(
 
 
 def _block_matrix(parts: dict[int, sparse.csc_array], most: int, ahead: int) -> sparse.csc_array:
-    """Return the matrix between ``most`` planes and as many planes ``ahead``."""
+    """Return the matrix between ``most`` planes and the same number of planes that lie ``ahead`` of
+    them.
+    """
     blocks = []
     for row in range(most):
         blocks.append([parts.get(ahead + column - row) for column in range(most)])
@@ -368,7 +370,7 @@ def _block_matrix(parts: dict[int, sparse.csc_array], most: int, ahead: int) -> 
 
 
 def _of_cell(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> np.ndarray:
-    """Return the lambda that do not grow, from the matrices of a cell of n unknowns."""
+    """Return the values of lambda that do not grow, from the matrices of a cell of n unknowns."""
     size = 2 * most * n
     scale = max(float(np.abs(parts[0]).max()), square)
     left = np.zeros((size, size), dtype=np.complex128)
@@ -382,7 +384,7 @@ def _of_cell(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> 
 
 
 def _decaying(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the lambda of a pencil that do not grow, by rising attenuation."""
+    """Return the values of lambda of a pencil that do not grow, by rising attenuation."""
     above, below = eig(left, right, right=False, homogeneous_eigvals=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         values = above / below

@@ -1,6 +1,6 @@
 """Loads that do work during the run: a force or a displacement by a function of time.
 
-The functions of time are those of `granwave.lammps_inputs.case.loads.shapes`; the plugin's fix
+The functions of time are defined in `granwave.lammps_inputs.case.loads.shapes`; the plugin's fix
 gran/load applies them.
 """
 
@@ -114,7 +114,7 @@ class DrivenLoad(LoadOnSpheres):
 
     @property
     def lasts(self) -> float:
-        """Time at which the load ends, s; infinite for a harmonic one."""
+        """Time at which the load ends, s; infinite for a harmonic load."""
         if self.shape == "harmonic":
             return math.inf
         if self.shape == "burst":
@@ -126,7 +126,7 @@ class DrivenLoad(LoadOnSpheres):
 
     @property
     def first_time(self) -> float:
-        """Time at which a table leaves zero, s; 0 for all other shapes."""
+        """Time at which the values of a table first differ from zero, s; 0 for all other shapes."""
         return next((before for (before, _), (_, size) in pairwise(self.table or ()) if size), 0.0)
 
     @property
@@ -166,7 +166,7 @@ class DrivenLoad(LoadOnSpheres):
 
     @property
     def numbers(self) -> list[float]:
-        """Numbers of the shape, as fix gran/load takes them; empty for a table."""
+        """Numbers of the shape in the form of fix gran/load; empty for a table."""
         if self.shape is None or self.table:
             return []
         ramp = None if self.shape == "harmonic" and not self.rise else self.rise
@@ -226,7 +226,7 @@ class DrivenLoad(LoadOnSpheres):
         return " ".join(filter(None, parts))
 
     def amplitude_key(self, names: Sequence[str]) -> str:
-        """Return the key that gives the amplitude, of the keys of the case file."""
+        """Return the key of the case file that gives the amplitude."""
         if not self.table:
             return "load.amplitude"
         return "load.file" if "file" in names else "load.table"

@@ -1,4 +1,4 @@
-"""Base of all kinds of ``[load]``, and the packing as a load sees it.
+"""Base class of all kinds of ``[load]``, and the properties of a packing that loads use.
 
 A kind of load is a subclass of `Load` in a file next to this one, and its name is in the table of
 `granwave.lammps_inputs.case.loads.registry`. No other code compares kinds of loads: packing, input
@@ -113,9 +113,9 @@ def velocity_field() -> Any:
 class Load(ABC):
     """Load on a packing.
 
-    A kind states its keys as fields of the functions of `granwave.lammps_inputs.case.schema`, with
-    a default each, and overrides the attributes and methods that differ. A key of two loads is the
-    same field in both.
+    A kind declares its keys as fields, made by the functions of
+    `granwave.lammps_inputs.case.schema`, each with a default, and overrides the attributes and
+    methods that differ. A key of two loads is the same field in both.
 
     Attributes
     ----------
@@ -188,7 +188,7 @@ class Load(ABC):
 
     @property
     def velocity(self) -> float:
-        """Speed into the packing that the case gives, m/s; 0 without."""
+        """Speed into the packing that the case gives, m/s; 0 if it gives none."""
         return 0.0
 
     @property
@@ -230,7 +230,7 @@ class Load(ABC):
 
     @property
     def first_time(self) -> float:
-        """Time at which a table leaves zero, s; 0 for all other loads."""
+        """Time at which the values of a table first differ from zero, s; 0 for all other loads."""
         return 0.0
 
     @property
@@ -299,8 +299,8 @@ class Load(ABC):
 
     @property
     def start_energy(self) -> str:
-        """LAMMPS formula of the kinetic energy that the load has at the start besides the spheres,
-        J; empty without.
+        """LAMMPS formula of the kinetic energy of the load at the start, without the energy of the
+        spheres, J; empty without any.
         """
         return ""
 
@@ -344,7 +344,7 @@ class Load(ABC):
 
     @property
     def label(self) -> str:
-        """Short name, for titles; empty if the speeds at the start say it."""
+        """Short name, for titles; empty if the speeds at the start describe the load."""
         return ""
 
     @property

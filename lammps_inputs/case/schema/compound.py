@@ -110,8 +110,8 @@ def vector_type(
 class EitherType(ValueType):
     """A value whose type is one of several.
 
-    The first type that a value is meant to be reads it, see `ValueType.is_meant`; there is a fault
-    if there is none.
+    A value is read by the first type that accepts it by `ValueType.is_meant`; without such a type
+    the value is a fault.
 
     Attributes
     ----------

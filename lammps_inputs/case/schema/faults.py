@@ -91,8 +91,8 @@ class ErrorList:
         self.add(inner, Mismatch(show(found), error.expected))
 
     def add_unknown(self, key: str, message: str) -> None:
-        """Add the fault of an unknown key; if the key is a table that a change of the case made,
-        name the key given there.
+        """Add the fault of an unknown key; if a change of the case made this table, name the key of
+        the change.
         """
         inner = (name for name in self.overridden if name.startswith(f"{key}."))
         self.add(next(inner, key), message)

@@ -91,8 +91,8 @@ def is_required(field: dataclasses.Field[Any]) -> bool:
 
 
 def declared_fields(section: type) -> dict[str, dataclasses.Field[Any]]:
-    """Return all keys of a section by name, those included that its fields do not hold: class
-    attribute ``FURTHER_KEYS``.
+    """Return all keys of a section by name, including the keys of its class attribute
+    ``FURTHER_KEYS``, for which it has no fields.
     """
     return _own_fields(section) | getattr(section, FURTHER_KEYS, {})
 
@@ -254,8 +254,8 @@ def section_json(section: type) -> Json:
 def refuse_unknown(
     table: Mapping[str, Any], known: Collection[str], prefix: str, errors: ErrorList
 ) -> None:
-    """Add a fault for each key of ``table`` that is not ``known``, with a suggestion; of many keys
-    only for the first ones, with a common fault for the others.
+    """Add a fault for each key of ``table`` that is not ``known``, with a suggestion; for many
+    keys, the others share a common fault.
     """
     unknown = [name for name in table if name not in known]
     keys = [f"{prefix}.{name}" if prefix else name for name in unknown]

@@ -110,6 +110,18 @@ def test_warnings_tell_what_and_what_to_do():
     assert "reaches the bottom" in both and "1.8 %" in both and "\n" not in both
 
 
+def test_periodic_sides_are_called_images():
+    periodic = {"sides_periodic": True}
+    cut = zone_warning(CUT | periodic)
+    assert "reaches the bottom and the periodic images of the packing" in cut
+    assert "a wave from the periodic images arrived" in zone_warning(WAVE | periodic)
+    text = summary_table({"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | CUT | periodic)
+    assert text.splitlines()[-1].endswith("bottom, periodic images")
+    sides = {"boundary": {"sides": "periodic"}}
+    expected = expected_cut(expected_zone(assemble(make([8, 8, 12], velocity=20, **sides))))
+    assert "the periodic images" in expected and "the sides" not in expected
+
+
 def test_terminal_tells_the_sizes_and_the_bounds():
     text = summary_table({"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | CUT)
     assert "depth 0.01, 0.018, 0.0198 m" in text

@@ -257,6 +257,7 @@ def test_periodic_zone_meets_its_image(tmp_path):
         with Result(tmp_path) as result:
             found = zone_summary(result)
         assert found["zone_cut"] == cut
+        assert found["sides_periodic"] is True
         assert found["zone_radius_99_m"] == pytest.approx(
             np.sort(radius[inside])[math.ceil(0.99 * inside.sum()) - 1]
         )

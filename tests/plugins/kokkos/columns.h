@@ -1,7 +1,7 @@
 // Columns of spheres of two sizes that are pressed, released and pressed again, each contact to another depth: what both programs of
 // test_kernels.py compute, one with the laws as the plain pair style has them, one with the kernels of Kokkos.
 #include "laws/law_arguments.h"
-#include "laws/touching_pairs.h"
+#include "kernels/touching_pairs.h"
 
 #include <cstdio>
 #include <utility>

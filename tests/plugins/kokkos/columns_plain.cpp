@@ -1,7 +1,7 @@
 // The columns with the laws as the plain pair style has them; no header of Kokkos is in the path.
 #include "columns.h"
 
-#include "laws/front.h"
+#include "kernels/front.h"
 
 #ifdef KOKKOS_INLINE_FUNCTION
 #error "this program is to be compiled without Kokkos"

@@ -13,7 +13,7 @@
 #pragma omp begin declare target    // with the constants that these refer to
 #include "laws/elastoplastic_fe.h"
 #pragma omp end declare target
-#include "laws/contact_batch.cpp"
+#include "kernels/contact_batch.cpp"
 #include "laws/contact_law.h"
 
 using namespace granwave;

@@ -130,13 +130,18 @@ def test_includes_are_in_the_package_or_in_lammps(files):
     for name, text in files.items():
         for header in re.findall(r'^#include "(.*)"', text, re.MULTILINE):
             assert header in ours or (HEADERS / header).exists(), (name, header)
-    assert not any("laws/" in text for name, text in files.items() if name.endswith((".h", ".cpp")))
+    assert not any(
+        re.search("(laws|kernels)/", text)
+        for name, text in files.items()
+        if name.endswith((".h", ".cpp"))
+    )
     assert not ours & {path.name for path in HEADERS.iterdir()}
 
 
 def test_all_sources_of_the_plugin_are_there(files):
     built = re.findall(
-        r"(?:styles|laws)/(\w+\.cpp)", (PLUGINS / "CMakeLists.txt").read_text(encoding="utf-8")
+        r"(?:styles|kernels|laws)/(\w+\.cpp)",
+        (PLUGINS / "CMakeLists.txt").read_text(encoding="utf-8"),
     )
     plugin_only = {"granwaveplugin.cpp", "add_styles.cpp"}
     assert {name.removeprefix("granwave_") for name in files if name.endswith(".cpp")} == set(

@@ -54,8 +54,9 @@ def _struck(assembly: Assembly) -> dict[str, Any] | None:
     """Return the sphere that the load hits first, and its position; None if it hits none in
     particular.
 
-    ``aside_m`` is its distance from the middle of the top, 0 of a sphere next to it; ``below_m``
-    its depth below the top; ``where`` says that it is at a corner, an edge or an end of the top.
+    ``aside_m`` is the distance of the sphere from the middle of the top, 0 for a sphere next to the
+    middle. ``below_m`` is its depth below the top. ``where`` states whether it is at a corner, an
+    edge or an end of the top.
     """
     lattice = assembly.lattice
     sphere = struck_site(assembly)

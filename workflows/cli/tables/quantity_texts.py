@@ -11,7 +11,7 @@ from granwave.lammps_inputs.errors import InputError
 
 
 def is_quantity(name: str) -> bool:
-    """Return True for the name of a value, of a family such as ``line_*_speed`` too."""
+    """Return True for the name of a value, or of a family of values such as ``line_*_speed``."""
     return any(fnmatchcase(name, entry.name) for entry in entries())
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from granwave.analysis.measures.zone_size import bounds_in_words
 from granwave.lammps_inputs.planning.cost import ExpectedZone
 
 
@@ -16,20 +17,25 @@ def plastic_zone(zone: ExpectedZone | None) -> str:
     larger = f"about {zone.depth:.2g} m deep{radius}{within}"
     if not zone.reaches:
         return larger
-    return f"to the {' and the '.join(zone.reaches)} of the packing; in a larger one {larger}"
+    names = " and the ".join(_name(zone, bound) for bound in zone.reaches)
+    return f"to the {names} of the packing; in a larger one {larger}"
+
+
+def _name(zone: ExpectedZone, bound: str) -> str:
+    """Return the name of a boundary in texts."""
+    return bounds_in_words([bound], periodic=zone.periodic)
 
 
 def expected_cut(zone: ExpectedZone | None) -> str:
-    """Warning that a packing will cut the plastic zone; empty where it has room, and for chains.
-
-    In a chain the pulse travels from end to end, for any length.
+    """Return a warning that a packing will cut the plastic zone; empty if the zone has room, and
+    for chains. In a chain of any length the pulse travels from end to end.
     """
     if zone is None or "sides" not in zone.room:
         return ""
     parts = []
     for names, verb in ((zone.reaches, "is expected to reach"), (zone.may_reach, "may reach")):
         if names:
-            edges = [f"the {name}, {zone.room[name]:.2g} m away" for name in names]
+            edges = [f"the {_name(zone, name)}, {zone.room[name]:.2g} m away" for name in names]
             parts.append(f"{verb} {' and '.join(edges)}")
     if not parts:
         return ""

@@ -6,7 +6,7 @@
 #define GRANWAVE_PLASTIC_BATCH_H
 
 #include "contact_batch.h"
-#include "contact_law.h"
+#include "../laws/contact_law.h"
 
 namespace granwave {
 

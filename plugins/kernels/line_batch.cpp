@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-#include "elastic_contact.h"
+#include "line_batch.h"
 
 #include "processors.h"
 

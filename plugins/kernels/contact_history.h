@@ -13,7 +13,7 @@
 
 #include "front.h"
 #include "stored.h"
-#include "tangential.h"
+#include "../laws/tangential.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -8,7 +8,7 @@
 #ifndef GRANWAVE_FRONT_H
 #define GRANWAVE_FRONT_H
 
-#include "kernel.h"
+#include "../laws/kernel.h"
 
 #include <algorithm>
 #include <cmath>

@@ -15,6 +15,7 @@
 
 #include "contact_batch.h"
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -198,7 +199,7 @@ struct TouchingPairs {
 
   // found by collect(), for further treatment by the caller
   std::vector<int> parted;    // pairs that have separated
-  std::vector<int> far;       // rows with pairs beyond the gap
+  std::vector<int> far;       // pairs beyond the gap
 
   /* Search the groups from `first` up to the one before `last`. Their touching pairs (RowGroups::bits) are updated, and parted
      ones found, unless `touched` is null. */
@@ -225,6 +226,7 @@ struct TouchingPairs {
   std::uint64_t touching;    // bits of the pairs that are still to be put into a batch
   std::uint64_t *before;     // bits of the pairs of the present group that touched when it was searched last, or null
 
+  int pair_of(int bit) const { return group->pair + (bit >> 3) * group->stride + (bit & 7); }    // of the present group
   template <bool UNIFORM> void measure();
   void compare();
   template <bool UNIFORM> int search_row(ContactBatch &, int n);

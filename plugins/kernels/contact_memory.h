@@ -8,13 +8,15 @@
 #ifndef GRANWAVE_CONTACT_MEMORY_H
 #define GRANWAVE_CONTACT_MEMORY_H
 
-#include "contact_law.h"
-#include "partial_slip.h"
-#include "resistance.h"
+#include "../laws/contact_law.h"
+#include "../laws/law_arguments.h"
+#include "../laws/partial_slip.h"
+#include "../laws/resistance.h"
 #include "stored.h"
-#include "tangential_damping.h"
-#include "viscous_loss.h"
+#include "../laws/tangential_damping.h"
+#include "../laws/viscous_loss.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace granwave {
@@ -35,6 +37,18 @@ struct ContactMemory {
   bool slip = false, cohesion = false, resistance = false, loss = false, prony = false, damping = false;
   bool loss_first = false;    // for walls: the viscous loss precedes the other parts; for pairs it follows them
   int n = 0;                  // doubles of a block
+
+  /* Add the history that contacts of a law need. */
+  void extend(const LawArguments &law)
+  {
+    friction |= law.friction > 0.0 || law.resistance;
+    slip |= law.slips_partially();
+    cohesion |= bool(law.options.cohesion);
+    resistance |= bool(law.resistance);
+    loss |= bool(law.loss);
+    prony |= law.loss.relaxes();
+    damping |= law.loss.tangential > 0.0;
+  }
 
   /* Histories of a block, to be changed. */
   SlipHistory slip_of(double *block) const { return SlipHistory(block + n - to_slip()); }
@@ -65,11 +79,15 @@ struct ContactMemory {
   /* Doubles of all these histories. */
   int size() const { return to_prony() + (damping ? DampingHistory::SIZE : 0); }
 
-  /* Energy stored along the normal, of a contact whose surfaces touch; `of_law` where it does not relax. */
-  double elastic_energy(double of_law, const double *block) const
+  /* Energy stored along the normal, also of viscoelastic bodies, whose elastic energy relaxes; `known` as in
+     ScaledLaw::stored_energy(). */
+  double stored_energy(const ScaledLaw &law, double overlap, const LawHistory &h, const Turning *known = nullptr) const
   {
-    const PronyHistory history = prony_of(block);
-    return history.surface > 0.0 ? history.stored : of_law;
+    if (prony && overlap > 0.0) {
+      const PronyHistory history = prony_of(h.extra);
+      if (history.surface > 0.0) return history.stored;
+    }
+    return law.stored_energy(overlap, h, cohesion_of(h.extra).joined > 0.0, known);
   }
 
   /* Energy stored by friction. */

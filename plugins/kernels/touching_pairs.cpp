@@ -63,7 +63,7 @@ FOR_EACH_PROCESSOR bool granwave::all_finite(const double *numbers, int n)
   return others == 0;
 }
 
-/* Compute the distances of the present group: which of its pairs touch, and which rows have pairs beyond the gap. */
+/* Compute the distances of the present group: which of its pairs touch, and which are beyond the gap. */
 template <bool UNIFORM> ALWAYS_INLINE void TouchingPairs::measure()
 {
   const RowGroup &g = *group;
@@ -102,20 +102,13 @@ template <bool UNIFORM> ALWAYS_INLINE void TouchingPairs::measure()
   }
   const std::uint64_t used = g.lanes == LANES ? ~std::uint64_t(0) : (std::uint64_t(1) << 8 * g.lanes) - 1;
   touching = any(touches) & used;
-  const std::uint64_t apart = any(beyond) & used;
-  if (apart == 0) return;
-  for (int l = 0; l < g.lanes; l++)
-    if (apart >> 8 * l & 0xff) far.push_back(g.row + l);
+  for (std::uint64_t rest = any(beyond) & used; rest != 0; rest &= rest - 1) far.push_back(pair_of(lowest_bit(rest)));
 }
 
 /* Find the pairs of the present group that have separated. */
 inline void TouchingPairs::compare()
 {
-  const RowGroup &g = *group;
-  for (std::uint64_t rest = *before & ~touching; rest != 0; rest &= rest - 1) {
-    const int at = lowest_bit(rest);
-    parted.push_back(g.pair + (at >> 3) * g.stride + (at & 7));
-  }
+  for (std::uint64_t rest = *before & ~touching; rest != 0; rest &= rest - 1) parted.push_back(pair_of(lowest_bit(rest)));
   *before = touching;
 }
 
@@ -126,7 +119,7 @@ template <bool UNIFORM> ALWAYS_INLINE int TouchingPairs::search_row(ContactBatch
   const RowGroup &g = *group;
   const int i = g.sphere;
   double radsum = 2.0 * uniform_radius;
-  bool is_far = false;
+  std::uint64_t apart = 0;
   touching = 0;
   for (int m = 0; m < g.partners; m++) {
     const int j = g.partner[m];
@@ -136,11 +129,11 @@ template <bool UNIFORM> ALWAYS_INLINE int TouchingPairs::search_row(ContactBatch
     const bool touches = !(rsq >= touch_squared(radsum));    // NaN touches
     batch.put(n, g.pair + m, i, j, delx, dely, delz, rsq);
     n += touches;
-    is_far |= rsq > (radsum + gap) * (radsum + gap);
+    apart |= static_cast<std::uint64_t>(rsq > (radsum + gap) * (radsum + gap)) << m;
     touching |= static_cast<std::uint64_t>(touches) << m;
   }
   if (before) compare();
-  if (is_far) far.push_back(g.row);
+  for (; apart != 0; apart &= apart - 1) far.push_back(g.pair + lowest_bit(apart));
   return n;
 }
 

@@ -7,7 +7,7 @@
 #ifndef GRANWAVE_PERIODIC_IMAGES_H
 #define GRANWAVE_PERIODIC_IMAGES_H
 
-#include "kernel.h"
+#include "../laws/kernel.h"
 
 #include <cstdint>
 

@@ -3,17 +3,15 @@
    at run time; groups of numbers in one register; prefetching; the lowest bit of a word. Results are bitwise identical with
    and without them, since nothing is contracted or reordered (CMakeLists.txt).
 
-   With GRANWAVE_ONE_PROCESSOR functions are compiled once, for the processor that the compiler is told. With GRANWAVE_PLAIN, and
-   for compilers other than GCC and Clang, everything is standard C++. */
+   With GRANWAVE_ONE_PROCESSOR functions are compiled once, for the processor that the compiler is told. Without
+   GRANWAVE_EXTENSIONS (kernel.h) everything is standard C++. */
 
 #ifndef GRANWAVE_PROCESSORS_H
 #define GRANWAVE_PROCESSORS_H
 
-#include <cstdint>
+#include "../laws/kernel.h"
 
-#if defined(__GNUC__) && !defined(__NVCOMPILER) && !defined(GRANWAVE_PLAIN)
-#define GRANWAVE_EXTENSIONS
-#endif
+#include <cstdint>
 
 #if defined(GRANWAVE_EXTENSIONS) && defined(__x86_64__) && !defined(__clang__) && defined(__gnu_linux__) &&                 \
     !defined(GRANWAVE_ONE_PROCESSOR)
@@ -30,11 +28,9 @@
 #endif
 
 #ifdef GRANWAVE_EXTENSIONS
-#define ALWAYS_INLINE __attribute__((always_inline)) inline
 #define FETCH_AHEAD(address) __builtin_prefetch(address)
 #define FETCH_AHEAD_TO_WRITE(address) __builtin_prefetch(address, 1)
 #else
-#define ALWAYS_INLINE inline
 #define FETCH_AHEAD(address) static_cast<void>(address)
 #define FETCH_AHEAD_TO_WRITE(address) static_cast<void>(address)
 #endif

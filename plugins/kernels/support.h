@@ -23,7 +23,7 @@
 #ifndef GRANWAVE_SUPPORT_H
 #define GRANWAVE_SUPPORT_H
 
-#include "material.h"
+#include "../laws/material.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #define GRANWAVE_CONTACT_BATCH_H
 
 #include "processors.h"
-#include "tangential.h"
+#include "../laws/tangential.h"
 
 #include <cstdint>
 
