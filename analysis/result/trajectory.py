@@ -346,6 +346,7 @@ def _strange(
     source: Path, number: int, step: int, n_spheres: int, start: Start
 ) -> OutputFormatError:
     return OutputFormatError(
-        f"{source}: snapshot {number} (step {step}) holds {n_spheres} spheres that are not the {start.n_spheres} of "
+        f"{source}: snapshot {number} (step {step}) holds {n_spheres} spheres that are not the "
+        f"{start.n_spheres} of "
         f"data.granwave: spheres were lost, or the files belong to different runs; {AGAIN}"
     )

@@ -271,6 +271,9 @@ def test_blocks_beside_a_packing(packings: list[gw.Run], blocks: list[gw.Run]) -
         < 5
     )
     light, heavy = (one["dissipated_fraction"] for one in (blocks[1], blocks[3]))
-    masses = "Largest difference in the dissipated fraction of a block between punches of different mass, inputs above"
+    masses = (
+        "Largest difference in the dissipated fraction of a block between punches of different "
+        "mass, inputs above"
+    )
     assert row(study, masses).ours == pytest.approx(abs(light - heavy))
     assert 0.2 < row(study, "Volume that dissipates").ours < 5
