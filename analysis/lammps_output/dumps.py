@@ -50,7 +50,7 @@ from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import DUMPS, RANK, files_of, of_each_rank
+from granwave.lammps_inputs.run_directory import DUMPS, RANK, files_of, of_each_rank, shown_dump
 
 # Columns that the readers require; others are optional, see `Frame.get`. Early versions did not
 # write "elastic".
@@ -178,7 +178,7 @@ class ContactDump:
         expected = self._noted()
         if n_rows != expected:
             raise OutputFormatError(
-                f"{self.path} (all parts): found {n_rows} contacts, {self.count} says {expected}: "
+                f"{shown_dump(self.path)}: found {n_rows} contacts, {self.count} says {expected}: "
                 f"a file is truncated or belongs to another run; {AGAIN}"
             )
         yield frame.with_rows(frame.values[:0])
@@ -236,7 +236,7 @@ def contacts_after_static_stage(directory: AnyPath) -> ContactDump | None:
         exist = [(folder / file).exists() for file in there]
         if any(f"{DUMPS}/{file}" in own for file in there) or (not own and any(exist)):
             if not all(exist):
-                raise MissingOutputError(f"{path} is missing; {AGAIN}")
+                raise MissingOutputError(f"{shown_dump(path)} is missing; {AGAIN}")
             return ContactDump(path, None, columns.names(columns.FORCES), files.INITIAL_COUNT_FILE)
     return None
 
@@ -477,7 +477,7 @@ def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
     if missing := sorted(set(range(expected)) - found):
         more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
         raise MissingOutputError(
-            f"{parts[missing[0]]} is missing{more}: {path.name} has {expected} parts; copy it "
+            f"{parts[missing[0]]} is missing{more}: the dump has {expected} files; copy it "
             f"back, or {AGAIN}"
         )
     return parts

@@ -94,8 +94,8 @@ class Scheduler:
         Id of a job in its own shell.
     log_name
         Name of the log of a job, as the scheduler expands it; empty: the scheduler names it.
-    log_pattern
-        Pattern of that name with the id of the job, for `pathlib.Path.glob`.
+    log_patterns
+        Patterns of that name with the id of the job, for `pathlib.Path.glob`.
     programs
         Commands that must be on a login node.
     launcher
@@ -121,7 +121,7 @@ class Scheduler:
     queue_type: ClassVar[str]
     job_id: ClassVar[str]
     log_name: ClassVar[str] = ""
-    log_pattern: ClassVar[str] = "{job}.log"
+    log_patterns: ClassVar[tuple[str, ...]] = ("{job}.log",)
     programs: ClassVar[tuple[str, ...]]
     launcher: ClassVar[str] = "mpiexec"
     listed_after: ClassVar[float] = 0.0
