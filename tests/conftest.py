@@ -28,8 +28,11 @@ if (
     signal.signal(signal.SIGINT, signal.default_int_handler)
 BIN = Path(sys.prefix) / "bin"
 os.environ.setdefault(PROCESSES, "1")  # tests run side by side already
-# MPICH: ranks that wait leave their core, of which tests side by side have too few
+# MPICH: ranks that wait leave their core, of which tests side by side have too few, and sleep after
+# 100 polls without a message; else each wait takes the whole time slice of the rank it waits for
 os.environ.setdefault("MPIR_CVAR_ENABLE_HEAVY_YIELD", "1")
+os.environ.setdefault("MPIR_CVAR_CH4_PROGRESS_THROTTLE", "1")
+os.environ.setdefault("MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT", "100")
 PLAIN = {
     name: value
     for name, value in os.environ.items()
