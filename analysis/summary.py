@@ -482,8 +482,8 @@ def _sensors(result: Result) -> Summary:
         "peak_acceleration_m_s2": sensor_accelerations(result),
         "peak_velocity_m_s": sensor_velocities(result),
     }
-    return {
-        f"sensor_{name}_{quantity}": float(np.linalg.norm(values, axis=1).max())
-        for quantity, sensors in found.items()
-        for name, values in sensors.items()
-    }
+    peaks = {}
+    for quantity, sensors in found.items():
+        for name, values in sensors.items():
+            peaks[f"sensor_{name}_{quantity}"] = float(np.linalg.norm(values, axis=1).max())
+    return peaks

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Any
 
 from granwave.analysis.document.model import Block, Group, Note, show, text_table
@@ -300,7 +301,7 @@ def settings_blocks(inputs: ReportInputs) -> list[Block]:
 
 def differing(runs: Sequence[ReportRun]) -> list[str]:
     """Return the keys of the case that differ between runs, in the order of the cases."""
-    keys = list(dict.fromkeys(key for run in runs for key in run.case))
+    keys = list(dict.fromkeys(chain.from_iterable(run.case for run in runs)))
     keys = [key for key in keys if key not in _REMARKS]
     return [key for key in keys if any(run.case.get(key) != runs[0].case.get(key) for run in runs)]
 

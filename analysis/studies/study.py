@@ -217,11 +217,10 @@ def make_studies(
             if name in runs
         }
         modules |= {name: load_study(name) for name in runs if is_study_file(name)}
-        return [
-            study
-            for name, module in modules.items()
-            for study in _make(Path(name).stem, module, runs[name], (undone or {}).get(name, ()))
-        ]
+        studies = list[Study]()
+        for name, module in modules.items():
+            studies += _make(Path(name).stem, module, runs[name], (undone or {}).get(name, ()))
+        return studies
 
 
 def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
