@@ -327,9 +327,8 @@ _LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 _FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}
 _COLUMNS = {  # names of columns of overlaps and of forces, with their units in SI units
     "overlap": {
-        f"{name}_{unit}": size
-        for name in ("overlap", "displacement")
-        for unit, size in _LENGTHS.items()
+        **{f"overlap_{unit}": size for unit, size in _LENGTHS.items()},
+        **{f"displacement_{unit}": size for unit, size in _LENGTHS.items()},
     },
     "force": {f"force_{unit}": size for unit, size in _FORCES.items()},
 }

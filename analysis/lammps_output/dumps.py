@@ -100,10 +100,8 @@ def read_frames(
 
 def frames_path(directory: AnyPath) -> Path:
     """Return the path of the dump of snapshots, binary or text; "%" stands for several files."""
-    return _present(
-        ResultDirectory.at(directory),
-        [form for name in files.FRAMES_FILES.values() for form in (name, of_each_rank(name))],
-    )
+    forms = ((name, of_each_rank(name)) for name in files.FRAMES_FILES.values())
+    return _present(ResultDirectory.at(directory), [*itertools.chain.from_iterable(forms)])
 
 
 def read_instants(

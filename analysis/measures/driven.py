@@ -145,7 +145,10 @@ def steady_amplitudes(
 
 def _sines(angle: Array, multiples: Sequence[float]) -> list[Array]:
     """Cosine and sine of multiples of an angle."""
-    return [part(factor * angle) for factor in multiples for part in (np.cos, np.sin)]
+    sines = list[Array]()
+    for factor in multiples:
+        sines += [np.cos(factor * angle), np.sin(factor * angle)]
+    return sines
 
 
 def transfer(

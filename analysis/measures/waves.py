@@ -11,6 +11,7 @@ solid angle.
 from __future__ import annotations
 
 import dataclasses
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,11 +73,8 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
     case = result.case
     n = result.assembly.lattice.n_spheres
     if case.striker:
-        return result.rows(
-            np.array(
-                sorted({one for striker in case.striker for one in striker.touches if one <= n})
-            )
-        )
+        touched = set(chain.from_iterable(striker.touches for striker in case.striker))
+        return result.rows(np.array(sorted(number for number in touched if number <= n)))
     return result.rows(np.array(result.struck))
 
 

@@ -45,6 +45,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -155,19 +156,19 @@ def zone_sizes(
         ``zone_depth_50_interpolated_m``, ``zone_radius_50_interpolated_m``, ... 90, 99; None where
         a size does not apply.
     """
-    return {
-        f"zone_{name}_{percent}{unit}": None
-        if energy is None or parts is None
-        else size(parts, energy, percent / 100)
-        for name, unit, parts, size in (
-            ("depth", "_m", depth, extent_holding),
-            ("radius", "_m", radius, extent_holding),
-            ("volume", "_m3", volume, volume_holding),
-            ("depth", "_interpolated_m", depth, interpolated_extent),
-            ("radius", "_interpolated_m", radius, interpolated_extent),
-        )
-        for percent in SHARES
-    }
+    measures = (
+        ("depth", "_m", depth, extent_holding),
+        ("radius", "_m", radius, extent_holding),
+        ("volume", "_m3", volume, volume_holding),
+        ("depth", "_interpolated_m", depth, interpolated_extent),
+        ("radius", "_interpolated_m", radius, interpolated_extent),
+    )
+    sizes = dict[str, float | None]()
+    for (name, unit, parts, size), percent in product(measures, SHARES):
+        has_size = energy is not None and parts is not None
+        key = f"zone_{name}_{percent}{unit}"
+        sizes[key] = size(parts, energy, percent / 100) if has_size else None
+    return sizes
 
 
 def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> dict[str, Any]:

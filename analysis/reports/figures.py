@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Collection
+from itertools import chain
 from pathlib import Path
 
 from PIL import Image
@@ -229,12 +230,8 @@ def _points(scan: ReportScan, inputs: ReportInputs, number: int) -> list[Block]:
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
         parts = _pictures(run, inputs, name, f"run {run.label}", POINT_WIDTH)
-        size += sum(
-            len(figure.png)
-            for part in parts
-            if isinstance(part, Gallery)
-            for figure in part.figures
-        )
+        galleries = (part.figures for part in parts if isinstance(part, Gallery))
+        size += sum(len(figure.png) for figure in chain.from_iterable(galleries))
         labels = ", ".join(
             f"{key} = {as_label(value)}" for key, value in point.result.labels.items()
         )

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 
 from granwave.analysis.document.model import (
     Badge,
@@ -111,7 +112,7 @@ def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
     labels = [inputs.suite] if inputs.suite else [item.label for item in inputs.items]
     failures = failures_section(inputs)
     studies = studies_of(inputs, named)
-    above = {picture.name for study in studies for picture in study.pictures}
+    above = {picture.name for picture in chain.from_iterable(one.pictures for one in studies)}
     picture = main_picture(studies, inputs)
     heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
     what = text_table(
@@ -382,7 +383,7 @@ def _versions(inputs: ReportInputs) -> list[Block]:
     runs = list(inputs.results())
     same = []
     others = []
-    for name in dict.fromkeys(name for run in runs for name in run.versions):
+    for name in dict.fromkeys(chain.from_iterable(run.versions for run in runs)):
         users = [run for run in runs if name in run.versions]
         found = list(dict.fromkeys(run.versions[name] for run in users))
         if len(found) == 1 and len(users) == sum(

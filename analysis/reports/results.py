@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain, product
 from pathlib import Path
 from typing import Any
 
@@ -292,7 +293,7 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
     friction or losses.
     """
     shares = "friction_fraction", "viscous_fraction"
-    several = any(summary.get(share) for summary in summaries for share in shares)
+    several = any(summary.get(share) for summary, share in product(summaries, shares))
     left_out = () if several else FRICTION_SHARES
     there = (
         key
@@ -325,9 +326,8 @@ def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
     """Make a table of all values of the summaries, with a column for each run, and the difference
     of two runs.
     """
-    keys = list(
-        dict.fromkeys(key for run in runs for key in run.summary if key not in _NOT_COMPARED)
-    )
+    names = dict.fromkeys(chain.from_iterable(run.summary for run in runs))
+    keys = [key for key in names if key not in _NOT_COMPARED]
     pair = len(runs) == 2
     numbers = [*(run.label for run in runs), *["Difference"] * pair]
     columns = [

@@ -98,7 +98,8 @@ _DERIVED = {
     "N s": "impulse",
 }
 _UNITS = {one.name: one.unit for one in (*LEDGER, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)}
-_UNITS |= {name: unit for unit, names in _DERIVED.items() for name in names.split()}
+for _unit, _names in _DERIVED.items():
+    _UNITS |= dict.fromkeys(_names.split(), _unit)
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
 
 # pieces of a column: first row, and a whole chunk or values

@@ -60,7 +60,10 @@ def unfinished(directory: Path, point: str) -> Path:
 
 def files(points: Iterable[str]) -> list[str]:
     """Return the names of the results of a scan of these points, without figures."""
-    return [*_FILES, *(f"{place}/{point}/" for point in points for place in (POINTS, UNFINISHED))]
+    names = [*_FILES]
+    for point in points:
+        names += [f"{POINTS}/{point}/", f"{UNFINISHED}/{point}/"]
+    return names
 
 
 def is_done(directory: Path, point: str) -> bool:

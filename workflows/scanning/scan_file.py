@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import hashlib
+import itertools
 import json
 import logging
 import random
@@ -266,7 +267,7 @@ def _build(
             key: len({repr(values.get(key)) for values in variations}) for key in variations[0]
         }
         variations = [variations[n] for n in sorted(random.Random(0).sample(range(n_all), most))]
-    varied = tuple(dict.fromkeys(key for values in variations for key in values))
+    varied = tuple(dict.fromkeys(itertools.chain.from_iterable(variations)))
     if header.replicates > 1:
         if SEED in varied:
             raise InputError(
