@@ -95,8 +95,9 @@ _HOLDS_90 = {
     "contains 90 % of the plastic dissipation, evaluated at the centres of spheres (elements) "
     "without interpolation: in a lattice it is the depth of a layer. Strikers are excluded. "
     "Likewise for 50 and 99 %.",
-    "radius": "As the depth, for the distance from the impact axis, which is parallel to z "
-    "through the centroid of the impacted spheres.",
+    "radius": "Smallest distance from the impact axis that contains 90 % of the plastic dissipation, "
+    "evaluated like the depth. The axis is parallel to z through the centroid of the impacted "
+    "spheres.",
     "volume": "Smallest volume that contains 90 % of the plastic dissipation: spheres (elements) "
     "are added in descending order of energy per volume. The voids between spheres and the "
     "strikers are excluded.",
@@ -104,7 +105,7 @@ _HOLDS_90 = {
 _INTERPOLATED_90 = {
     "depth": "The 90 % depth, interpolated linearly in the energy between layers, so that it does "
     "not jump from layer to layer; at most the depth of the layer.",
-    "radius": "As the depth, for the distance from the impact axis.",
+    "radius": "The 90 % radius, interpolated like the depth.",
 }
 
 
@@ -119,7 +120,7 @@ def _zone_sizes() -> tuple[Quantity, ...]:
             short=f"{share} % {size}",
             digits=".4g",
             meaning=_HOLDS_90[size] if share == 90 else "",
-            note="" if share == 90 else f"As zone_{size}_90_{unit}.",
+            note="" if share == 90 else f"Same definition as zone_{size}_90_{unit}.",
             axis=f"{share} % {size}",
             symbol=f"{symbol}_{{{share}}}",
         )
@@ -131,7 +132,7 @@ def _zone_sizes() -> tuple[Quantity, ...]:
             short=f"{share} % {size}",
             digits=".4g",
             meaning=_INTERPOLATED_90[size] if share == 90 else "",
-            note="" if share == 90 else f"As zone_{size}_90_interpolated_m.",
+            note="" if share == 90 else f"Same definition as zone_{size}_90_interpolated_m.",
             axis=f"{share} % {size}, interpolated",
             symbol=f"{symbol}_{{{share}}}",
         )
@@ -160,11 +161,11 @@ ENTRIES = (
              meaning="Simulated time divided by the number of steps; the mean of an automatic "
              "timestep."),
     Quantity("timestep_smallest_s", "Smallest timestep", digits=".4g",
-             note="Over all steps of the run."),
+             note="It covers all steps of the run."),
     Quantity("timestep_largest_s", "Largest timestep", digits=".4g",
-             note="Over all steps of the run."),
+             note="It covers all steps of the run."),
     Quantity("n_steps", "Steps", note="Number of steps of the run."),
-    Quantity("wall_time_s", digits=".1f", note="For the time integration."),
+    Quantity("wall_time_s", digits=".1f", note="Wall time of the time integration."),
     Quantity("sphere_steps_per_s", short="speed", digits=".3g", phrase="{} sphere-steps/s",
              note="Spheres times steps, divided by wall time."),
     Quantity("n_ranks", "MPI ranks", note="Number of MPI ranks of the run."),
@@ -219,9 +220,9 @@ ENTRIES = (
              "periods; null if the motion is not steady within 2 %.", digits=".4g",
              axis="Transmission"),
     Quantity("driven_velocity_m_s", "Velocity of the loaded sphere",
-             "Amplitude at the frequency of a harmonic load.", digits=".4g"),
+             "Amplitude of this velocity at the frequency of a harmonic load.", digits=".4g"),
     Quantity("load_power_W", "Power of the load",
-             "Mean over the last half of a run under a harmonic load.", digits=".4g"),
+             "Mean power over the last half of a run under a harmonic load.", digits=".4g"),
     Quantity("absorbed_power_W", "Power absorbed",
              "Mean power absorbed by the spheres of [[absorb]] and the damper below, in the last "
              "half of a run under a harmonic load; null without these.", digits=".4g"),
@@ -242,12 +243,12 @@ ENTRIES = (
     Quantity("energy_balance_accepted", "Accepted balance error",
              note="Largest balance error with which this run is accepted; a run with a larger "
              "error is rejected."),
-    Quantity("energy_kinetic_J", "Kinetic energy", note="At the end, including rotation."),
+    Quantity("energy_kinetic_J", "Kinetic energy", note="Kinetic energy at the end, including rotation."),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
     Quantity("energy_elastic_J", "Elastic energy",
              note="Recoverable energy of contacts, springs and bars at the end."),
     Quantity("energy_dissipated_J", "Dissipated energy",
-             note="Up to the end, by yielding, friction, viscous damping and dampers."),
+             note="Energy dissipated up to the end by yielding, friction, viscous damping and dampers."),
     Quantity("energy_dissipated_wall_J", "Dissipated at walls",
              note="Part of the dissipated energy."),
     Quantity("energy_dissipated_plastic_J", "Dissipated by yielding",
@@ -266,16 +267,17 @@ ENTRIES = (
              note="Part of the dissipated energy."),
     Quantity("energy_absorbed_J", "Absorbed by absorbing spheres",
              note="Part of the dissipated energy."),
-    Quantity("energy_bar_J", "Energy of the bar", note="At the end, kinetic and elastic."),
+    Quantity("energy_bar_J", "Energy of the bar", note="Kinetic and elastic energy at the end."),
     Quantity("energy_incident_bar_J", "Energy of the incident bar",
-             note="At the end, kinetic and elastic."),
+             note="Kinetic and elastic energy at the end."),
     # contacts
     Quantity("peak_force_N", "Peak contact force, excluding walls",
-             "Over all contacts between two spheres at any time; in the continuum, the force on "
-             "the punch.", short="peak force, excluding walls", digits=".6g",
+             "Largest force of all contacts between two spheres at any time; in the continuum, the "
+             "force on the punch.", short="peak force, excluding walls", digits=".6g",
              axis="Peak force between spheres", symbol=r"F_\mathrm{max}"),
     Quantity("peak_force_with_walls_N", "Peak contact force, including walls",
-             "Over all contacts at any time, including contacts with walls, plates and bars.",
+             "Largest force of all contacts at any time, including contacts with walls, plates and "
+             "bars.",
              short="peak force, with walls", digits=".6g", axis="Peak force, including walls",
              symbol=r"F_\mathrm{max}"),
     Quantity("peak_force_error_N", "Error bar of the peak contact force", digits=".2g",
@@ -283,7 +285,7 @@ ENTRIES = (
              "elastoplastic-fe for the contact with the peak force.",
              note="Error of the law at this overlap, not of the run; null for other laws, outside "
              "the range of the fit, with cohesion and with a rate-dependent yield strength."),
-    Quantity("peak_overlap_m", note="Over all contacts at any time."),
+    Quantity("peak_overlap_m", note="Largest overlap of all contacts at any time."),
     Quantity("contacts_beyond_law", "Contacts beyond the law", short="contacts beyond 0.2 R*",
              note="Contacts whose overlap exceeded 0.2 R*, the limit of the fit of the law."),
     Quantity("contacts_beyond_half_law", "Contacts beyond half the range of the law",
@@ -298,7 +300,7 @@ ENTRIES = (
     Quantity("n_plastic_spheres", "Yielded spheres", axis="Yielded spheres", symbol=r"N_\mathrm{p}",
              meaning="Spheres with a yielded contact; contacts with walls are not counted."),
     Quantity("n_dissipating_spheres", "Spheres that dissipated energy",
-             "By any mechanism, including contacts with walls; the number in the figures of "
+             "Spheres that dissipated energy by any mechanism, including contacts with walls; the number in the figures of "
              "dissipation. Excludes spheres whose contacts yielded without dissipating energy.",
              short="dissipating spheres"),
     Quantity("plastic_zone_volume_m3", "Plastic zone volume",
@@ -320,8 +322,8 @@ ENTRIES = (
     Quantity("wave_returned", "Boundaries with returned reflections",
              "Boundaries whose reflected wave can reach the 99 % zone before the end of the run."),
     Quantity("wave_return_s", "Earliest return of a reflection",
-             "From the first force peaks at the boundary and at the zone; continuum: from the "
-             "speed of compression waves."),
+             "Estimated from the first force peaks at the boundary and at the zone; in the "
+             "continuum, from the speed of compression waves."),
     Quantity("wave_return_share", "Fraction dissipated after reflections arrived",
              "Upper limit of the fraction of plastic dissipation that is due to reflections."),
     # static stage
@@ -337,11 +339,11 @@ ENTRIES = (
     Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom",
              digits=".6g", note="Integral of the force on the bottom up to the end."),
     Quantity("wall_*_peak_force_N", "Peak force on a side wall",
-             "For each wall by name: xlo, xhi, ylo, yhi or tube."),
-    Quantity("wall_*_impulse_Ns", "Impulse on a side wall", "Integral of its force over the run."),
+             "Largest force on each wall, by name: xlo, xhi, ylo, yhi or tube."),
+    Quantity("wall_*_impulse_Ns", "Impulse on a side wall", "Integral of the force on the wall over the run."),
     Quantity("plate_peak_force_N", "Peak force on the plate",
              "Force of all grains on a rigid plate.", digits=".6g"),
-    Quantity("plate_impulse_Ns", "Impulse on the plate", "Integral of this force over the run.",
+    Quantity("plate_impulse_Ns", "Impulse on the plate", "Integral of the force on the plate over the run.",
              digits=".6g"),
     Quantity("plate_velocity_m_s", "Plate velocity at the end",
              "Velocity into the packing; negative: it rebounds.", digits=".5g",
@@ -352,7 +354,7 @@ ENTRIES = (
     Quantity("target_peak_force_N", "Peak force on the target",
              "Force on the bottom, which the packing protects."),
     Quantity("target_peak_displacement_m", "Largest displacement of the target",
-             note="Outward, from its position before the impact."),
+             note="Largest outward displacement from the position before the impact."),
     Quantity("energy_target_J", "Work on the target",
              "Work of the packing on the bottom up to the end; zero for a fixed bottom."),
     Quantity("support_energy_J", "Energy in the support",
@@ -365,16 +367,16 @@ ENTRIES = (
              "Force of the last spring or damper of the bottom; for a bottom at rest, the force on "
              "the bottom."),
     Quantity("unprotected_peak_force_N", "Peak force without the packing",
-             "The same impact directly on the bottom, without the packing."),
+             "Peak force of the same impact directly on the bottom, without the packing."),
     Quantity("unprotected_ground_peak_force_N", "Peak force on the ground without the packing",
-             note="The same impact directly on the bottom."),
+             note="Peak force on the ground of the same impact directly on the bottom."),
     Quantity("peak_reduction", "Peak reduction",
              "Peak force on the bottom without the packing, divided by the peak force with it "
              "(excluding the static force of a precompression); null for oscillating loads.",
              short="peak without packing", digits=".3g", phrase="{} times as high",
              axis="Peak force without / with packing"),
     Quantity("ground_peak_reduction", "Peak reduction on the ground",
-             "As the peak reduction, for the force on the ground."),
+             "Peak force on the ground without the packing, divided by the peak force with it."),
     Quantity("peak_reduction_per_kg", "Peak reduction per mass of packing",
              note="Peak reduction divided by the mass of the packing."),
     Quantity("peak_reduction_per_m", "Peak reduction per height of packing",
@@ -389,15 +391,15 @@ ENTRIES = (
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
              note="Velocity along the impact or load.direction; negative: it rebounds."),
     Quantity("restitution", axis="Coefficient of restitution", symbol="e",
-             note="For a single sphere on a rigid wall, or for the impact of two spheres."),
+             note="Given for a single sphere on a rigid wall, and for the impact of two spheres."),
     Quantity("restitution_error", "Error bar of the restitution", digits=".2g",
              meaning="Largest deviation of the coefficient of restitution from finite elements, as "
              "given by law elastoplastic-fe.",
              note="Null if peak_force_error_N is null, and with contact.loss."),
     Quantity("sensor_*_peak_force_N",
-             note="For chains: largest mean of the two contact forces of the bead."),
-    Quantity("sensor_*_peak_acceleration_m_s2", note="For other packings."),
-    Quantity("sensor_*_peak_velocity_m_s", note="For other packings."),
+             note="Only for chains: largest mean of the two contact forces of the bead."),
+    Quantity("sensor_*_peak_acceleration_m_s2", note="Only for packings other than chains."),
+    Quantity("sensor_*_peak_velocity_m_s", note="Only for packings other than chains."),
     # lines of grains
     Quantity("line_*_front_speed_m_s", "Front speed along a line",
              "Slope of distance against arrival time, at which a grain first moves at 5 % of the "
@@ -406,24 +408,24 @@ ENTRIES = (
              "Peak speed: the first maximum above 5 % of the speed of the load, followed by a "
              "decrease of at least 10 %."),
     Quantity("line_*_peak_last_m_s", "Last peak along a line",
-             "First peak of the last grain that has one."),
+             "First peak of the last grain with a peak."),
     Quantity("line_*_decay_first_per_m", "Decay along a line, first region",
              "Decay of the peak speed, from a continuous broken line fitted to its logarithm; "
              "excludes grains near a fixed floor."),
     Quantity("line_*_decay_second_per_m", "Decay along a line, second region",
-             "Beyond the border between the two regions."),
+             "Decay of the peak speed beyond the border between the two regions."),
     Quantity("line_*_decay_border_m", "Border of the regions, along the line",
-             "Distance from its first grain."),
+             "Distance from the first grain of the line."),
     Quantity("line_*_decay_per_m", "Decay along a line, one region",
-             "From a single exponential through the same peaks."),
+             "Decay from a single exponential through the same peaks."),
     Quantity("line_*_largest_speed_mean_m_s", "Largest speeds of a line, mean",
-             "Mean over its grains, for the whole run."),
+             "Mean over the grains of the line, for the whole run."),
     Quantity("line_*_largest_speed_deviation_m_s", "Largest speeds of a line, standard deviation",
-             "With n - 1 in the denominator."),
+             "Standard deviation with n - 1 in the denominator."),
     Quantity("line_*_largest_speed_skewness", "Largest speeds of a line, skewness",
-             "Corrected for the sample size."),
+             "Skewness, corrected for the sample size."),
     Quantity("line_*_largest_speed_normal_p", "Largest speeds of a line, p of normality",
-             "From the Shapiro-Wilk test: small values reject a normal distribution."),
+             "Result of the Shapiro-Wilk test; small values reject a normal distribution."),
 )  # fmt: skip
 
 _OF_THE_CORE = {entry.name: entry for entry in ENTRIES}

@@ -4,7 +4,7 @@ the names of the suites.
 
 from __future__ import annotations
 
-#: What the suites are called in the picture and in the list of pages.
+#: Names of the suites in the picture and in the list of pages.
 LABELS = {
     "bands": "Bands and gaps",
     "benchmarks": "Published benchmarks and measurements",
@@ -27,18 +27,18 @@ LABELS = {
     "tolerance": "Tolerance and friction",
 }
 _REFERENCE = "second_solver"
-#: The ten results of the README: what is before the quantity, suite, study, starts of the
-#: quantities (the first such rows). Several rows share a line, and the words before are then all
-#: that names it. They are the most telling of their systems, whether they agree or not.
+#: The ten results of the README: words before the quantity, suite, study, starts of the
+#: quantities (the first such rows). If several rows share a line, the words before are its
+#: name. They are the headline rows of their systems, whether they agree or not.
 CHOSEN = (
     (
-        "Reference impact: dissipated fraction, peak contact force over F_y",
+        "Reference impact: dissipated fraction, peak contact force / F_y",
         "fcc-impact",
         _REFERENCE,
         ("Dissipated fraction", "Peak contact force"),
     ),
     (
-        "Two spheres: finite elements less the fitted law, 1 to 10 and above 10 yield overlaps",
+        "Two spheres: deviation of finite elements from the fitted law, 1 to 10 and above 10 yield overlaps",
         "sphere-contacts",
         "sphere_contact",
         (
@@ -47,7 +47,7 @@ CHOSEN = (
         ),
     ),
     (
-        "Elasto-plastic chain: decay per contact, three impulses by one law, the smallest impulse",
+        "Elasto-plastic chain: decay per contact, of three impulses together and of the smallest",
         "thesis-2",
         "elastoplastic_decay",
         ("b of one law 2.25", "b: decay of the leading wave per contact, contacts 1 to 7, I 0.046"),
@@ -63,10 +63,10 @@ CHOSEN = (
         ),
     ),
     (
-        "Soft cylinders between walls: front speed, centred-square over hexagonal crystal",
+        "Soft cylinders between walls: front speed, centred-square / hexagonal crystal",
         "lateral",
         "crystals",
-        ("Front speed of BCC over that of HCP, crystals of 40",),
+        ("Front speed of BCC / HCP, crystals of 40",),
     ),
     (
         "Square packing, in-plane: energy in central chains, edge chains",
@@ -76,7 +76,7 @@ CHOSEN = (
     ),
     ("Tunnel of cylinders: ", "bands", "tunable_gap", ("Top of the third band, a = 0",)),
     (
-        "Wave speed in a chain of brass over PTFE, measured; impacts at 0.1, 0.3 and 1 m/s",
+        "Measured wave speed, chain of brass / chain of PTFE, impacts at 0.1, 0.3 and 1 m/s",
         "benchmarks",
         "chains_brass_teflon",
         (
@@ -86,7 +86,7 @@ CHOSEN = (
         ),
     ),
     (
-        "Oxide sphere on glass, tangential restitution at 4.22, 9.84, 20.22 degrees, measured",
+        "Oxide sphere on glass: measured tangential restitution at 4.22, 9.84 and 20.22 degrees",
         "benchmarks",
         "impacts_oblique",
         (
@@ -97,8 +97,8 @@ CHOSEN = (
     ),
 )
 _FCC_SPEED = ("prestress", "packing_speed", ("Speed of small waves, fcc, uniaxial",))
-#: Further rows of the first page of results, in the same form; a name that ends in nothing is the
-#: quantity alone.
+#: Further rows of the first page of results, in the same form; without words before it the name
+#: is the quantity.
 MORE = (
     (
         "Square packing, out-of-plane: energy in central chains, strikers, impacted spheres",
@@ -110,7 +110,7 @@ MORE = (
         "Chain with gaps: ",
         "thesis-8",
         "no_cylinders",
-        ("Displacement of sphere 10 in a long row, at rest again",),
+        ("Displacement of sphere 10 in a long chain, at rest again",),
     ),
     ("FCC packing: ", *_FCC_SPEED),
     (
@@ -166,7 +166,7 @@ MORE = (
         "elastoplastic_decay",
         ("Power of the peak force with distance, contacts 15",),
     ),
-    ("", "sphere-contacts", "sphere_contact", ("Contact area over Thornton's",)),
+    ("", "sphere-contacts", "sphere_contact", ("Contact area / Thornton's contact area",)),
     ("Elastic bar: ", "thesis-3", "split_hopkinson", ("Speed, split-hopkinson",)),
     ("Elastic chain, 40 N for 10 ms: ", "thesis-4", "long_load", ("Speed of the front",)),
     (
@@ -179,7 +179,7 @@ MORE = (
         "FCC packing: ",
         "thesis-5",
         "packings",
-        ("Dissipated share of 7 struck spheres over that of one",),
+        ("Dissipated fraction, impact on 7 spheres / on one",),
     ),
     (
         "Chain in a tube: ",
@@ -187,7 +187,7 @@ MORE = (
         "confined_scaling",
         ("Power of the speed with the velocity, n = 8",),
     ),
-    ("Filter: ", "thesis-7", "peaks", ("Beads that the leading wave spans at contact 121",)),
+    ("Filter: ", "thesis-7", "peaks", ("Length of the leading wave in beads at contact 121",)),
     (
         "Switch: ",
         "thesis-8",
@@ -196,7 +196,7 @@ MORE = (
     ),
     ("Sphere on a target: ", "protection", "protected-checks", ("Peak force, rigid wall",)),
 )
-#: Measurements of others on the first page of the site.
+#: Published measurements on the first page of the site.
 MEASURED = (
     (
         "Tangential restitution of an aluminium oxide sphere on glass, 20.22 degrees",
@@ -220,7 +220,7 @@ MEASURED = (
         ("Speed in brass over speed in PTFE, impact at 1 m/s",),
     ),
 )
-#: Rows of the paper, with what the quantity is called there; a few columns, as its page is narrow.
+#: Rows of the paper, with the names of their quantities there; few columns, as its page is narrow.
 IN_PAPER = (
     (
         "Dissipated fraction, 155 520 brass spheres",

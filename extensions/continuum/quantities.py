@@ -19,15 +19,15 @@ QUANTITIES = (
              note="Elements times steps, divided by wall time."),
     Quantity("energy_punch_J", "Energy of the punch", note="Kinetic energy of the punch at the "
         "end."),
-    Quantity("energy_viscous_J", "Viscous energy", note="Dissipated by the artificial viscosity "
+    Quantity("energy_viscous_J", "Viscous energy", note="Energy dissipated by the artificial viscosity "
         "of the elements."),
     Quantity("energy_hourglass_J", "Hourglass energy", note="Energy of the hourglass control of "
         "the elements."),
     Quantity("energy_contact_J", "Energy of the contact",
-             note="Dissipated by the contact of the punch; for two spheres, energy of the penalty "
+             note="Energy dissipated by the contact of the punch; for two spheres, energy of the penalty "
                  "springs of their contact."),
     Quantity("energy_damping_J", "Energy dissipated by damping",
-             note="Dissipated by the damping that keeps the compression of two spheres "
+             note="Energy dissipated by the damping that keeps the compression of two spheres "
                  "quasi-static."),
     Quantity("hourglass_share", note="Energy of the hourglass control relative to the work done."),
     Quantity("kinetic_share_max", short="kinetic energy", digits=".1e", phrase="at most {} of the "
@@ -42,10 +42,10 @@ QUANTITIES = (
              after="plastic_zone_volume_m3"),
     Quantity("plastic_zone_strain", "Strain of the plastic zone",
              note="Equivalent strain that 1 % of the volume that ever yielded exceeds, in the continuum."),
-    Quantity("largest_strain", note="Over all elements; it depends on the element size at the "
-        "edge of the punch."),
-    Quantity("punch_peak_displacement_m", "Largest displacement of the punch", note="Displacement "
-        "into the block."),
+    Quantity("largest_strain", note="Largest equivalent strain of all elements; it depends on the "
+        "element size at the edge of the punch."),
+    Quantity("punch_peak_displacement_m", "Largest displacement of the punch", note="Largest "
+        "displacement into the block."),
     # static contact of two spheres
     Quantity("effective_radius_m", note="R*, 1/R* = 1/R1 + 1/R2."),
     Quantity("effective_modulus_Pa", note="E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."),
@@ -53,26 +53,26 @@ QUANTITIES = (
     Quantity("yield_force_N", "Force at first yield"),
     Quantity("max_overlap_m", "Largest overlap", digits=".4g"),
     Quantity("max_force_N", "Largest force", short="largest force", digits=".5g", axis="Force at the largest overlap",
-             note="During the run.", scan_column=True, scan_figure="max_force"),
+             note="Largest force during the run.", scan_column=True, scan_figure="max_force"),
     Quantity("contact_radius_m", digits=".4g", note="Largest value during the run."),
-    Quantity("mean_pressure_Pa", note="At the end of the first loading: force divided by contact "
-        "area."),
+    Quantity("mean_pressure_Pa", note="Force divided by contact area at the end of the first "
+        "loading."),
     Quantity("force_deviation_max_percent", short="force - law", digits="+.1f", phrase="{} % at "
         "most",
              note="Largest deviation of the force from the law during first loading."),
     Quantity("force_deviation_rms_percent", short="minus the law (%, "
         "rms)", digits=".2f", phrase="{} % rms",
-             axis="Force - law (%, rms)", note="As above, root mean square.", scan_column=True,
+             axis="Force - law (%, rms)", note="Root mean square deviation of the force from the law during first loading.", scan_column=True,
              scan_figure="force_deviation"),
-    Quantity("*_deviation_*max_percent", note="As above for force, contact_radius or "
+    Quantity("*_deviation_*max_percent", note="Largest deviation from the law of force, contact_radius or "
         "mean_pressure, optionally within a range of overlaps normalised by the overlap at first "
         "yield: elastic, 1_to_10, 10_to_50, 50_to_178, beyond_178."),
-    Quantity("*_deviation_*rms_percent", note="As above, root mean square."),
+    Quantity("*_deviation_*rms_percent", note="Root mean square of the same deviations."),
     Quantity("n_unloadings", "Unloadings", note="Number of cycles of unloading and reloading."),
     Quantity("unloading_exponent_min", short="unloading exponents", digits=".2f", phrase="from {}",
-             note="n of F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n, fitted to each unloading."),
+             note="Smallest n of F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n, fitted to each unloading."),
     Quantity("unloading_exponent_max", short="unloading exponents", digits=".2f", phrase="to {}",
-             note="As above, largest value."),
+             note="Largest exponent n of the fits to each unloading."),
     Quantity("unloading_misfit_percent",
              note="Largest deviation of an unloading branch from its fit, relative to its largest "
                  "force."),
@@ -88,10 +88,10 @@ QUANTITIES = (
              note="Largest difference between reloading and unloading, relative to the largest "
                  "force."),
     Quantity("face_force_difference_max_percent",
-             note="Difference between the force at the loaded face and in the contact; small if "
+             note="Largest difference between the force at the loaded face and in the contact; small if "
                  "quasi-static."),
-    Quantity("face_force_difference_rms_percent", note="As above, root mean square."),
-    Quantity("face_force_difference_mean_percent", note="As above, mean value."),
+    Quantity("face_force_difference_rms_percent", note="Root mean square of this difference of forces."),
+    Quantity("face_force_difference_mean_percent", note="Mean of this difference of forces."),
     Quantity("penetration_share_max", note="Largest penetration of the penalty springs of the "
         "contact, relative to the overlap."),
 )  # fmt: skip

@@ -71,7 +71,7 @@ _TIMES_FORM = f"1 to {MOST_BRANCHES} times above 0 and at most {_LONGEST_RELAXAT
 
 
 def _weights(weights: tuple[float, ...]) -> tuple[float, ...]:
-    refuse_if(sum(weights) >= 1, f"{_WEIGHTS_FORM}; at 1 nothing of the modulus is left")
+    refuse_if(sum(weights) >= 1, f"{_WEIGHTS_FORM}; at a sum of 1 the modulus relaxes to zero")
     return weights
 
 

@@ -57,7 +57,8 @@ OVERLAPS = ContactWay(
 )
 RELAX = ContactWay(
     "relax",
-    "as above, but grains may move any distance",
+    "overlaps act as contact forces, and the grains reach equilibrium at any distance from their "
+    "positions",
     presses=True,
     balances=True,
     rearranges=True,

@@ -64,11 +64,11 @@ def _read(path: Path) -> Mapping[str, Any]:
     table = read_toml(path).get(_CONTACT)
     if not isinstance(table, Mapping) or _LAW not in table:
         raise InputError(
-            f"{path}: found no law in a table [contact], expected one as granwave fit writes it to "
-            "fit.toml"
+            f"{path}: found no law in a table [contact], expected a table such as granwave fit "
+            "writes to fit.toml"
         )
     if str(table[_LAW]).endswith(TOML_SUFFIX):
         raise InputError(
-            f"{path}: found law = {show(table[_LAW])} in it, another file; name that file"
+            f"{path}: found law = {show(table[_LAW])} in it, which is another file; name that file"
         )
     return table

@@ -95,7 +95,7 @@ def _foreign_keys(kind: Any) -> dict[str, str]:
         return dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
     # a cell may be combined with [[grains]]: see `parse_case`
     found = show("" if kind is None else kind)
-    foreign = dict.fromkeys(_OF_FILE, f'belongs to packing.kind = "file"; found {found}')
+    foreign = dict.fromkeys(_OF_FILE, f'applies only to packing.kind = "file"; found {found}')
     rule = lattice_kinds().get(kind) if isinstance(kind, str) else None
     if rule is not None and not rule.is_plane_crystal:
         plane = [name for name, other in lattice_kinds().items() if other.is_plane_crystal]
@@ -106,11 +106,11 @@ def _foreign_keys(kind: Any) -> dict[str, str]:
 
 _OF_READING = tuple(name for name in FILE_FIELDS if name not in ("file", TYPES))
 _OF_GRAIN_FILES = (
-    'belongs to packing.kind = "file"; found "restart", whose file contains this information'
+    'applies only to packing.kind = "file"; found "restart", whose file contains this information'
 )
 _NOT_OF_RESTART = {
     "up": (
-        'belongs to packing.kind = "file"; found "restart", whose bed is not rotated: '
+        'applies only to packing.kind = "file"; found "restart", whose bed is not rotated: '
         "gravity must act along +z in the script that settles it"
     ),
 }

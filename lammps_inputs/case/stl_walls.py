@@ -54,9 +54,7 @@ def _check_shape(table: Mapping[str, Any], key: str, errors: ErrorList) -> bool:
     if shapes == ["region"]:
         for name in _OF_TRIANGLES:
             if name in table:
-                errors.add(
-                    f"{key}.{name}", "found this key with a region; it is only used with stl"
-                )
+                errors.add(f"{key}.{name}", "found this key with a region; it applies only to stl")
     return True
 
 

@@ -61,7 +61,7 @@ def _check_endless(case: Case, errors: ErrorList) -> None:
             "boundary.sides",
             Mismatch(
                 f'{show(case.boundary.sides)} with boundary.bottom = "periodic"',
-                '"periodic": both or none',
+                '"periodic" for both or for none',
             ),
         ),
         (

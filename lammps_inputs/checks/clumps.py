@@ -50,7 +50,7 @@ def _check_static_load(case: Case, errors: ErrorList) -> None:
     errors.add(
         KEY if is_by_contacts else "precompression.kind",
         Mismatch(
-            f"{found} with clumps, which the minimiser does not move as rigid bodies",
+            f"{found} with clumps, but the minimiser does not move clumps as rigid bodies",
             f'{KEY} = "{RELAX.name}" with packing.{RELAXATION} = "{DAMPED}"',
             f'or use {KEY} = "{KEEP.name}" to start as found',
         ),

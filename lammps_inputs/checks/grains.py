@@ -334,7 +334,7 @@ def check_held(case: Case, errors: ErrorList) -> None:
             (
                 not hold.axes and not hold.rotation,
                 key,
-                "holds nothing; set directions, or rotation = true",
+                "blocks no motion; set directions, or rotation = true",
             )
         )
         rows = np.array(hold.index or (grains.of_group(hold.group or "") if grains else ())) - 1
@@ -348,8 +348,9 @@ def check_held(case: Case, errors: ErrorList) -> None:
                 (
                     len(there),
                     key,
-                    f"holds grain {there[0] + 1} along {letter}, along which it has a velocity "
-                    'in the file; packing.velocities = "drop" ignores the velocities of the file',
+                    f"holds grain {there[0] + 1} along {letter}, but the file gives it a velocity "
+                    'in this direction; packing.velocities = "drop" ignores the velocities of '
+                    "the file",
                 )
                 for letter, there in moving.items()
                 if len(there)
@@ -384,7 +385,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
         "group": sorted(set(grains.group) - {""}) if grains is not None else [],
     }
     for what, names in known.items():
-        there = f"one of {', '.join(map(show, names))}" if names else f"none: no grain has a {what}"
+        there = f"one of {', '.join(map(show, names))}" if names else f"no grain has a {what}"
         errors.check(
             *(
                 (name not in names, f"{key}.{what}", Mismatch(show(name), there))

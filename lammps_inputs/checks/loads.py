@@ -111,7 +111,7 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     if 0 < n < least:
         _LOG.warning(
             "%s: output.history: found %d instants, expected %d or more: %d in a period of %.4g "
-            "s, otherwise nothing is measured", case.name, n, least, LEAST_PER_PERIOD, period,
+            "s; with fewer instants nothing is measured", case.name, n, least, LEAST_PER_PERIOD, period,
         )  # fmt: skip
     if not load.slants:  # the theory of chains applies to waves along z
         _check_arrival(assembly, load, row, errors)
@@ -294,7 +294,8 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
                 (
                     True,
                     key,
-                    f"damps sphere {one}, whose displacement is prescribed; remove it from here",
+                    f"damps sphere {one}, whose displacement is prescribed; remove it from this "
+                    "list",
                 )
                 for one in moved[:1]
             ),
@@ -307,7 +308,8 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
                 (
                     True,
                     key,
-                    f"damps sphere {one}, which {seen[one]} also damps; remove it from one of them",
+                    f"damps sphere {one}, which {seen[one]} also damps; remove it from one of the "
+                    "two",
                 )
                 for one in twice[:1]
             ),
@@ -341,8 +343,8 @@ def check_struck(assembly: Assembly, errors: ErrorList) -> None:
         if held and along:
             table = key.partition(".")[0]
             fault = (
-                f"holds sphere {held[0]} along {' and '.join(along)}, in which the load moves it; "
-                f"remove it from [[{table}]], or load another sphere (load.index)"
+                f"holds sphere {held[0]} along {' and '.join(along)}, but the load moves it in "
+                f"this direction; remove it from [[{table}]], or load another sphere (load.index)"
             )
             errors.add(key, fault)
     held = sorted(struck & set(assembly.lattice.last_layer.tolist()))

@@ -142,7 +142,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
     chain = bool(packing.vacancies) and packing.rule.is_chain
     wrong = [sphere for sphere in listed if sphere > n]
     errors.check(
-        (chain, key, Mismatch("in a chain, where they would leave two chains")),
+        (chain, key, Mismatch("in a chain, where they would divide it into two chains")),
         *(
             (not chain, key, Mismatch(f"{one}", f"ids from 1 to {n}, the end of the packing"))
             for one in wrong[:1]

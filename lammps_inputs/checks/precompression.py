@@ -274,7 +274,7 @@ def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> 
             (
                 stage.force is not None,
                 key,
-                f"acts on grain {one}, the uppermost, which is held along z",
+                f"acts on grain {one}, the uppermost grain, which is held along z",
             )
             for one in held
         ),

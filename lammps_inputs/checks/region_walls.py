@@ -51,7 +51,7 @@ def check_region_walls(assembly: Assembly, errors: ErrorList) -> None:
             fault = Mismatch(f"{entry.label}: {sphere}", remedy="move the grain or the wall")
             errors.add(f"{key}.{entry.key_of_shape}", fault)
     if not is_around:
-        found = f"{case.wall[0].label}, in which there is no grain"
+        found = f"{case.wall[0].label}, which contains no grain"
         errors.add("wall.1.region", Mismatch(found, "a region around grains"))
 
 

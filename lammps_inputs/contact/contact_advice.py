@@ -86,7 +86,10 @@ class ContactAdvice:
     def choices(self) -> list[str]:
         """Phrase on the effect of each way."""
         pressed = "" if self.largest_force is None else f", with up to {self.largest_force:.3g} N"
-        nearby = f'"{OVERLAPS.name}" presses the grains{pressed}, and finds an equilibrium nearby'
+        nearby = (
+            f'"{OVERLAPS.name}" presses the grains{pressed}, and lets them move to an '
+            "equilibrium nearby"
+        )
         anywhere = f'"{RELAX.name}" finds an equilibrium at any distance'
         kept = f'"{KEEP.name}" starts from the file, out of equilibrium'
         if self.has_friction:

@@ -222,7 +222,7 @@ def _note_gaps(assembly: Assembly) -> None:
         return
     _LOG.warning(
         "%s: packing: no two grains touch at the start, the closest are %.3g m apart, %.3g of the "
-        "smallest diameter; are coordinates rounded, or units mixed?",
+        "smallest diameter; check for rounded coordinates and mixed units",
         case.name,
         gap,
         gap / (2 * float(radius.min())),

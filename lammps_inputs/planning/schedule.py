@@ -405,7 +405,7 @@ def check_steps(
         way = (
             "run.timestep longer"
             if limit is None
-            else f"take {limit.remedy}: {limit.cause} sets the steps"
+            else f"use {limit.remedy}: {limit.cause} limits the timestep"
         )
         raise InputError(
             f"{name}: run.end_time: {duration:g} s in steps of {timestep:g} s are more than "

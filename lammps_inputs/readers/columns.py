@@ -303,8 +303,8 @@ def diameters_of(
         sizes = f"{low} to {high}"
     several = "s" if len(names) > 1 else ""
     notes.append(
-        f"no column of diameters; computed as of spheres from the column{several} {columns}: "
-        f"{sizes} m"
+        f"no column of diameters; computed for spheres from the column{several} {columns}: {sizes} "
+        "m"
     )
     return diameter
 
@@ -566,8 +566,8 @@ class ColumnReader:
         if without and len(without) < len(names) and LENGTH not in self.powers:
             several = "s" if len(without) > 1 else ""
             notes.append(
-                f"column{several} without a unit ({', '.join(without)}) next to others with one; "
-                "read in metres, or in packing.units"
+                f"column{several} without a unit ({', '.join(without)}), although other columns "
+                "have one; read in metres, or in packing.units"
             )
 
     def grains(self, form: str, notes: list[str]) -> GrainTable:

@@ -198,7 +198,7 @@ def _add_velocities(text: str, grains: GrainTable, powers: Mapping[str, float]) 
     assert ids is not None
     order = np.argsort(ids, kind="stable")
     if not np.array_equal(ids[order], np.sort(grains.ids)):
-        raise ValueError("found velocities of other ids than those of the atoms")
+        raise ValueError("found velocities whose ids differ from the ids of the atoms")
     rows = order[np.argsort(np.argsort(grains.ids, kind="stable"), kind="stable")]
     velocity = reader.vector(VELOCITIES)
     spin = reader.vector(SPINS)

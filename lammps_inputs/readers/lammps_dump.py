@@ -87,7 +87,7 @@ def read(source: GrainSource) -> GrainTable:
         frame.units = units[1]
     grains = frame.grains(source.options, len(starts))
     if chosen == len(starts) - 1 and not text.endswith("\n"):
-        grains.notes.append("the last line has no end; the dump may be truncated in it")
+        grains.notes.append("the last line is incomplete; the dump may be truncated there")
     return grains
 
 
@@ -117,7 +117,7 @@ def _step_of(text: str, start: int) -> int:
     lines = text[start : start + len(_STEP) + 100].splitlines()
     if len(lines) < 2 or not lines[1].strip().lstrip("-").isdigit():
         line = text.count("\n", 0, start) + 2
-        raise ValueError(f"line {line}: found no number of a step below {_STEP}")
+        raise ValueError(f"line {line}: found no step number below {_STEP}")
     return int(lines[1])
 
 

@@ -111,7 +111,9 @@ def _read_data(source: GrainSource) -> GrainTable:
     rows = lines[start + 1 : start + 1 + n_rows]
     if not n_rows:
         filled = [str(step) for step, (_, n) in enumerate(starts) if n]
-        remedy = f"; packing.step = {filled[-1]} reads the last with some" if filled else ""
+        remedy = (
+            f"; packing.step = {filled[-1]} reads the last step with particles" if filled else ""
+        )
         raise ValueError(
             f"line {start + 1}: found no particle in the step {chosen}, expected one or more"
             f"{remedy}"

@@ -104,7 +104,7 @@ class GrainSource:
         if _NUL in text:
             line = text.count("\n", 0, text.index(_NUL)) + 1
             raise ValueError(
-                f"line {line}: found a character NUL, expected text; the file is damaged, or "
+                f"line {line}: found a NUL character, expected text; the file is damaged, or "
                 "UTF-16 without its mark: save it as UTF-8"
             )
         if "\r" not in text:

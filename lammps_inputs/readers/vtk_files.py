@@ -153,7 +153,7 @@ def _clumps(values: Arrays, arrays: Mapping[str, NDArray[np.generic]]) -> NDArra
     numbers = np.asarray(values[CLUMP], dtype=np.float64)
     if not (numbers == np.round(numbers)).all():
         raise ValueError(
-            f"found numbers of clumps in {head} that are not whole, expected whole ones"
+            f"found numbers of clumps in {head} that are not whole, expected whole numbers"
         )
     clumps = from_one(numbers.astype(np.int64), head)
     if (clumps < 0).any():

@@ -69,7 +69,7 @@ def read(source: GrainSource) -> GrainTable:
     if info is None:
         grains.notes.append(
             f"no file {source.path.with_suffix(_INFO).name} in the folder of the packing; read "
-            "without a periodic box, and with the diameters of the file, which may be those of "
+            "without a periodic box, and with the diameters of the file, which may belong to "
             "another step of the generation"
         )
         return grains
@@ -99,7 +99,8 @@ def _check(grains: GrainTable) -> None:
     wrong = np.flatnonzero(is_wrong | ~np.isfinite(grains.radius))
     if len(wrong):
         raise ValueError(
-            f"grain {wrong[0] + 1}: found no finite place and diameter above 0; the file is damaged"
+            f"grain {wrong[0] + 1}: found no finite position, or no diameter above 0; the file is "
+            "damaged"
         )
 
 

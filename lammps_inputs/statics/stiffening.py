@@ -89,7 +89,7 @@ class StiffenedBed:
         """Sentence for the user."""
         why = ""
         if self.rearranged:
-            why = " (without friction they rearrange, and find a new balance)"
+            why = " (without friction they rearrange until they are in equilibrium)"
         return (
             f"{_pressing(self.ratio)}: the grains move by up to {self.moved:.2g} m{why}, so that "
             f"the largest overlap shrinks from {self.before:.2g} m to {self.after:.2g} m"
@@ -190,8 +190,8 @@ def rearranged_bed(assembly: Assembly) -> StiffenedBed | None:
 def _pressing(ratio: float) -> str:
     """Return the text for overlaps whose forces exceed the load by a ratio."""
     return (
-        f"{KEY}: the overlaps of the grains press {ratio:.0f} times as hard as the load, as in a "
-        "bed that was settled with a modulus so many times smaller"
+        f"{KEY}: the forces of the overlaps are {ratio:.0f} times as large as the load, as in a "
+        f"bed that was settled with a Young's modulus {ratio:.0f} times smaller"
     )
 
 

@@ -107,7 +107,7 @@ class TextTable:
                 number = np.nan
         if not np.isfinite(number):
             where = self.place(row)
-            more = ", without a sign of thousands" if _THOUSANDS.fullmatch(cell) else ""
+            more = ", without a thousands separator" if _THOUSANDS.fullmatch(cell) else ""
             raise ValueError(
                 f"{where}: found {show(cell)} for {name}, expected a finite number{more}"
             )

@@ -170,7 +170,7 @@ def rows(runs):
     for row in driven:
         yield from edges(row)
         yield gw.Row(
-            f"Largest difference from the linear row, {row.name}",
+            f"Largest difference from the linear chain, {row.name}",
             "%",
             ours=100 * row.difference,
             where=WHERE,
@@ -180,12 +180,12 @@ def rows(runs):
         )
     for row in weaker:
         yield gw.Row(
-            f"Largest difference from the linear row, {row.name}, "
-            f"{row.frequency[0]:.2g} sqrt(K/m), {row.runs[0].case.load.amplitude:g} N",
+            f"Largest difference from the linear chain, {row.name}, {row.frequency[0]:.2g} "
+            f"sqrt(K/m), {row.runs[0].case.load.amplitude:g} N",
             "%",
             ours=100 * row.difference,
             theory=0.0,
-            where="linear row",
+            where="linear chain",
             verification=True,
             digits=2,
         )
@@ -215,7 +215,7 @@ def edges(row):
             quantity,
             ours=ours[index],
             theory=linear[index],
-            where="linear row, 5 ms",
+            where="linear chain, 5 ms",
             verification=True,
             digits=4,
         )
@@ -224,7 +224,7 @@ def edges(row):
             f"Smallest velocity between the bands, divided by the level, {row.name}",
             ours=row.in_gap(row.velocity),
             theory=row.in_gap(row.linear),
-            where="linear row, 5 ms",
+            where="linear chain, 5 ms",
             verification=True,
             digits=3,
         )

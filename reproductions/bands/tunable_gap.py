@@ -42,7 +42,7 @@ def rows(runs):
         (SPHERE - 1) / TIME / plain.row_frequency
     )  # group velocity in spheres/s over sqrt(K/m)
     yield gw.Row(
-        "Cut-off of the row",
+        "Cut-off of the chain",
         "Hz",
         ours=top,
         theory=2 * plain.row_frequency / (2 * math.pi),
@@ -50,7 +50,7 @@ def rows(runs):
         verification=True,
     )
     yield gw.Row(
-        "Cut-off of the row",
+        "Cut-off of the chain",
         "Hz",
         PRINTED,
         top,
@@ -59,7 +59,7 @@ def rows(runs):
         "between them.",
     )
     yield gw.Row(
-        "Cut-off of the row, with sqrt(R) for sqrt(D) in the constant of two spheres",
+        "Cut-off of the chain, with sqrt(R) for sqrt(D) in the constant of two spheres",
         "rad/s",
         DIGITS,
         where=THESIS,

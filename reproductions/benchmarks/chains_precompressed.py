@@ -66,12 +66,12 @@ def rows(runs):
     for f, force, ours in zip(added, static, speed, strict=True):
         yield gw.Row(f"Speed over c0, force added {f:.3g} times {force:g} N", "", ours=ours, where=COSTE, digits=4,
                      theory=float(lattice_speed(np.array(1 + f))), remark=CURVE if f > 2 else CURVE + SPREADS)
-    yield gw.Row("Length of the pulse over that of the chain", "", 0.1, pulse(runs), COSTE,
+    yield gw.Row("Length of the pulse / length of the chain", "", 0.1, pulse(runs), COSTE,
         "The source states typically a tenth. In our chain of 51 beads the pulse is measured "
         f"between points of {100 * LEAST:g} % of the largest velocity.", digits=2)
     most = gain.argmax()
     twice = brentq(lambda f: faster(f) - 2, 1e-3, 10)
-    yield gw.Row("Speed over that without static force, same force added: largest", "", 2.0, gain[most], DARAIO,
+    yield gw.Row("Largest ratio of the speeds with and without static force, same force added", "", 2.0, gain[most], DARAIO,
                  f"The source states up to two times. Our largest value has {added[most]:.2g} "
                  f"static forces added; in theory the ratio is two at {twice:.2g} static forces.",
                  theory=faster(added[most]), bound=True)

@@ -79,7 +79,7 @@ def rows(runs):
             remark=remark,
         )
     most = chains[-1]
-    yield gw.Row(f"Share of the input that the last bead does not get, {100 * most.taper:g} %", "%", 80,
+    yield gw.Row(f"Fraction of the input that does not reach the last bead, {100 * most.taper:g} %", "%", 80,
                  100 * (1 - most.last), NEWS, "Well over 80 % according to the source, which "
                                               "states neither the taper nor the length. Our chain "
                                               "has no dissipation.",

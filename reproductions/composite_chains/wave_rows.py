@@ -43,7 +43,7 @@ def of_output(waves, longest, kind):
     if len(out) < 2:
         return
     late = out[1].time - out[0].time
-    yield gw.Row(f"Second output peak over the first, N2 = {waves.n}, {kind}", ours=out[1].force / out[0].force,
+    yield gw.Row(f"Second output peak / first output peak, N2 = {waves.n}, {kind}", ours=out[1].force / out[0].force,
                  where=f"{PLACE}Fig. 7", remark=f"The second peak is {1e6 * late:.0f} µs later.")
     if len(train) < 2:
         return
@@ -54,7 +54,7 @@ def of_output(waves, longest, kind):
     if abs(late - behind) < 0.25 * behind:
         remark += (" The second output peak is this wave. The source attributes the peak to a "
                    "collision of the incident pulse with the BRW.")
-    yield gw.Row(f"Second wave into the section over the first, N2 = {longest.n}, {kind}",
+    yield gw.Row(f"Second wave into the section / first wave, N2 = {longest.n}, {kind}",
                  ours=train[1].force / train[0].force, where=f"{PLACE}Fig. 7", remark=remark)
 
 
@@ -99,7 +99,7 @@ def of_pressure(section, source):
                  "Without dissipation the pressure does not change along the section; in the "
                  "source it falls.")
     fallen = source[1] / source[0]
-    yield gw.Row(f"Last of these pressures over the first, {at}", ours=last / first, where=where,
+    yield gw.Row(f"Last of these pressures / first, {at}", ours=last / first, where=where,
                  remark=f"The two values of the source have the ratio {fallen:.3f}. Any stress "
                         f"grows as the cube root of the force, so that the force falls to {fallen**3:.2f} "
                         "of its first value within the section. That requires dissipation.")
@@ -124,7 +124,7 @@ def of_yielded_pressure(section, source, kind):
     if means[1] / means[0] > EXPLAINED * fallen:
         remark += (" The difference is not explained, since beyond yield the pressure hardly "
                    "depends on the force.")
-    yield gw.Row(f"Last of these mean pressures over the first, {at}", "", fallen, means[1] / means[0], f"{PLACE}3.3",
+    yield gw.Row(f"Last of these mean pressures / first, {at}", "", fallen, means[1] / means[0], f"{PLACE}3.3",
                  remark)
 # fmt: on
 

@@ -84,11 +84,11 @@ def rows(runs):
             (ours,) = pairs[pairs[:, 0] == 1.0, 1]
             yield gw.Row("Restitution at 1 m/s, that was asked for", ours=ours, theory=0.9, where="case", **verified)
         if dashpot:
-            yield gw.Row(f"Restitution at the largest velocity over that at the smallest, {kind}",
+            yield gw.Row(f"Restitution at the largest / smallest velocity, {kind}",
                          ours=pairs[-1, 1] / pairs[0, 1], theory=1.0, where="similarity", **verified)
         straight = (f"{wave.law} against the number of the contact deviates from a straight line "
                     f"by {100 * wave.misfit:.2g} % of its rise.")
-        yield gw.Row(f"Largest force at contact {wave.contact[-1]} over that at {FIRST}, {kind}", ours=wave.force[-1],
+        yield gw.Row(f"Largest force at contact {wave.contact[-1]} / contact {FIRST}, {kind}", ours=wave.force[-1],
                      remark=straight)
         # fmt: on
 

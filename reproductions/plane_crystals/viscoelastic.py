@@ -145,7 +145,7 @@ def of_waves(name, by_law):
     )  # fmt: skip
     for law in (IN_MS, IN_S):
         yield gw.Row(
-            f"Dissipated by relaxation over the input, {law}, {name}",
+            f"Dissipated by relaxation / input, {law}, {name}",
             ours=by_law[law].run["viscous_fraction"], where=f"{SOURCE}, 7", digits=2,
         )  # fmt: skip
 

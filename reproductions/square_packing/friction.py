@@ -67,7 +67,8 @@ def rows(runs):
         for (group, place), loss in zip(PLACES, losses, strict=True):
             yield gw.Row(f"Loss of peak velocity, {group}, sphere {place}: {one.label}", "%", ours=loss, where=WHERE)
         if own:
-            yield gw.Row(f"Share of the friction between spheres at contacts of the two struck ones: {one.label}", "%",
+            yield gw.Row("Fraction of the friction between spheres at contacts of the two "
+                         f"impacted spheres: {one.label}", "%",
                          ours=100 * one.lost_at_struck(), where=WHERE, remark=AT_STRUCK)
         if walls and not own:
             yield gw.Row(f"Lost to the floor: {one.label}", "% of input", ours=100 * one.run["friction_fraction"],

@@ -71,10 +71,10 @@ def rows(one):
     for region, source in ENERGIES[way].items():
         yield gw.Row(f"Energy in {region}, {way}", percent, source, ours[region], **paths)
     if way == "in-plane":
-        yield gw.Row(f"Energy in strikers and struck spheres, {way}", percent,
+        yield gw.Row(f"Energy in strikers and impacted spheres, {way}", percent,
                      ours=ours["strikers"] + ours["struck spheres"], remark=REBOUND, **paths)
     yield gw.Row(f"Chains with a wave, {way}", source=WAVES[way], ours=carrying, **paths)
-    yield gw.Row(f"Most energy in other spheres, {way}", percent, ours=100 * one.energies["other spheres"].max(),
+    yield gw.Row(f"Largest energy in other spheres, {way}", percent, ours=100 * one.energies["other spheres"].max(),
                  theory=0.0, remark="The theory is symmetry.", **paths)
     for time in SHOWN:
         speeds = one.velocity["central chains"][np.abs(one.time - time).argmin()]
@@ -82,7 +82,7 @@ def rows(one):
         at = f"at {1e3 * time:.2f} ms, {way}"
         maps = {"where": "square packing, Figs 3 and 6"}
         yield gw.Row(f"Fastest sphere of a central chain {at}", ours=crest, **maps)
-        yield gw.Row(f"Speed of it {at}", "m/s", ours=speeds[crest - 1], **maps)
+        yield gw.Row(f"Its speed {at}", "m/s", ours=speeds[crest - 1], **maps)
     for group, found in one.lengths.items():
         of = f"{group}, {way}"
         last = last_length(found)
@@ -94,9 +94,9 @@ def rows(one):
         half = found[MEASURES[3]]
         theory = solitary_lengths()[MEASURES[3]]
         unsettled = np.flatnonzero(np.abs(half[1 : last + 1] / half[last] - 1) > SETTLED)
-        yield gw.Row(f"Half-maximum length below Nesterenko's, {of}", "%", 13.0, 100 * (1 - half[last] / theory),
+        yield gw.Row(f"Half-maximum length, relative decrease from Nesterenko's, {of}", "%", 13.0, 100 * (1 - half[last] / theory),
                      theory=100 * (1 - discrete_width() / theory), remark=ASYMPTOTIC, **pulse)
-        yield gw.Row(f"Sphere from which on the pulse is settled, {of}", source=5.0, ours=unsettled[-1] + 3, **pulse,
+        yield gw.Row(f"First sphere with a steady pulse, {of}", source=5.0, ours=unsettled[-1] + 3, **pulse,
                      remark="The source prints roughly five or six. From this sphere on, our "
                             f"length is within {100 * SETTLED:g} % of its last value.")
     # fmt: on

@@ -51,7 +51,7 @@ def rows(runs):
             yield gw.Row("Mass of a sphere with a sensor", "g", SENSOR, 1e3 * ratio * chain.mass, **SETUP,
                          remark="The ratio is that of the weighed masses.")
             yield gw.Row("Their ratio", "%", 92.0, 100 * ratio, **SETUP)
-        yield gw.Row(f"Largest reflection of a sphere of {ratio:.3g} of the others' mass", "% of the wave",
+        yield gw.Row(f"Largest reflection of a sphere of {ratio:.3g} of the mass of the others", "% of the wave",
                      LIMIT if weighed else None, share, **SETUP, bound=weighed,
                      remark="The source states less than 1.2 %." if weighed else "")
         # fmt: on

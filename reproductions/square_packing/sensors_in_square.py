@@ -37,7 +37,7 @@ def rows(runs):
                 for signal in ((like_time, like[name]), (time, speed))
             )
             if theirs > FELT * largest:
-                where = f"sensor {name}, {mass:.3g} of the others' mass"
+                where = f"sensor {name}, {mass:.3g} of the mass of other spheres"
                 yield gw.Row(
                     f"Change of peak velocity, {where}",
                     "%",

@@ -28,7 +28,7 @@ def test_each_of_some_unknown_keys_has_a_line(number: int) -> None:
 def test_of_many_unknown_keys_the_last_line_has_the_number() -> None:
     errors = errors_of(**{f"k{n}": 1 for n in range(100_000)})
     assert len(errors) == 21
-    assert errors[-1].endswith("k20: unknown key, like 99979 more after it")
+    assert errors[-1].endswith("k20: unknown key, as are 99979 more after it")
 
 
 def test_of_many_errors_the_last_line_has_the_number() -> None:

@@ -110,7 +110,7 @@ def test_rows_of_linear_runs(rows_of_springs: list[Any]) -> None:
     for each in study.rows:
         if each.verification:
             assert each.ours == pytest.approx(each.theory, abs=1e-9)
-    weak = row(study, "Largest difference from the linear row, no tunnel, 0.5")
+    weak = row(study, "Largest difference from the linear chain, no tunnel, 0.5")
     assert weak.quantity.endswith("0.001 N")
     fall, rise = (
         each.ours

@@ -194,7 +194,7 @@ def test_pressure_and_area_are_compared_with_thorntons_law(tmp_path: Path) -> No
         1.6 * 16 / 15
     )
     assert row(study, "Largest pressure over Thornton's").ours == pytest.approx(1.6)
-    assert row(study, "Contact area over Thornton's").ours == pytest.approx(2)
+    assert row(study, "Contact area / Thornton's contact area").ours == pytest.approx(2)
     force = row(study, "Force over that of Thornton's")
     overlap = 0.19 * RADIUS
     law = 5e9 * overlap**1.2 / (16 / 15 * 550e6 * np.pi * RADIUS * overlap)

@@ -242,8 +242,8 @@ def test_packings_collapse(packings: list[gw.Run]) -> None:
     assert [(one.source, one.theory) for one in normalised] == [
         (source, pytest.approx(source, rel=2e-3)) for source in (37.9, 94.9, 379)
     ]
-    assert row(study, "Largest difference in dissipated share at 1 equal").ours < 2e-3
-    assert 0.8 < row(study, "Dissipated share of 3 struck spheres over that of one").ours < 1
+    assert row(study, "Largest difference in dissipated fraction at 1 equal").ours < 2e-3
+    assert 0.8 < row(study, "Dissipated fraction, impact on 3 spheres / on one").ours < 1
     assert row(study, "D2").ours == pytest.approx(0.5, abs=0.05)
 
 
@@ -262,10 +262,15 @@ def test_forces_and_energies_of_spheres(packings: list[gw.Run]) -> None:
 def test_blocks_beside_a_packing(packings: list[gw.Run], blocks: list[gw.Run]) -> None:
     study = study_of("thesis/chapter_5/blocks.py", [*packings[:4], *blocks])
     assert row(study, "Energy input over").ours == pytest.approx(550e6**2 * 0.01**3 / 115e9)
-    share = row(study, "Dissipated share of a block")
+    share = row(study, "Dissipated fraction of a block")
     assert (share.source, share.ours, share.bound) == (0.7, blocks[3]["dissipated_fraction"], True)
-    assert row(study, "Largest difference in a block's share between materials").ours < 5
+    assert (
+        row(
+            study, "Largest difference in the dissipated fraction of a block between materials"
+        ).ours
+        < 5
+    )
     light, heavy = (one["dissipated_fraction"] for one in (blocks[1], blocks[3]))
-    masses = "Largest difference in a block's share between punches of unlike mass, inputs above"
+    masses = "Largest difference in the dissipated fraction of a block between punches of different mass, inputs above"
     assert row(study, masses).ours == pytest.approx(abs(light - heavy))
     assert 0.2 < row(study, "Volume that dissipates").ours < 5

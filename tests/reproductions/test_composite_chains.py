@@ -260,8 +260,8 @@ def test_output_of_ptfe_has_two_peaks(ptfe: Study, ptfe_twin: Record) -> None:
     it, by the twin.
     """
     for name, contact in (
-        ("Second output peak over the first", 15),
-        ("Second wave into the section over the first", 7),
+        ("Second output peak / first output peak", 15),
+        ("Second wave into the section / first wave", 7),
     ):
         force = ptfe_twin.forces[:, contact]
         first, second = maxima(force, 0.05 * float(force.max()))[:2]
@@ -269,7 +269,9 @@ def test_output_of_ptfe_has_two_peaks(ptfe: Study, ptfe_twin: Record) -> None:
         assert found.ours == pytest.approx(force[second] / force[first], rel=3e-3)
         later = 1e6 * (ptfe_twin.times[second] - ptfe_twin.times[first])
         assert float(found.remark.split(" ")[0]) == pytest.approx(later, abs=3)
-    assert row(ptfe, "Second output peak over the first").ours == pytest.approx(0.494, abs=0.005)
+    assert row(ptfe, "Second output peak / first output peak").ours == pytest.approx(
+        0.494, abs=0.005
+    )
 
 
 def test_the_train_needs_no_reflection() -> None:
@@ -331,7 +333,7 @@ def test_pressures_are_those_of_hertz(chains: dict[tuple[int, str], gw.Run], bra
     expected = (6 * force * modulus**2 / (np.pi**3 * 2.5e-3**2)) ** (1 / 3)
     first = row(brass, "Largest pressure, first contact of the section, N2 = 6, elastic")
     assert first.ours == pytest.approx(1e-6 * expected, rel=1e-3)
-    last = row(brass, "Last of these pressures over the first, N2 = 6, elastic")
+    last = row(brass, "Last of these pressures / first, N2 = 6, elastic")
     assert last.ours == pytest.approx(0.98, abs=0.01)
 
 

@@ -51,7 +51,9 @@ def test_decay_and_collapse(pulses: list[gw.Run]) -> None:
     assert row(found, "Largest difference").ours < 0.15
     for impulse, contact in ((0.46, 4), (0.046, 10)):
         tag = f"I {impulse} "
-        assert row(found, f"First contact that a later wave presses more, {tag}").ours == contact
+        assert (
+            row(found, f"First contact with a larger force in a later wave, {tag}").ours == contact
+        )
         constant = row(found, f"C: mean of (x/R*) F/(E*R*^2 I), contacts 10 to 100, {tag}")
         assert constant.ours == pytest.approx(0.268, rel=0.1)
         power = row(found, f"Power of the peak force with distance, contacts 15 to 100, {tag}")

@@ -174,7 +174,7 @@ def test_grains_in_holes(tmp_path: Path) -> None:
         row(study, f"Speed of the pulse, {what}").ours for what in ("empty holes", "steel")
     )
     assert empty < steel < 1.01 * empty
-    assert 1.05 < row(study, "Peak at the bottom over that with empty holes, steel").ours < 1.1
+    assert 1.05 < row(study, "Peak at the bottom, filled / empty holes, steel").ours < 1.1
 
 
 def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:

@@ -51,7 +51,7 @@ def test_energies_of_the_source(in_plane: gw.Run, out_of_plane: gw.Run) -> None:
             assert one.ours == pytest.approx(one.source, abs=0.1)  # % of the input
         waves = row(study, "Chains with a wave")
         assert waves.ours == waves.source
-        assert row(study, "Most energy in other spheres").ours < 1e-4
+        assert row(study, "Largest energy in other spheres").ours < 1e-4
 
 
 def test_all_energy_is_accounted_for(in_plane: gw.Run) -> None:
@@ -145,7 +145,7 @@ def test_friction_takes_from_the_edge_chains(tmp_path: Path) -> None:
     assert (
         row(
             study,
-            f"Share of the friction between spheres at contacts of the two struck ones: {own}",
+            f"Fraction of the friction between spheres at contacts of the two impacted spheres: {own}",
         ).ours
         > 60
     )
@@ -213,7 +213,9 @@ def test_lighter_spheres_with_sensors(tmp_path: Path) -> None:
     )
     found = study_of("square_packing/sensors_in_square.py", made)
     first, twin = (
-        row(found, f"Change of peak velocity, sensor {name}, 0.75 of the others' mass").ours
+        row(
+            found, f"Change of peak velocity, sensor {name}, 0.75 of the mass of other spheres"
+        ).ours
         for name in ("1A", "1B")
     )
     assert first == pytest.approx(twin, rel=1e-3) and 0 < first < 25, "a lighter sphere is faster"

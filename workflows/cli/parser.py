@@ -222,7 +222,7 @@ def _core() -> tuple[Command, ...]:
             RUN_OR_SCAN, option("--to", required=True, metavar="FORMAT", help=f"one of {', '.join(export_names())}"),
             option("--only", type=read.words, metavar="NAME,...",
                     help="tables of a run to export to csv, such as contacts,energy (default: "
-                        "all, or those that the options below select from)"),
+                        "all, or all tables to which a selection of rows applies)"),
             option("--spheres", type=read.whole_numbers, metavar="ID,...",
                     help="rows of these spheres and their contacts, such as 1,5,10-20"),
             option("--layers", type=read.whole_numbers, metavar="N,...",

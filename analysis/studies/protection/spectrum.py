@@ -108,7 +108,8 @@ def rows(groups: Sequence[Spectrum]) -> Iterator[Row]:
             remark = ""
             if below > _BELOW:
                 remark = (
-                    f"{100 * below:.2g} % below the oscillator: the plate moves under the force."
+                    f"The displacement is {100 * below:.2g} % smaller than that of the oscillator, "
+                    "since the plate moves under the force."
                 )
             what = f"Largest displacement of the plate, {run.mass:g} kg, {time_label(run.period)}"
             yield Row(
@@ -122,8 +123,8 @@ def verdict(groups: Sequence[Spectrum]) -> Iterator[str]:
         ratio = plates.without / plates.displacement
         if np.isfinite(ratio).all():
             what = (
-                f"Displacement of a plate of {plates.mass.iloc[0]:g} kg without {held_run.layers} "
-                "layers over that below"
+                f"Displacement of a plate of {plates.mass.iloc[0]:g} kg without packing, divided "
+                f"by the displacement below {held_run.layers} layers"
             )
             periods = [f"a period of {time_label(period)}" for period in plates.period]
             yield span(what, dict(zip(periods, map(exactly, ratio), strict=True)))

@@ -22,22 +22,22 @@ ENTRIES = (
     Quantity("measurement", meaning="File of measured grains, or directory of the run."),
     Quantity("state", meaning="Relation of strains and stresses."),
     Quantity("n_instants", "Instants"),
-    Quantity("time_s", "Instant", "Null for a table without times."),
+    Quantity("time_s", "Instant", "Time of the instant; null for a table without times."),
     Quantity("n_grains", "Grains"),
     Quantity("n_contacts", "Candidate contacts", "Pairs of grains, and grains at walls, within "
         "the tolerance."),
     Quantity("n_loaded_contacts", "Loaded contacts"),
     Quantity("n_significant_contacts", "Contacts with a force above two standard errors",
-             "Number with a normal force above two standard errors; noise gives most candidates a "
-             "small force. Null without standard errors."),
+             "Number of contacts with a normal force above two standard errors, since noise gives most "
+             "candidates a small force. Null without standard errors."),
     Quantity("n_equations", "Equations"),
     Quantity("n_unknowns", "Components of forces"),
     Quantity("condition_number", meaning="Ratio of the extreme singular values of the equations."),
     Quantity("weights", meaning="Weights of the equations: equal, white or correlated."),
     Quantity("friction", "Coefficient of friction"),
     Quantity("largest_force_N", "Largest contact force"),
-    Quantity("mean_normal_force_N", "Mean normal force", "Over the loaded contacts."),
-    Quantity("n_sliding_contacts", "Sliding contacts", "Tangential force within 0.1 % of friction times normal force."),
+    Quantity("mean_normal_force_N", "Mean normal force", "Mean over the loaded contacts."),
+    Quantity("n_sliding_contacts", "Sliding contacts", "Contacts with a tangential force within 0.1 % of friction times normal force."),
     Quantity("residual_fraction", "Unexplained fraction of the data",
              "Root of the sum of squares of the residuals, relative to the data."),
     Quantity("chi2_per_equation", "Chi squared per degree of freedom",
@@ -49,10 +49,10 @@ ENTRIES = (
              "Root of the sum of squares of the standard errors, relative to the forces, from "
              "repetitions with noise."),
     Quantity("repetitions", meaning="Number of repetitions with noise."),
-    Quantity("youngs_modulus_Pa", "Young's modulus", "Given or determined, for the first grain. "
+    Quantity("youngs_modulus_Pa", "Young's modulus", "Modulus of the first grain, given or determined. "
         "Null for measured stresses."),
-    Quantity("youngs_modulus_error_Pa", "Standard error of Young's modulus", "Null if the modulus "
-        "was given."),
+    Quantity("youngs_modulus_error_Pa", "Standard error of Young's modulus", "Error of the determined modulus; null if "
+        "the modulus was given."),
     Quantity("true_force_error", "Error of the forces relative to the true forces",
              "For synthetic measurements of a run: root of the sum of squares of the errors, "
              "relative to the true forces; mean over all repetitions."),

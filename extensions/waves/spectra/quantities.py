@@ -21,29 +21,29 @@ OF_BANDS = (
     _LEFT_OUT,
     Quantity("n_freedoms", "Degrees of freedom", "Displacements and rotations of the grains of the cell."),
     Quantity("n_bands", "Bands", "All bands, or the lowest bands of a large cell."),
-    Quantity("static_force_N", "Mean static force", "Over the contacts."),
-    Quantity("contact_stiffness_N_per_m", "Mean contact stiffness", "Over the contacts, along "
+    Quantity("static_force_N", "Mean static force", "Mean static force of the contacts of the cell."),
+    Quantity("contact_stiffness_N_per_m", "Mean contact stiffness", "Mean stiffness of the contacts of the cell, along "
         "their normals."),
     Quantity("unit_frequency_Hz", "Unit of frequency", "sqrt(mean stiffness / mean mass) / (2 "
         "pi)."),
-    Quantity("highest_frequency_Hz", "Highest frequency", "Over the computed bands, along the "
+    Quantity("highest_frequency_Hz", "Highest frequency", "Highest frequency of the computed bands along the "
         "path."),
-    Quantity("speeds_m_s", "Speeds of long waves", "Along the first stretch of the path, in "
+    Quantity("speeds_m_s", "Speeds of long waves", "Speeds along the first stretch of the path, in "
         "ascending order; null without stiffness."),
     Quantity("band_edges_Hz", "Edges of the bands", "Lowest and highest frequency of each band "
         "along the path."),
     Quantity("gaps_Hz", "Gaps", "Frequency intervals between bands, below the first and above the "
         "last band; the upper end of the last is null."),
-    Quantity("widest_gap_Hz", "Widest gap", "Between two bands; null if there is none."),
+    Quantity("widest_gap_Hz", "Widest gap", "Widest gap between two bands; null if there is none."),
     Quantity("widest_gap_relative", "Width of the widest gap, relative to its centre"),
     Quantity("attenuation_in_widest_gap", "Largest attenuation, from plane to plane (ln)",
-             "In the widest gap, natural logarithm of the amplitude ratio from plane to plane; "
+             "Natural logarithm of the amplitude ratio from plane to plane in the widest gap; "
              "null if unknown."),
     Quantity("attenuation_spacing_m", "Distance between these planes"),
     Quantity("n_floppy", "Floppy modes", "Modes without stiffness, at the wave vector with the "
         "most such modes."),
     _RESIDUAL,
-    Quantity("state_spread", "Spread of overlaps", "Largest deviation from the mean over the "
+    Quantity("state_spread", "Spread of overlaps", "Largest deviation from the mean of the "
         "cells of a run, relative to the largest overlap; 0 for a case."),
 )  # fmt: skip
 OF_MODES = (
@@ -55,8 +55,12 @@ OF_MODES = (
     Quantity("n_freedoms", "Degrees of freedom"),
     Quantity("n_modes", "Modes computed", "All modes, or the lowest modes of a large packing."),
     Quantity("n_floppy", "Floppy modes", "Computed modes without stiffness."),
-    Quantity("lowest_frequency_Hz", "Lowest frequency", "Above zero."),
-    Quantity("highest_frequency_Hz", "Highest frequency", "Null unless all modes are computed."),
+    Quantity("lowest_frequency_Hz", "Lowest frequency", "Lowest frequency above zero."),
+    Quantity(
+        "highest_frequency_Hz",
+        "Highest frequency",
+        "Highest frequency of all modes; null unless all modes are computed.",
+    ),
     Quantity("least_participation_ratio", "Smallest participation ratio"),
     _RESIDUAL,
 )
@@ -70,7 +74,7 @@ OF_TRANSMISSION = (
     Quantity("sensors", meaning="Ids of the sensor grains."),
     Quantity("axis", meaning="Direction of the motions."),
     Quantity("end", meaning="Far end: reflecting, matched, or a layer."),
-    Quantity("lowest_frequency_Hz", "Lowest frequency", "Of the requested frequencies."),
-    Quantity("highest_frequency_Hz", "Highest frequency", "Of the requested frequencies."),
+    Quantity("lowest_frequency_Hz", "Lowest frequency", "Lowest of the requested frequencies."),
+    Quantity("highest_frequency_Hz", "Highest frequency", "Highest of the requested frequencies."),
     Quantity("largest_amplitude_ratio", "Largest amplitude of each sensor, relative to the drive"),
 )

@@ -22,7 +22,7 @@ class ImpactLoad(LoadOnSpheres):
 
     velocity: float = velocity_field()
     angle: float = schema.number(
-        "angle of an impact between the velocity and +z, towards +x",
+        "angle between the velocity of the impact and +z, towards +x",
         "degrees",
         at_least=0,
         below=90,

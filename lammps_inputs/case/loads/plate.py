@@ -38,7 +38,7 @@ class PlateLoad(Load):
     excludes: ClassVar[Mapping[str, str]] = {"striker": _COVERS, "incident_bar": _COVERS}
     only_stage: ClassVar[tuple[str, str] | None] = (
         "walls",
-        "the plate is fixed while the walls move in, and would carry any other load",
+        "the plate is fixed while the walls move in, and would carry every other static load",
     )
     hits_one_place: ClassVar[bool] = False
 

@@ -264,7 +264,7 @@ def refuse_unknown(
         hint = hint_for(name, known, prefix, errors.vocabulary)
         errors.add_unknown(key, f"unknown key; {hint}")
     if rest := keys[shown:]:
-        errors.add_unknown(rest[0], f"unknown key, like {len(rest) - 1} more after it")
+        errors.add_unknown(rest[0], f"unknown key, as are {len(rest) - 1} more after it")
 
 
 def read_list(

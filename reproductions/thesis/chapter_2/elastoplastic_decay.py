@@ -92,7 +92,7 @@ def rows(runs):
             "leading peak stops falling.",
         )
         yield gw.Row(
-            f"First contact that a later wave presses more, {wave.tag}",
+            f"First contact with a larger force in a later wave, {wave.tag}",
             ours=wave.transition,
             where="thesis 2.2.4",
             remark=f"The later force is {wave.pressed_more(wave.transition):.1%} larger.",

@@ -114,7 +114,7 @@ def groups(runs):
 def rows(runs):
     pairs, _, unlike, band = groups(runs)
     yield gw.Row(
-        f"Largest distance of {len(pairs)} recorded curves from the law's, over the largest force", "%",
+        f"Largest distance of {len(pairs)} recorded curves from the law / largest force", "%",
         ours=100 * max(pair.deviation for pair in pairs), theory=0.0, verification=True, where="thesis 2.14-2.17",
         remark="The curves of loading and unloading follow from the coupled motion of two spheres.",
     )  # fmt: skip

@@ -121,7 +121,7 @@ def of_pressure(one):
         ("Largest pressure over the yield strength", 2.5, largest, PLATEAU,
          "The value is the median over the contact. The theory is the law."),
         ("Largest pressure over Thornton's", 2.31, largest / FIRST_YIELD, plateau, of_law),
-        (f"Contact area over Thornton's {deep}", 2.1, area, law / plateau, of_law),
+        (f"Contact area / Thornton's contact area {deep}", 2.1, area, law / plateau, of_law),
         (f"Force over that of Thornton's pressure and area {deep}", 4.7, force, law, fitted),
     ):
         yield gw.Row(what, source=source, ours=ours, theory=theory, where="thesis 2.1.2", remark=remark, digits=3)
@@ -142,7 +142,7 @@ def rows(runs):
     yield from of_pressure(alike)
     for one in found:
         if one.strengths[0] != one.strengths[1]:
-            yield gw.Row(f"Share of the energy of yielding in the softer sphere, {one.name}", ours=one.share_of_softer,
+            yield gw.Row(f"Fraction of the plastic dissipation in the softer sphere, {one.name}", ours=one.share_of_softer,
                          where="thesis 3.1, Fig. 3.1", remark=(
                              "According to the source it is almost all."), digits=3)  # fmt: skip
     for one in found:

@@ -74,7 +74,10 @@ def rows(runs):
     for name, group in others.items():
         gaps = [abs(run["dissipated_fraction"] - twin["dissipated_fraction"]) for run in group for twin in reference
                 if abs(run["velocity_normalised"] / twin["velocity_normalised"] - 1) < SAME]  # fmt: skip
-        what = f"Largest difference in dissipated share at {len(gaps)} equal normalised velocities: {name}"
+        what = (
+            f"Largest difference in dissipated fraction at {len(gaps)} equal normalised "
+            f"velocities: {name}"
+        )
         overlap = max(run["peak_overlap_m"] / (run.case.packing.diameter / 4) for run in group)
         yield gw.Row(what, ours=max(gaps), theory=0.0, where="thesis Fig. 5.5", digits=2,
                      remark=f"The source has one curve. Overlaps reach {overlap:.2g} R*; the "
@@ -83,7 +86,7 @@ def rows(runs):
         equal = {one.case.load.spheres: one["dissipated_fraction"] for one in brass
                  if abs(one["energy_input_J"] / run["energy_input_J"] - 1) < SAME}  # fmt: skip
         for count in sorted(equal.keys() - {1}):
-            what = f"Dissipated share of {count} struck spheres over that of one, input "
+            what = f"Dissipated fraction, impact on {count} spheres / on one, input "
             yield gw.Row(
                 what + f"{run['energy_input_normalised']:.2g} F_y alpha_y",
                 source=1.0,

@@ -89,7 +89,7 @@ def rows(theory):
                 yield gw.Row(f"C{2 * k + 1} of the series, {at}", ours=ours, digits=3, **of_theory)
             yield gw.Row(f"c of the series, {at}", ours=c, theory=wave.speed, where="lattice", verification=True)
             z = np.linspace(*ZERO, 241)
-            yield gw.Row(f"Largest difference of the series from the lattice's profile, {at}", digits=2,
+            yield gw.Row(f"Largest difference of the series from the profile of the lattice, {at}", digits=2,
                          ours=np.abs(series_at(z, found) - wave.displacement(z)).max(), where="thesis figure 6.9")
         for way, ours in zip(("Axial", "Radial"), wave.tails, strict=True):
             yield gw.Row(f"{way} first-order velocity behind the wave, {at}", ours=ours, digits=2, **of_theory)

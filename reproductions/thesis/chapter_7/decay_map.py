@@ -85,7 +85,7 @@ def rows(maps):
         )  # fmt: skip
         reach = np.ptp(maps.square(a)[maps.low]) / np.ptp(within)
         yield gw.Row(
-            f"Range of decays at eta = 1 over that of the map, gamma <= {LOW_GAMMA:g}, a = {a:g}",
+            f"Range of decays at eta = 1 / range of the map, gamma <= {LOW_GAMMA:g}, a = {a:g}",
             source=1.0, ours=reach, where="thesis 7.1",
             remark="According to the source every decay of the map occurs for some diameter at "
                    "eta = 1.",
@@ -100,7 +100,7 @@ def rows(maps):
         )  # fmt: skip
     beyond = np.mean(abs(maps.ratio) > RATIO)
     yield gw.Row(
-        f"Share of the map where the ratio of the decays is beyond {RATIO:g}", ours=beyond,
+        f"Fraction of the map with a ratio of the decays beyond {RATIO:g}", ours=beyond,
         where="thesis Fig. 7.3", digits=2,
         remark="The limits are the ends of the colour scale. With touching walls the wave hardly "
                "decays there.",

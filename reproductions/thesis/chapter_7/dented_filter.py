@@ -77,11 +77,11 @@ def rows(runs):
             yield gw.Row(f"Decay per contact of the weak pulse, contacts {DECAY[0]} to {DECAY[1]}, {row.words}",
                          ours=row.decay, digits=2 if row.yields else 3, **where)
         if row.after:
-            yield gw.Row(f"Force of a wall before the weak pulse over that at the start, {row.words}", digits=3,
+            yield gw.Row(f"Force of a wall before the weak pulse / at the start, {row.words}", digits=3,
                          ours=row.pressed, remark="" if row.yields else ("Spheres that still "
                                                                          "oscillate push the "
                                                                          "cylinders outwards."), **where)
-    yield gw.Row("Decay of the weak pulse in the dented row over that in the whole one",
+    yield gw.Row("Decay of the weak pulse in the indented / undamaged chain",
                  ours=dented.decay / whole.decay, digits=2,
                  remark="The decay contains the remaining effect of the filter and the "
                         "dissipation by yielding.", **where)

@@ -74,7 +74,7 @@ def rows(runs):
             yield gw.Row(f"Speed of the pulse, {name}", "m/s", ours=one.speed, **where)
             yield gw.Row(f"Decay of its peak per layer, {name}", ours=one.decay, digits=3, **where)
             if one is not empty:
-                yield gw.Row(f"Peak at the bottom over that with empty holes, {name}",
+                yield gw.Row(f"Peak at the bottom, filled / empty holes, {name}",
                              ours=one.at_bottom.max() / empty.at_bottom.max(), **where)
     # fmt: on
 

@@ -68,7 +68,7 @@ def rows(found):
         if what := difference(row):
             yield gw.Row(f"First peak at sphere 21, {row.name}, {what}", "N", ours=row.first[1],
                          remark="The source does not state this property.", **not_stated)
-            yield gw.Row(f"The same over that of the other rows, {row.name}, {what}",
+            yield gw.Row(f"First peak relative to the other chains, {row.name}, {what}",
                          ours=row.first[1] / usual.first[1],
                          remark="The other chains have cylinders of 9.5 mm length and plates of "
                                 "aluminium, 15.975 mm apart.", **not_stated)

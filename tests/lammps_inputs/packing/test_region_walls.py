@@ -119,7 +119,7 @@ def test_grains_far_from_the_origin_stay_where_their_walls_are() -> None:
         ("block 0 1 0 1 0 1 side out", "wall.1.region: found"),
         ("cylinder z 0 0 0.1 0 1 open 4", "wall.1.region: found"),
         ("cylinder z 0 0 0.003 -1 1", "wall.1.region: found"),
-        ("sphere 9 0 0 0.1", 'wall.1.region: found "sphere 9 0 0 0.1", in which there is no grain'),
+        ("sphere 9 0 0 0.1", 'wall.1.region: found "sphere 9 0 0 0.1", which contains no grain'),
         ("sphere 0 0 0 0.012", "wall.1.region: found"),
     ],
 )

@@ -336,7 +336,7 @@ def test_h5md_with_units_of_c_and_elements_of_other_steps(tmp_path: Path) -> Non
 def test_a_number_that_may_be_cut_is_noted(tmp_path: Path) -> None:
     grains = read(tmp_path / "g", DUMP[:-1])
     assert grains.reading is not None
-    assert "the last line has no end; the dump may be truncated in it" in grains.reading.notes
+    assert "the last line is incomplete; the dump may be truncated there" in grains.reading.notes
 
 
 def test_text_above_a_table_is_noted(tmp_path: Path) -> None:
@@ -389,7 +389,7 @@ FAULTS = [
     (DUMP + dump("id x y z radius", ""),
      "found no atom in the step 100, expected one or more; packing.step = 100 reads the "
      "previous step"),
-    (f"x,y,z,r\n{ROWS}\0\0\0", "line 4: found a character NUL, expected text; the file is damaged"),
+    (f"x,y,z,r\n{ROWS}\0\0\0", "line 4: found a NUL character, expected text; the file is damaged"),
     ("x,y,z,r\n1,2,3,1\n".encode("utf-16-le"), "or UTF-16 without its mark: save it as UTF-8"),
     ("LAMMPS (22 Jul 2025)\nStep Temp\n", "found a log of LAMMPS"),
     ("solid bed\n  facet normal 0 0 1\n", "found a surface (STL)"),
@@ -407,7 +407,7 @@ FAULTS = [
     (dump("id x ys zs radius", SCALED, "xy xz yz pp pp ff", "0 1 0.1\n0 1 0\n0 1 0\n"),
      "found both scaled and unscaled coordinates in a tilted box"),
     ("x;y;z;d\n0,5;0;0;1\n1.000;0;0;1\n",
-     'line 3: found "1.000" for x, expected a finite number, without a sign of thousands'),
+     'line 3: found "1.000" for x, expected a finite number, without a thousands separator'),
     ("id,x,y,z,r\n99999999999999999999,0,0,0,1\n", "line 2: found 1e+20 for id, expected a whole"),
     (gzip.compress(TAR.getvalue()), "found an archive (.tar), expected a file of grains; unpack"),
     ('<VTKFile header_type="Foo"/>', 'found header_type "Foo", expected UInt32 or UInt64'),
@@ -496,4 +496,4 @@ def test_volumes_of_grains_without_sizes(content: str, units: str | None, tmp_pa
     grains = read(tmp_path / "grains", content, **({"units": units} if units else {}))
     assert grains.diameter == pytest.approx(0.1 * (1.0 if in_metres else 1e-3), rel=1e-14)
     assert grains.reading is not None
-    assert "computed as of spheres from the column" in " ".join(grains.reading.notes)
+    assert "computed for spheres from the column" in " ".join(grains.reading.notes)

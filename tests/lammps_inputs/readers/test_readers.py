@@ -244,7 +244,7 @@ def test_faults_of_keys(key: str, value: Any, message: str, tmp_path: Path) -> N
 
 def test_keys_of_a_file_belong_to_one() -> None:
     packing = {"kind": "chain", "size": 3, "diameter": 0.01, "units": "mm"}
-    with pytest.raises(InputError, match=r'packing.units: belongs to packing.kind = "file"'):
+    with pytest.raises(InputError, match=r'packing.units: applies only to packing.kind = "file"'):
         case_from_dict({"packing": packing, "material": "brass"}, "mine")
 
 

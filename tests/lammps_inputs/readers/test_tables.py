@@ -136,7 +136,7 @@ def test_diameters_of_volumes(head: str, unit: float, options: dict[str, Any]) -
     table = read_table_text(text, FileOptions(**options))
     assert table.radius == pytest.approx(np.array(SIZES) / 2, rel=1e-14)
     assert table.notes[-1] == (
-        f"no column of diameters; computed as of spheres from the column {head}: 0.001 to 0.0025 m"
+        f"no column of diameters; computed for spheres from the column {head}: 0.001 to 0.0025 m"
     )
 
 
@@ -146,7 +146,7 @@ def test_diameters_of_masses_and_densities() -> None:
     assert table.radius == pytest.approx(np.array(SIZES) / 2, rel=1e-14)
     assert table.density == pytest.approx(np.array(DENSITIES))
     assert table.notes == [
-        "no column of diameters; computed as of spheres from the columns mass (g) and rho (g/cc): "
+        "no column of diameters; computed for spheres from the columns mass (g) and rho (g/cc): "
         "0.001 to 0.0025 m"
     ]
 
