@@ -308,7 +308,7 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _result_cell(key: str, summary: Mapping[str, Any], scale: float = 1.0) -> Cell:
-    """Return the cell of a value of a summary, marked where it is doubtful; a list holds names of
+    """Return the cell of a value of a summary, marked if it is doubtful; a list holds names of
     boundaries.
     """
     if not summary:

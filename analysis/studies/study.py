@@ -242,7 +242,7 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
         def part(
             which: str, *arguments: Any, word: str = word, failed: list[NotDrawn] = failed
         ) -> Iterator[Any]:
-            """Iterate over a part, such as the rows, up to where it fails."""
+            """Iterate over a part, such as the rows, until it fails."""
             done = 0
             try:
                 for one in getattr(module, which)(*arguments) if hasattr(module, which) else ():
@@ -302,7 +302,7 @@ def draw_studies(found: Sequence[Study], directory: AnyPath) -> list[Path]:
 
 
 def record_of(row: Row) -> dict[str, Any]:
-    """Return a row by name of the column; None where a value is missing."""
+    """Return a row by name of the column; None if a value is missing."""
     return {
         "kind": row.kind,
         "quantity": row.quantity,
