@@ -41,6 +41,7 @@ _TAKEN = (
     "as yielded, the size of the plastic zone, and normalised values; if the change affects one "
     "of these, they are invalid"
 )
+_REMARKS = {"packing": "source"}  # keys of a case that change no result, by table
 _DIGEST_LENGTH = 16
 _SHOWN = 3  # keys in a message
 _LONGEST = 40  # characters of a value in a message
@@ -157,9 +158,10 @@ class ResultDirectory(OwnFiles):
         self.refuse_other_kind(kind)
         if resume and self.result_names() and (as_run := self.tables_as_run()) is not None:
             self.check_case()
-            there = read(as_run)
-            keys = {*there, *case}
-            different = sorted(key for key in keys if there.get(key) != case.get(key))
+            there = _without_remarks(read(as_run))
+            wanted = _without_remarks(case)
+            keys = {*there, *wanted}
+            different = sorted(key for key in keys if there.get(key) != wanted.get(key))
             if different:
                 raise InputError(
                     f"{self.path}: holds another case (different: {', '.join(different)}); "
@@ -472,3 +474,15 @@ def _locked(path: Path) -> int:
             os.close(lock)
             raise
         os.close(lock)
+
+
+def _without_remarks(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a case without keys that change no result."""
+    return {name: _without(_REMARKS.get(name), table) for name, table in tables.items()}
+
+
+def _without(key: str | None, table: Any) -> Any:
+    """Return a table without a key."""
+    if key is None or not isinstance(table, Mapping):
+        return table
+    return {name: value for name, value in table.items() if name != key}

@@ -173,7 +173,7 @@ def compare_styles(repeats: int) -> dict[str, Any]:
             engines[style] = opened.enter_context(open_engine(mpi.this_process(), log=str(log)))
             engines[style].commands(script(assembly, data, *STYLES[style][:2]))
         ours = engines[OURS]
-        print(f"{n} spheres, FCC, brass, {repeats} x {STEPS} steps of each style")
+        print(f"{n} spheres, FCC, brass, {repeats} × {STEPS} steps of each style")
         ours.commands(f"run {round(IMPACT_TIME / auto_timestep(assembly))} post no")
         for name, title in _TITLES.items():
             if name == "rattling":

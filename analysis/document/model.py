@@ -21,7 +21,7 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from granwave.analysis.formatting.numbers import interval, plain
+from granwave.analysis.formatting.numbers import column_unit, interval, plain
 from granwave.analysis.formatting.values import as_label, grains_called_in, printed_unit
 from granwave.analysis.quantities import entries, quantity
 from granwave.analysis.summary_table import meaning_of
@@ -310,11 +310,30 @@ def unit_of_value(key: str) -> str:
     return printed_unit(quantity(key).unit)
 
 
-def value_column(key: str, called: str = SPHERES) -> TableColumn:
-    """Column of a value of the summary; ``called``: name of the grains of its runs."""
-    return TableColumn(
-        label_of(key, called), unit_of_value(key), numeric=True, meaning=meaning_in(key, called)
-    )
+def value_column(key: str, called: str = SPHERES, unit: str | None = None) -> TableColumn:
+    """Column of a value of the summary.
+
+    Parameters
+    ----------
+    called
+        Name of the grains of its runs.
+    unit
+        Unit of the numbers of the column; by default the SI unit.
+    """
+    shown = unit_of_value(key) if unit is None else unit
+    meaning = meaning_in(key, called)
+    return TableColumn(label_of(key, called), shown, numeric=True, meaning=meaning)
+
+
+def value_cells(key: str, values: Sequence[Any]) -> tuple[str, list[Cell]]:
+    """Return the unit in which values of the summary are read best, and their cells in it."""
+    unit, size = column_unit(unit_of_value(key), values)
+    return unit, [value_cell(in_unit(value, size)) for value in values]
+
+
+def in_unit(value: Any, size: float) -> Any:
+    """Return a number in a unit of a size; other values stay."""
+    return value / size if size != 1.0 and is_number(value) else value
 
 
 def case_column(key: str, unit: str, *, numeric: bool) -> TableColumn:

@@ -234,8 +234,10 @@ def force_distribution(result: Result) -> Drawing | None:
 
     The states are at rest, at the instant of the largest elastic energy, and at the largest force
     of each contact. A state needs a record and at least ten contacts. Nearly equal forces are drawn
-    as a band over their range.
+    as a band over their range. A chain has no distribution: all its contacts carry the same pulse.
     """
+    if result.case.packing.rule.is_chain:
+        return None
     states = [state for state in contact_forces(result) if len(state.force) >= _FEWEST]
     if not states:
         return None

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import TypeGuard
 
 from granwave.analysis.statistics import Estimate
 
@@ -13,6 +14,14 @@ _MANY = 6
 _MOST = 8  # largest number of digits of a mean
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _VOLUMES = ((1.0, "m³"), (1e-6, "cm³"), (1e-9, "mm³"))
+#: Units of columns by SI unit: size, name, and the smallest of the largest values of such a column.
+_OF_COLUMNS: dict[str, tuple[tuple[float, str, float], ...]] = {
+    "m": ((1.0, "m", 1.0), (1e-3, "mm", 1e-4), (1e-6, "µm", 1e-7), (1e-9, "nm", 0.0)),
+    "s": ((1.0, "s", 1.0), (1e-3, "ms", 5e-3), (1e-6, "µs", 1e-7), (1e-9, "ns", 0.0)),
+    "m³": ((1.0, "m³", 0.1), (1e-6, "cm³", 1e-7), (1e-9, "mm³", 0.0)),
+    "J": ((1.0, "J", 1.0), (1e-3, "mJ", 1e-3), (1e-6, "µJ", 1e-6), (1e-9, "nJ", 0.0)),
+    "N": ((1e3, "kN", 1e4), (1.0, "N", 0.1), (1e-3, "mN", 0.0)),
+}
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LONG_TIME = 5e-3  # s, later instants are in ms
 _WHOLE = 100.0  # µs above which values are whole
@@ -87,6 +96,32 @@ def in_any_unit(value: float, unit: str) -> str:
     if unit.isalpha() and unit != "kg":
         return quantity_in(value, unit)
     return f"{plain(f'{value:.4g}')} {unit}".rstrip()
+
+
+def column_unit(unit: str, values: Iterable[object]) -> tuple[str, float]:
+    """Return the unit in which the values of a column are read best, and its size in the SI unit.
+
+    Parameters
+    ----------
+    unit
+        SI unit, such as ``m``, ``m³`` or ``J``; others stay.
+    values
+        Values in the SI unit; others than finite numbers are skipped.
+    """
+    sizes = [abs(value) for value in values if _is_finite(value)]
+    largest = max(sizes, default=0.0)
+    if not largest:
+        return unit, 1.0
+    for size, name, least in _OF_COLUMNS.get(unit, ()):
+        if largest >= _ALMOST * least:
+            return name, size
+    return unit, 1.0
+
+
+def _is_finite(value: object) -> TypeGuard[float]:
+    """Return True for a finite number."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number and math.isfinite(value)
 
 
 def _fitting(value: float, units: Sequence[tuple[float, str]]) -> tuple[float, str]:

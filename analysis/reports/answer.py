@@ -23,10 +23,12 @@ from granwave.analysis.document.model import (
     Part,
     TableColumn,
     column_table,
+    in_unit,
     spread_cell,
+    unit_of_value,
     value_column,
 )
-from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import compare_runs
@@ -205,18 +207,23 @@ def _table(means: Means, shown: Sequence[str]) -> DocumentTable:
         (_column(key, means), [Cell(key.tick(row), key.values[row]) for row in rows])
         for key in means.keys
     ]
-    columns += [
-        (value_column(name, means.called), [_mean(means, name, row) for row in rows])
-        for name in shown
-    ]
+    columns += [_mean_column(means, name) for name in shown]
     return column_table(_caption(means), columns, sortable=True)
+
+
+def _mean_column(means: Means, name: str) -> tuple[TableColumn, list[Cell]]:
+    """Return the column of the means of a quantity."""
+    unit, size = column_unit(unit_of_value(name), means.values[name])
+    cells = [_mean(means, name, row, size) for row in range(len(means.counts))]
+    return value_column(name, means.called, unit), cells
 
 
 def _crossed(means: Means, main: str) -> DocumentTable:
     """Make a table of the main quantity: rows by the key with more values, columns by the other."""
     down, across = sorted(means.keys, key=lambda key: len(set(key.values)), reverse=True)
     rows = range(len(means.counts))
-    cells = {(down.tick(row), across.tick(row)): _mean(means, main, row) for row in rows}
+    unit, size = column_unit(unit_of_value(main), means.values[main])
+    cells = {(down.tick(row), across.tick(row)): _mean(means, main, row, size) for row in rows}
     first = {down.tick(row): Cell(down.tick(row), down.values[row]) for row in rows}
     columns = [(_column(down, means), list(first.values()))]
     for head in dict.fromkeys(across.tick(row) for row in rows):
@@ -229,12 +236,16 @@ def _crossed(means: Means, main: str) -> DocumentTable:
         )
         columns.append(column)
     return column_table(
-        f"{value_column(main, means.called).title}. {_caption(means)}", columns, sortable=True
+        f"{value_column(main, means.called, unit).title}. {_caption(means)}",
+        columns,
+        sortable=True,
     )
 
 
-def _mean(means: Means, name: str, row: int) -> Cell:
-    return spread_cell(means.values[name][row], means.half_widths[name][row])
+def _mean(means: Means, name: str, row: int, size: float) -> Cell:
+    """Return the mean of a quantity with its interval, in a unit of a size."""
+    mean = in_unit(means.values[name][row], size)
+    return spread_cell(mean, in_unit(means.half_widths[name][row], size))
 
 
 def _column(key: VariedKey, means: Means) -> TableColumn:

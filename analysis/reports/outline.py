@@ -27,6 +27,7 @@ from granwave.analysis.document.model import (
     text_table,
     tidied,
     value_cell,
+    value_cells,
     value_column,
 )
 from granwave.analysis.formatting.numbers import counted, plain
@@ -446,6 +447,12 @@ def _fitted(run: ReportRun) -> bool:
     return law != LINE and (law not in ALL_LAWS or bool(ALL_LAWS[law].fitted))
 
 
+def _energy_column(key: str, runs: Sequence[ReportRun]) -> tuple[TableColumn, list[Cell]]:
+    """Return the column of an energy of runs."""
+    unit, cells = value_cells(key, [run.summary.get(key) for run in runs])
+    return value_column(key, unit=unit), cells
+
+
 def _table(runs: Sequence[ReportRun]) -> DocumentTable:
     parts = list(_PARTS)
     for kind in dict.fromkeys(run.kind for run in runs):
@@ -468,7 +475,7 @@ def _table(runs: Sequence[ReportRun]) -> DocumentTable:
     ]
     columns = [
         (TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]),
-        *((value_column(key), [value_cell(run.summary.get(key)) for run in runs]) for key in shown),
+        *(_energy_column(key, runs) for key in shown),
         (TableColumn("Error / input", numeric=True), errors),
         (TableColumn("Accepted error", numeric=True), [value_cell(run.accepted_error) for run in runs]),
         (TableColumn("Balance"), [Cell(text, text, tone) for text, tone in verdicts]),

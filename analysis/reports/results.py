@@ -19,6 +19,7 @@ from granwave.analysis.document.model import (
     Tone,
     case_column,
     column_table,
+    in_unit,
     is_number,
     label_of,
     meaning_in,
@@ -29,6 +30,7 @@ from granwave.analysis.document.model import (
     value_cell,
     value_column,
 )
+from granwave.analysis.formatting.numbers import column_unit
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, report_columns
@@ -83,7 +85,6 @@ _NOTHING = (
     "plastic_zone_radius_m",
     "zone_radius_90_m",
 )  # values that are omitted where they are zero
-_READABLE = {"m": ("mm", 1e3), "m³": ("cm³", 1e6), "s": ("µs", 1e6)}  # units of the first section
 _OF_BOTTOM = (
     "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "ground_peak_force_N", "target_peak_displacement_m",
     "energy_target_J", "peak_reduction", "unprotected_peak_force_N",
@@ -163,9 +164,9 @@ def value_rows(run: ReportRun) -> DocumentTable:
         :MOST_ROWS
     ]:
         label = label_of(key, called)
-        unit, scale = _readable(key)
+        unit, size = column_unit(unit_of_value(key), [summary.get(key)])
         name = Cell(label, label, meaning=meaning_in(key, called))
-        rows.append((name, _result_cell(key, summary, scale), Cell(unit)))
+        rows.append((name, _result_cell(key, summary, size), Cell(unit)))
     columns = (
         TableColumn("Quantity", key=True),
         TableColumn("Value", numeric=True),
@@ -191,14 +192,6 @@ def _no_force_at_walls(summary: Mapping[str, Any]) -> bool:
     """Return True if no contact with a wall carried more than the contacts between spheres."""
     every = summary.get("peak_force_with_walls_N")
     return every is None or every == summary.get("peak_force_N")
-
-
-def _readable(key: str) -> tuple[str, float]:
-    """Return the unit of a value in the first section, as in sentences and figures, and its size in
-    SI units.
-    """
-    unit = unit_of_value(key)
-    return _READABLE.get(unit, (unit, 1.0))
 
 
 def _yields(run: ReportRun) -> bool:
@@ -287,8 +280,10 @@ def _results(results: Sequence[tuple[str, Mapping[str, Any]]], shown: Iterable[s
     called = grains_called_in(summary for _, summary in results)
     columns: Columns = [(TableColumn(_STATUS), [status_cell(status) for status, _ in results])]
     for key in shown:
-        cells = [_result_cell(key, summary) for _, summary in results]
-        columns.append((value_column(key, called), cells))
+        summaries = [summary for _, summary in results]
+        unit, size = _unit_of(key, summaries)
+        cells = [_result_cell(key, summary, size) for summary in summaries]
+        columns.append((value_column(key, called, unit), cells))
     return columns
 
 
@@ -307,14 +302,18 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
     return [key for key in there if key not in left_out]
 
 
-def _result_cell(key: str, summary: Mapping[str, Any], scale: float = 1.0) -> Cell:
-    """Return the cell of a value of a summary, marked if it is doubtful; a list holds names of
-    boundaries.
+def _unit_of(key: str, summaries: Sequence[Mapping[str, Any]]) -> tuple[str, float]:
+    """Return the unit in which values of summaries are most readable, and its size in the SI unit."""
+    return column_unit(unit_of_value(key), [summary.get(key) for summary in summaries])
+
+
+def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cell:
+    """Return the cell of a value of a summary in a unit of a size, marked if it is doubtful; a
+    list holds names of boundaries.
     """
     if not summary:
         return Cell("")
-    value = summary.get(key)
-    value = scale * float(value) if scale != 1 and isinstance(value, int | float) else value
+    value = in_unit(summary.get(key), size)
     noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
     noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
     if isinstance(value, list):
@@ -339,11 +338,12 @@ def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
     rows = []
     called = grains_called_in([run.summary for run in runs])
     for key in keys:
-        cells = [_result_cell(key, run.summary) for run in runs]
+        unit, size = _unit_of(key, [run.summary for run in runs])
+        cells = [_result_cell(key, run.summary, size) for run in runs]
         label = runs[0].kind.label(runs[0], key) or label_of(key, called)
         row = [
             Cell(label, label, meaning=meaning_in(key, called)),
-            Cell(unit_of_value(key)),
+            Cell(unit),
             *cells,
         ]
         if pair:
@@ -381,12 +381,11 @@ def _replicates(scan: ReportScan) -> list[DocumentTable]:
     for key in _worth_showing(
         [{key: row.get(key + MEAN) for key in report_columns()} for row in rows]
     ):
-        columns.append(
-            (
-                value_column(key),
-                [spread_cell(row[key + MEAN], row[key + CONFIDENCE]) for row in rows],
-            )
-        )
+        unit, size = column_unit(unit_of_value(key), [row[key + MEAN] for row in rows])
+        means = [in_unit(row[key + MEAN], size) for row in rows]
+        widths = [in_unit(row[key + CONFIDENCE], size) for row in rows]
+        cells = [spread_cell(*ends) for ends in zip(means, widths, strict=True)]
+        columns.append((value_column(key, unit=unit), cells))
     return [
         column_table(
             f"Scan {scan.label}: mean and 95 % confidence interval", columns, sortable=True

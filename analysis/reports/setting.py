@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from granwave.analysis.document.model import Block, Group, Note, show, text_table
@@ -46,6 +47,10 @@ _NORMALISED = (
     "rho and yield strength sigma_y"
 )
 _OF_LAW = ("material", "contact", "packing.diameter", "packing.shape", "packing.length")
+KIND_OF_PACKING = "packing.kind"
+ORIGIN = "packing.source"
+_OF_GRAVITY = ("precompression.acceleration", "precompression.strikers")
+_OF_SCATTER = ("packing.scatter_distribution",)
 _REMARKS = ("material.source",)  # keys of the case that do not affect results
 
 
@@ -192,11 +197,32 @@ def _body(case: Mapping[str, Any]) -> str:
         return ""
     rule = packing_rule(case)
     if rule is not None and not rule.is_lattice:
-        return "packing of a file"
+        return _grains_of(case)
     shape = size_text(size) if isinstance(size, list) else "" if size is None else str(size)
     if shape and is_chain(case):
         return f"chain of {shape}"
     return f"{kind} {shape}".rstrip()
+
+
+def _grains_of(case: Mapping[str, Any]) -> str:
+    """Return the origin and number of grains at user-defined positions: ``poured packing of 200
+    spheres``.
+    """
+    source = origin_of(case)
+    table = case.get("packing.grains")
+    number = f"{len(table.splitlines()) - 1} spheres" if isinstance(table, str) else "grains"
+    if " " in source:
+        return source
+    if not source or Path(source).suffix:
+        return f"packing of {number} of {source or 'a file'}"
+    return f"{source} packing of {number}"
+
+
+def origin_of(case: Mapping[str, Any]) -> str:
+    """Return the origin of grains at user-defined positions: the name of a file, or of the way in
+    which they were made; empty for a lattice, or if it is not recorded.
+    """
+    return str(case.get(ORIGIN) or "")
 
 
 def packing_rule(case: Mapping[str, Any]) -> PackingKind | None:
@@ -288,7 +314,12 @@ def settings_blocks(inputs: ReportInputs) -> list[Block]:
         if not known:
             continue
         different = {*differing(known), *varied}
-        shared = {key: value for key, value in known[0].case.items() if key not in different}
+        first = known[0].case
+        shared = {
+            key: value
+            for key, value in first.items()
+            if key not in different and applied_value(key, first) is not None
+        }
         cases = [run.case for run in known]
         rows = [(key, show(one), unit_in_cases(key, cases)) for key, one in _spelt_out(shared)]
         who = f"all points of {title}" if varied else f"all {title}"
@@ -302,7 +333,36 @@ def differing(runs: Sequence[ReportRun]) -> list[str]:
     """Return the keys of the case that differ between runs, in the order of the cases."""
     keys = list(dict.fromkeys(key for run in runs for key in run.case))
     keys = [key for key in keys if key not in _REMARKS]
-    return [key for key in keys if any(run.case.get(key) != runs[0].case.get(key) for run in runs)]
+    values = {key: [applied_value(key, run.case) for run in runs] for key in keys}
+    changed = [key for key, of_runs in values.items() if _differ(of_runs)]
+    if KIND_OF_PACKING in changed:  # the kind is shown with the origin
+        return [key for key in changed if key != ORIGIN]
+    return changed
+
+
+def applied_value(key: str, case: Mapping[str, Any]) -> Any:
+    """Return the value of a key of a case; None where it is missing or has no effect."""
+    static = STATIC_LOADS.get(str(case.get("precompression.kind")))
+    if key in _OF_GRAVITY and static is not None and not static.takes_acceleration:
+        return None
+    if key in _OF_SCATTER and not case.get("packing.diameter_scatter"):
+        return None
+    return case.get(key)
+
+
+def _differ(values: Sequence[Any]) -> bool:
+    """Return True if values differ, where a missing value equals one that means nothing."""
+    first, *others = [None if is_nothing(value) else value for value in values]
+    if all(value == first for value in others):
+        return False
+    return any(value != values[0] for value in values)
+
+
+def is_nothing(value: Any) -> bool:
+    """Return True for a value that means that something is absent: none, zero, no or empty."""
+    if isinstance(value, list | tuple):
+        return all(is_nothing(part) for part in value)
+    return value is None or value in (0, "", False)
 
 
 def _spelt_out(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -291,7 +291,7 @@ class ScanData(Mapping[str, NDArray]):
         if axes:
             flat = np.ravel_multi_index(tuple(codes.values()), shape)
         if self.n_points != math.prod(shape) or len(np.unique(flat)) != self.n_points:
-            size = " x ".join(map(str, shape)) or "1"
+            size = " × ".join(map(str, shape)) or "1"
             raise ValueError(
                 f"scan {self.name}: found {self.n_points} points at {len(np.unique(flat))} "
                 f"positions of a grid of {size} ({', '.join(axes)}), expected one at each; use "

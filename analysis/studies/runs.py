@@ -147,7 +147,7 @@ def packing_title(assembly: Assembly, *, height: bool = True) -> str:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
     whole = height or packing.rule.is_layer  # the layer is across the height
-    size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
+    size = " × ".join(map(str, packing.size if whole else packing.size[:-1]))
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
     return f"{packing.rule.title} of {spheres}" + ("" if whole or not size else " a layer")
 

@@ -30,6 +30,7 @@ from granwave.analysis.document.model import (
     text_table,
     unit_of_value,
     value_cell,
+    value_cells,
     value_column,
 )
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
@@ -263,22 +264,31 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
         for end in ("low", "high"):
             if f"{name}_{end}" in table:
                 spread.append(f"{name}_{end}")
-    heads = [TableColumn("Design", key=True), *map(value_column, objectives)]
-    heads += [
-        TableColumn(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True)
-        for name in spread
-    ]
-    heads += [
-        TableColumn(
-            label_of(name) + _bounds(limits.get(name, {})), unit_of_value(name), numeric=True
+    heads = [TableColumn("Design", key=True)]
+    columns = [list(map(value_cell, rows["number"].astype(object)))]
+    for name in [*objectives, *spread]:
+        of_value = name if name in objectives else name.rpartition("_")[0]
+        unit, cells = value_cells(of_value, rows[name].astype(object).tolist())
+        is_end = name not in objectives
+        heads.append(
+            TableColumn(name.rpartition("_")[2], unit, numeric=True)
+            if is_end
+            else value_column(name, unit=unit)
         )
-        for name in known
-    ]
-    heads += [case_column(key, "", numeric=False) for key in keys]
-    shown = rows[["number", *objectives, *spread, *known, *keys]].astype(object).to_numpy().tolist()
-    cells = tuple(tuple(map(value_cell, row)) for row in shown)
+        columns.append(cells)
+    for name in known:
+        unit, cells = value_cells(name, rows[name].astype(object).tolist())
+        title = label_of(name) + _bounds(limits.get(name, {}))
+        heads.append(TableColumn(title, unit, numeric=True))
+        columns.append(cells)
+    for key in keys:
+        heads.append(case_column(key, "", numeric=False))
+        columns.append(list(map(value_cell, rows[key].astype(object))))
     return DocumentTable(
-        "Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True
+        "Best designs; best-1.toml ... are their cases",
+        tuple(heads),
+        tuple(zip(*columns, strict=True)),
+        sortable=True,
     )
 
 

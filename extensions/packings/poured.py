@@ -82,7 +82,7 @@ class PouredRecipe(Recipe):
         if container.tube is not None:
             return f"a tube of radius {container.tube:g} m"
         width, depth = container.box
-        return f"a box of {width:g} m x {depth:g} m"
+        return f"a box of {width:g} m × {depth:g} m"
 
     @property
     def expected_height(self) -> float:

@@ -215,6 +215,7 @@ def tables_of_bed(
     enclosure: dict[str, Any] = {"bottom": bed.bottom}
     sides: Any = "wall"
     packing: dict[str, Any] = {"kind": "file", "grains": bed.grains, "diameter": diameter}
+    packing["source"] = table_of(tables, "packing").get("kind")
     if container.tube is not None:
         sides = {"tube": {"radius": container.tube}}
     elif container.periodic:

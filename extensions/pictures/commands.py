@@ -87,7 +87,7 @@ COMMANDS = (
                 option(
                     "--size",
                     metavar="NAME|WxH",
-                    help="slide (1920x1080), page (1200x900), or width x height in pixels",
+                    help="slide (1920 × 1080), page (1200 × 900), or width × height in pixels",
                 ),
             ],
             *figure_options(*FILM_KEYS),

@@ -377,7 +377,7 @@ def size_of(text: str) -> tuple[int, int]:
         near = "" if found else did_you_mean(text.lower(), SIZES, 0.5)
         hint = f"; {near}" if near else ""
         raise InputError(
-            f"--size: found {text}, expected {', '.join(SIZES)}, or width x height in pixels, even numbers from "
+            f"--size: found {text}, expected {', '.join(SIZES)}, or width × height in pixels, even numbers from "
             f"{LEAST_WIDTH} to {MOST_WIDTH}, as 1280x720{hint}"
         )
     return size

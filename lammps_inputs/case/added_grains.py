@@ -341,6 +341,7 @@ def with_added_grains(
         size=(len(grains),),
         diameter=packing.diameter,
         grains=grains,
+        source=packing.source or _lattice_in_words(packing),
         period=period,
         cell=packing.cell,
         restart=packing.restart,
@@ -350,6 +351,12 @@ def with_added_grains(
         springs=packing.springs,
         relaxation=packing.relaxation,
     )
+
+
+def _lattice_in_words(packing: PackingSection) -> str:
+    """Return kind and size of a lattice to which grains are added."""
+    size = " \N{MULTIPLICATION SIGN} ".join(map(str, packing.size))
+    return f"{packing.kind} {size} with added grains"
 
 
 def _check_added(packing: PackingSection, added: Sequence[AddedGrains], errors: ErrorList) -> None:

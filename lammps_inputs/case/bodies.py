@@ -292,7 +292,7 @@ class Absorb:
         "number of last layers of the packing; for a chain, number of last spheres", default=None
     )
     rate: float | None = schema.number(
-        "largest damping rate: the force is mass x rate x velocity", _RATE, above=0, default=None
+        "largest damping rate: the force is mass × rate × velocity", _RATE, above=0, default=None
     )
     towards: str = schema.choice(
         'direction in which the rate rises from zero, as the square of the depth; "none": a '

@@ -117,7 +117,7 @@ class Loss:
         default=None,
     )
     dashpot: float | DashpotRestitution | None = schema.typed(
-        "factor of Tsuji's dashpot, times sqrt(mass x stiffness); or the restitution that it gives "
+        "factor of Tsuji's dashpot, times sqrt(mass × stiffness); or the restitution that it gives "
         "a Hertzian contact",
         _DASHPOT,
         default=None,

@@ -54,7 +54,7 @@ from granwave.lammps_inputs.lattices import (
 from granwave.lammps_inputs.packing_kind import PackingKind
 
 _OF_CONTACTS = (RESTART, CONTACTS, TOLERANCE, SPRINGS, RELAXATION)
-_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", "enclosure", *_OF_CONTACTS)
+_OF_GRAINS = ("kind", "diameter", "source", "grains", "period", "cell", "enclosure", *_OF_CONTACTS)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -85,6 +85,11 @@ class PackingSection:
     grains: Grains | None = schema.typed(
         "the table of a file as text; the case.toml of a run stores its grains in this form",
         GrainsType(),
+        default=None,
+    )
+    source: str | None = schema.text(
+        "origin of the grains of a file, as reports name it; default: the name of the file, or the "
+        "kind of packing that was generated",
         default=None,
     )
     period: tuple[float, float] | None = schema.typed(

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -51,7 +52,7 @@ _NOT_OF_FILE = (
     "tilt",
     "seed",
 )
-_OF_FILE = (*FILE_FIELDS, "grains", "period", "enclosure", RESTART, SPRINGS)
+_OF_FILE = (*FILE_FIELDS, "grains", "source", "period", "enclosure", RESTART, SPRINGS)
 _OF_SHAPE = ("shape", "length", "axis")
 
 
@@ -140,7 +141,8 @@ def _of_restart(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
     grains = Grains(
         spheres.position, 2 * spheres.radius, materials, [""] * n, still, clump=spheres.bodies
     )
-    return kept | {"grains": grains, CONTACTS: KEEP.name, RESTART: file}
+    source = {"source": Path(file).name}
+    return source | kept | {"grains": grains, CONTACTS: KEEP.name, RESTART: file}
 
 
 def _materials_of(spheres: RestartSpheres, types: Any, errors: ErrorList) -> list[str]:
@@ -185,6 +187,8 @@ def _given_grains(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]
         return given
     grains = _from_file(table, errors)
     given["grains"] = grains
+    if grains is not None:
+        given["source"] = Path(table["file"]).name
     if grains is not None and grains.period is not None:
         given["period"] = grains.period
     if grains is not None and "cell" not in table and grains.cell:

@@ -92,7 +92,7 @@ def _check_periodic_sides(case: Case, errors: ErrorList) -> None:
             min(across, default=_LEAST_PERIODIC) < _LEAST_PERIODIC,
             "packing.size",
             Mismatch(
-                f"{nx} x {ny} spheres in a layer",
+                f"{nx} × {ny} spheres in a layer",
                 f'at least {_LEAST_PERIODIC} each way for boundary.sides = "periodic"',
             ),
         ),

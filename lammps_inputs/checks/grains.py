@@ -94,7 +94,7 @@ def _missing_period(grains: Grains) -> str:
     if reading is None or reading.bounds is None:
         return text
     widths = [f"{high - low:.6g}" for low, high in reading.bounds[:2]]
-    edges = f"the box of this file is {' x '.join(widths)} m"
+    edges = f"the box of this file is {' × '.join(widths)} m"
     return f"{text}; {edges}: packing.period = [{', '.join(widths)}] if it was periodic"
 
 

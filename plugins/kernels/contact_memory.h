@@ -16,6 +16,7 @@
 #include "../laws/tangential_damping.h"
 #include "../laws/viscous_loss.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace granwave {
@@ -78,11 +79,15 @@ struct ContactMemory {
   /* Doubles of all these histories. */
   int size() const { return to_prony() + (damping ? DampingHistory::SIZE : 0); }
 
-  /* Energy stored along the normal, of a contact whose surfaces touch; `of_law` where it does not relax. */
-  double elastic_energy(double of_law, const double *block) const
+  /* Energy stored along the normal, also of viscoelastic bodies, whose elastic energy relaxes; `known` as in
+     ScaledLaw::stored_energy(). */
+  double stored_energy(const ScaledLaw &law, double overlap, const LawHistory &h, const Turning *known = nullptr) const
   {
-    const PronyHistory history = prony_of(block);
-    return history.surface > 0.0 ? history.stored : of_law;
+    if (prony && overlap > 0.0) {
+      const PronyHistory history = prony_of(h.extra);
+      if (history.surface > 0.0) return history.stored;
+    }
+    return law.stored_energy(overlap, h, cohesion_of(h.extra).joined > 0.0, known);
   }
 
   /* Energy stored by friction. */

@@ -15,6 +15,7 @@
 
 #include "contact_batch.h"
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 

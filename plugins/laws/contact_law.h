@@ -8,6 +8,7 @@
 #include "elastic_contact.h"
 #include "law_table.h"
 
+#include <algorithm>
 #include <optional>
 
 namespace granwave {
@@ -359,6 +360,21 @@ class ScaledLaw {
   {
     if (overlap <= 0.0) return 0.0;
     return yielded(h.peak) ? elastic_energy(overlap, turning(h)) : elastic_energy(overlap);
+  }
+
+  /* Energy stored along the normal, with cohesion including that of the joined surfaces; 0 if the surfaces do not touch.
+
+     joined    with cohesion: true if the surfaces touch or are held by a neck
+     known     turning point of the peak, if it has been computed */
+  double stored_energy(double overlap, const LawHistory &h, bool joined, const Turning *known = nullptr) const
+  {
+    if (cohesive() ? !joined : !(overlap > 0.0)) return 0.0;
+    const LawHistory present{std::max(overlap, h.peak), h.extra};
+    const bool has_branch = yielded(present.peak) && !has_neck();
+    Turning branch{};
+    if (has_branch) branch = known && overlap <= h.peak ? *known : turning(present);
+    if (cohesive()) return cohesive_state(overlap, present, has_branch ? &branch : nullptr).energy;
+    return has_branch ? elastic_energy(overlap, branch) : elastic_energy(overlap);
   }
 
   /* Dissipated energy of the contact once the peak has been reached. */

@@ -30,6 +30,7 @@
 
 #include "tangential_damping.h"
 
+#include <algorithm>
 #include <array>
 
 namespace granwave {

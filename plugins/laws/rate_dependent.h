@@ -35,6 +35,8 @@
 
 #include "elastoplastic_fe.h"
 
+#include <algorithm>
+
 namespace granwave {
 
 inline constexpr LawParameter RATE_SENSITIVITY =

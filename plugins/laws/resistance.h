@@ -24,6 +24,8 @@
 
 #include "tangential_damping.h"
 
+#include <algorithm>
+
 namespace granwave {
 
 /* Constants of one resistance. */

@@ -22,6 +22,8 @@
 
 #include "tangential.h"
 
+#include <algorithm>
+
 namespace granwave {
 
 /* Scale a vector to a magnitude of at most `most`. */

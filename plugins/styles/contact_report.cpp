@@ -66,15 +66,14 @@ void fill_report(ContactReport &report, const ContactMemory &has, const ScaledLa
     report.yielded = h.peak > view.initial;
     report.peak_force = contact.peak_force(turning);
     if (overlap > 0.0) report.force = overlap >= h.peak ? report.peak_force : contact.unloading(overlap, turning);
-    if (overlap > 0.0) report.elastic = contact.elastic_energy(overlap, turning);
+    report.elastic = has.stored_energy(contact, overlap, h, &turning);
     if (report.yielded)
       report.dissipated =
           contact.dissipated_energy(turning, h.extra) - contact.dissipated_energy({view.initial, view.initial_extra});
   } else {
     report.force = contact.elastic_force(overlap);
     report.peak_force = contact.elastic_force(h.peak);
-    report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.elastic_energy(overlap);
-    if (overlap > 0.0) report.elastic = has.elastic_energy(report.elastic, view.extra);
+    report.elastic = has.stored_energy(contact, overlap, h);
   }
   report.peak_force = largest_force_of_run(has, contact, h, view, overlap, report.peak_force);
   report.time_first = report.peak_force > 0.0 ? arrival(has, contact, report.dent, view) : -1.0;
@@ -82,9 +81,7 @@ void fill_report(ContactReport &report, const ContactMemory &has, const ScaledLa
   if (contact.cohesive()) {
     const CohesionHistory history = has.cohesion_of(view.extra);
     report.touches = history.joined > 0.0;
-    const CohesiveState state = report.touches ? contact.cohesive_state(overlap, h) : CohesiveState();
-    report.force = state.force;
-    report.elastic = state.energy;
+    report.force = report.touches ? contact.cohesive_state(overlap, h).force : 0.0;
     report.adhesive_loss = history.lost;
   }
   if (overlap > 0.0 || report.touches) report.force += viscous.force;

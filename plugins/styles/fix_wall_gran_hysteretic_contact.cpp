@@ -315,11 +315,8 @@ void FixWallGranHysteretic::tally()
       if (has.cohesion) {
         const CohesionHistory history = *sticking(i, side);
         mine[ADHESIVE] += history.lost;
-        if (history.joined > 0.0) mine[STORED] += scaled.cohesive_state(overlap, law_history(i, side)).energy;
-        continue;
       }
-      if (own.touching == 0.0 || overlap <= 0.0) continue;
-      mine[STORED] += has.elastic_energy(scaled.elastic_energy(overlap, law_history(i, side)), extra(i, side));
+      if (own.touching != 0.0 || has.cohesion) mine[STORED] += has.stored_energy(scaled, overlap, law_history(i, side));
     }
   }
   MPI_Allreduce(mine, totals, N_TOTALS, MPI_DOUBLE, MPI_SUM, world);

@@ -190,7 +190,7 @@ class PairGranHysteretic : public Pair {
   void compute_plastic(Batch &, std::uint64_t beyond, std::uint64_t raised);
   void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
-  void compute_tangential(Batch &);
+  void compute_tangential(Batch &, bool special);
   bool advance_friction(Batch &);
   bool add_damping(Batch &);
   void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);
@@ -201,6 +201,11 @@ class PairGranHysteretic : public Pair {
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 
   // output
+  struct TotalledContact;
+  void add_to_totals(const TotalledContact &);
+  double total_pairs();
+  void total_records();
+  void total_forgotten();
   Report report_forgotten(int i, const granwave::ContactRecord &, const double *block);
   Report report_pair(int i, int j, int k, double side, double rsq);
   Report report_pair(std::size_t r, int k);

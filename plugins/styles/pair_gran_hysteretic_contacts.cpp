@@ -30,14 +30,15 @@ void PairGranHysteretic::build_contacts()
   for (int ii = 0; ii < list->inum; ii++) listed += list->numneigh[list->ilist[ii]];
   plain.reserve(listed);
   for (int ii = 0; ii < list->inum; ii++) {
-    const int i = list->ilist[ii];
-    const int *jlist = list->firstneigh[i];
+    const int i = list->ilist[ii], itype = type[i], *const jlist = list->firstneigh[i];
+    const double ri = radius[i], largest_i = largest_radius[itype];
     for (int jj = 0; jj < list->numneigh[i]; jj++) {
       if (force->special_lj[sbmask(jlist[jj])] == 0.0) continue;
       const int j = jlist[jj] & NEIGHMASK;
-      if (radius[i] == 0.0 && radius[j] == 0.0) continue;    // two faces
-      const double far = (radii_vary ? largest_radius[type[i]] + largest_radius[type[j]] : radius[i] + radius[j]) + reach;
-      if (laws.is_special(type[i], type[j])) {
+      const double rj = radius[j];
+      if (ri == 0.0 && rj == 0.0) continue;    // two faces
+      const double far = (radii_vary ? largest_i + largest_radius[type[j]] : ri + rj) + reach;
+      if (laws.is_special(itype, type[j])) {
         const CylinderPair::Separation found = geometry.separation(i, j);
         if (found.distance < far && found.beyond < reach) special.emplace_back(i, j);
         continue;

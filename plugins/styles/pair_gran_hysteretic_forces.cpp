@@ -184,7 +184,7 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
 /* ---------------------------------------------------------------------- friction, rolling and twisting */
 
 /* Advance the tangential springs of touching pairs and compute the forces on the spheres, including friction. */
-void PairGranHysteretic::compute_tangential(Batch &batch)
+void PairGranHysteretic::compute_tangential(Batch &batch, bool special)
 {
   ContactList &c = contacts;
   bool without = batch.prepare_friction();
@@ -201,7 +201,7 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
   batch.read(components(atom->v), components(atom->omega), c.spring.data());
-  if (geometry.flows()) set_relative_velocities(batch);
+  if (special && geometry.flows()) set_relative_velocities(batch);
   if (step.advances) batch.advance_forces_and_torques(step.dt);
   else batch.compute_forces_and_torques();
   bool changed = (has.slip || has.damping) && advance_friction(batch);
@@ -289,18 +289,12 @@ void PairGranHysteretic::tally(const Batch &batch, Tally what)
       virial[5] += share * dely * fz;
       continue;
     }
-    const PairParameters &p = *batch.pair[m];
-    const double peak = contacts.peak[batch.k[m]], overlap = batch.overlap[m];
-    double elastic =
-        has.loss || !p.contact.is_hertzian() ? p.contact.elastic_energy(overlap) : 0.4 * batch.force[m] * overlap;
-    if (p.contact.yielded(peak))
-      elastic = p.contact.elastic_energy(overlap, contacts.turnings[contacts.cached_turning(batch.k[m], p.contact)]);
-    if (p.contact.cohesive())
-      elastic = has.cohesion_of(contacts.block(batch.k[m]))->joined > 0.0
-                    ? p.contact.cohesive_state(overlap, contacts.law_history(batch.k[m])).energy
-                    : 0.0;
-    if (has.prony) elastic = has.elastic_energy(elastic, contacts.block(batch.k[m]));
-    ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, elastic, 0.0, fx, fy, fz, delx, dely, delz);
+    const int k = batch.k[m];
+    const ScaledLaw &contact = batch.pair[m]->contact;
+    const Turning *const turning =
+        contact.yielded(contacts.peak[k]) ? &contacts.turnings[contacts.cached_turning(k, contact)] : nullptr;
+    const double stored = has.stored_energy(contact, batch.overlap[m], contacts.law_history(k), turning);
+    ev_tally_xyz(batch.i[m], batch.j[m], nlocal, 0, stored, 0.0, fx, fy, fz, delx, dely, delz);
   }
 }
 
@@ -327,11 +321,11 @@ void PairGranHysteretic::compute_batch(Tally what, bool special)
   if (has.resistance) {
     double circle[Batch::CAPACITY], moment[Batch::CAPACITY][3];
     std::copy_n(batch.circle, batch.size, circle);
-    compute_tangential(batch);
+    compute_tangential(batch, special);
     compute_resistance(batch, circle, moment);
     batch.add_forces_and_moments(components(atom->f), components(atom->torque), atom->nlocal, moment);
   } else if (has.friction) {
-    compute_tangential(batch);
+    compute_tangential(batch, special);
     batch.add_forces_and_torques(components(atom->f), components(atom->torque), atom->nlocal, contacts.spring.data());
   } else {
     batch.compute_normal();

@@ -10,94 +10,125 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-/* Sum the totals; a pair shared with another processor counts half. */
+/* Contact that is added to the totals. */
+struct PairGranHysteretic::TotalledContact {
+  const ScaledLaw &law;
+  LawHistory history;
+  BlockView view;
+  double dissipated, peak_force;    // by its law
+  double overlap;
+  double weight;    // one half if its other sphere adds it, too
+};
+
+void PairGranHysteretic::add_to_totals(const TotalledContact &contact)
+{
+  const ScaledLaw &law = contact.law;
+  const LawHistory &h = contact.history;
+  const BlockView &view = contact.view;
+  const double weight = contact.weight;
+  pvector[TANGENTIAL] += weight * has.tangential_energy(view.spring, view.extra);
+  pvector[FRICTIONAL] += weight * view.spring.loss;
+  pvector[VISCOUS] += weight * has.viscous_loss(h.extra);
+  if (has.resistance) {
+    const ResistanceHistory resisted = has.resistance_of(h.extra);
+    pvector[ROLLING] += weight * resisted.rolling.stored();
+    pvector[ROLLED] += weight * resisted.rolling.loss;
+    pvector[TWISTING] += weight * resisted.twisting.stored();
+    pvector[TWISTED] += weight * resisted.twisting.loss;
+  }
+  if (law.cohesive()) pvector[ADHESIVE] += weight * has.cohesion_of(h.extra).lost;
+  const double largest = largest_force_of_run(has, law, h, view, contact.overlap, contact.peak_force);
+  pvector[LARGEST_FORCE] = std::max(pvector[LARGEST_FORCE], largest);
+  const int beyond = beyond_range(law, h.peak);
+  if (beyond > 0) pvector[BEYOND_HALF] += weight;
+  if (beyond > 1) pvector[BEYOND_LAW] += weight;
+  if (!law.yielded(h.peak) || h.peak <= view.initial) return;
+  pvector[YIELDED] += weight;
+  pvector[DISSIPATED] += weight * (contact.dissipated - law.dissipated_energy({view.initial, view.initial_extra}));
+}
+
+/* Add the pairs of the list; a pair shared with another processor counts half. Returns the energy stored by their normal
+   forces. */
+double PairGranHysteretic::total_pairs()
+{
+  const int nlocal = atom->nlocal;
+  ContactList &c = contacts;
+  double stored = 0.0;
+  PairParameters p{};
+  if (uniform && nlocal > 0) p = pair_parameters(0, 0);
+  c.each_dent([&](int, int k, int i, int j) {
+    if (!uniform) p = pair_parameters(i, j);
+    const LawHistory h = c.law_history(k);
+    TotalledContact contact{p.contact, h, c.view(k), 0.0, 0.0, p.radsum - geometry.distance(i, j), 1.0};
+    if (i >= nlocal || j >= nlocal) contact.weight = 0.5;
+    const Turning *turning = nullptr;
+    if (p.contact.yielded(h.peak)) {
+      const int t = c.cached_turning(k, p.contact);
+      turning = &c.turnings[t];
+      if (c.work_lost[t] == -1.0) c.work_lost[t] = p.contact.dissipated_energy(*turning, h.extra);
+      contact.dissipated = c.work_lost[t];
+      contact.peak_force = p.contact.peak_force(*turning);
+    } else {
+      contact.peak_force = p.contact.elastic_force(h.peak);
+    }
+    stored += contact.weight * has.stored_energy(p.contact, contact.overlap, h, turning);
+    add_to_totals(contact);
+  });
+  return stored;
+}
+
+/* Add the forgotten contacts on record, one half for each of the two spheres. */
+void PairGranHysteretic::total_records()
+{
+  ContactHistory &history = fix_history->history;
+  history.each_record(atom->nlocal, [&](int i, int m, const ContactRecord &record) {
+    if (record.live) return;
+    const ScaledLaw law = law_of(i, record);
+    const BlockView view(history.layout(), history.block(i, m));
+    const LawHistory h{record.dent.peak, view.extra};
+    add_to_totals({law, h, view, law.dissipated_energy(h), law.peak_force(h), 0.0, 0.5});
+  });
+}
+
+/* Add the sums of forgotten contacts without a record. */
+void PairGranHysteretic::total_forgotten()
+{
+  const ContactHistory &history = fix_history->history;
+  if (!history.has_forgotten()) return;
+  for (int i = 0; i < atom->nlocal; i++) {
+    const ForgottenContacts sums = history.forgotten(i);
+    pvector[DISSIPATED] += 0.5 * sums.dissipated;
+    pvector[FRICTIONAL] += 0.5 * (sums.frictional_loss - sums.rolling_loss - sums.twisting_loss);
+    pvector[ROLLED] += 0.5 * sums.rolling_loss;
+    pvector[TWISTED] += 0.5 * sums.twisting_loss;
+    pvector[VISCOUS] += 0.5 * sums.viscous_loss;
+    pvector[ADHESIVE] += 0.5 * sums.adhesive_loss;
+    pvector[YIELDED] += 0.5 * sums.yielded;
+    pvector[BEYOND_HALF] += 0.5 * sums.beyond_half;
+    pvector[BEYOND_LAW] += 0.5 * sums.beyond_law;
+    pvector[LARGEST_FORCE] = std::max(pvector[LARGEST_FORCE], sums.peak_force);
+  }
+}
+
 double PairGranHysteretic::tally_totals()
 {
   require_contacts();
   require_finite_motion(lmp);
-  double elastic = 0.0, largest_force = 0.0;
   std::fill_n(pvector, static_cast<int>(N_TOTALS), 0.0);
-  const int nlocal = atom->nlocal;
-  ContactList &c = contacts;
+  const double stored = total_pairs();
+  total_records();
+  total_forgotten();
 
-  const auto count = [&](const ScaledLaw &contact, const LawHistory &h, const BlockView &view, double dissipated,
-                         double peak_force, double overlap, double weight) {
-    pvector[TANGENTIAL] += weight * has.tangential_energy(view.spring, view.extra);
-    pvector[FRICTIONAL] += weight * view.spring.loss;
-    pvector[VISCOUS] += weight * has.viscous_loss(h.extra);
-    if (has.resistance) {
-      const ResistanceHistory resisted = has.resistance_of(h.extra);
-      pvector[ROLLING] += weight * resisted.rolling.stored();
-      pvector[ROLLED] += weight * resisted.rolling.loss;
-      pvector[TWISTING] += weight * resisted.twisting.stored();
-      pvector[TWISTED] += weight * resisted.twisting.loss;
-    }
-    if (contact.cohesive()) pvector[ADHESIVE] += weight * has.cohesion_of(h.extra).lost;
-    largest_force = std::max(largest_force, largest_force_of_run(has, contact, h, view, overlap, peak_force));
-    const int beyond = beyond_range(contact, h.peak);
-    if (beyond > 0) pvector[BEYOND_HALF] += weight;
-    if (beyond > 1) pvector[BEYOND_LAW] += weight;
-    if (!contact.yielded(h.peak) || h.peak <= view.initial) return;
-    pvector[YIELDED] += weight;
-    pvector[DISSIPATED] += weight * (dissipated - contact.dissipated_energy({view.initial, view.initial_extra}));
-  };
-
-  PairParameters p{};
-  if (uniform && nlocal > 0) p = pair_parameters(0, 0);
-  c.each_dent([&](int, int k, int i, int j) {
-    const double peak = c.peak[k];
-    const double weight = i < nlocal && j < nlocal ? 1.0 : 0.5;
-    if (!uniform) p = pair_parameters(i, j);
-    const double overlap = p.radsum - geometry.distance(i, j);
-    const LawHistory h = c.law_history(k);
-    double dissipated = 0.0, peak_force = 0.0;
-    if (p.contact.yielded(peak)) {
-      const int t = c.cached_turning(k, p.contact);
-      if (c.work_lost[t] == -1.0) c.work_lost[t] = p.contact.dissipated_energy(c.turnings[t], h.extra);
-      dissipated = c.work_lost[t];
-      peak_force = p.contact.peak_force(c.turnings[t]);
-      if (overlap > 0.0 && !p.contact.cohesive()) elastic += weight * p.contact.elastic_energy(overlap, c.turnings[t]);
-    } else {
-      peak_force = p.contact.elastic_force(peak);
-      if (overlap > 0.0 && !p.contact.cohesive())
-        elastic += weight * has.elastic_energy(p.contact.elastic_energy(overlap), h.extra);
-    }
-    if (p.contact.cohesive() && has.cohesion_of(c.block(k))->joined > 0.0)
-      elastic += weight * p.contact.cohesive_state(overlap, h).energy;
-    count(p.contact, h, c.view(k), dissipated, peak_force, overlap, weight);
-  });
-
-  ContactHistory &history = fix_history->history;
-  history.each_record(nlocal, [&](int i, int m, const ContactRecord &record) {
-    if (record.live) return;
-    const ScaledLaw contact = law_of(i, record);
-    const BlockView view(history.layout(), history.block(i, m));
-    const LawHistory h{record.dent.peak, view.extra};
-    count(contact, h, view, contact.dissipated_energy(h), contact.peak_force(h), 0.0, 0.5);
-  });
-  if (history.has_forgotten())
-    for (int i = 0; i < nlocal; i++) {
-      const ForgottenContacts sums = history.forgotten(i);
-      pvector[DISSIPATED] += 0.5 * sums.dissipated;
-      pvector[FRICTIONAL] += 0.5 * (sums.frictional_loss - sums.rolling_loss - sums.twisting_loss);
-      pvector[ROLLED] += 0.5 * sums.rolling_loss;
-      pvector[TWISTED] += 0.5 * sums.twisting_loss;
-      pvector[VISCOUS] += 0.5 * sums.viscous_loss;
-      pvector[ADHESIVE] += 0.5 * sums.adhesive_loss;
-      pvector[YIELDED] += 0.5 * sums.yielded;
-      pvector[BEYOND_HALF] += 0.5 * sums.beyond_half;
-      pvector[BEYOND_LAW] += 0.5 * sums.beyond_law;
-      largest_force = std::max(largest_force, sums.peak_force);
-    }
-
-  double all_largest = 0.0;
-  MPI_Allreduce(&largest_force, &all_largest, 1, MPI_DOUBLE, MPI_MAX, world);
-  pvector[LARGEST_FORCE] = comm->me == 0 ? all_largest : 0.0;    // compute pair sums over processors
-  if (!std::isfinite(elastic + pvector[DISSIPATED] + pvector[TANGENTIAL] + pvector[FRICTIONAL] + pvector[VISCOUS] +
-                     pvector[ROLLED] + pvector[TWISTED] + pvector[ADHESIVE]))
+  double largest_force = 0.0;
+  MPI_Allreduce(&pvector[LARGEST_FORCE], &largest_force, 1, MPI_DOUBLE, MPI_MAX, world);
+  pvector[LARGEST_FORCE] = comm->me == 0 ? largest_force : 0.0;    // compute pair sums over processors
+  double all_energies = stored;
+  for (const int energy : {DISSIPATED, TANGENTIAL, FRICTIONAL, VISCOUS, ROLLED, TWISTED, ADHESIVE})
+    all_energies += pvector[energy];
+  if (!std::isfinite(all_energies))
     error->one(FLERR, "Pair style gran/hysteretic: the energy of the contacts is not a number: positions or velocities "
                       "are wrong, or the timestep is far too large");
-  return elastic;
+  return stored;
 }
 
 /* Report on spheres i and j, whose pair k (-1: not in the list) is in the row of i (side 1) or of j (-1). */

@@ -3,6 +3,28 @@
 
 using namespace granwave;
 
+namespace {
+
+/* Sort the elements of a vector from the first one on by the IDs of their spheres: one digit of the ID after the other. */
+void sort_by_id(std::vector<int> &spheres, std::ptrdiff_t first, const LAMMPS_NS::tagint *tag)
+{
+  constexpr int BITS = 11, DIGITS = 1 << BITS;
+  const auto n = spheres.size() - first;
+  std::vector<int> before(n);
+  std::int64_t largest = 0;
+  for (auto i = spheres.begin() + first; i != spheres.end(); i++) largest = std::max<std::int64_t>(largest, tag[*i]);
+  for (int shift = 0; shift < 64 && largest >> shift != 0; shift += BITS) {
+    std::copy(spheres.begin() + first, spheres.end(), before.begin());
+    int place[DIGITS + 1] = {};
+    const auto digit = [&](int i) { return static_cast<int>(tag[i] >> shift & (DIGITS - 1)); };
+    for (const int i : before) place[digit(i) + 1]++;
+    for (int d = 0; d < DIGITS; d++) place[d + 1] += place[d];
+    for (const int i : before) spheres[first + place[digit(i)]++] = i;
+  }
+}
+
+}    // namespace
+
 void PairRows::clear()
 {
   row.clear();
@@ -26,7 +48,7 @@ void PairRows::add_rows(const std::vector<std::pair<int, int>> &pairs, const tag
   begin.reserve(begin.size() + more);
   for (std::size_t i = 0; i < place.size(); i++)
     if (place[i] > 0) row.push_back(static_cast<int>(i));
-  if (!std::is_sorted(row.begin() + first_row, row.end(), precedes)) std::sort(row.begin() + first_row, row.end(), precedes);
+  if (!std::is_sorted(row.begin() + first_row, row.end(), precedes)) sort_by_id(row, first_row, tag);
   for (std::size_t r = first_row; r < row.size(); r++) {
     const int n = place[row[r]];
     place[row[r]] = begin.back();

@@ -119,7 +119,7 @@ def rows(runs):
         gap = np.array([[one.edges[[0, 1], [1, 0]] for one in row] for row in places])
         (low, high), name = gap[1, 1], "spheres of {}, {} cylinders".format(*pair)
         lowest = gap[..., 0].min()
-        remark = "By the end of the axis."
+        remark = "The bound is the end of the axis."
         if lowest < BOTTOM:
             remark += " With the density of 2100 kg/m3 that section 7.1 prints instead of 2700, "
             remark += " and ".join(f"{word} {edge:.3g}" for word, edge in lighter_edges().items())
@@ -143,7 +143,7 @@ def rows(runs):
             highest,
             gap[..., 1].max(),
             FIGURE,
-            "By the end of the axis.",
+            "The bound is the end of the axis.",
             digits=3,
             bound=True,
         )

@@ -1,6 +1,6 @@
 """Square packing, elastic impacts.
 
-20 x 20 elastic spheres, struck through a sphere at rest: two at an edge in the plane at 0.29 m/s,
+20 × 20 elastic spheres, struck through a sphere at rest: two at an edge in the plane at 0.29 m/s,
 or four in the middle from above at 0.65 m/s.
 """
 

@@ -49,7 +49,7 @@ def test_styles_in_both_states(capsys):
         granular = state["table"][bench.ROUGH_GRANULAR]
         assert rough["ratios_to_granular"][1] == rough["rates"][1] / granular["rates"][1]
     printed = capsys.readouterr().out
-    assert "load of the machine" in printed and "2 x 100 steps" in printed
+    assert "load of the machine" in printed and "2 × 100 steps" in printed
     assert printed.count(bench.ROUGH_BASELINE) == 2 == printed.count(bench.ROUGH_GRANULAR)
 
 

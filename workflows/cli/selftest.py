@@ -279,9 +279,9 @@ def _packing(scratch: Path) -> list[Check]:
     summary = _run(scratch, "packing", _PACKING)[1]
     yielded = summary["n_plastic_contacts"]
     return [
-        _number("FCC 8 x 8 x 5: dissipated", "", _DISSIPATED, summary["dissipated_fraction"]),
+        _number("FCC 8 × 8 × 5: dissipated", "", _DISSIPATED, summary["dissipated_fraction"]),
         Check(
-            "FCC 8 x 8 x 5: yielded",
+            "FCC 8 × 8 × 5: yielded",
             f"{_YIELDED} contacts",
             f"{yielded} contacts",
             yielded == _YIELDED,

@@ -16,12 +16,13 @@ from granwave.analysis.document.model import (
     Link,
     Note,
     TableColumn,
+    in_unit,
     percent,
     text_table,
     value_cell,
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
-from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.figures import FIGURES
@@ -86,10 +87,17 @@ def value_table(comparison: Comparison) -> DocumentTable:
     if len(comparison.runs) > MOST_SIDE_BY_SIDE:
         return _ranges(comparison.runs, values)
     heads = [TableColumn(run.name, numeric=True) for run in comparison.runs]
-    rows = [(*_head(value), *map(value_cell, value.values), _ratio(value)) for value in values]
+    rows = [_value_row(value) for value in values]
     ratio = TableColumn(_ratio_name(comparison.runs), numeric=True)
     columns = (_QUANTITY, _UNIT, *heads, ratio)
     return DocumentTable(_OF_VALUES, columns, tuple(rows), by_row=True)
+
+
+def _value_row(value: ComparedValue) -> tuple[Cell, ...]:
+    """Return label, unit, values and ratio, in the unit in which the values are read best."""
+    unit, size = column_unit(value.unit, value.values)
+    cells = [value_cell(in_unit(number, size)) for number in value.values]
+    return (Cell(value.label, value.label), Cell(unit), *cells, _ratio(value))
 
 
 def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> DocumentTable:
@@ -106,8 +114,11 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
             continue
         least = min(named)
         most = max(named)
-        ends = (value_cell(least[0]), Cell(least[1]), value_cell(most[0]), Cell(most[1]))
-        rows.append((*_head(value), *ends, _ratio(value)))
+        unit, size = column_unit(value.unit, value.numbers)
+        smallest = value_cell(in_unit(least[0], size))
+        largest = value_cell(in_unit(most[0], size))
+        ends = (smallest, Cell(least[1]), largest, Cell(most[1]))
+        rows.append((Cell(value.label, value.label), Cell(unit), *ends, _ratio(value)))
     columns = (
         _QUANTITY,
         _UNIT,
@@ -118,10 +129,6 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
         TableColumn("Ratio", numeric=True),
     )
     return DocumentTable(_OF_VALUES, columns, tuple(rows), by_row=True)
-
-
-def _head(value: ComparedValue) -> tuple[Cell, Cell]:
-    return Cell(value.label, value.label), Cell(value.unit)
 
 
 def _ratio(value: ComparedValue) -> Cell:

@@ -70,6 +70,9 @@ _HANDLE = 0.45  # width of its line and gaps, inches
 _ROW = 0.15  # height of a row of a legend, inches
 _FREE_ROWS = 2  # rows of a legend for which a figure has room
 _THIN = 0.9  # points
+_THICK = 1.6
+_MOST_WIDTHS = 4  # runs whose lines have different widths
+_MARKERS = ("o", "s", "^", "D", "v", "P")
 _MOST_MARKED = 40  # points of a curve with markers
 _NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 _POINTS_OF_FIT = 30
@@ -158,21 +161,37 @@ def read_figure(figure: ComparisonFigure, runs: Sequence[ComparedRun]) -> Figure
 
 
 def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
-    """Return colour and line of each run, which are the same in all figures of a comparison."""
+    """Return colour and line of each run, which are the same in all figures of a comparison.
+
+    Of a few runs the first has the thickest line, so that it is seen below equal curves.
+    """
+    widths = [_THIN] * len(runs)
+    if 1 < len(runs) <= _MOST_WIDTHS:
+        widths = np.linspace(_THICK, _THIN, len(runs)).tolist()
     return {
         run: {
             "color": COLOURS[run.look % len(COLOURS)],
             "linestyle": _LINES[run.look % len(_LINES)],
-            "linewidth": _THIN,
+            "linewidth": width,
             "label": run.label.replace("$", r"\$").lstrip("_") or "run",
         }
-        for run in runs
+        for run, width in zip(runs, widths, strict=True)
     }
 
 
-def _markers(places: Array) -> dict[str, Any]:
-    """Return the markers of a curve; none for many points, which would hide its line."""
-    return {"marker": ".", "markersize": 4} if len(places) <= _MOST_MARKED else {}
+def _markers(run: ComparedRun, places: Array) -> dict[str, Any]:
+    """Return the markers of the curve of a run; none for many points, which would hide its line.
+
+    Markers are hollow and have different shapes, so that equal curves are told apart.
+    """
+    if len(places) > _MOST_MARKED:
+        return {}
+    return {
+        "marker": _MARKERS[run.look % len(_MARKERS)],
+        "markersize": 3.5,
+        "markerfacecolor": "none",
+        "markeredgewidth": 0.8,
+    }
 
 
 def _legend(figure: MatplotlibFigure) -> None:
@@ -311,10 +330,10 @@ def draw_peaks(
     for run, look in _styles(list(peaks)).items():
         one = peaks[run]
         depth = one.depth * _MILLI
-        left.plot(depth, one.largest, **_markers(depth), **look)
+        left.plot(depth, one.largest, **_markers(run, depth), **look)
         for right in others:
             is_loaded = one.median > 0
-            right.plot(depth[is_loaded], one.median[is_loaded], **_markers(depth), **look)
+            right.plot(depth[is_loaded], one.median[is_loaded], **_markers(run, depth), **look)
         if run in fits:
             decay = fits[run]
             ends = np.linspace(decay.first, decay.last, _POINTS_OF_FIT)
@@ -402,7 +421,7 @@ def draw_dissipation(
     for run, look in _styles(list(curves)).items():
         curve = curves[run]
         shown = curve.y > 0
-        axes.plot(curve.x[shown] * _MILLI, curve.y[shown], **_markers(curve.x), **look)
+        axes.plot(curve.x[shown] * _MILLI, curve.y[shown], **_markers(run, curve.x), **look)
         name = column_name(run.label)
         columns |= {f"{name}_depth_m": curve.x, f"{name}_dissipated_over_input": curve.y}
     label(axes, "Depth (mm)", "Dissipation of the layer / input", log="y")
@@ -444,7 +463,7 @@ def draw_fronts(
     columns: dict[str, Array] = {}
     for run, look in _styles(list(curves)).items():
         curve = curves[run]
-        axes.plot(curve.x * _MILLI, curve.y * _MICRO, **_markers(curve.x), **look)
+        axes.plot(curve.x * _MILLI, curve.y * _MICRO, **_markers(run, curve.x), **look)
         name = column_name(run.label)
         columns |= {f"{name}_depth_m": curve.x, f"{name}_arrival_s": curve.y}
     columns |= _measured_lines(axes, measured, _MILLI, _MICRO)

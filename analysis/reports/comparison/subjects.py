@@ -15,7 +15,13 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.numbers import quantity_in, size_text
 from granwave.analysis.formatting.values import as_label, unit_in_cases
 from granwave.analysis.reports.kinds import ReportRun
-from granwave.analysis.reports.setting import differing
+from granwave.analysis.reports.setting import (
+    KIND_OF_PACKING,
+    applied_value,
+    differing,
+    is_nothing,
+    origin_of,
+)
 from granwave.analysis.result.not_a_run import UNFINISHED
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import GranwaveError
@@ -211,7 +217,9 @@ def is_physical(key: str) -> bool:
 
 def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> str:
     """Return the value of a key of a case in words: ``10 m/s``, ``12 x 12 x 8``, ``steel``."""
-    value = case.get(key)
+    value = applied_value(key, case)
+    if key == KIND_OF_PACKING:
+        value = origin_of(case) or value
     is_none = value == 0 and key in _NONE_AT_ZERO
     if value is None or value == "" or is_none:
         return missing
@@ -219,6 +227,8 @@ def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> s
         return f"table of {len(value.splitlines()) - 1} rows"
     if key == _REPLACED and isinstance(value, list):
         return ", ".join(_replacement(table) for table in value)
+    if isinstance(value, list) and any(isinstance(part, Mapping) for part in value):
+        value = [_without_nothing(part) for part in value]
     if isinstance(value, list | tuple) and all(isinstance(part, int) for part in value):
         return size_text(value)
     unit = unit_in_cases(key, [case])
@@ -238,6 +248,13 @@ def _replacement(table: Mapping[str, Any]) -> str:
     ]
     places = ", ".join(map(str, np.atleast_1d(table.get(_INDEX, []))))
     return f"{', '.join(changes)} at {places}"
+
+
+def _without_nothing(entry: Any) -> Any:
+    """Return an entry of a list of tables without zeros and empty values."""
+    if not isinstance(entry, Mapping):
+        return entry
+    return {name: value for name, value in entry.items() if not is_nothing(value)}
 
 
 def _with_unit(value: float, unit: str) -> str:

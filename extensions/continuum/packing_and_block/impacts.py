@@ -322,7 +322,7 @@ def _granular(run: FinishedRun) -> dict[str, Any]:
         "dissipated_fraction": run.value("dissipated_fraction"), "struck_spheres": int(case.load.spheres),
         "yield_force": law.yield_force, "solid_fraction": packing.rule.solid_fraction,
         "n_spheres": run.assembly.lattice.n_spheres,
-        "packing": f"{packing.kind} {' x '.join(map(str, packing.size))}",
+        "packing": f"{packing.kind} {' × '.join(map(str, packing.size))}",
         "substance": (*constants.values(), packing.diameter, case.contact),
         "shape": (packing.kind, packing.size, boundary.bottom, boundary.sides), "held": (packing.kind, boundary),
     }  # fmt: skip

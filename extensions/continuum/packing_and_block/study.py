@@ -108,7 +108,7 @@ def text(impacts: Impacts) -> str:
         first = impacts.reference.iloc[0]
         packing = first.run.case.packing
         parts.append(
-            f"Granular reference: {packing.kind} {' x '.join(map(str, packing.size))}, D = "
+            f"Granular reference: {packing.kind} {' × '.join(map(str, packing.size))}, D = "
             f"{show(1e3 * packing.diameter)} mm, {first.material or 'one material'}, {many} "
             f"{'velocities' if many > 1 else 'velocity'}; energies are normalised by F_y alpha_y = "
             f"{show(float(first.energy_J / first.energy_normalised))} J."

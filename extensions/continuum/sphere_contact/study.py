@@ -25,9 +25,10 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 TITLE = "Contact law against finite elements"
 RUN_TYPE = SphereContactRun
 TEXT = (
-    "Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are "
-    "finite elements over the contact law, less 1, at equal overlap; alpha_y is the overlap at "
-    "first yield. The contact grows element by element, so single values have steps."
+    "Two elastic-perfectly-plastic spheres are pressed together by finite elements. Differences "
+    "are the force of the finite elements divided by the force of the contact law, minus 1, at "
+    "equal overlap. alpha_y is the overlap at first yield. The contact grows element by element, "
+    "so that single values have steps."
 )
 _SPOTS = (3.0, 10.0)  # alpha_y: where the law deviates most, and where its plateau begins
 _SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
@@ -89,7 +90,7 @@ def tables(loadings: Sequence[SphereLoading]) -> Iterator[DocumentTable]:
         "Plastic dissipation in the softer sphere",
     )
     columns = (TableColumn("Spheres", key=True), *numeric(*headings))
-    yield table_of("Finite elements over the contact law, less 1", columns, map(_row, loadings))
+    yield table_of("Finite elements divided by contact law, minus 1", columns, map(_row, loadings))
 
 
 def _row(loading: SphereLoading) -> tuple[Any, ...]:

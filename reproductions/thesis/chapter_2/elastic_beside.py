@@ -1,7 +1,7 @@
-"""Elasto-plastic and elastic chain under one pulse.
+"""Elasto-plastic and elastic chain under the same pulse.
 
-20 kN within 10 us on the first bead of a chain under the elasto-plastic law, and of one under
-Hertz's.
+A pulse of 20 kN within 10 us acts on the first bead of two chains, with the elasto-plastic law and
+with Hertz's law.
 """
 
 import numpy as np
@@ -33,7 +33,7 @@ def rows(runs):
     yield gw.Row(
         f"Elastic chain, {wave.name}: peak force at contact {CONTACT} over E*R*^2", where="thesis Fig. 2.11",
         ours=wave.largest[CONTACT - 1] / wave.scales.force, theory=0.719 * (3 / 128) ** 0.6 * wave.reduced**1.2,
-        remark="Theory: thesis 4.5 for an impulse; while this pulse lasts bead 2 moves already.",
+        remark="Theory: thesis 4.5 for an impulse. Bead 2 already moves during this pulse.",
     )  # fmt: skip
 
 
@@ -58,8 +58,9 @@ def pictures(runs):
     stack[-1].set(xlabel=TIME, xlim=(0, SHOWN))
     figure.supylabel(r"Elasto-plastic $F/E^*R^{*2}$  (elastic, dotted: right)", fontsize=8)
     caption = (
-        "Force of four contacts against time: elasto-plastic chain, and the elastic one under the same pulse (dotted, "
-        "right-hand axis; thesis Fig. 2.11). Where contacts yield, the wave is slower and lower, and breaks into many"
+        "Force of four contacts against time: elasto-plastic chain, and elastic chain under the "
+        "same pulse (dotted, right-hand axis; thesis Fig. 2.11). Where contacts yield, the wave "
+        "is slower and smaller, and splits into many"
     )
     yield gw.Picture("elastoplastic_histories", caption, figure, data)
 
@@ -82,7 +83,8 @@ def pictures(runs):
     axes.figure.colorbar(image, ax=axes, label=FORCE, extend="min")
     data = {"elastic_crest_time_normalised": crest, "elastic_crest_place_normalised": moved}
     caption = (
-        "Force by place and time in the elasto-plastic chain (thesis Fig. 2.12). Its front bends, as it becomes slower "
-        "on its way; the elastic crest, moved aside, is straight and steeper"
+        "Force against position and time in the elasto-plastic chain (thesis Fig. 2.12). The "
+        "front bends because it slows down; the elastic crest, shown shifted, is straight and "
+        "steeper"
     )
     yield gw.Picture("elastoplastic_map", caption, axes.figure, data)

@@ -1,8 +1,9 @@
 """Elasto-plastic chain after a pulse: decay.
 
-10 chains under the elasto-plastic law, impulse 0.46, 0.23, 0.046 in units of E*R*^2 tau. Peak
-forces are the largest ever at a contact. Free beads collide chaotically behind the front: far
-contacts of like runs differ by some per cent, fits over many contacts do not.
+The ten chains have the elasto-plastic law and impulses of 0.46, 0.23 and 0.046 in units of E*R*^2
+tau. Peak forces are the largest forces of a contact at any time. Behind the front free beads
+collide chaotically: distant contacts of similar runs differ by a few per cent, but fits over many
+contacts do not.
 """
 
 import numpy as np
@@ -45,7 +46,7 @@ def rows(runs):
         source=MERGER,
         ours=weakest.merger,
         where="thesis 2.2.3",
-        remark="Ours: where the leading peak ceases to fall.",
+        remark="Our value is the contact where the leading peak stops falling.",
     )
     start, decay = common_decay(waves, SWITCH)
     for name, source, ours in (("a", START, start), ("b", DECAY, decay)):
@@ -55,8 +56,9 @@ def rows(runs):
             ours=ours,
             where="thesis 2.25, Fig. 2.13",
             digits=3,
-            remark="Least squares of the logarithm. The source draws one law for three impulses, and says that it "
-            "was fitted to the smallest; the smallest alone has other constants.",
+            remark="The fit is by least squares of the logarithm. The source draws one law for "
+            "three impulses and states that it was fitted to the smallest impulse; the "
+            "smallest impulse alone has other constants.",
         )
     yield gw.Row(
         f"b: decay of the leading wave per contact, contacts 1 to {FITTED}, {weakest.tag}",
@@ -64,8 +66,9 @@ def rows(runs):
         ours=weakest.decay(1, FITTED),
         where="thesis 2.25",
         digits=3,
-        remark="The wave of which the source says that its fit is. Ours is no exponential: the decay falls from "
-        f"{weakest.decay(1, 2):.3f} at contact 1 to {weakest.decay(FITTED - 1, FITTED):.3f} at contact {FITTED}.",
+        remark="According to the source its law was fitted to this wave. Our decay is not "
+        f"exponential: it falls from {weakest.decay(1, 2):.3f} at contact 1 to {weakest.decay(FITTED - 1, FITTED):.3f} "
+        f"at contact {FITTED}.",
     )
     for wave in reversed(waves):
         yield gw.Row(
@@ -74,8 +77,8 @@ def rows(runs):
             ours=wave.decay(1, SWITCH),
             where="thesis 2.25",
             digits=3,
-            remark="Where the source uses 2.25, for all loads. Ours is the faster the larger the impulse; the row of "
-            "one law has all three together.",
+            remark="The source uses 2.25 over these contacts for all loads. Our decay is faster "
+            "for larger impulses; the rows of one law have all three impulses together.",
         )
     for wave in waves:
         yield gw.Row(
@@ -83,15 +86,16 @@ def rows(runs):
             source=SWITCH,
             ours=wave.merger,
             where="thesis 2.2.3, 2.2.4",
-            remark=f"The source: about {SWITCH}, from {SWITCHES[0]} to {SWITCHES[1]}, where a "
-            f"trailing wave merges with the leading one; elsewhere {MERGER} for the smallest "
-            "impulse. Ours: where the leading peak ceases to fall.",
+            remark="In the source the second regime starts where a trailing wave merges with the "
+            f"leading wave: about {SWITCH}, from {SWITCHES[0]} to {SWITCHES[1]}, or {MERGER} "
+            "for the smallest impulse in another place. Our value is the contact where the "
+            "leading peak stops falling.",
         )
         yield gw.Row(
             f"First contact that a later wave presses more, {wave.tag}",
             ours=wave.transition,
             where="thesis 2.2.4",
-            remark=f"By {wave.pressed_more(wave.transition):.1%}.",
+            remark=f"The later force is {wave.pressed_more(wave.transition):.1%} larger.",
         )
         steps = wave.x[9:] * wave.normalised[9:]
         last = wave.contacts
@@ -100,7 +104,7 @@ def rows(runs):
             source=INVERSE,
             ours=wave.inverse_constant(),
             where="thesis 2.26",
-            remark=f"Between {steps.min():.2f} and {steps.max():.2f} from contact to contact.",
+            remark=f"The value of single contacts lies between {steps.min():.2f} and {steps.max():.2f}.",
         )
         yield gw.Row(
             f"Power of the peak force with distance, contacts {FAR} to {last}, {wave.tag}",
@@ -108,7 +112,7 @@ def rows(runs):
             ours=wave.force_power(FAR, last).exponent,
             where="thesis 2.26",
             digits=2,
-            remark="Waves that merge make steps in the curve; near yield the chain turns elastic.",
+            remark="Merging waves make steps in the curve; near yield the chain becomes elastic.",
         )
     for group, chosen in zip(found, waves, strict=True):
         for wave in group:
@@ -116,9 +120,12 @@ def rows(runs):
                 continue
             ratio = np.abs(wave.largest[:COLLAPSE] / chosen.largest[:COLLAPSE] - 1)
             far = wave.inverse_constant() / chosen.inverse_constant() - 1
-            remark = f"Contacts 5 to {COLLAPSE}: {ratio[4:].max():.1%}; mean of n F from contact 10 on: {far:+.1%}."
+            remark = (
+                f"For contacts 5 to {COLLAPSE} the difference is {ratio[4:].max():.1%}, and "
+                f"for the mean of n F from contact 10 on {far:+.1%}."
+            )
             if wave.duration > 50:
-                remark += f" A pulse of {wave.duration:.0f} tau is not short."
+                remark += f" The pulse lasts {wave.duration:.0f} tau and is not short."
             name = f"Largest difference in peak force, contacts 1 to {COLLAPSE}, {wave.tag} against {chosen.name}"
             yield gw.Row(name, ours=ratio.max(), where="thesis Fig. 2.14", remark=remark)
 

@@ -1,7 +1,8 @@
 """Elasto-plastic chain after a pulse: dissipation.
 
-What three chains dissipate up to each contact, beside the source's model: a contact of peak force F
-takes d0 + d1 F + d2 F^2 (2.28), with the source's law of the peak force.
+The energy dissipated in three chains up to each contact is compared with the model of the source: a
+contact of peak force F dissipates d0 + d1 F + d2 F^2 (2.28), with the law of the source for the
+peak force.
 """
 
 import numpy as np
@@ -59,25 +60,30 @@ def rows(runs):
         ours = own[LAST - 1]
         model = summed(LAST, wave.unit)[-1]
         integral = integrated(LAST, wave.unit)[-1]
-        remark = ("Theory: the source's sum of 2.28. It calls small impulses accurate and others within 6 %. Its "
-                  f"integral in place of the sum gives {integral / unit:.4g} ({ours / integral - 1:+.0%}): it drops "
-                  f"half of contact 1, which holds {own[0] / ours:.0%}.")
+        remark = ("Theory: the sum of 2.28, which the source calls accurate for small impulses "
+                  "and within 6 % for others. The integral of the source in place of the sum "
+                  f"gives {integral / unit:.4g} ({ours / integral - 1:+.0%}): it omits half of "
+                  f"contact 1, which dissipates {own[0] / ours:.0%}.")
         if (constant := LAST * QUADRATIC[0] / model) > 0.1:
-            remark += f" The constant d0 alone, at every contact, makes {constant:.0%} of the sum."
+            remark += (f" The constant d0, counted at every contact, contributes {constant:.0%} of "
+                       "the sum.")
         yield gw.Row(f"Dissipated up to contact {LAST} over F_y alpha_y, {wave.tag}", ours=ours / unit,
                      theory=model / unit, where="thesis Fig. 2.16", remark=remark)
     forces = np.array([1e3, 5e3])
     fitted_at = np.linspace(law.yield_force, FITTED_TO, 500)
-    compared = "; ".join(f"at {force:g} N {np.polynomial.polynomial.polyval(force, QUADRATIC):.4g} J for {lost:.4g} J "
-                         "of the law" for force, lost in zip(forces, by_law(law, forces), strict=True))
-    remarks = (f"Depends on the range of the fit. With the printed constants a contact dissipates {compared}.",
-               "Depends on the range of the fit, and even changes sign.", "Fitted to the law.")
+    compared = "; ".join(f"{np.polynomial.polynomial.polyval(force, QUADRATIC):.4g} J at {force:g} "
+                         f"N (law: {lost:.4g} J)" for force, lost in zip(forces, by_law(law, forces), strict=True))
+    remarks = ("It depends on the range of the fit. With the printed constants a contact "
+               f"dissipates {compared}.",
+               "It depends on the range of the fit, and even changes sign.",
+                   "It is fitted to the law.")
     fit = np.polynomial.Polynomial.fit(fitted_at, by_law(law, fitted_at), 2).convert().coef
     table = zip(("J", "J/N", "J/N^2"), QUADRATIC, fit, remarks, strict=True)
     for n, (per, printed, theory, remark) in enumerate(table):
         yield gw.Row(f"d{n} of 2.28, fitted to the law up to {FITTED_TO:g} N", per, printed, theory=theory,
-                     where="thesis 2.28", remark=f"Printed as normalised; taken as {per} of brass contacts of "
-                     f"R = 4.76 mm, where the law has them. {remark}")
+                     where="thesis 2.28", remark="The constant is printed as normalised; it is "
+                                                 f"read as {per} for brass contacts of R = 4.76 "
+                                                 f"mm, where it agrees with the law. {remark}")
     # fmt: on
 
 
@@ -106,7 +112,8 @@ def pictures(runs):
     total = next(values[-1] for name, values in data.items() if name.startswith("dissipated"))
     ends = " and ".join(f"{100 * (value / total - 1):+.0f} %" for value in by_model[:2])
     caption = (
-        "Energy dissipated up to each contact, and the source's model with its own constants (thesis Fig. 2.16). The "
-        f"first contacts take most; at the largest impulse its sum and its integral end {ends} off"
+        "Energy dissipated up to each contact, and the model of the source with its own constants "
+        "(thesis Fig. 2.16). The first contacts dissipate most; at the largest impulse the sum "
+        f"and the integral of the model end {ends} away"
     )
     yield gw.Picture("elastoplastic_dissipation", caption, figure, data)

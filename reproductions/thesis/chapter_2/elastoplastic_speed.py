@@ -1,8 +1,8 @@
 """Elasto-plastic chain after a pulse: speed.
 
-10 chains under the elasto-plastic law, impulse 0.46, 0.23, 0.046 in units of E*R*^2 tau. The
-leading disturbance arrives with 1 % of the largest force ever at a contact, and its speed is taken
-over ten contacts.
+The ten chains have the elasto-plastic law and impulses of 0.46, 0.23 and 0.046 in units of E*R*^2
+tau. The leading disturbance arrives at a contact with 1 % of the largest force of the contact. Its
+speed is taken over ten contacts.
 """
 
 import numpy as np
@@ -28,17 +28,19 @@ def rows(runs):
         low = wave.largest[last - 1] / wave.law.yield_force
         what = f"contacts {FIRST} to {last}, {wave.tag}"
         yield gw.Row(f"Power of the leading speed with distance, {what}", source=-0.2, ours=of_distance.exponent,
-                     remark=f"Arrival at 1, 10, 50 % of a contact's largest force: {', '.join(levels)}. Contacts 20 to "
-                     f"40 alone: {near:.2f}. The source says neither level nor range. Peak force at contact {last}: "
-                     f"{low:.2g} F_y.", **where)
+                     remark="With arrival at 1, 10 and 50 % of the largest force of a contact the "
+                            f"power is {', '.join(levels)}. Contacts 20 to 40 alone give {near:.2f}. "
+                            "The source states neither the level nor the range. The peak force at "
+                            f"contact {last} is {low:.2g} F_y.", **where)
         yield gw.Row(f"Power of the leading speed with the peak force, {what}", source=0.2, ours=of_force.exponent,
                      **where)
     contact = np.arange(FIRST, last + 1.0)
     speed = [np.exp(np.mean(np.log(np.interp(contact, *wave.speed())))) for wave in waves]
     law = power_law(np.array([wave.reduced for wave in waves]), np.array(speed))
     yield gw.Row(f"Power of the leading speed with the impulse, contacts {FIRST} to {last}", source=1 / 6,
-                 ours=law.exponent, remark="The source contradicts itself: with F ~ I/x and a speed that depends on F "
-                 "alone the powers with I and with 1/x are one number, so its 1/6 and 1/5 cannot both hold.", **where)
+                 ours=law.exponent, remark="The source contradicts itself. With F ~ I/x and a "
+                                           "speed that depends only on F, the powers with I and "
+                                           "with 1/x are equal; 1/6 and 1/5 cannot both hold.", **where)
     # fmt: on
 
 
@@ -64,7 +66,8 @@ def pictures(runs):
     axes.xaxis.set_minor_locator(NullLocator())
     axes.legend(fontsize=7)
     caption = (
-        "Speed of the leading disturbance over the sixth root of the impulse, against distance; thin: other pulses of "
-        "an impulse (thesis Figs 2.14, 2.15). Curves on each other confirm the root; compare their slope with -1/5"
+        "Speed of the leading disturbance divided by the sixth root of the impulse, against "
+        "distance; thin: other pulses of an impulse (thesis Figs 2.14, 2.15). If curves coincide, "
+        "the root holds; compare their slope with -1/5"
     )
     yield gw.Picture("elastoplastic_speed", caption, figure, data)

@@ -1,11 +1,11 @@
 """First yield of two spheres of the chain, by hand.
 
-Brass of R = 4.76 mm: the overlap and the force at which the contact of two begins to yield.
+The overlap and the force at which the contact of two brass spheres of R = 4.76 mm begins to yield.
 """
 
 import granwave as gw
 
-REMARK = "R = 4.76 mm; the thesis calls 4.763 mm a diameter once"
+REMARK = "R = 4.76 mm; in one place the thesis calls 4.763 mm a diameter"
 
 
 def rows(runs):

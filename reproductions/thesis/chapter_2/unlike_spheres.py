@@ -1,9 +1,9 @@
-"""Unlike spheres.
+"""Dissimilar spheres.
 
-12 impacts of two spheres, their contact probed: loading, and unloading to separation, beside the
-law's curve. The thesis prints curves, no values; its finite elements are the static contact of two
-spheres. Forces at one overlap are held against the printed formulas, evaluated here: that tests
-the code, which has them as its law.
+The contact of two spheres is recorded in 12 impacts: loading, and unloading to separation, compared
+with the curve of the law. The thesis prints curves, but no values; its finite elements are the
+static contact of two spheres. Forces at one overlap are compared with the printed formulas,
+evaluated here. This tests the code, whose law is these formulas.
 """
 
 import math
@@ -23,8 +23,10 @@ FIRST_YIELD = 1.60
 AREA = (2.37, -59.96)
 LINEAR_FROM = 177.6  # overlaps at first yield
 ALLOYS = {
-    "aluminium-2017": "The thesis does not print the alloy's values: E 72.4 GPa, 276 MPa are the handbook's.",
-    "aluminium": "Pure aluminium of 150 MPa, the thesis' intruder; its Fig. 3.3 is of the stronger alloy 2017.",
+    "aluminium-2017": "The thesis does not print the values of the alloy; E = 72.4 GPa and 276 "
+    "MPa are from a handbook.",
+    "aluminium": "This is pure aluminium of 150 MPa, the intruder of the thesis; Fig. 3.3 has the "
+    "stronger alloy 2017.",
 }
 
 
@@ -114,14 +116,14 @@ def rows(runs):
     yield gw.Row(
         f"Largest distance of {len(pairs)} recorded curves from the law's, over the largest force", "%",
         ours=100 * max(pair.deviation for pair in pairs), theory=0.0, verification=True, where="thesis 2.14-2.17",
-        remark="Loading and unloading, from the coupled motion of two spheres.",
+        remark="The curves of loading and unloading follow from the coupled motion of two spheres.",
     )  # fmt: skip
     for pair in unlike:
         remark = next((ALLOYS[one] for one in ALLOYS if one in pair.names.split()), "")
         yield pair.row(SHALLOW, f"0.4 mm, {pair.names}", "thesis Fig. 3.3", remark)
     for pair in band:
         edge = (
-            "An edge of the range that the thesis gives for the experiment."
+            "The strength is one end of the range that the thesis gives for the experiment."
             if pair.strength != 550e6
             else ""
         )
@@ -213,8 +215,9 @@ def pictures(runs):
     left.legend(fontsize=5.5, loc="lower right")
     right.legend()
     caption = (
-        "Loading force against overlap, in units of first yield: all pairs; and unlike radii, overlap over R* (thesis "
-        "Fig. 2.10). Marks on the law's line tell that the runs have it, and that one curve serves all"
+        "Loading force against overlap, in units of first yield: all pairs; and dissimilar radii, "
+        "overlap / R* (thesis Fig. 2.10). Marks on the line of the law show that the runs follow "
+        "it, and that one curve holds for all"
     )
     yield gw.Picture("unlike_normalised", caption, figure, data)
 
@@ -224,7 +227,8 @@ def pictures(runs):
     contact(left, unlike, [pair.names for pair in unlike], data)
     contact(right, band, [f"{pair.strength / 1e6:.0f} MPa" for pair in band], data)
     caption = (
-        "Force against overlap, loading and unloading: unlike materials (thesis Fig. 3.3), and yield strengths (Fig. "
-        "2.9). The softer sphere decides: pairs that share it nearly coincide"
+        "Force against overlap, loading and unloading: dissimilar materials (thesis Fig. 3.3), "
+        "and yield strengths (Fig. 2.9). The softer sphere determines the curve: pairs with the "
+        "same softer sphere nearly coincide"
     )
     yield gw.Picture("unlike_materials", caption, figure, data)

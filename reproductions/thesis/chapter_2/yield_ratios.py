@@ -1,9 +1,9 @@
 """Master curves of yielding spheres.
 
-Two equal spheres of the modulus of brass and eight yield strengths, pressed together by finite
-elements. gamma is the yield strength over E*; overlaps are in units of the overlap at first yield,
-pressures in units of the yield strength. The source fits one curve to all eight: mean pressure
-(2.8), area of the contact (2.10) and residual overlap (2.13).
+Two equal spheres with the modulus of brass and eight yield strengths are pressed together by finite
+elements. gamma is the yield strength divided by E*. Overlaps are in units of the overlap at first
+yield, pressures in units of the yield strength. The source fits one curve to all eight: mean
+pressure (2.8), contact area (2.10) and residual overlap (2.13).
 """
 
 import dataclasses
@@ -110,7 +110,8 @@ def rows(contacts):
             yield gw.Row(
                 f"{words} at {place:g} overlaps at yield", source=float(formula(place)),
                 ours=np.mean(values), where=where,
-                remark=f"Source: its fit. Mean of {len(values)} ratios, spread {spread:.1f} %.",
+                remark=f"The source value is its fit. Ours is the mean of {len(values)} ratios, "
+                       f"with a spread of {spread:.1f} %.",
                 digits=3,
             )  # fmt: skip
     for one in contacts:
@@ -118,7 +119,8 @@ def rows(contacts):
         yield gw.Row(
             f"Residual over largest overlap, unloaded from {largest:.0f} overlaps at yield",
             source=float(residual(largest)) / largest, ours=one.residual[-1] / largest,
-            where="thesis Fig. 2.7, 2.13", remark=f"gamma {one.gamma:.2e}. Source: its fit.",
+            where="thesis Fig. 2.7, 2.13", remark=f"gamma is {one.gamma:.2e}. The source value is "
+                                                  "its fit.",
             digits=3,
         )  # fmt: skip
     exponents = {
@@ -134,7 +136,7 @@ def rows(contacts):
     yield gw.Row(
         f"Largest pressure over the yield strength at {deepest.overlap:.2f} R*", source=2.5,
         ours=np.median(deepest.pressure[deepest.pressure > 0]), where="thesis Fig. 2.3",
-        remark="Median over the contact.", digits=3,
+        remark="The value is the median over the contact.", digits=3,
     )  # fmt: skip
 
 

@@ -108,7 +108,7 @@ class Passage:
 def closed_forms(one, of, edge=""):
     """Rows of a pulse that passed both sections, with a remark on sharp edges."""
     of = f"{of} in elements of {1e3 * one.pitch:.3g} mm"
-    lasts = f"No echo within the run, which takes {1e6 * one.time[-1]:.4g} µs."
+    lasts = f"There is no echo within the run of {1e6 * one.time[-1]:.4g} µs."
     # fmt: off
     for what, unit, ours, theory, remark in (
         ("Speed", "m/s", one.speed, one.c, lasts),

@@ -1,12 +1,12 @@
 """Elastic bar.
 
-A half-sine and a rectangle of force on the end of a bar, in 25 to 400 elements a metre, against the
-closed forms of a slender bar. Sections lie at a quarter and three quarters of the length; only
-signals before the first echo count. The speed is that of the pulse's centroid where all of it has
-passed both sections, else of its rise through half the largest force. A kink of the pulse, as a
-half-sine has at its ends, limits the error of the shape to the power 2/3 of the element size; the
-edges of a rectangle are shorter than any element and ripple on every mesh. Speed, impedance and
-energy converge all the same.
+A half-sine and a rectangular force pulse act on the end of a bar with 25 to 400 elements per metre;
+they are compared with the closed forms of a slender bar. Sections lie at a quarter and at three
+quarters of the length, and only signals before the first echo count. If the whole pulse has passed
+both sections, its speed is the speed of its centroid; otherwise it is the speed of the rise through
+half the largest force. Kinks of the pulse, as at the ends of a half-sine, limit the error of the
+shape to the power 2/3 of the element size. The edges of a rectangle are shorter than any element
+and cause ripples on every mesh. Speed, impedance and energy converge nevertheless.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import power_law
 
-EDGE = "An edge is shorter than any element: it ripples, and overshoots."
+EDGE = "An edge is shorter than any element and therefore ripples and overshoots."
 
 
 def measured(runs):
@@ -35,7 +35,8 @@ def rows(runs):
     yield gw.Row(
         "Order of the error of the shape in the element size, half-sine", ours=power_law(pitch, error).exponent,
         theory=2 / 3, where="thesis 3.2.1", verification=True,
-        remark=f"Fitted to {len(pitch)} meshes; 2/3 is what the kinks at its ends allow.",
+        remark=f"The power is fitted to {len(pitch)} meshes. Kinks at the ends of the pulse limit "
+               "it to 2/3.",
     )  # fmt: skip
 
 
@@ -63,8 +64,9 @@ def pictures(runs):
     )
     axes.legend(ncols=2)
     caption = (
-        "Force against time in an elastic bar: the pulse as it entered, and at two sections. A slender bar's closed "
-        "form is the same pulse, later; the curves leave it by the error of the elements alone"
+        "Force against time in an elastic bar: the incoming pulse, and the pulse at two sections. "
+        "In the closed form of a slender bar the same pulse arrives later; the curves deviate "
+        "from it only by the error of the elements"
     )
     yield gw.Picture("bar_pulse", caption, axes.figure, data)
     figure = Figure((6.8, 2.7), layout="constrained")
@@ -93,7 +95,8 @@ def pictures(runs):
     figure.axes[0].set(ylabel="Error against the closed form", ylim=(1e-7, 2))
     axes.legend(fontsize=7, loc="lower left", ncols=2)
     caption = (
-        "Errors of an elastic bar against the size of its elements, by the pulse's shape. Speed, impedance and energy "
-        "converge in both; the shape at order 2/3 where it has kinks, and never where it has steps"
+        "Errors of an elastic bar against the size of its elements, by the shape of the pulse. "
+        "Speed, impedance and energy converge for both; the shape converges with order 2/3 for "
+        "kinks, and not at all for steps"
     )
     yield gw.Picture("bar_convergence", caption, figure, data)

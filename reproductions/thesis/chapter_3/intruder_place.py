@@ -1,9 +1,9 @@
-"""Intruder in brass, by place.
+"""Intruder in brass, by position.
 
-19 beads of brass and one of aluminium or steel, on an elastic bar; 10 kN for 100 µs on the first.
-For comparison, chains of 20 beads of one material. All runs but that of steel alone press contacts
-beyond 0.2 R*, where the fit of the contact law ends: it is extrapolated there, as it is in the
-source.
+A chain of 19 brass beads and one bead of aluminium or steel ends on an elastic bar; 10 kN act on
+the first bead for 100 µs. Chains of 20 beads of one material are the comparison. Except in the
+chain of steel, contacts are compressed beyond 0.2 R*, where the fit of the contact law ends; the
+law is extrapolated there, as in the source.
 """
 
 import numpy as np
@@ -60,12 +60,13 @@ def verdict(runs):
     parts = []
     for name, curve in curves.items():
         least, most = (
-            f"{curve['energy'][k]:.3g} J with it at place {curve['place'][k]}"
+            f"{curve['energy'][k]:.3g} J for position {curve['place'][k]}"
             for k in (curve["energy"].argmin(), curve["energy"].argmax())
         )
         parts.append(f"of {name} from {least} to {most}")
     yield (
-        f"Energy in the bar with one other bead in brass: {'; '.join(parts)}, without it {alike[BRASS].energy:.3g} J."
+        f"Energy in the bar with one intruder in brass: {'; '.join(parts)}. Without an intruder it "
+        f"is {alike[BRASS].energy:.3g} J."
     )
 
 
@@ -91,14 +92,15 @@ def pictures(runs):
     upper.set(ylabel="Energy in the bar (J)", ylim=(1.1, 2.3))
     upper.legend(ncols=2)
     lower.set(
-        xlabel="Place of the intruder, from the struck end", ylabel="Peak transmitted force / load"
+        xlabel="Position of the intruder, from the impacted end",
+        ylabel="Peak transmitted force / load",
     )
     changes = {(name, place): energy / alike[BRASS].energy - 1 for name, curve in curves.items()
                for place, energy in zip(curve["place"], curve["energy"], strict=True)}  # fmt: skip
     name, place = max(changes, key=lambda one: abs(changes[one]))
     caption = (
-        "Energy and peak force that reach the bar against the place of one unlike bead (thesis Fig. 3.7); dotted: "
-        f"chains of one material. Most is changed by {name} at place {place:g}: {100 * changes[name, place]:+.0f} % of "
-        "the energy"
+        "Energy and peak force at the bar against the position of the intruder (thesis Fig. 3.7); "
+        f"dotted: chains of one material. The largest effect is {100 * changes[name, place]:+.0f} "
+        f"% of the energy, by {name} at position {place:g}"
     )
     yield gw.Picture("intruder_place", caption, figure, data)

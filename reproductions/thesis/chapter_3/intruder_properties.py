@@ -1,10 +1,11 @@
-"""Intruder in steel at place 10, by its properties.
+"""Intruder in steel at position 10, by its properties.
 
-20 beads of steel on an elastic bar; one property of that at place 10 differs. Ratios e_T/e_0T are
-to the chain of like beads. Most runs press contacts beyond 0.2 R*, where the fit of the contact law
-ends: it is extrapolated there, as it is in the source. A bead of mass m in contacts of slope k ~
-sigma_y R* answers in tau* = D sqrt(rho/sigma_y) if R* goes with its own radius; beside beads of
-another radius it does so less, and sqrt(m/sigma_y) ~ R^1.5 is closer.
+A chain of 20 steel beads ends on an elastic bar; one property of the bead at position 10 differs.
+Ratios e_T/e_0T are relative to the chain of identical beads. In most runs contacts are compressed
+beyond 0.2 R*, where the fit of the contact law ends; the law is extrapolated there, as in the
+source. A bead of mass m in contacts of slope k ~ sigma_y R* has the time tau* = D sqrt(rho/sigma_y)
+if R* is proportional to its own radius. Next to beads of another radius R* varies less, and
+sqrt(m/sigma_y) ~ R^1.5 is closer.
 """
 
 import math
@@ -24,10 +25,13 @@ POWERS = {
     "radius": (1.0, 1.5),
     "modulus": (0.0, 0.0),
 }
-STRONGER = "The weaker bead of a contact yields: a stronger intruder changes nothing."
-SLIGHT = "Hardly any effect, as the source says."
-KEPT = "The contacts of a large bead keep the R* of its neighbours: no full collapse."
-CLOSER = "For radii R^1.5 in place of R: closer."
+STRONGER = "The weaker bead of a contact yields, so that a stronger intruder has no effect."
+SLIGHT = "The effect is very small, as in the source."
+KEPT = (
+    "Contacts of a large bead keep the R* of the neighbours, so that the curves do not fully "
+    "collapse."
+)
+CLOSER = "With R^1.5 in place of R the curves for different radii are closer."
 
 
 def measured(runs):
@@ -97,7 +101,8 @@ def pictures(runs):
     right.set(xlabel=r"$\sqrt{m_i\sigma_0/(m_0\sigma_i)}$")
     left.legend(loc="lower left")
     caption = (
-        "Transmitted energy over that of like beads, against one bead's properties: by its time (thesis Fig. 3.8), and "
-        "by mass over strength. Curves that come together tell what decides; the modulus hardly does"
+        "Transmitted energy relative to identical beads, against the properties of one bead: by "
+        "its time (thesis Fig. 3.8), and by mass / strength. Curves coincide for the governing "
+        "property; the modulus has hardly any effect"
     )
     yield gw.Picture("intruder_properties", caption, figure, data)

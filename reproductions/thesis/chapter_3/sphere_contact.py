@@ -1,8 +1,9 @@
 """Contact law against finite elements.
 
-Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite
-elements over the contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The
-contact grows element by element, so that single values have steps.
+Two elastic-perfectly-plastic spheres are pressed together by finite elements. Differences are the
+force of the finite elements divided by the force of the contact law, minus 1, at equal overlap.
+alpha_y is the overlap at first yield. The contact grows element by element, so that single values
+have steps.
 """
 
 import math
@@ -21,8 +22,9 @@ FIRST_YIELD = 16 / 15
 PLATEAU = 2.48
 SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
 REMARKS = (
-    "The source: about 6 % at most. Its Fig. 2.8, to 800 alpha_y, cannot show this range.",
-    "The source: about 6 % at most, the law too strong at large overlaps.",
+    "The source states about 6 % at most. Its Fig. 2.8, which extends to 800 alpha_y, cannot show "
+    "this range.",
+    "The source states about 6 % at most, with too large a force of the law at large overlaps.",
 )
 
 
@@ -113,11 +115,11 @@ def of_pressure(one):
     plateau = PLATEAU / FIRST_YIELD
     deep = f"at {DEEP:g} R*, {one.name}"
     of_law = "Theory: the contact law."
-    fitted = f"2.31 times 2.1 is 4.85; 4.7 is what a measurement was fitted with. {of_law}"
+    fitted = f"2.31 times 2.1 is 4.85; a measurement was fitted with 4.7. {of_law}"
     # fmt: off
     for what, source, ours, theory, remark in (
         ("Largest pressure over the yield strength", 2.5, largest, PLATEAU,
-         "Median over the contact. Theory: the law."),
+         "The value is the median over the contact. The theory is the law."),
         ("Largest pressure over Thornton's", 2.31, largest / FIRST_YIELD, plateau, of_law),
         (f"Contact area over Thornton's {deep}", 2.1, area, law / plateau, of_law),
         (f"Force over that of Thornton's pressure and area {deep}", 4.7, force, law, fitted),
@@ -134,14 +136,15 @@ def rows(runs):
     for one in unlike_radii:
         deep = [1 + each.near(DEEP, each.depth, each.over_law) for each in (one, alike)]
         what = f"Finite elements at {DEEP:g} R*, {one.name}, over those of like radii"
-        remark = "The caption of the figure says that there the curves begin to deviate."
+        remark = "According to the caption of the figure the curves begin to deviate there."
         yield gw.Row(what, "%", ours=100 * (deep[0] / deep[1] - 1), theory=0.0, where="thesis Fig. 2.10",
                      remark=remark, digits=2)  # fmt: skip
     yield from of_pressure(alike)
     for one in found:
         if one.strengths[0] != one.strengths[1]:
             yield gw.Row(f"Share of the energy of yielding in the softer sphere, {one.name}", ours=one.share_of_softer,
-                         where="thesis 3.1, Fig. 3.1", remark="The source: almost all.", digits=3)  # fmt: skip
+                         where="thesis 3.1, Fig. 3.1", remark=(
+                             "According to the source it is almost all."), digits=3)  # fmt: skip
     for one in found:
         for word, key, source in (("Smallest", "min", 1.30), ("Largest", "max", 1.42)):
             printed = source if one.identical else None

@@ -1,9 +1,9 @@
 """Split-Hopkinson bar.
 
-14 beads between two bars; what comes down the first one is given as a force on its free end.
-Incident energy is the work of that force; reflected and transmitted energy are what the bars hold
-at the end of the run, before an echo of their ends has reached the chain again. The pulses in both
-bars are beside the closed forms of a slender bar.
+A chain of 14 beads lies between two bars. The incident pulse is a force on the free end of the
+first bar, and the incident energy is the work of this force. Reflected and transmitted energy are
+the energies in the bars at the end of the run, before an echo from their ends reaches the chain.
+The pulses in both bars are compared with the closed forms of a slender bar.
 """
 
 import numpy as np
@@ -13,8 +13,11 @@ from matplotlib.figure import Figure
 
 import granwave as gw
 
-ASSUMED = "The source prints no incident signal and no value: the pulse is ours, and nothing is tested by this number."
-REFLECTED = "The source says that most of the energy is reflected."
+ASSUMED = (
+    "The source prints neither the incident signal nor a value. The pulse is our choice, "
+    "and this number tests nothing."
+)
+REFLECTED = "According to the source most of the energy is reflected."
 SECTIONS = {"incident_bar": 0.5, "bar": 0.25}  # shown; lengths from the end where the pulse enters
 
 
@@ -56,8 +59,9 @@ def pictures(runs):
         data[f"{name}_N"] = force
     axes.set(xlabel="Time (µs)", xlim=(0, 1e6 * time[-1]))
     caption = (
-        "Force at a section of each bar against time. In the first: the pulse as it comes, then, of the other sign, "
-        "what the chain reflects; in the second, on a scale of its own, what comes through, later and longer"
+        "Force at a section of each bar against time. The first bar shows the incident pulse, "
+        "followed by the reflection of the chain with the opposite sign. The second bar, with its "
+        "own scale, shows the transmitted pulse, which is later and longer"
     )
     yield gw.Picture("split_hopkinson", caption, figure, data)
 
@@ -84,7 +88,8 @@ def pictures(runs):
     row[0].set(ylabel="Time (µs)")
     figure.colorbar(image, ax=axes, label="Force (N)")
     caption = (
-        "Magnitude of the force in place and time, bars and chain (thesis Fig. 3.6; scales of place differ). Stripes "
-        "in the bars are pulses, which turn back at the chain; little comes through it"
+        "Magnitude of the force against position and time, bars and chain (thesis Fig. 3.6; "
+        "scales of position differ). Stripes in the bars are pulses, which are reflected at the "
+        "chain; little is transmitted"
     )
     yield gw.Picture("split_hopkinson_map", caption, figure, data)

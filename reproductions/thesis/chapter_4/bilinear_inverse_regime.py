@@ -1,8 +1,8 @@
 """Bilinear chain far from a short pulse.
 
-An impulse of 0.1 N s on the first of 400 beads under the bilinear law, beta = 0.7, 0.8, 0.9. Behind
-the front all beads soon have one velocity, and the peak force falls with the inverse of the
-distance.
+An impulse of 0.1 N s acts on the first of 400 beads with the bilinear law, beta = 0.7, 0.8, 0.9.
+Behind the front all beads soon have the same velocity, and the peak force falls with the inverse of
+the distance.
 """
 
 import numpy as np
@@ -42,16 +42,18 @@ def rows(runs):
     for one in pulses:
         yield gw.Row(f"Power of the peak force with distance, contacts from {FIRST} on, beta {one.beta:g} (4.35)",
                      source=-(1 + one.beta) / 2, ours=power(one).exponent, theory=-1.0, where="thesis 4.2.1", digits=2,
-                     remark="The source's power comes from an energy balance; beads of one velocity keep the momentum "
-                     "I only if the power is -1, which is the theory value.")
+                     remark="The power of the source follows from an energy balance. Beads of the "
+                            "same velocity conserve the momentum I only if the power is -1, which "
+                            "is the theory value.")
     for row, velocity, front, theory in instants(last):
         at = last.far.time[row]
         scale = last.far.scales.velocity
         behind = velocity[: int(0.9 * front)]
         yield gw.Row(f"Mean velocity behind the front at {1e3 * at:.2f} ms, beta {last.beta:g}, in R*/tau",
                      ours=behind.mean() / scale, theory=theory / scale, where="thesis 4.2.1, Fig. 4.8",
-                     remark=f"Standard deviation {behind.std() / behind.mean():.1%}. Theory: the impulse shared by all "
-                     "beads up to the front.")
+                     remark=f"The standard deviation is {behind.std() / behind.mean():.1%}. "
+                            "Theory: the impulse divided by the mass of all beads up to the "
+                            "front.")
     # fmt: on
 
 
@@ -82,7 +84,8 @@ def pictures(runs):
     right.set(xlabel="Bead", ylabel=VELOCITY, ylim=(0, 1.6 * right.get_ylim()[1]))
     right.legend(title=rf"$\beta$ = {last.beta:g}; dotted: $I/nm$")
     caption = (
-        "Peak force against distance: far down the chain it nears the power -1. Right: velocities at three instants "
-        "(thesis Fig. 4.8); the beads behind the front share the impulse, I/nm (dotted)"
+        "Peak force against distance; far down the chain it approaches the power -1. Right: "
+        "velocities at three instants (thesis Fig. 4.8). The impulse is distributed over the "
+        "beads behind the front, I/nm (dotted)"
     )
     yield gw.Picture("bilinear_far", caption, figure, data)

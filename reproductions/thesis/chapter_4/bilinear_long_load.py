@@ -1,8 +1,8 @@
 """Bilinear chain under a long load.
 
-8000 N on the first bead for 2.5 ms, beta 0.8. Plateaus are medians over their inner six tenths at
-three instants: under load, after it, and after the trailing front has caught up with the leading
-one. Theory is thesis 4.36 to 4.39 with the stated constants.
+A force of 8000 N acts on the first bead for 2.5 ms, with beta 0.8. Plateaus are medians over their
+inner six tenths at three instants: under load, after it, and after the trailing front has reached
+the leading front. The theory is thesis 4.36 to 4.39 with the stated constants.
 """
 
 import numpy as np
@@ -50,11 +50,14 @@ class LongLoad:
 
 def rows(runs):
     one = LongLoad(runs[0])
-    v2 = "Printed: 14.5 to 15, near vt. Only about 10 m/s agree with the printed F2, as F2 D = m v2 c."
-    fronts = "The print is ten times too small"
-    apart = f"{fronts}: at 3 ms, in Fig. 4.9, the fronts are still apart, one near 2.3 m."
+    v2 = (
+        "The source prints 14.5 to 15, near vt. Only about 10 m/s agree with the printed F2, "
+        "since F2 D = m v2 c."
+    )
+    fronts = "The printed value is ten times too small"
+    apart = f"{fronts}. At 3 ms, in Fig. 4.9, the fronts are still separate, one near 2.3 m."
     axis = (
-        "The axis of Fig. 4.9(a), to 0.14 E*R*^2, would be six times the load and is not compared."
+        "The axis of Fig. 4.9(a) extends to 0.14 E*R*^2, six times the load, and is not compared."
     )
     # fmt: off
     table = (  # quantity, unit, numerical and predicted as printed, ours, theory, remarks on both
@@ -74,7 +77,7 @@ def rows(runs):
     yield gw.Row("F1, force behind the leading front under load", "N", ours=one.force[0], theory=one.load,
                  where="balance of forces")
     yield gw.Row("Largest force of all over the load", ours=one.chain.largest.max() / one.load, where="thesis 4.2.2",
-                 remark=f"The first contacts overshoot by inertia. {axis}")
+                 remark=f"The force of the first contacts overshoots by inertia. {axis}")
     # fmt: on
 
 
@@ -117,7 +120,8 @@ def pictures(runs):
     for axes in (left, right):
         axes.legend(ncols=2, loc="upper right")
     caption = (
-        "Contact forces and bead velocities along the chain at three instants; dotted: closed forms (thesis Fig. 4.9). "
-        "Levels on them confirm the model; the last instant is after the trailing front has met the leading one"
+        "Contact forces and bead velocities along the chain at three instants; dotted: closed "
+        "forms (thesis Fig. 4.9). Plateaus on the dotted lines confirm the model; the last "
+        "instant is after the trailing front has met the leading front"
     )
     yield gw.Picture("bilinear_long_load", caption, figure, data)

@@ -1,9 +1,9 @@
 """Bilinear chain after a short pulse.
 
-An impulse of 0.1 N s on the first bead of a chain under the bilinear law, beta = 0.7, 0.8, 0.9. The
-leading peak is the first maximum at a contact; the transition is at the first contact that a later
-wave presses harder. Theory is the linear chain in closed form, and for the decay the energy balance
-of the source taken contact by contact.
+An impulse of 0.1 N s acts on the first bead of a chain with the bilinear law, beta = 0.7, 0.8, 0.9.
+The leading peak is the first maximum at a contact. The transition is at the first contact where a
+later wave has a larger force. The theory is the linear chain in closed form; for the decay it is
+the energy balance of the source, applied contact by contact.
 """
 
 import math
@@ -21,8 +21,9 @@ TRANSITIONS = {
     0.9: 3,
 }  # thesis 4.2.1, "the third, fifth and ninth", of falling beta
 BY_CONTACTS = (
-    "4.28 turns the balance from contact to contact into a differential equation; taken contact by contact, the same "
-    "balance gives the theory value. The wave is not self-similar: it decays fastest at first."
+    "4.28 replaces the balance from contact to contact by a differential equation; the same "
+    "balance, applied contact by contact, gives the theory value. The wave is not self-similar: "
+    "it decays fastest at first."
 )
 
 
@@ -35,12 +36,12 @@ def rows(runs):
         middle.leading[0] / middle.force_unit,
         force[1] / middle.force_unit,
     )
-    linear = "The linear chain itself gives the theory value"
+    linear = "The theory value is that of the linear chain"
     where = {"where": "thesis 4.2.1"}
     names = (
         (
             "v_m m/I, both beads when contact 1 is at its peak (4.19)",
-            f"{linear}; the print fits 4.22.",
+            f"{linear}; the printed value is the intercept of 4.22.",
         ),
         ("F_p / (sqrt(k/m) I), contact 1 (4.20)", ""),
         ("F_2 / (sqrt(k/m) I), contact 2 at that instant (4.21)", f"{linear}."),
@@ -66,16 +67,19 @@ def rows(runs):
                      theory=-math.log(model.ratio), **where,
                      remark=f"4.28 with its constants gives {model.decay:.3f}. {BY_CONTACTS}")
         yield gw.Row(f"Largest difference of 4.28 from the leading peaks 1 to {end} over the first, {beta}", source=0.10,
-                     ours=of_first, remark="'Around 10 %', for beta 0.8 presumably; of what it does not say: here of the "
-                     "first peak, in the next row of each peak. 4.28 starts at the simulated contact 1.", **where)
+                     ours=of_first, remark="The source states 'around 10 %', presumably for beta "
+                                           "0.8, without a reference value. Here it is the first "
+                                           "peak, in the next row each peak. 4.28 starts at the "
+                                           "simulated contact 1.", **where)
         yield gw.Row(f"Largest difference of 4.28 from the leading peaks 1 to {end}, {beta}", source=0.10, ours=by_4_28,
-                     remark="The other reading, of each peak itself. Contact by contact, in place of the differential "
-                     f"equation, the difference is {by_contacts:.1%}.", **where)
+                     remark="The difference is relative to each peak. The balance contact by "
+                            f"contact, in place of the differential equation, gives {by_contacts:.1%}.", **where)
         yield gw.Row(f"Transition to the inverse regime, contact, {beta}", source=TRANSITIONS[one.beta],
                      ours=one.transition, theory=math.ceil(model.transition), where="thesis 4.2.1, Fig. 4.7",
-                     remark=f"A later wave presses it {one.excess(end + 1):.2g} % harder than the leading one. Theory: "
-                     f"where the source's two models cross, {model.transition:.1f}. Counted from "
-                     f"{100 * (OVERTAKEN - 1):.1g} % on, as in all studies; contact {end}: {one.excess(end):.2g} %.")
+                     remark=f"The force of a later wave is {one.excess(end + 1):.2g} % larger than "
+                            "the leading peak. Theory: the intersection of the two models of the "
+                            f"source, {model.transition:.1f}. Excesses count from {100 * (OVERTAKEN - 1):.1g} "
+                            f"% on, as in all studies; contact {end} has {one.excess(end):.2g} %.")
     # fmt: on
 
 
@@ -102,8 +106,8 @@ def pictures(runs):
         axes.legend()
     caption = (
         "Force of contacts 1 to 3 and velocity of beads 1 to 4 against time after a short pulse, "
-        f"beta = {middle.beta:g} (thesis Fig. 4.5). Level velocities: the wave has left the bead, which flies until it "
-        "is hit"
+        f"beta = {middle.beta:g} (thesis Fig. 4.5). The velocity of a bead is constant after the "
+        "wave has left it, until the next collision"
     )
     yield gw.Picture("bilinear_histories", caption, figure, {"time_normalised": time} | data)
 
@@ -135,7 +139,8 @@ def pictures(runs):
     left.set(ylabel=PEAK_FORCE, title=r"$\beta$ = 0.8")
     right.set(title="Lines: 4.28; dashed: collisions; ▾: transition")
     caption = (
-        "Peak forces of the first contacts and the source's models (thesis Figs 4.6, 4.7): 4.28 lies above the leading "
-        "peaks, its balance taken contact by contact on them; after the transition collisions are stronger"
+        "Peak forces of the first contacts and the source's models (thesis Figs 4.6, 4.7): 4.28 "
+        "lies above the leading peaks, its balance contact by contact on them. After the "
+        "transition collisions are stronger"
     )
     yield gw.Picture("bilinear_peaks", caption, figure, data)

@@ -1,8 +1,8 @@
 """Long loading of an elastic chain, 40 N.
 
-A steady force of 40 N on the first of 510 elastic beads for 10 ms. Peak force at the last contact
-that the front has passed; speed of the front at half the force, over the last nine tenths of its
-way; plateau: the first quarter of it.
+A constant force of 40 N acts on the first of 510 elastic beads for 10 ms. The peak force is at the
+last contact that the front has passed. The speed of the front is taken at half the force, over the
+last nine tenths of its path. The plateau is the first quarter of the path.
 """
 
 import math
@@ -14,7 +14,7 @@ import granwave as gw
 from granwave.measures import Chain, arrival
 from granwave.theory import discrete_speed
 
-PRINTED = f"The printed speed is 10^(1/6) = {10 ** (1 / 6):.4f} times too large. "
+PRINTED = f"The printed speed is too large by the factor 10^(1/6) = {10 ** (1 / 6):.4f}. "
 
 
 class Front:
@@ -54,28 +54,35 @@ def rows(runs):
     one = Front(runs[0])
     s = one.scales
     peak = one.largest[one.last - 1]
-    bound = "The force whose speed by Nesterenko is the bound, with the stated constants."
+    bound = (
+        "The theory is the force whose speed by Nesterenko's formula is the bound, with the "
+        "stated constants."
+    )
     thesis = {"where": "thesis 4.1.3"}
     faster = 100 * (discrete_speed() - 1)
     # fmt: off
     return [
-        gw.Row("Peak force", "N", 92.7, peak, remark=f"At contact {one.last}; it still rises slowly.", **thesis),
+        gw.Row("Peak force", "N", 92.7, peak, remark=f"The peak is at contact {one.last} and still "
+                                                     "rises slowly.", **thesis),
         gw.Row("Lower bound of the peak force", "N", 78.15, theory=s.force_at_speed(one.lower), remark=bound, **thesis),
         gw.Row("Upper bound of the peak force", "N", 107.2, theory=s.force_at_speed(one.upper), remark=bound, **thesis),
         gw.Row("Lower bound of the speed (4.16)", "m/s", 668.0, theory=one.lower, remark=PRINTED, **thesis),
         gw.Row("Upper bound of the speed (4.12)", "m/s", 704.0, theory=one.upper, remark=PRINTED, **thesis),
         gw.Row("Speed of the front", "m/s", 687.2, one.speed, theory=s.nesterenko(peak), **thesis,
-               remark=f"{PRINTED}Theory: Nesterenko's of our peak force; the discrete wave is {faster:.1f} % faster."),
+               remark=f"{PRINTED}Theory: Nesterenko's speed for our peak force; the discrete wave "
+                      f"is {faster:.1f} % faster."),
         gw.Row("Force of the plateau", "N", ours=one.plateau_force, theory=one.force, where="balance of forces",
                verification=True),
         gw.Row("Bead velocity of the plateau", "m/s", ours=one.plateau_velocity, theory=one.momentum / one.lower,
-               where="thesis (4.9)", remark="Theory: (4.9) with the lower bound of the speed, for which the virial "
-               f"holds; with the upper one {one.momentum / one.upper:.4g} m/s."),
+               where="thesis (4.9)", remark="Theory: (4.9) with the lower bound of the speed, for "
+                                            f"which the virial holds; the upper bound gives {one.momentum / one.upper:.4g} "
+                                            "m/s."),
         gw.Row("Mean velocity of all beads behind the front", "m/s", ours=one.mean_velocity,
                theory=one.momentum / one.speed, where="thesis (4.9)",
-               remark="Theory: (4.9) with the speed of the front, which is the balance of momentum."),
+               remark="Theory: (4.9) with the speed of the front, which follows from the balance "
+                      "of momentum."),
         gw.Row("Virial 4 K / 5 P of the chain", ours=one.virial, theory=1.0, where="thesis (4.14)",
-               remark="Average of the second half of the run."),
+               remark="The value is an average over the second half of the run."),
     ]
     # fmt: on
 
@@ -105,8 +112,9 @@ def pictures(runs):
         "bead": bead,
     }
     caption = (
-        "Force and bead velocity along the chain under a steady force, at the run's end (thesis Fig. 4.2). The largest "
-        f"force goes to {one.largest[last - 1]:.3g} N, between the bounds; far behind the front both become level"
+        "Force and bead velocity along the chain under a constant force, at the end of the run "
+        f"(thesis Fig. 4.2). The largest force approaches {one.largest[last - 1]:.3g} N, between "
+        "the bounds; far behind the front both become constant"
     )
     yield gw.Picture(
         "elastic_long_load", caption, figure, data | {"velocity_m_s": chain.velocity[-1]}

@@ -1,9 +1,10 @@
 """Peak force of elastic pulses.
 
-A steady force on the first of 200 elastic beads, impulses of 0.1 mN s to 0.4 N s. Peak force of the
-leading wave, at the last contact that it has passed by the end of the run. The two largest impulses
-of the source's figure would press beads together by more than R*, where no contact law holds;
-smaller ones are as good, since the elastic chain has no scale of its own.
+A constant force acts on the first of 200 elastic beads, with impulses of 0.1 mN s to 0.4 N s. The
+value is the peak force of the leading wave, at the last contact that it has passed at the end of
+the run. The two largest impulses in the figure of the source would cause overlaps of more than R*,
+where no contact law holds. Smaller impulses are equivalent, since the elastic chain has no scale of
+its own.
 """
 
 import numpy as np
@@ -32,20 +33,22 @@ def rows(runs):
     spread = np.expm1(np.abs(np.diff(np.log(y)))[alike].max())
     # fmt: off
     yield gw.Row("Short pulses: F_peak/I^(6/5), normalised", ours=y[short].mean(), theory=DISCRETE_LIMIT,
-                 where="thesis Fig. 4.3", remark=f"Mean of A/I^(6/5) > {8 * CROSSING:.2g}. Theory: the discrete chain; "
-                 f"(4.5) gives {IMPULSE_LIMIT:.4f}.")
+                 where="thesis Fig. 4.3", remark=f"The value is the mean for A/I^(6/5) > {8 * CROSSING:.2g}. "
+                                                 f"Theory: the discrete chain; (4.5) gives {IMPULSE_LIMIT:.4f}.")
     yield gw.Row("Long pulses: peak force of one of 40 N", "N", PEAK, LOAD * (y / x)[long].mean(), where="thesis 4.1.3",
-                 remark=f"Mean of A/I^(6/5) < {CROSSING / 8:.2g}, where the force only sets the scale.")
+                 remark=f"The value is the mean for A/I^(6/5) < {CROSSING / 8:.2g}, where the "
+                        "force only sets the scale.")
     yield gw.Row("Largest spread of F_peak/I^(6/5) between impulses at equal A/I^(6/5)", "%", ours=100 * spread,
                  theory=0.0, verification=True, where="thesis Fig. 4.3",
-                 remark="None, since Hertz's chain has no scale of its own.")
+                 remark="The power must vanish, since Hertz's chain has no scale of its own.")
     for duration, source, what in ((1e-6, 1.0, "one wave"), (1e-4, None, "a train")):
         for pulse in pulses:
             load = pulse.chain.load
             if np.allclose((load.impulse, load.lasts), (0.4, duration), rtol=1e-3, atol=0):
                 count = np.count_nonzero(pulse.waves >= SECOND)
                 name = f"Waves above 1 % at contact {pulse.contact}, 0.4 N s within {1e6 * duration:g} us"
-                yield gw.Row(name, source=source, ours=count, where="thesis 4.1.1", remark=f"The source: {what}.")
+                yield gw.Row(name, source=source, ours=count, where="thesis 4.1.1", remark=(
+                    f"According to the source it is {what}."))
     # fmt: on
 
 
@@ -87,7 +90,8 @@ def pictures(runs):
     right.set_ylim(0.5 * y.min(), 3 * IMPULSE_LIMIT)
     right.legend(loc="lower right")
     caption = (
-        "Peak force against amplitude by impulse; over the impulse to 6/5 all lie on one curve (thesis Fig. 4.3). On "
-        "its level part pulses are short and the impulse decides; on its slope they are long and the amplitude does"
+        "Peak force against amplitude by impulse. Divided by the power 6/5 of the impulse, all "
+        "values lie on one curve (thesis Fig. 4.3). On its flat part pulses are short and the "
+        "impulse determines the force; on its slope they are long and the amplitude determines it"
     )
     yield gw.Picture("elastic_master_curve", caption, figure, table)

@@ -1,8 +1,9 @@
 """Solitary wave of an impulse.
 
-The first of 100 elastic beads is given a velocity. Peak force at the last contact that the wave has
-passed; speed from the peaks of contacts half-way to there; profile of a bead half-way between them,
-its time turned into place by the speed.
+The first of 100 elastic beads has an initial velocity. The peak force is at the last contact that
+the wave has passed. The speed follows from the peaks of contacts halfway to this contact. The
+profile is the velocity of a bead halfway between them, with its time converted into position by the
+speed.
 """
 
 import math
@@ -16,9 +17,7 @@ from granwave.measures import Chain, power_law, width
 from granwave.theory import discrete_speed
 
 LENGTH = math.pi * math.sqrt(10) / 2  # length of Nesterenko's wave, diameters
-SIMILAR = (
-    "The elastic chain has no scale of its own: similarity forces one value on any correct code."
-)
+SIMILAR = "The elastic chain has no scale of its own, so that every correct code gives this value."
 DISCRETE = {
     "coefficient": 0.7176,
     "speed": discrete_speed(),
@@ -60,9 +59,7 @@ def measured(runs):
 
 
 def spread(values):
-    return (
-        f"Spread of {len(values)} runs {100 * (values.max() / values.min() - 1):.1g} %. {SIMILAR}"
-    )
+    return f"The spread of {len(values)} runs is {100 * (values.max() / values.min() - 1):.1g} %. {SIMILAR}"
 
 
 def rows(runs):
@@ -80,7 +77,7 @@ def rows(runs):
         "Speed over Nesterenko's at the same peak force",
         "Full width at half maximum of the bead velocity, diameters",
     )
-    discrete = "Theory: the discrete chain, by our second solver."
+    discrete = "The theory is the discrete chain, by our second solver."
     by_solver = {"where": "our second solver", "verification": True}
     by_similarity = {"where": "thesis 4.1.2", "verification": True}
     # fmt: off
@@ -92,17 +89,19 @@ def rows(runs):
         gw.Row(names[0], source=0.719, theory=DISCRETE["coefficient"], where="thesis (4.5)", remark=discrete),
         gw.Row(f"{names[0]}, of the runs", ours=c.mean(), theory=discrete_c, remark=spread(c), **by_solver),
         gw.Row(names[1], source=1.0, theory=DISCRETE["speed"], where="composite (4)",
-               remark=f"Nesterenko's is of the continuum. {discrete}"),
+               remark=f"Nesterenko's value is for the continuum. {discrete}"),
         gw.Row(f"{names[1]}, of the runs", ours=over.mean(), theory=discrete_speed(),
                remark=spread(over), **by_solver),
         gw.Row(names[2], ours=half, theory=2 * math.acos(0.5**0.25) / math.pi * LENGTH, where="Nesterenko's cos^4",
-               remark="The discrete wave is narrower than that of the continuum."),
+               remark="The discrete wave is narrower than the wave of the continuum."),
         gw.Row(f"{names[2]}, discrete chain", ours=half, theory=DISCRETE["width"], remark=SIMILAR, **by_solver),
         gw.Row("Width of the wave at 0.001 of its largest velocity, diameters", source=5.0, ours=foot, theory=LENGTH,
-               where="thesis 4.1", remark="cos^4 ends after 4.97 diameters; the discrete wave ends nowhere, and its "
-               "width depends on the level."),
+               where="thesis 4.1", remark="The cos^4 profile ends after 4.97 diameters. The "
+                                          "discrete wave has no end, and its width depends on the "
+                                          "level."),
         gw.Row("Virial 4 K / 5 P of the wave", ours=middle.virial, theory=1.0, where="thesis (4.14)",
-               remark="Average of the second half of the run, without the beads that bounced back."),
+               remark="The value is an average over the second half of the run, without the beads "
+                      "that rebounded."),
     ]
     # fmt: on
 
@@ -144,7 +143,8 @@ def pictures(runs):
     }
     over = 100 * (t["over_nesterenko"].mean() - 1)
     caption = (
-        "Peak force against velocity of the first bead, speed against peak force, and profile; grey: Nesterenko's "
-        f"wave. The powers agree; the wave of the discrete chain is {over:.1f} % faster, and narrower"
+        "Peak force against velocity of the first bead, speed against peak force, and profile; "
+        f"grey: Nesterenko's wave. The powers agree; the wave of the discrete chain is {over:.1f} "
+        "% faster and narrower"
     )
     yield gw.Picture("elastic_solitary_wave", caption, figure, data)

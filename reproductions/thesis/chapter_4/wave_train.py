@@ -1,8 +1,8 @@
 """Pulses from one solitary wave to a train.
 
-A steady force on the first of 180 elastic beads, for five durations at each of four amplitudes. A
-pulse is a train if the second peak at contact 63 is at least 1 % of the first; the critical
-duration is interpolated between two runs.
+A constant force acts on the first of 180 elastic beads, for five durations at each of four
+amplitudes. A pulse is a train if the second peak at contact 63 is at least 1 % of the first. The
+critical duration is interpolated between two runs.
 """
 
 import numpy as np
@@ -34,7 +34,8 @@ def rows(runs):
     )  # fmt: skip
     yield gw.Row(
         "Critical loading time T/tau times (A/(E* R*^2))^(1/6)", ours=np.mean(critical * amplitude ** (1 / 6)),
-        where="thesis Fig. 4.1", remark="Depends on what is called a train: here a second peak of 1 % of the first.",
+        where="thesis Fig. 4.1", remark="The value depends on the definition of a train, which is "
+                                        "here a second peak of 1 % of the first.",
     )  # fmt: skip
 
 
@@ -77,9 +78,9 @@ def pictures(runs):
         "second_over_first_peak": second,
     }
     caption = (
-        "Which loads make one wave and which a train, by amplitude and duration, and the critical duration between "
-        f"them (thesis Fig. 4.1). Right: forces; a train is what has a second peak above {100 * SECOND:g} % of the "
-        "first"
+        "Loads that cause one wave and loads that cause a train, by amplitude and duration, with "
+        "the critical duration between them (thesis Fig. 4.1). Right: forces. A train has a "
+        f"second peak above {100 * SECOND:g} % of the first"
     )
     data |= {"amplitude_of_critical": at, "critical_duration": critical}
     yield gw.Picture("elastic_wave_train", caption, figure, data)

@@ -1,7 +1,7 @@
-"""Blocks, and a packing beside one.
+"""Blocks, and a packing compared with a block.
 
-A rigid punch of 10 mm hits a brass block, or one of another material; the reference is a punch of
-0.1 kg on brass. Energies are normalised by sigma_y² D³/E (thesis 5.30), volumes by pi D³/6.
+A rigid punch of 10 mm hits a block of brass or another material; the reference is a punch of 0.1 kg
+on brass. Energies are normalised by sigma_y² D³/E (thesis 5.30), volumes by pi D³/6.
 """
 
 import math
@@ -13,7 +13,7 @@ import granwave as gw
 SAME = 1e-4  # relative difference of normalised energies that are meant to be equal
 BRASS = {"youngs_modulus": 115e9, "yield_strength": 550e6}
 VOLUME = math.pi * 0.01**3 / 6
-OF_AXIS = "By the end of the axis."
+OF_AXIS = "The bound is the end of the axis."
 
 
 def measured(runs):
@@ -63,18 +63,20 @@ def rows(runs):
     # fmt: off
     yield gw.Row("Energy input over energy input, normalised", ours=energy / block["energy_input_normalised"],
                  theory=2.630, verification=True, where="thesis 5.30, by hand",
-                 remark="unit of energy, sigma_y^2 D^3 / E")
+                 remark="The unit of energy is sigma_y^2 D^3 / E.")
     yield gw.Row(f"Dissipated share of a block, {name}, at most", source=0.7, ours=share, bound=True,
                  where="thesis Figs 5.10, 5.11", remark=OF_AXIS)
     yield gw.Row(f"Plastic volume of a block over pi D^3/6, {name}, at most", source=4.0, ours=volume, bound=True,
                  where="thesis Fig. 5.12", remark=OF_AXIS)
     yield gw.Row(f"{between} materials, inputs above sigma_y^2 D^3/E", "%", source=0.0, ours=100 * max(of_materials),
-                 where="thesis Fig. 5.10b", remark="The source: one curve.", digits=2)
+                 where="thesis Fig. 5.10b", remark="The source has one curve.", digits=2)
     for word, above in (("up to", False), ("above", True)):
         yield gw.Row(f"{between} punches of unlike mass, inputs {word} sigma_y^2 D^3/E", source=0.0,
-                     ours=max(of_masses[above]), where="thesis Fig. 5.11", remark="The source: little.", digits=2)
+                     ours=max(of_masses[above]), where="thesis Fig. 5.11", remark=(
+                         "The source states a small difference."), digits=2)
     yield gw.Row(f"Volume that dissipates {share:.2g} of the input, spheres at {packing['energy_input_J']:.3g} J over "
                  f"the plastic volume of a block at {name}", source=1.0, digits=2, where="thesis 5.5, Fig. 5.14",
                  ours=np.interp(share, spheres.fraction, spheres.volume) / VOLUME / volume,
-                 remark="The source: very close. Whole spheres count, though contacts alone yield.")
+                 remark="The source calls the volumes very close. Whole spheres count here, "
+                        "although only contacts yield.")
     # fmt: on

@@ -1,11 +1,11 @@
 """Packings: scaling, quadratic law and loading area.
 
-36 x 36 x 18 spheres in FCC packing, struck along [111] at 0.03 to 40 m/s. In the quadratic law
-velocities are normalised (thesis 5.11), and energies so that the input is v0²/2; the law is fitted
-to the fast impacts, with equal relative weights. The constants that the source prints cannot be
-those of its figure: at a normalised velocity of 94.9 they give more dissipation than there is
-input. No change of units makes them so: units of energy and velocity that give D0 and D1 give D2
-ten times as large. They are compared with nothing here.
+Impacts along [111] at 0.03 to 40 m/s act on an FCC packing of 36 × 36 × 18 spheres. In the
+quadratic law velocities are normalised (thesis 5.11), and the unit of energy makes the input v0²/2.
+The law is fitted to the fast impacts, with equal relative weights. The constants printed in the
+source do not fit its figure: at a normalised velocity of 94.9 they give more dissipation than
+input. No change of units resolves this: units of energy and velocity that give D0 and D1 make D2
+ten times as large. The printed constants are therefore not compared.
 """
 
 import numpy as np
@@ -21,10 +21,11 @@ NORMALISED = {4: (37.9, ""), 10: (94.9, "; exactly 94.85"), 40: (379, "")}  # by
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
 FAST = 0.1  # fraction of the largest velocity; below, too many peak forces are near F_y
 CONSTANTS = (
-    ("D0", None, 2, "Undetermined: the standard deviation is as large as the constant."),
-    ("D1", None, 3, "By the range of the fit alone it is another, see the next rows."),
-    ("D2", 0.5, 5, "Fast impacts lose nearly all that they bring, so that it is the input, v0^2/2, of any "
-                   "correct code."),
+    ("D0", None, 2, "The constant is undetermined, since its standard deviation is as large as "
+                    "its value."),
+    ("D1", None, 3, "The constant depends on the range of the fit (see the next rows)."),
+    ("D2", 0.5, 5, "Fast impacts dissipate nearly all of their energy, so that every correct code "
+                   "gives 0.5, the input v0^2/2."),
 )  # fmt: skip
 LAW_ENDS = 0.2  # overlap over the effective radius R*, a quarter of the diameter
 RANGES = ((4.0, 16.0), (10.0, 40.0))  # m/s, of further fits
@@ -67,7 +68,8 @@ def rows(runs):
     for run in reference:
         if known := NORMALISED.get(run.case.load.velocity):
             yield gw.Row("Velocity, normalised", source=known[0], theory=run["velocity_normalised"],
-                         where="thesis 5.3.2, Fig. 5.8", remark=f"normalisation of thesis 5.11{known[1]}")  # fmt: skip
+                         where="thesis 5.3.2, Fig. 5.8", remark=(
+                             f"Normalisation of thesis 5.11{known[1]}"))  # fmt: skip
     yield from constants(reference)
     for name, group in others.items():
         gaps = [abs(run["dissipated_fraction"] - twin["dissipated_fraction"]) for run in group for twin in reference
@@ -75,8 +77,8 @@ def rows(runs):
         what = f"Largest difference in dissipated share at {len(gaps)} equal normalised velocities: {name}"
         overlap = max(run["peak_overlap_m"] / (run.case.packing.diameter / 4) for run in group)
         yield gw.Row(what, ours=max(gaps), theory=0.0, where="thesis Fig. 5.5", digits=2,
-                     remark=f"The source: one curve. Overlaps reach {overlap:.2g} R*; "
-                     f"the contact law ends at {LAW_ENDS:g} R*.")  # fmt: skip
+                     remark=f"The source has one curve. Overlaps reach {overlap:.2g} R*; the "
+                            f"contact law is valid up to {LAW_ENDS:g} R*.")  # fmt: skip
     for run in reference:
         equal = {one.case.load.spheres: one["dissipated_fraction"] for one in brass
                  if abs(one["energy_input_J"] / run["energy_input_J"] - 1) < SAME}  # fmt: skip
@@ -88,7 +90,8 @@ def rows(runs):
                 digits=3,
                 ours=equal[count] / equal[1],
                 where="thesis Fig. 5.7",
-                remark=f"The source: its curves overlap. {equal[count]:.3f} for {equal[1]:.3f}.",
+                remark=f"The curves of the source overlap. The dissipated fractions are {equal[count]:.3f} "
+                f"and {equal[1]:.3f} (one sphere).",
             )
 
 
@@ -98,7 +101,7 @@ def constants(reference):
     for (name, theory, digits, text), ours, deviation in zip(
         CONSTANTS, law.constants, law.deviations, strict=True
     ):
-        remark = f"± {deviation:.2g} (standard deviation). {text}"
+        remark = f"The standard deviation is {deviation:.2g}. {text}"
         yield gw.Row(
             f"{name} of the quadratic law, where the input is v0²/2",
             ours=ours,
@@ -115,6 +118,6 @@ def constants(reference):
             f"D1 of the quadratic law, fitted from {least:g} to {most:g} m/s",
             ours=law.constants[1],
             where="thesis 5.17",
-            remark=f"± {law.deviations[1]:.1g} (standard deviation).",
+            remark=f"The standard deviation is {law.deviations[1]:.1g}.",
             digits=3,
         )

@@ -1,8 +1,8 @@
 """Impacts on packings compared with our second solver.
 
-A network of contacts in numpy that shares no code with granwave: the reference impact with the
-contact normals of the start and a held last layer, and a packing of 12 x 12 x 8 in true geometry
-and with the normals of the start, over 0.2 ms.
+The second solver is a network of contacts in numpy that shares no code with granwave. It computes
+the reference impact with the initial contact normals and a fixed last layer, and a packing of 12 ×
+12 × 8 with true and with initial normals, over 0.2 ms.
 """
 
 import csv
@@ -28,7 +28,7 @@ def second_solver():
 
 
 def is_reference(run):
-    """True for the impact on 72 x 72 x 30 spheres."""
+    """True for the impact on 72 × 72 × 30 spheres."""
     return run["n_spheres"] == 72 * 72 * 30
 
 
@@ -47,7 +47,7 @@ def rows_of_reference(run):
     true, fixed = (
         float(solved["small", 5.0, normals]["dissipated_fraction"]) for normals in NORMALS.values()
     )
-    start = "normals of the start and a held last layer; true normals change the dissipated "
+    start = "Initial normals and a fixed last layer; true normals change the dissipated "
     start += f"fraction of a small packing by {abs(true - fixed):.0e} at 5 m/s"
     sphere = {"shape": "sphere", "diameter": 0.01, "material": "brass"}
     _, yield_force = gw.contact_yield("elastoplastic", [sphere, sphere])
@@ -68,7 +68,7 @@ def row_of_small_packing(run):
     normals = NORMALS[run.case.contact.normals]
     values = second_solver()["small", velocity, normals]
     return gw.Row(
-        f"Dissipated fraction of 12 x 12 x 8 spheres, {velocity:g} m/s, normals {normals}", digits=5,
+        f"Dissipated fraction of 12 × 12 × 8 spheres, {velocity:g} m/s, normals {normals}", digits=5,
         theory=float(values["dissipated_fraction"]), ours=run["dissipated_fraction"], where=BY,
         remark="The bottom is free.", verification=True,
     )  # fmt: skip

@@ -1,7 +1,7 @@
 """Packings: forces and energies of single spheres.
 
-One sphere of 36 x 36 x 18 in FCC packing is struck along [111]; peak forces are over F_y, the force
-at first yield.
+The impact is on one sphere of an FCC packing of 36 × 36 × 18 spheres, along [111]. Peak forces are
+divided by F_y, the force at first yield.
 """
 
 import math
@@ -62,23 +62,27 @@ def rows(runs):
     # fmt: off
     yield gw.Row("Velocity of the largest force of Fig. 5.3, 700 F_y", "m/s", where="thesis Fig. 5.3", digits=3,
                  ours=np.interp(LARGEST_FORCE, force, list(found)),
-                 remark="The source prints none; its Fig. 5.8 has 4, 10 and 40 m/s.")
+                 remark="The source prints no velocity; its Fig. 5.8 has 4, 10 and 40 m/s.")
     for what, ours, remark, digits in (
         (f"Decay of the peak force per contact along a preferred direction, contacts 1 to {len(along)}, 10 m/s",
-         -np.polyfit(np.arange(len(along)), np.log(along), 1)[0], "The source: rapid, and as in its chains.", 3),
-        ("Layers whose largest force lies on a preferred direction, 10 m/s", count, "The source: the first few.", 5),
+         -np.polyfit(np.arange(len(along)), np.log(along), 1)[0],
+             "The source describes a rapid decay, as in its chains.", 3),
+        ("Layers whose largest force lies on a preferred direction, 10 m/s", count,
+            "The source states the first few.", 5),
         (f"Force straight below the struck sphere over that on a preferred direction, layer {LAYER}, 10 m/s", below,
-         "The source: highest in the preferred directions.", 3),
+         "In the source the force is highest in the preferred directions.", 3),
     ):
         yield gw.Row(what, ours=ours, where="thesis 5.2, Fig. 5.3", remark=remark, digits=digits)
     yield gw.Row(f"Largest dissipation of a sphere (thesis 5.15), {name}, at most", source=1e6, bound=True, digits=3,
                  ours=2 * 16 / 15 * fast.result["spheres/dissipated_energy"].max() / unit, where="thesis Fig. 5.8",
-                 remark="By the end of the axis; the source counts each contact at both of its spheres.")
+                 remark="The bound is the end of the axis; the source counts each contact at both "
+                        "of its spheres.")
     yield gw.Row(f"Spheres that do half of the dissipation, {name}", ours=involved.part(0.5)[1] / volume,
-                 where="thesis Fig. 5.8", remark="The source: the bulk in the first few.")
+                 where="thesis Fig. 5.8", remark="The source states that most is in the first few.")
     yield gw.Row(f"Dissipated share of a packing, {fast['energy_input_J']:.3g} J, at most", source=0.9, bound=True,
                  ours=fast["dissipated_fraction"], where="thesis Fig. 5.13",
-                 remark="By the end of the axis; those of its Figs 5.5 to 5.7, of the same packings, end at 1.")
+                 remark="The bound is the end of the axis; the axes of Figs 5.5 to 5.7, for the "
+                        "same packings, end at 1.")
     # fmt: on
 
 
@@ -98,7 +102,8 @@ def pictures(runs):
     )
     axes.legend()
     caption = (
-        "Dissipation of the spheres in descending order, a contact's at both of its spheres (thesis Fig. 5.8). The "
-        "steeper the fall, the fewer spheres take most; at higher velocities the curve reaches farther"
+        "Dissipation of the spheres in descending order, with each contact counted at both of its "
+        "spheres (thesis Fig. 5.8). The steeper the curve, the fewer spheres dissipate most of "
+        "the energy; at higher velocities the curve extends further"
     )
     yield gw.Picture("dissipation_of_spheres", caption, axes.figure, data)

@@ -1,13 +1,14 @@
-"""Confined rows: asymptotic theory.
+"""Confined chains: asymptotic theory.
 
-Light small spheres follow the beads, which are then a chain with a second, precompressed contact
-(6.13); small spheres that swing on behind the wave take energy from it (6.16 to 6.18). k_w is the
-source's (factor 1.2). Mended: delta_hat is 2 delta tan(theta), eta_hat has no further cos^2.5
-(0.5286 for n = 8, not 0.2528), the residual keeps its powers 3/2 and c^2 w'', (6.17) has the
-difference of beads, (6.18) n eps^3/A^2 (w_1'^2 + u_1'^2) with the largest velocity of a bead in the
-place of A. Waves become wider with precompression, not narrower: C1 falls. The legends of figure
-6.10 (0.09, 0.22, 0.36) are in the ratio of the precompressions, but about a quarter of delta_hat:
-their scale cannot be found, so slopes are compared.
+Light small spheres follow the beads, which then form a chain with a second, precompressed contact
+(6.13). Small spheres that continue to oscillate behind the wave take energy from it (6.16 to 6.18).
+k_w is the value of the source (factor 1.2). Several misprints are corrected: delta_hat is 2 delta
+tan(theta); eta_hat has no further cos^2.5 (0.5286 for n = 8, not 0.2528); the residual keeps its
+powers 3/2 and c^2 w''; (6.17) has the difference of beads; (6.18) is n eps^3/A^2 (w_1'^2 + u_1'^2)
+with the largest velocity of a bead in place of A. Waves become wider with precompression, not
+narrower: C1 falls. The legends of figure 6.10 (0.09, 0.22, 0.36) have the ratio of the
+precompressions, but are about a quarter of delta_hat. Their scale is unknown, so that slopes are
+compared.
 """
 
 from functools import cached_property
@@ -96,17 +97,20 @@ def rows(theory):
         yield gw.Row(f"Displacement of a bead by the wave over D, times 1e3, {run.label}", ours=1e3 * moved / BEAD,
                      where="ours", digits=3)
         yield gw.Row(f"delta_hat of the legend, {run.label}", source=LEGENDS[round(run.a, 7)], ours=delta_hat, digits=3,
-                     where="thesis figure 6.10", remark="Its scale cannot be found: some four times, in the ratio of "
-                     "a.")
+                     where="thesis figure 6.10", remark="The scale of the legend is unknown. Our "
+                                                        "values are about four times as large, in "
+                                                        "the ratio of a.")
     of_energy = slope(*theory.curve)
     yield gw.Row("Slope of ln(decay of the force) with delta_hat", ours=slope(theory.delta_hat, theory.decay), digits=3,
                  where="thesis figure 6.11", theory=of_energy,
-                 remark="Theory: decay of the energy by (6.18), with the source's wall and without the rings. The "
-                 "source calls the slopes equal. More than half of the difference is that of the two models (next row).")
+                 remark="Theory: decay of the energy by (6.18), with the wall of the source and "
+                        "without the rings. The source calls the slopes equal. The two models "
+                        "cause more than half of the difference (next row).")
     yield gw.Row("Slope of ln(decay of the force) with delta_hat, by the source's equations (6.7)", digits=3,
                  ours=slope(theory.delta_hat, decay_by_source(theory)), where="thesis figure 6.11", theory=of_energy,
-                 remark="Its soft wall, no contacts in the rings, normals of the start; the equations are solved, and "
-                 "runs of that model agree with them to four digits. What is left is not explained.")
+                 remark="The model of the source has a soft wall, no contacts in the rings, and "
+                        "fixed normals. Its equations are solved, and runs of that model agree "
+                        "with them to four digits. The remaining difference is not explained.")
     # fmt: on
 
 
@@ -150,8 +154,13 @@ def pictures(theory):
         "delta_hat": theory.delta_hat,
         "decay": theory.decay,
     }
-    caption = "Travelling waves, series of three terms beside the lattice (thesis figure 6.9); decay of the force in runs "
-    caption += "beside that of the energy in theory: slopes are to be compared (thesis figure 6.11)"
+    caption = (
+        "Travelling waves, as a series of three terms and in the lattice (thesis figure "
+        "6.9); decay of the force in runs "
+    )
+    caption += (
+        "compared with the decay of the energy in theory: compare the slopes (thesis figure 6.11)"
+    )
     yield gw.Picture("confined_travelling_waves", caption, figure, data)
     figure = Figure((7, 2.4), layout="constrained")
     data = {}
@@ -165,7 +174,10 @@ def pictures(theory):
             axes.set(xlabel=r"Time $\tau$", ylabel=f"{way.capitalize()}, first order")
             data |= {f"time_{one:.2f}": wave.time[near], f"{way}_{one:.2f}": velocity[near]}
     right.legend()
-    caption = "Velocities of the small spheres in first order: the more precompressed, the less they swing on behind "
+    caption = (
+        "First-order velocities of the small spheres: the larger the precompression, the "
+        "less they oscillate behind "
+    )
     yield gw.Picture(
         "confined_small_spheres", f"{caption}the wave (thesis figure 6.10)", figure, data
     )

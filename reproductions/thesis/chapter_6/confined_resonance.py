@@ -1,10 +1,10 @@
-"""Confined row: resonances in the density of 6 small spheres.
+"""Confined chain: resonances in the density of 6 small spheres.
 
-n = 6, a = 0; the density of the small spheres alone varies. Where they still swing when the wave
-has passed, it loses energy to them: resonances with rapid decay, and anti-resonances between them
-at which the wave is nearly solitary. The source draws (1/F) dF/dx, which is minus the decay,
-between -7e-3 and 1e-3, with several peaks and troughs. Theory: the equations of symmetric motion,
-over the same contacts.
+For n = 6 and a = 0 only the density of the small spheres varies. The wave loses energy to small
+spheres that still oscillate after it has passed. There are resonances with rapid decay, and
+anti-resonances between them where the wave is nearly solitary. The source shows (1/F) dF/dx, which
+is the negative decay, between -7e-3 and 1e-3, with several peaks and troughs. The theory is the
+equations of symmetric motion, over the same contacts.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ from granwave.measures import maxima
 RESONANCES = (0.10, 0.24, 5.0)  # density ratios of the source's model
 ANTI_RESONANCES = (0.056, 0.18, 0.42, 0.75, 2.0)
 SETTLED = 2.0  # density ratio up to which the wave decays uniformly from contact 60 on
-FORGETS = "Heavy small spheres: the wave does not yet decay uniformly so near the struck bead."
+FORGETS = "With heavy small spheres the decay is not yet uniform so near the impacted bead."
 
 
 class Densities:
@@ -44,9 +44,9 @@ def remark(ratio):
     """Return the statement of the source's model for this density."""
     words = FORGETS if ratio > SETTLED else ""
     if round(ratio, 6) in RESONANCES:
-        words += " A resonance of the source's model."
+        words += " The model of the source has a resonance here."
     elif round(ratio, 6) in ANTI_RESONANCES:
-        words += " An anti-resonance of the source's model."
+        words += " The model of the source has an anti-resonance here."
     return words.strip()
 
 
@@ -57,7 +57,7 @@ def rows(found):
                      remark=remark(ratio), verification=True, digits=3)
     worst = found.decay[found.ratio <= SETTLED].argmax()
     yield gw.Row("Density ratio of the most rapid decay", ours=found.ratio[worst], where="thesis figure 6.7", digits=3,
-                 remark="Of the densities that were run.")
+                 remark="The value is taken from the densities of the runs.")
     yield gw.Row("Largest decay per contact", ours=found.decay[worst], where="thesis figure 6.7", digits=3)
     # fmt: on
 
@@ -67,7 +67,9 @@ def verdict(found):
         ", ".join(f"{one:g}" for one in found.ratio[maxima(sign * found.decay, -1)])
         for sign in (1, -1)
     )
-    yield f"The wave decays most at density ratios near {high}, and is nearly solitary near {low}."
+    yield (
+        f"The decay has maxima at density ratios near {high}; the wave is nearly solitary near {low}."
+    )
 
 
 def pictures(found):
@@ -75,11 +77,14 @@ def pictures(found):
     axes.semilogx(found.ratio, 1e3 * found.theory, "0.6", label="equations")
     axes.plot(found.ratio, 1e3 * found.decay, "o", label="simulation", markersize=4)
     axes.set(
-        xlabel="Density of small spheres over that of beads",
+        xlabel="Density ratio, small spheres / beads",
         ylabel=r"Decay per contact $\times 10^3$",
     )
     axes.legend()
     data = {"density_ratio": found.ratio, "decay_theory": found.theory, "decay": found.decay}
-    caption = "Decay of the wave against the density of the small spheres: peaks at the resonances, hardly any between "
+    caption = (
+        "Decay of the wave against the density of the small spheres: maxima at the "
+        "resonances, hardly any decay between "
+    )
     caption += "them (thesis figure 6.7)"
     yield gw.Picture("confined_resonance", caption, axes.figure, data)

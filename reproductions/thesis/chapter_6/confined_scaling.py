@@ -1,9 +1,9 @@
-"""Confined rows: similar waves.
+"""Confined chains: similar waves.
 
-Forces of Hertz have no length of their own: with velocities v, displacements v^(4/5), and so the
-precompression a, forces v^(6/5) and speeds v^(1/5) the motion is the same (6.11). The source
-strikes at 2 m/s with the same a and with one that goes along. The moving geometry has a length, and
-breaks the similarity a little.
+Hertz's law has no length scale. If velocities scale as v, displacements and the precompression a as
+v^(4/5), forces as v^(6/5) and speeds as v^(1/5), the motion is the same (6.11). The source has
+impacts at 2 m/s with the same a and with a scaled a. The moving geometry has a length scale, which
+breaks the similarity slightly.
 """
 
 import math
@@ -29,7 +29,8 @@ def rows(runs):
     where = {"where": "thesis 6.11"}
     # fmt: off
     yield gw.Row("Velocity v of the smaller impact in the legend", source=2.56e-8, theory=1 / VELOCITY, **figure,
-                 remark="v D sqrt(m_b/k_bb) of 1 m/s in place of v/D sqrt(m_b/k_bb): multiplied by D.")
+                 remark="The printed value is v D sqrt(m_b/k_bb) of 1 m/s in place of v/D "
+                        "sqrt(m_b/k_bb).")
     yield gw.Row("a that goes along with 2 m/s", source=8.4e-4, ours=similar.a, theory=2**0.8 * 4.8e-4, **figure,
                  remark="Theory: 2^0.8 times 4.8e-4.")
     for contact in (100, 200):
@@ -39,7 +40,8 @@ def rows(runs):
                  theory=1 / 5, **where)
     yield gw.Row("F/v^1.2 at contact 200 with a kept: lower by", "%", **figure,
                  ours=100 * (1 - same.peaks[199] / first.peaks[199] / 2**1.2),
-                 remark="The source: the curves do not coincide. For the faster wave the same a is less.")
+                 remark="In the source the curves do not coincide. For the faster wave the same a "
+                        "is relatively smaller.")
     # fmt: on
 
 
@@ -55,5 +57,8 @@ def pictures(runs):
         data |= {f"contact_{name}": contact, f"force_{name}": scaled}
     axes.set(xlabel="Contact", ylabel=r"$F/v^{6/5}$ (N (m/s)$^{-1.2}$)", ylim=(0, None))
     axes.legend()
-    caption = "Peak force over the power 6/5 of the velocity: one curve if a goes along with it (thesis figure 6.8)"
+    caption = (
+        "Peak force divided by the power 6/5 of the velocity: the curves coincide if a is "
+        "scaled with the velocity (thesis figure 6.8)"
+    )
     yield gw.Picture("confined_scaling", caption, figure, data)

@@ -1,9 +1,9 @@
-"""Confined rows: sizes, constants and static balance.
+"""Confined chains: sizes, constants and static balance.
 
-Rows of n small spheres around each contact of brass beads of 15 mm, whose small spheres touch
-beads, neighbours and the tube. Check values are those of the same formulas, worked out apart from
-granwave. The legends of the source give precompressions a of which the balance of a small sphere is
-asked: it had moved in by the same part of D for every n.
+Each contact of a chain of 15 mm brass beads has a ring of n small spheres, which touch the beads,
+their neighbours and the tube. Check values are computed from the same formulas without granwave.
+The legends of the source give precompressions a. The static balance of a small sphere then gives
+its inward displacement, which turns out to be the same fraction of D for every n.
 """
 
 import math
@@ -54,7 +54,7 @@ def balance(row, part):
 def rows(runs):
     check = {
         "verification": True,
-        "remark": "Check value, from the same formulas apart from granwave.",
+        "remark": "The check value follows from the same formulas, computed without granwave.",
     }
     of_ratios = {"where": "thesis 6.8"}
     # fmt: off
@@ -72,17 +72,17 @@ def rows(runs):
     yield gw.Row("eta, n = 8", source=0.34, ours=row.eta[0], **of_ratios)
     yield gw.Row("gamma = k_w/k_bb, n = 8", source=1.53, ours=(row.k_wall / K_BEADS)[0],
                  theory=(row.k_thesis_wall / K_BEADS)[0], **of_ratios,
-                 remark="Theory: its own formula with the factor 1.2. Ours: ellipse in the tube; a flat wall has "
-                 "1.657.")
+                 remark="The theory is the formula of the source, with the factor 1.2. Ours is "
+                        "the elliptic contact in the tube; a flat wall has 1.657.")
     yield gw.Row("Impact velocity of 1 m/s in the source's unit", source=1.35e-4, theory=1 / VELOCITY,
                  where="thesis 6.1",
-                 remark="Its unit D sqrt(k_bb/m_b) is not dimensionless (m^(-1/4)); 1.3528e-4 belongs to D = 30 mm, "
-                 "and figures 6.2 and 6.5 to 15 mm.")
+                 remark="The unit D sqrt(k_bb/m_b) of the source is not dimensionless (m^(-1/4)). "
+                        "1.3528e-4 holds for D = 30 mm; figures 6.2 and 6.5 are for 15 mm.")
     for n, legends in LEGENDS.items():
         for printed, part in zip(legends, INWARD, strict=True):
             with_printed, with_right, without = balance(found[n], part)
-            remark = f"The printed balance needs {with_printed:.3g}, the right one {with_right:.3g}"
-            remark += "; the legends follow from it without the ring." if part == INWARD[0] else "."
+            remark = (f"The printed balance requires {with_printed:.3g}, the correct balance {with_right:.3g}")
+            remark += "; the legends follow from the balance without the ring." if part == INWARD[0] else "."
             yield gw.Row(f"a of the legends, n = {n}, small spheres moved in by {part:g} D", source=printed,
                          theory=without, where="thesis figures 6.2, 6.3", remark=remark)
     # fmt: on

@@ -1,9 +1,10 @@
-"""Confined rows: velocities of beads.
+"""Confined chains: velocities of beads.
 
-Velocities of beads 100 and 150 with a = 0 and with the largest precompression of the figure, in the
-source's units: times sqrt(m_b/k_bb) in SI, which is 1.7063e-6 s for its beads, velocities 1.1375e-4
-for 1 m/s. Its axes end at 4.5e-5, and bead 100 moves between 1300 and 1700: this fixes beads of 15
-mm. Without precompression the beads swing on behind the wave; with it there is next to nothing.
+Velocities of beads 100 and 150 are compared for a = 0 and for the largest precompression of the
+figure, in the units of the source. The unit of time, sqrt(m_b/k_bb) in SI units, is 1.7063e-6 s for
+its beads; 1 m/s is 1.1375e-4. The axes end at 4.5e-5, and bead 100 moves between 1300 and 1700,
+which implies beads of 15 mm. Without precompression the beads continue to oscillate behind the
+wave; with precompression they hardly move.
 """
 
 import math
@@ -49,8 +50,9 @@ def rows(runs):
     half = width(*run.probe(100, "vz")) * run.speed / BEAD
     yield gw.Row(f"Length of the wave, {run.label}", "D", 5.0, where="thesis 6.2",
                  ours=half * LENGTH / solitary_lengths()["half maximum of velocity"],
-                 remark='"About five"; from the width at half the velocity, as of a solitary wave of 4.97 D. Longer '
-                 'under precompression.')
+                 remark='The source states "about five". The length follows from the width at '
+                        'half the velocity, for the shape of a solitary wave of 4.97 D. It is '
+                        'larger under precompression.')
     # fmt: on
 
 
@@ -68,7 +70,10 @@ def pictures(runs):
         xlabel=r"Time $\tau$, less the shift", ylabel=r"Velocity $\times 10^5$", xlim=(-100, None)
     )
     figure.legend(loc="outside right upper")
-    caption = "Velocities of beads 100 and 150: with precompression little is left behind the wave (thesis figure 6.5). "
+    caption = (
+        "Velocities of beads 100 and 150: with precompression there is little motion "
+        "behind the wave (thesis figure 6.5). "
+    )
     yield gw.Picture(
         "confined_velocities",
         f"{caption}Its curves are moved {SHIFT} units to the left",

@@ -1,13 +1,14 @@
-"""Confined rows: waves and precompression.
+"""Confined chains: waves and precompression.
 
-Beads of 15 mm in a row, n small spheres around each contact, in a rigid tube whose radius then
-shrinks by delta, a = 2 delta/D; bead 10 is struck at 1 m/s. Forces over E* R*^2. Theory: the
-equations of symmetric motion, solved apart from LAMMPS with the true geometry. The source's model
-differs: a wall softer than any of Hertz's (factor 1.2; inside the tube 1.44 to 1.48), no contacts
-in the rings and directions that do not turn. The curves of the source are pictures without numbers:
-its axes end at 3e-4, and all four of its statements hold, in either model: rapid decay for n = 7 and 8 that
-precompression takes away, hardly any for n = 6 and 9, less force and more speed with a. Contacts
-count from 1.
+Chains of 15 mm beads with n small spheres around each contact lie in a rigid tube, whose radius
+then shrinks by delta, with a = 2 delta/D. The impact on bead 10 is at 1 m/s. Forces are divided by
+E* R*^2. The theory is the equations of symmetric motion, solved without LAMMPS in the true
+geometry. The model of the source differs: its wall is softer than Hertz's contact with any wall
+(factor 1.2; inside the tube 1.44 to 1.48), its rings have no contacts, and its contact directions
+do not turn. The curves of the source are pictures without numbers, and its axes end at 3e-4. All
+four of its statements hold in either model: rapid decay for n = 7 and 8, which precompression
+removes; hardly any decay for n = 6 and 9; smaller forces and higher speeds with increasing a.
+Contacts count from 1.
 """
 
 from functools import cached_property
@@ -52,12 +53,14 @@ def rows(waves):
     for peak in (7, 8):
         near = np.abs(n - peak - 0.15) < 0.5
         yield gw.Row(f"n of the largest decay near {peak}, a = 0", source=peak, theory=n[near][decay[near].argmax()],
-                     where="thesis figure 6.6", remark=f"Theory: {decay[near].max():.3g} per contact. A fraction of n "
-                     "has meaning in the equations only.")
+                     where="thesis figure 6.6", remark=f"The theory has a decay of {decay[near].max():.3g} "
+                                                       "per contact. Fractional n have a meaning "
+                                                       "only in the equations.")
     for found in waves.by_n.values():
         for run in (found[0], found[-1]):
             yield gw.Row(f"Speed in the source's unit, {run.label}", ours=run.speed / VELOCITY,
-                         where="thesis figure 6.4", remark="The axis is 0.04 to 0.085.", digits=3)
+                         where="thesis figure 6.4", remark=(
+                             "The axis of the source extends from 0.04 to 0.085."), digits=3)
     for run, force, time in zip(waves.runs, waves.force, waves.time, strict=True):
         if run.a:
             yield gw.Row(f"Small spheres moved in, {run.label}", "µm", ours=1e6 * run.inward, verification=True,
@@ -70,7 +73,7 @@ def rows(waves):
         theory = decay_of(force)
         told = theory > 1e-5  # peaks with an accuracy of 1e-4 do not resolve smaller changes
         yield gw.Row(f"Decay per contact, {run.label}", ours=run.decay, theory=theory, where=WHERE, digits=3,
-                     remark="" if told else "No decay that could be told from errors of the peaks.", verification=told)
+                     remark="" if told else "The decay is smaller than the errors of the peaks.", verification=told)
     # fmt: on
 
 
@@ -80,8 +83,9 @@ def verdict(waves):
         last = runs[-1]
         kept = "hardly decays" if last.decay < 2e-4 else "decays"
         yield (
-            f"n = {n}: the wave {kept} ({last.decay:.3g} per contact) at a = {last.a:.2g}, {first.decay:.3g} at a = "
-            f"{first.a:.2g}; its speed rises from {first.speed:.0f} to {last.speed:.0f} m/s."
+            f"n = {n}: the wave {kept} at a = {last.a:.2g} ({last.decay:.3g} per contact; {first.decay:.3g} "
+            f"at a = {first.a:.2g}), and its speed rises from {first.speed:.0f} to {last.speed:.0f} "
+            "m/s."
         )
 
 
@@ -98,7 +102,10 @@ def pictures(waves):
         )
         axes.set(ylim=(0, 1.5 * axes.get_ylim()[1]))
         axes.legend(ncols=2, loc="upper right")
-    caption = "Peak forces of the contacts of beads: precompression takes away force, and the decay for n = 7 and 8 "
+    caption = (
+        "Peak forces of the contacts of beads. Precompression reduces the force, and "
+        "removes the decay for n = 7 and 8 "
+    )
     yield gw.Picture("confined_peaks", f"{caption}(thesis figures 6.2 and 6.3)", figure, data)
     figure = Figure((7, 2.7), layout="constrained")
     data = {}

@@ -1,10 +1,10 @@
-"""Confined rows that yield: two equal pulses.
+"""Confined chains with yielding: two equal pulses.
 
-Beyond the source, whose rows are elastic: a bead is pushed twice alike. The first pulse dents the
-contacts, among beads and in the rings; the second finds them stiffer, and some of them with gaps.
-Peak forces of contacts of beads, of the first pulse and of the second, of a row that yields and of
-an elastic one, where the second runs into what still swings behind the first. Decay: over the
-contacts named.
+This study goes beyond the source, whose chains are elastic: two equal force pulses act on a bead.
+The first pulse indents the contacts between beads and in the rings; for the second pulse they are
+stiffer, and some of them have gaps. The rows give peak forces of contacts of beads, for both
+pulses, in a yielding and in an elastic chain. In the elastic chain the second pulse meets the
+oscillations behind the first. The decay is taken over the contacts in the name of its row.
 """
 
 import numpy as np
@@ -70,8 +70,9 @@ def verdict(runs):
     for elastic, yielding in zip(runs[::2], runs[1::2], strict=True):
         (mine, second), theirs = yielding.at(last), elastic.at(last)[0]
         yield (
-            f"a = {yielding.a:.2g}: at contact {last} yielding leaves {100 * mine / theirs:.3g} % of the first pulse "
-            f"({mine:.3g} N) and {second:.3g} N of the second, after {theirs:.3g} N in the elastic row."
+            f"a = {yielding.a:.2g}: at contact {last} the first pulse has {mine:.3g} N, {100 * mine / theirs:.3g} "
+            f"% of the {theirs:.3g} N in the elastic chain, and the second pulse has {second:.3g} "
+            "N."
         )
 
 
@@ -89,5 +90,8 @@ def pictures(runs):
             }
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     figure.legend(loc="outside right upper", fontsize="small")
-    caption = "Peak forces of two equal pulses along elastic rows and rows that yield, which leave little of the first"
+    caption = (
+        "Peak forces of two equal pulses along elastic and yielding chains; yielding "
+        "removes most of the first pulse"
+    )
     yield gw.Picture("confined_yielding", caption, figure, data)

@@ -1,8 +1,8 @@
-"""Confined rows by the source's own model.
+"""Confined chains by the model of the source.
 
-The equations (6.7) of the source as it means them: a wall with the constant (6.4), softer than any
-of Hertz's, no contacts in the rings, and directions of forces that stay as they are at the start.
-Theory: the same equations, solved apart from LAMMPS. The right model is in the other sections.
+The runs have the equations (6.7) as the source uses them: a wall with the constant (6.4), softer
+than Hertz's contact with any wall, no contacts in the rings, and initial directions of forces. The
+theory is the same equations, solved without LAMMPS. The other sections have the correct model.
 """
 
 import numpy as np
@@ -84,7 +84,8 @@ def rows(runs):
         words = "at least" if pick is min else "at most"
         yield gw.Row(
             f"{name} speed of these rows in the source's unit, {run.label}, {words}", source=end,
-            ours=run.speed / VELOCITY, where="thesis Fig. 6.4", remark="By the end of the axis.",
+            ours=run.speed / VELOCITY, where="thesis Fig. 6.4", remark=(
+                "The bound is the end of the axis."),
             digits=3, bound=True,
         )  # fmt: skip
 
@@ -104,6 +105,8 @@ def pictures(runs):
         axes.set(xlabel="Contact", ylim=(0, None))
         axes.legend(fontsize=7)
     panels[0].set(ylabel="Peak force over $E^* R^{*2}$ ($10^{-4}$)")
-    caption = "Peak forces along rows of 6 to 9 small spheres a ring by the source's own model, "
+    caption = (
+        "Peak forces along chains with 6 to 9 small spheres per ring by the model of the source, "
+    )
     caption += "touching and pressed"
     yield gw.Picture("confined_source_model", caption, figure, data)

@@ -1,10 +1,10 @@
 """Filter: decay of the wave against the diameter of the cylinders and the approach of the walls
 (thesis Fig. 7.5).
 
-Rows of 216 steel spheres with aluminium cylinders as long as the spheres are wide, sphere 20 struck
-at 1 m/s. gamma is the diameter of the cylinders over that of the spheres, a the approach of the
-walls over it. The decay is that of ln(peak force) per contact, by a line through contacts 71 to
-201. The second solver is one of symmetric motion.
+Chains of 216 steel spheres have aluminium cylinders that are as long as the spheres are wide; the
+impact on sphere 20 is at 1 m/s. gamma is the diameter of the cylinders, and a the approach of the
+walls, both divided by the diameter of the spheres. The decay is the slope of ln(peak force) per
+contact, by a line through contacts 71 to 201. The second solver computes symmetric motion.
 """
 
 import numpy as np
@@ -67,10 +67,11 @@ def rows(decays):
         gamma, largest = fastest(decays, a)
         yield gw.Row(f"gamma of the fastest decay, a = {a:g}", ours=gamma, theory=fastest(solved, a)[0], digits=2,
                      verification=True, where="thesis Fig. 7.5a",
-                     remark="It moves to larger cylinders as the walls press, as the source says.")
+                     remark="The maximum moves to larger cylinders as the walls press more, as in "
+                            "the source.")
         end = COLOURS_END.get(a)
         yield gw.Row(f"Decay there, a = {a:g}{', at most' if end else ''}", "1e-3", end, largest, "thesis Fig. 7.2",
-                     "By the end of the colours." if end else "", digits=3, bound=bool(end))
+                     "The bound is the end of the colour scale." if end else "", digits=3, bound=bool(end))
     # fmt: on
 
 
@@ -97,6 +98,12 @@ def pictures(decays):
     right.set(xlabel="Approach of the walls over the diameter, a (1e-3)")
     for axes in (left, right):
         axes.legend(fontsize=7)
-    caption = "Decay of the peak force per contact against the diameter of the cylinders, and against the approach of "
-    caption += "the walls (thesis Fig. 7.5): pressed, waves decay fastest beside larger cylinders"
+    caption = (
+        "Decay of the peak force per contact against the diameter of the cylinders and "
+        "against the approach of "
+    )
+    caption += (
+        "the walls (thesis Fig. 7.5). If the cylinders are pressed, waves decay fastest "
+        "at larger diameters"
+    )
     yield gw.Picture("filter_decay", caption, figure, data)

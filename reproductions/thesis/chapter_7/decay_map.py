@@ -1,9 +1,9 @@
 """Filter: decay over diameter and length of the cylinders (thesis Figs 7.2 and 7.3).
 
-Rows of 160 spheres, sphere 20 struck at 1 m/s; walls that just touch the cylinders, and walls that
-press them. gamma and eta are the diameter and the length of the cylinders over the diameter of the
-spheres, a the approach of the walls over it. The decay is the slope of ln(peak force) over contacts
-61 to 111.
+The impact is on sphere 20 of chains of 160 spheres, at 1 m/s. Walls just touch the cylinders, or
+press them. gamma and eta are the diameter and the length of the cylinders, and a the approach of
+the walls, all divided by the diameter of the spheres. The decay is the slope of ln(peak force) over
+contacts 61 to 111.
 """
 
 import dataclasses
@@ -79,27 +79,31 @@ def rows(maps):
         whole = maps.decay[a].max()
         yield gw.Row(
             f"Largest decay per contact, gamma up to {LOW_GAMMA:g}, a = {a:g}, at most", "1e-3", end,
-            within.max(), "thesis Fig. 7.2", f"By the end of the colours. Whole map: {whole:.3g}.",
+            within.max(), "thesis Fig. 7.2", "The bound is the end of the colour scale. The "
+                                             f"largest decay of the whole map is {whole:.3g}.",
             digits=3, bound=True,
         )  # fmt: skip
         reach = np.ptp(maps.square(a)[maps.low]) / np.ptp(within)
         yield gw.Row(
             f"Range of decays at eta = 1 over that of the map, gamma <= {LOW_GAMMA:g}, a = {a:g}",
             source=1.0, ours=reach, where="thesis 7.1",
-            remark="The source: with eta = 1 a diameter gives any decay of the map.",
+            remark="According to the source every decay of the map occurs for some diameter at "
+                   "eta = 1.",
             digits=2,
         )  # fmt: skip
         yield gw.Row(
             f"Decay by the mass of the cylinder: misfit, gamma <= {LOW_GAMMA:g}, a = {a:g}",
             ours=maps.misfit_of_mass(a), where="thesis Fig. 7.2",
-            remark="0 where the bands are lines of equal mass; 1 where the mass says nothing.",
+            remark="The misfit is 0 if the bands are lines of equal mass, and 1 if the decay does "
+                   "not depend on the mass.",
             digits=2,
         )  # fmt: skip
     beyond = np.mean(abs(maps.ratio) > RATIO)
     yield gw.Row(
         f"Share of the map where the ratio of the decays is beyond {RATIO:g}", ours=beyond,
         where="thesis Fig. 7.3", digits=2,
-        remark="The ends of the colours. The touching row hardly decays there.",
+        remark="The limits are the ends of the colour scale. With touching walls the wave hardly "
+               "decays there.",
     )  # fmt: skip
 
 

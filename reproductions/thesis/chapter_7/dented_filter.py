@@ -1,12 +1,13 @@
 """Filter after a strong pulse.
 
-Beyond the source, whose contacts are elastic: a sphere of the pressed row is pushed weakly, in a
-row that is whole, and in one through which a strong pulse has gone. Yielding takes from the weak
-pulse far more than the filter does; a strong pulse dents the contacts, which are then elastic up to
-larger forces, and slackens the walls. In the elastic row the weak pulse runs into what still swings
-behind the strong one, so that its peaks are those of both. Grains rattle in rows that yield: with
-other timesteps single peaks there change by up to a quarter, the decay by 2 %. Contact n is that of
-spheres n and n + 1; the decay is that of ln(peak force) over the contacts named.
+This study goes beyond the source, whose contacts are elastic. A weak pulse acts on a sphere of a
+pressed chain, either undamaged or after a strong pulse. Yielding dissipates far more of the weak
+pulse than the filter does. A strong pulse indents the contacts, which are then elastic up to larger
+forces, and reduces the force of the walls. In the elastic chain the weak pulse meets the
+oscillations behind the strong pulse, so that its peaks contain both. In yielding chains grains
+rattle: with other timesteps single peaks change by up to a quarter, and the decay changes by 2 %.
+Contact n is between spheres n and n + 1; the decay is the slope of ln(peak force) over the contacts
+in the name of its row.
 """
 
 import numpy as np
@@ -71,17 +72,19 @@ def rows(runs):
         for contact in COMPARED:
             strong, weak = row.at(contact)
             yield gw.Row(f"Weak pulse at contact {contact}, {row.words}", "N", ours=weak, digits=2 if row.yields else 4,
-                         remark=f"Of the strong pulse before: {number(strong)} N." if row.after else "", **where)
+                         remark=f"The preceding strong pulse has {number(strong)} N." if row.after else "", **where)
         if row.yields or not row.after:
             yield gw.Row(f"Decay per contact of the weak pulse, contacts {DECAY[0]} to {DECAY[1]}, {row.words}",
                          ours=row.decay, digits=2 if row.yields else 3, **where)
         if row.after:
             yield gw.Row(f"Force of a wall before the weak pulse over that at the start, {row.words}", digits=3,
-                         ours=row.pressed, remark="" if row.yields else "Spheres that still swing push the cylinders "
-                         "out.", **where)
+                         ours=row.pressed, remark="" if row.yields else ("Spheres that still "
+                                                                         "oscillate push the "
+                                                                         "cylinders outwards."), **where)
     yield gw.Row("Decay of the weak pulse in the dented row over that in the whole one",
                  ours=dented.decay / whole.decay, digits=2,
-                 remark="What is left of the filter, with all that yielding takes.", **where)
+                 remark="The decay contains the remaining effect of the filter and the "
+                        "dissipation by yielding.", **where)
     # fmt: on
 
 
@@ -89,8 +92,9 @@ def verdict(runs):
     *_, whole, dented = measured(runs)
     last = COMPARED[-1]
     yield (
-        f"The strong pulse leaves {100 * dented.pressed:.0f} % of the force of the walls; at contact {last} the weak "
-        f"pulse then has {number(dented.at(last)[1])} N, after {number(whole.at(last)[1])} N in the whole row."
+        f"After the strong pulse {100 * dented.pressed:.0f} % of the force of the walls remain. At "
+        f"contact {last} the weak pulse then has {number(dented.at(last)[1])} N, compared with {number(whole.at(last)[1])} "
+        "N in the undamaged chain."
     )
 
 
@@ -103,6 +107,9 @@ def pictures(runs):
         data |= {"contact": row.contacts, f"{column(row.words)}_N": row.weak}
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     axes.legend(fontsize=7)
-    caption = "Peak forces of a weak pulse along rows with cylinders: in a row that yields it dies away, and passes once a "
-    caption += "strong pulse has left dents; the elastic rows show what is not the dents' doing"
+    caption = (
+        "Peak forces of a weak pulse along chains with cylinders. In a yielding chain the "
+        "pulse dies away, but it passes after a "
+    )
+    caption += "strong pulse has indented the contacts; elastic chains are shown for comparison"
     yield gw.Picture("filter_dented", caption, figure, data)

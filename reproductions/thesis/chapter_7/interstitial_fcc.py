@@ -1,9 +1,9 @@
 """FCC packing with grains in its octahedral holes.
 
-A loaded fcc packing without ends at its sides, whose whole top layer is struck: a plane pulse. The
-holes between six spheres are empty, or hold spheres of 0.414 of the diameter, which touch all six.
-Speed and decay are of the mean velocity of the layers, between the 11th and the 41st; the decay is
-that of its peak, per layer. The force on the bottom is the largest dynamic force.
+An impact on the whole top layer of a loaded fcc packing with periodic sides makes a plane pulse.
+The holes between six spheres are empty, or contain spheres of 0.414 of the diameter, which touch
+all six. Speed and decay refer to the mean velocity of the layers, between the 11th and the 41st;
+the decay is the decay of its peak per layer. The force on the bottom is the largest dynamic force.
 """
 
 from itertools import groupby
@@ -93,10 +93,15 @@ def pictures(runs):
             data |= {f"{name}_depth_diameters": depth, f"{name}_peak_over_v": peak}
             data |= {f"{name}_time_s": one.time, f"{name}_bottom_N": one.at_bottom}
         left.set(
-            xlabel="Depth (diameters)", ylabel="Peak velocity over that of the top", yscale="log"
+            xlabel="Depth (diameters)",
+            ylabel="Peak velocity / peak velocity of the top",
+            yscale="log",
         )
         right.set(xlabel="Time (ms)", ylabel="Force on the bottom beyond static (N)")
         figure.legend(loc="outside upper center", ncols=4, fontsize=7)
         caption = f"Plane pulse in an fcc packing, top layer at {velocity:g} m/s, by the spheres in its octahedral holes: "
-        caption += "of aluminium and steel they hardly change it, soft ones of PTFE take from it all the way"
+        caption += (
+            "spheres of aluminium and steel hardly change it, and soft spheres of PTFE "
+            "attenuate it along its whole path"
+        )
         yield gw.Picture(f"interstitial_fcc_{column(f'{velocity:g}')}_m_s", caption, figure, data)

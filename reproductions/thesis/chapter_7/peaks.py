@@ -1,9 +1,9 @@
-"""Filter: peak forces along rows with cylinders (thesis Fig. 7.4).
+"""Filter: peak forces along chains with cylinders (thesis Fig. 7.4).
 
-Sphere 20 of a row of steel spheres with aluminium cylinders beside its gaps is struck at 1 m/s;
-walls that press the cylinders, or just touch them. gamma is the diameter of the cylinders over that
-of the spheres, a the approach of the walls over it. Contact n is that of spheres n and n + 1; the
-second solver, one of symmetric motion, counts them from 0.
+The impact is on sphere 20 of a chain of steel spheres with aluminium cylinders at its gaps, at 1
+m/s. Walls press the cylinders, or just touch them. gamma is the diameter of the cylinders, and a
+the approach of the walls, both divided by the diameter of the spheres. Contact n is between spheres
+n and n + 1; the second solver, for symmetric motion, counts contacts from 0.
 """
 
 import numpy as np
@@ -25,13 +25,13 @@ CONTACTS = (21, 31, 61, 101, 151, 201)
 #: Statements of the source on the curve, by density, gamma and a.
 SAID = {
     (DENSITY, 0.56, 0.0): "near solitary",
-    (DENSITY, 0.56, 8e-4): "decays rapidly",
-    (DENSITY, 0.90, 0.0): "oscillating, decreasing",
+    (DENSITY, 0.56, 8e-4): "rapidly decaying",
+    (DENSITY, 0.90, 0.0): "oscillating and decreasing",
     (DENSITY, 0.90, 8e-4): "almost constant",
-    (PRINTED_DENSITY, 0.56, 0.0): "near solitary: not with this density",
-    (PRINTED_DENSITY, 0.56, 8e-4): "decays rapidly",
-    (PRINTED_DENSITY, 0.90, 0.0): "oscillating, decreasing",
-    (PRINTED_DENSITY, 0.90, 8e-4): "almost constant: not with this density",
+    (PRINTED_DENSITY, 0.56, 0.0): "near solitary, which does not hold with this density",
+    (PRINTED_DENSITY, 0.56, 8e-4): "rapidly decaying",
+    (PRINTED_DENSITY, 0.90, 0.0): "oscillating and decreasing",
+    (PRINTED_DENSITY, 0.90, 8e-4): "almost constant, which does not hold with this density",
 }
 AXIS = 300.0  # N: end of the figure's axis
 # contact; contacts on either side for the speed; fraction of the peak
@@ -69,18 +69,19 @@ def rows(found):
         for contact in CONTACTS:
             yield gw.Row(f"Peak force at contact {contact}, {found[key].name}", "N", ours=found[key].peaks[contact - 1],
                          theory=solved[key][f"contact_{contact}_N"], verification=True,
-                         remark=f"{SOLVER} The source says: {said}.", **figure)
+                         remark=f"{SOLVER} In the source it is {said}.", **figure)
     solitary, decaying, spread, _ = own = [row for key, row in found.items() if key[0] == DENSITY]
     yield gw.Row(f"Largest force of two spheres, {solitary.name}", "N", ours=solitary.peaks.max(),
                  theory=solved[solitary.key]["largest_N"], verification=True, remark=SOLVER, **figure)
     for row in own:
         yield gw.Row(f"Largest force of two spheres, {row.name}, at most", "N", AXIS, row.peaks.max(), bound=True,
-                     remark="By the end of the axis.", **figure)
+                     remark="The bound is the end of the axis.", **figure)
     yield gw.Row(f"Decay per contact, {decaying.name}", "1e-3", ours=KILO * decaying.decay(),
                  theory=KILO * solved[decaying.key]["decay_per_contact"], verification=True, digits=3, remark=SOLVER,
                  **figure)
     yield gw.Row(f"Beads that the leading wave spans at contact {PROBED}, {spread.name}", source=10.0,
-                 ours=span(spread), where=WHERE, remark="Where its force is above 1 % of its peak.", digits=3)
+                 ours=span(spread), where=WHERE, remark="The wave spans the beads with forces "
+                                                        "above 1 % of its peak.", digits=3)
     # fmt: on
 
 
@@ -95,7 +96,10 @@ def pictures(found):
             data[f"{column(row.name)}_N"] = row.peaks[contacts - 1]
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     axes.legend(fontsize=7)
-    caption = "Peak force along rows with cylinders between walls (thesis Fig. 7.4): pressed, the wave decays along one"
+    caption = (
+        "Peak force along chains with cylinders between walls (thesis Fig. 7.4). If the "
+        "cylinders are pressed, the wave decays along one"
+    )
     yield gw.Picture(
-        "filter_peaks", f"{caption} row and keeps its height along the other", figure, data
+        "filter_peaks", f"{caption} chain and keeps its height along the other", figure, data
     )

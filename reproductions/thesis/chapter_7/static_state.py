@@ -1,8 +1,8 @@
-"""Filter: cylinders pressed on the gaps of a row, before the wave (thesis 7.1).
+"""Filter: static state of a chain with cylinders pressed onto its gaps (thesis 7.1).
 
-Steel spheres, with an aluminium cylinder on either side of every gap and a rigid wall on either
-side of these, which moves in. Contacts with the walls follow the law of a half-space, all others
-Hertz's.
+A chain of steel spheres has an aluminium cylinder on either side of every gap. Rigid walls on both
+sides of the cylinders move in. Contacts with the walls follow the law of a half-space, all others
+Hertz's law.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Filter with yielding contacts.
 
-Beyond the source, whose contacts are elastic: sphere 20 of a pressed row is struck at 1 and 5 m/s,
-with contacts that yield and elastic ones. Grains that yield rattle behind the front: there the
-peaks of contacts have little meaning.
+This study goes beyond the source, whose contacts are elastic. The impact on sphere 20 of a pressed
+chain is at 1 and 5 m/s, with yielding and with elastic contacts. In the yielding chain grains
+rattle behind the front, where the peaks of contacts have little meaning.
 """
 
 from filter_row import FilterRow
@@ -12,7 +12,9 @@ import granwave as gw
 # m/s: largest impact velocity of yielding rows; peaks over the force of the walls
 RATTLES = 1.0
 LITTLE = 0.25
-RATTLING = "Grains that rattle behind the front decide: it changes much with the timestep."
+RATTLING = (
+    "The value is due to rattling grains behind the front, and depends strongly on the timestep."
+)
 
 
 def rows(runs):
@@ -23,7 +25,7 @@ def rows(runs):
         name = f"{row.name}, {row.case.contact.law}, {velocity:g} m/s"
         for contact in (21, 31, 61, 101):
             peak = row.peaks[contact - 1]
-            remark = f"Elastic: {elastic.peaks[contact - 1]:.4g} N."
+            remark = f"The elastic chain has {elastic.peaks[contact - 1]:.4g} N."
             share = peak / row.wall_force
             rattles = velocity <= RATTLES and share < LITTLE
             yield gw.Row(
@@ -33,6 +35,6 @@ def rows(runs):
             )  # fmt: skip
         yield gw.Row(
             f"Force of a wall after the wave over that before, {name}", ours=row.kept, where="not in the source",
-            remark="What the wave has left of the precompression of the whole row, and with it of the filter; elastic: "
-            f"{elastic.kept:.3g}.", digits=3,
+            remark="The value shows how much of the precompression of the chain, and thus of the "
+                   f"filter, remains after the wave. The elastic chain has {elastic.kept:.3g}.", digits=3,
         )  # fmt: skip

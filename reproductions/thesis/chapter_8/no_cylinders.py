@@ -1,8 +1,9 @@
-"""Switch: the row without cylinders (thesis 8.3 and 8.4).
+"""Switch: the chain without cylinders (thesis 8.3 and 8.4).
 
-27 steel spheres on an aluminium block, the first struck at 0.8 m/s, or by its fall from 33 and 42
-mm; and a row of 60, which is long enough for the full displacement of a sphere by the wave. A
-sensor in a sphere reads the mean of its two contact forces.
+A chain of 27 steel spheres ends on an aluminium block. The impact on the first sphere is at 0.8
+m/s, or the first sphere falls from 33 and 42 mm. A chain of 60 spheres is long enough for the full
+displacement of a sphere by the wave. A sensor in a sphere measures the mean of its two contact
+forces.
 """
 
 from switch_row import SENSORS, SOLVER, STATES, SwitchRow, second_solver
@@ -19,7 +20,7 @@ def rows(runs):
     row = found[27, 0.8]
     long = found[60, 0.8]
     time, force = row.first
-    at_end = {"remark": "By the end of the axis.", "bound": True}
+    at_end = {"remark": "The bound is the end of the axis.", "bound": True}
     solver = {"where": "thesis 8", "verification": True}
     solved = second_solver()
     theory = solved[STATES[0], 0.0, 0, 27, 0.8]
@@ -32,7 +33,7 @@ def rows(runs):
         ("Its time", "us", 1e6 * time, 1e6 * theory["sphere_21_first_s"], ""),
         ("First peak at sphere 6", "N", row.first_peak_at(SENSORS[0])[1], theory["sphere_6_first_N"], ""),
         (f"Force of contact {CONTACT} in the wave", "N", row.of_contacts("peak_force")[CONTACT - 1],
-         theory["contact_13_N"], " A sensor's mean of two contacts is less."),
+         theory["contact_13_N"], " The mean of two contacts at a sensor is smaller."),
     ):
         yield gw.Row(f"{what}, no cylinders", unit, ours=ours, theory=value, remark=f"{SOLVER}{remark}", **solver)
     for velocity, height in FALLS.items():
@@ -41,10 +42,12 @@ def rows(runs):
         yield gw.Row(name, "N", ours=peak, remark=SOLVER,
                      theory=solved[STATES[0], 0.0, 0, 27, velocity]["sphere_6_first_N"], **solver)
         yield gw.Row(f"{name}, at most", "N", AXIS, peak, "thesis Fig. 8.4",
-                     "By the end of the axis. Ours falls freely, the source's along rails.", bound=True)
+                     "The bound is the end of the axis. Our sphere falls freely, the sphere of "
+                     "the source along rails.", bound=True)
     yield gw.Row("Displacement of sphere 10 in a long row, at rest again", "um", 13.0,
                  1e6 * long.array("probes/sphere_10_uz")[-1], "thesis 8",
-                 "The source says about 13. In the second solver the "
-                 f"wave itself moves spheres by {far:.2f} um; those near the struck one less.", near)
-    yield gw.Row("Mass of a sphere", "g", 3.0, 1e3 * row.mass, "thesis 8.4", "The source: around 3 g.")
+                 "The source states about 13. In the second solver the wave itself displaces "
+                 f"spheres by {far:.2f} um, and less near the impacted sphere.", near)
+    yield gw.Row("Mass of a sphere", "g", 3.0, 1e3 * row.mass, "thesis 8.4",
+        "The source states around 3 g.")
     # fmt: on

@@ -1,8 +1,8 @@
-"""Switch: distance of the plates, and what the source does not state (thesis 8.1 and 8.4).
+"""Switch: distance of the plates, and properties not stated in the source (thesis 8.1 and 8.4).
 
-Positions of the cylinders between the plates, and widths of the opened gaps; first peaks at sphere
-21 with 10 cylinders, open gaps and friction, with cylinders of other lengths, rigid plates, and
-plates 15.95 and 16 mm apart.
+The rows give the positions of the cylinders between the plates and the widths of the open gaps.
+They also give first peaks at sphere 21 with 10 cylinders, open gaps and friction, for other lengths
+of the cylinders, rigid plates, and plates 15.95 and 16 mm apart.
 """
 
 import math
@@ -47,7 +47,7 @@ def rows(found):
         formula = math.sqrt(4 * TOUCHING**2 - (row.height - CYLINDER) ** 2) - SPHERE
         yield gw.Row(f"Width of the open gaps, plates {1e3 * height:.5g} mm apart", "mm", where="thesis 8.1",
                      ours=1e3 * (np.diff(row.spheres).max() - SPHERE), theory=1e3 * formula, verification=True,
-                     remark="Formula 8.1, which is right.")
+                     remark="The source value follows from formula 8.1, which is correct.")
     across = np.abs(loose.cylinders[0, 0])
     near, far = np.sort(np.abs(loose.spheres - loose.cylinders[0, 2]))[:2]
     along = math.sqrt(TOUCHING**2 - ((loose.height - CYLINDER) / 2) ** 2)
@@ -57,17 +57,19 @@ def rows(found):
          math.hypot(SPHERE - along, (loose.height - CYLINDER) / 2) - TOUCHING),
     ):
         yield gw.Row(f"{name}, plates 16.5 mm apart", "mm", ours=1e3 * ours, theory=1e3 * theory,
-                     remark="By its geometry.", **by_geometry)
+                     remark="The value follows from the geometry of the source.", **by_geometry)
     yield gw.Row("Distance H0 of the plates at which all just touches", "mm", where="thesis 8.1", theory=16.279,
                  ours=1e3 * (math.sqrt(4 * TOUCHING**2 - SPHERE**2) + CYLINDER), verification=True,
-                 remark="From the packing's diameters; not given in the source.")
+                 remark="The value follows from the diameters of the packing; the source does not "
+                        "give it.")
     alike = [row for row in found if (row.state, row.n, row.friction) == (STATES[1], 10, FRICTION)]
     usual = next(row for row in alike if not difference(row))
     for row in alike:
         if what := difference(row):
             yield gw.Row(f"First peak at sphere 21, {row.name}, {what}", "N", ours=row.first[1],
-                         remark="Not stated in the source.", **not_stated)
+                         remark="The source does not state this property.", **not_stated)
             yield gw.Row(f"The same over that of the other rows, {row.name}, {what}",
                          ours=row.first[1] / usual.first[1],
-                         remark="Those: cylinders 9.5 mm long, plates of aluminium, 15.975 mm apart.", **not_stated)
+                         remark="The other chains have cylinders of 9.5 mm length and plates of "
+                                "aluminium, 15.975 mm apart.", **not_stated)
     # fmt: on

@@ -1,12 +1,13 @@
-"""Switch: cylinders that open the gaps of a row, or lie loose beside them (thesis 8).
+"""Switch: cylinders that open the gaps of a chain, or lie loose at them (thesis 8).
 
-27 steel spheres on an aluminium block, the first struck at 0.8 m/s, and 0 to 10 aluminium cylinders
-between two aluminium plates. Plates 15.975 mm apart: the cylinders open gaps behind spheres 14 to
-18, and carry the wave across. Plates 16.5 mm apart: the gaps are closed, and the cylinders lie
-loose on the sphere before (upstream) or behind them. A sensor in a sphere reads the mean of its two
-contact forces. Plates rub with 0.185, the source's fit; here by Mindlin's spring and Coulomb's
-limit, in the second solver by the sign of the velocity: that is the difference in rows with
-friction. Cylinders do not turn.
+A chain of 27 steel spheres ends on an aluminium block; the impact on the first sphere is at 0.8
+m/s. There are 0 to 10 aluminium cylinders between two aluminium plates. If the plates are 15.975 mm
+apart, the cylinders open gaps behind spheres 14 to 18 and transmit the wave across the gaps. If the
+plates are 16.5 mm apart, the gaps are closed, and the cylinders lie loose on the sphere before
+(upstream) or behind them (downstream). A sensor in a sphere measures the mean of its two contact
+forces. The friction of the plates is 0.185, which the source fitted. Here friction has Mindlin's
+spring and Coulomb's limit; in the second solver it follows the sign of the velocity, which explains
+the differences with friction. Cylinders do not rotate.
 """
 
 from itertools import product
@@ -28,7 +29,9 @@ AXES = {
     8: (30.0, "8.8b"),
     10: (30.0, "8.8c"),
 }  # ends, N, of the same; figure
-SHEARED = "Mindlin's spring here, the sign of the velocity there."
+SHEARED = (
+    "Friction here has Mindlin's spring; in the second solver it follows the sign of the velocity."
+)
 
 
 def select(runs):
@@ -64,10 +67,12 @@ def rows(measured):
             if friction and row.n in AXES:
                 end, figure = AXES[row.n]
                 yield gw.Row(f"First peak at sphere 21, {row.name}, at most", "N", end, force, bound=True,
-                             where=f"thesis Fig. {figure}", remark="By the end of the axis.")
+                             where=f"thesis Fig. {figure}", remark=(
+                                 "The bound is the end of the axis."))
     loose = [row.first[1] for row in found[DOWNSTREAM, 0.0]]
     yield gw.Row("First peak at sphere 21, loose, downstream: spread over the numbers of cylinders", "N", 0.0,
-                 max(loose) - min(loose), "thesis 8.4, Fig. 8.10b", "The source: independent of it.")
+                 max(loose) - min(loose), "thesis 8.4, Fig. 8.10b",
+                     "According to the source it is independent of the number.")
     # fmt: on
 
 
@@ -77,13 +82,14 @@ def verdict(measured):
     rubbed = peak[OPEN, FRICTION]
     loose = peak[DOWNSTREAM, 0.0] + peak[DOWNSTREAM, FRICTION]
     yield (
-        f"Open gaps with friction: the first peak falls from {rubbed[0]:.1f} N ({NUMBERS[0]} cylinders) to "
-        f"{rubbed[-1]:.1f} N ({NUMBERS[-1]}), without it to {peak[OPEN, 0.0][-1]:.1f} N only: the source's fit of the "
-        "friction is what makes its decay."
+        f"With open gaps and friction the first peak falls from {rubbed[0]:.1f} N ({NUMBERS[0]} "
+        f"cylinders) to {rubbed[-1]:.1f} N ({NUMBERS[-1]}), without friction only to {peak[OPEN, 0.0][-1]:.1f} "
+        "N. The decay in the source is therefore due to its fitted friction."
     )
     yield (
-        f"Loose cylinders downstream change nothing ({min(loose):.2f} to {max(loose):.2f} N, whatever their number); "
-        "upstream each pair takes its share. The source has the two states exchanged."
+        f"Loose cylinders downstream have no effect ({min(loose):.2f} to {max(loose):.2f} N for "
+        "any number); upstream each pair reduces the peak. In the source the two states are "
+        "exchanged."
     )
 
 
@@ -111,6 +117,11 @@ def pictures(measured):
     right.set(xlabel="Time (ms)", ylabel="Force at sphere 21 (N)", ylim=(0, None))
     for axes in (left, right):
         axes.legend(fontsize=6)
-    caption = "First peak behind the cylinders, and forces there with open gaps and friction (thesis Figs 8.6 to 8.10): "
-    caption += "friction makes the fall with their number; loose ones downstream change nothing"
+    caption = (
+        "First peak behind the cylinders, and forces there with open gaps and friction "
+        "(thesis Figs 8.6 to 8.10). "
+    )
+    caption += (
+        "Friction causes the decrease with their number; loose cylinders downstream have no effect"
+    )
     yield gw.Picture("switch_peaks", caption, figure, data)

@@ -1,7 +1,7 @@
 """Switch with yielding contacts.
 
-Beyond the source, whose contacts are elastic: open gaps with 2 and 10 cylinders, plates without
-friction, the first sphere struck at 0.8 and 4 m/s.
+This study goes beyond the source, whose contacts are elastic: open gaps with 2 and 10 cylinders,
+plates without friction, and impacts on the first sphere at 0.8 and 4 m/s.
 """
 
 from switch_row import SwitchRow

@@ -186,6 +186,12 @@ def test_wide_forces_are_on_a_logarithmic_axis(run):
     assert drawing.figure.axes[0].get_xscale() == ("log" if wide else "linear")
 
 
+def test_a_chain_has_no_distribution(tmp_path):
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 50)))
+    with Result(tmp_path) as result:
+        assert contacts.force_distribution(result) is None
+
+
 def test_diagram_of_a_line(run):
     """Colours are the speeds of the snapshots; the data have each grain at each instant."""
     drawing = drawn(run, "line_diagram")

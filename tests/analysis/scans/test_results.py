@@ -225,7 +225,7 @@ def test_reader_for_xarray(tmp_path):
     write_scan(
         tmp_path / "bad", [*points, {"load.velocity": 9, "material": "brass", "run.end_time": 1.0}]
     )
-    with pytest.raises(ValueError, match="found 5 points at 5 positions of a grid of 3 x 2"):
+    with pytest.raises(ValueError, match="found 5 points at 5 positions of a grid of 3 × 2"):
         read_scan(tmp_path / "bad").to_xarray()
 
 

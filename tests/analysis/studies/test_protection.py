@@ -193,11 +193,11 @@ def test_studies_of_bottoms_and_heights(packings: Found, tmp_path: Path) -> None
     titles = [study.title.partition(": ")[2] for study in found.values()]
     assert (
         titles[0]
-        == "FCC packing of 6 x 6 brass spheres of 10 mm a layer, elasto-plastic contacts, 5 m/s"
+        == "FCC packing of 6 × 6 brass spheres of 10 mm a layer, elasto-plastic contacts, 5 m/s"
     )
     assert (
         titles[1]
-        == "FCC packing of 6 x 6 x 2 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s"
+        == "FCC packing of 6 × 6 × 2 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s"
     )
 
 

@@ -329,8 +329,8 @@ def made(
 @pytest.mark.parametrize(
     ("kind", "size", "words", "of_any_height"),
     [
-        ("fcc", (6, 5, 4), "FCC packing of 6 x 5 x 4 brass spheres", "FCC packing of 6 x 5 brass spheres of 9.52 mm a layer"),
-        ("square", (6, 5), "Square packing of 6 x 5 brass spheres", "Square packing of 6 x 5 brass spheres of 9.52 mm"),
+        ("fcc", (6, 5, 4), "FCC packing of 6 × 5 × 4 brass spheres", "FCC packing of 6 × 5 brass spheres of 9.52 mm a layer"),
+        ("square", (6, 5), "Square packing of 6 × 5 brass spheres", "Square packing of 6 × 5 brass spheres of 9.52 mm"),
         ("chain", 20, "Chain of 20 brass spheres", "Chain of brass spheres of 9.52 mm"),
         ("chain", 1, "Brass sphere", "Chain of brass spheres of 9.52 mm"),
     ],

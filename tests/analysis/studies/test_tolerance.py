@@ -148,7 +148,7 @@ def test_many_packings_with_friction_and_without_are_a_study_where_it_is_named(
         "tolerances-3",
         "tolerances-4",
     ]
-    assert found[1].label == "FCC packing of 24 x 24 x 12 steel spheres of 10 mm"
+    assert found[1].label == "FCC packing of 24 × 24 × 12 steel spheres of 10 mm"
 
 
 def test_a_scan_names_the_study(tmp_path: Path) -> None:
@@ -300,7 +300,7 @@ def test_real_packings(tmp_path: Path) -> None:
     inputs = read_inputs([tmp_path / name for name in ("d", "b", "ideal", "a", "c")], tmp_path)
     (study,) = studies_of(inputs, ["tolerance"])
     assert (
-        "FCC packing of 6 x 6 x 4 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s, rigid wall"
+        "FCC packing of 6 × 6 × 4 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s, rigid wall"
         in study.title
     )
     (found,) = [part for part in study.tables if part.caption == TABLE]

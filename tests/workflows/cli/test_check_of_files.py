@@ -49,7 +49,7 @@ def test_the_table_says_what_was_read(case: str, capsys: pytest.CaptureFixture[s
     assert rows["diameters"] == "0.01 m to 0.015 m, 0.0116667 m on average"
     assert rows["materials"] == "2 brass, 1 steel"
     assert rows["types in the file"] == "2 of type 1, 1 of type 2"
-    assert rows["box of the file"] == "0.04 x 0.04 x 0.1 m, periodic along x and y"
+    assert rows["box of the file"] == "0.04 × 0.04 × 0.1 m, periodic along x and y"
     assert rows["overlaps in the file"] == "1, the largest by 1e-05 m"
     assert "velocities" not in rows
 

@@ -51,7 +51,7 @@ def test_wrong_numbers_are_told_with_what_to_do(monkeypatch, capsys):
     table, _, mend = capsys.readouterr().out.partition("\n\n")
     rows = {line[:34].strip(): line[34:].split("  ") for line in table.splitlines()}
     assert [name for name, words in rows.items() if words[-1].strip() == "NO"] == [
-        "two spheres, Hertz", "FCC 8 x 8 x 5: dissipated", "stopped run",
+        "two spheres, Hertz", "FCC 8 × 8 × 5: dissipated", "stopped run",
     ]  # fmt: skip
     assert "LAMMPS: no such style" in table and "finished" in " ".join(rows["stopped run"])
     assert mend.count("fix  ") == 3 and "do not use it" in mend and "do not use --resume" in mend

@@ -63,7 +63,7 @@ def grain_file_rows(values: Mapping[str, Any] | None) -> Iterator[tuple[str, str
     if len(values["types"]) > 1:
         yield "types in the file", _counts(values["types"], "of type ")
     if values["box_m"] is not None:
-        edges = " x ".join(f"{high - low:.4g}" for low, high in values["box_m"])
+        edges = " × ".join(f"{high - low:.4g}" for low, high in values["box_m"])
         axes = " and ".join(values["periodic"])
         yield "box of the file", f"{edges} m" + (f", periodic along {axes}" if axes else "")
     if values["density_kg_m3"] is not None:
