@@ -1,4 +1,6 @@
-"""Main values of a run for the terminal and notebooks, and sentences on values of ``summary.json``."""
+"""Main values of a run for the terminal and notebooks, and sentences on
+values of ``summary.json``.
+"""
 
 from __future__ import annotations
 

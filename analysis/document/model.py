@@ -206,7 +206,9 @@ class DocumentSection:
 
 @dataclasses.dataclass(frozen=True)
 class Badge:
-    """A state in a few words, at the top of a report; ``section`` is the section with the details."""
+    """A state in a few words, at the top of a report; ``section`` is the section
+    with the details.
+    """
 
     text: str
     tone: Tone

@@ -35,7 +35,9 @@ def uncover_curves(figure: Figure) -> bool:
 
 
 def uncover_curves_of(axes: Axes) -> bool:
-    """Move the legend of axes as in `uncover_curves`; return True if it was moved above the axes."""
+    """Move the legend of axes as in `uncover_curves`; return True if it was moved
+    above the axes.
+    """
     legend = axes.get_legend()
     if legend is None or _is_outside(axes, legend) or not covers_curve(axes, legend):
         return False

@@ -219,7 +219,9 @@ class Lines:
         return f"{self.path}: line {self.n_read - back}"
 
     def frame(self, rows: list[str], like: Frame, number: int, *, more: bool) -> Frame:
-        """Return the frame of the rows that were taken last, with box and columns of another frame."""
+        """Return the frame of the rows that were taken last, with box and columns
+        of another frame.
+        """
         if rows and not rows[-1].endswith("\n"):
             raise CutShortError(self.place(), number)
         last = len(rows) - 1

@@ -7,10 +7,11 @@ A line under a static force, chain or stack of lattice layers, has bodies of mas
 and springs that are linear for small waves:
 
     chain         k = 3/2 F0/alpha0, of a Hertz contact with the overlap alpha0 under F0
-    fcc and hcp   along [111] and c: layers D sqrt(2/3) apart; a sphere has three contacts in each of the next layers,
-                  inclined with cos^2 = 2/3, so that K = 3 cos^2 k - 3 sin^2 f/D = 2 k - f/D for
-                  layers as wholes, with the static force f of a contact. The second term, of
-                  contacts that turn, is alpha/(3 D) of the first.
+    fcc and hcp   along [111] and c: layers D sqrt(2/3) apart; a sphere has three contacts in each
+                  of the next layers, inclined with cos^2 = 2/3, so that
+                  K = 3 cos^2 k - 3 sin^2 f/D = 2 k - f/D for layers as wholes, with the static
+                  force f of a contact. The second term, of contacts that turn, is alpha/(3 D) of
+                  the first.
 
 Long waves have the speed c0 = h sqrt(K/m). For a chain of identical spheres of diameter a and with
 Hertz's k this is
@@ -318,7 +319,9 @@ def line_of(case: Case, law: ContactLaw | None = None) -> PrecompressedLine:
 
 @cache
 def _lattice_waves() -> tuple[Array, Array]:
-    """Logarithms of F_m/F0 and of the speed divided by c0 of the travelling waves of the lattice."""
+    """Logarithms of F_m/F0 and of the speed divided by c0 of the travelling waves
+    of the lattice.
+    """
     excess = np.concatenate([[0.0], np.geomspace(3e-4, 6.0, 45)])
     ratio = [1.0, *(_travelling(1 + x) for x in excess[1:])]
     return np.log(ratio), np.log1p(excess)

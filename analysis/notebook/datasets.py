@@ -115,7 +115,9 @@ def chain(result: Result) -> Dataset:
 
 
 def _variable(result: Result, path: str, dimensions: tuple[str, ...], name: str) -> Variable:
-    """Make a variable; if it has a single dimension, it is time, or has the last of ``dimensions``."""
+    """Make a variable; if it has a single dimension, it is time, or has the
+    last of ``dimensions``.
+    """
     attributes = {"units": result.unit(path), "long_name": name.replace("_", " ")}
     source = result.file[path]
     if source.ndim == 1:

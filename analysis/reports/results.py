@@ -303,7 +303,9 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _unit_of(key: str, summaries: Sequence[Mapping[str, Any]]) -> tuple[str, float]:
-    """Return the unit in which values of summaries are most readable, and its size in the SI unit."""
+    """Return the unit in which values of summaries are most readable, and its size in
+    the SI unit.
+    """
     return column_unit(unit_of_value(key), [summary.get(key) for summary in summaries])
 
 
