@@ -1,5 +1,6 @@
-"""Closed forms compared with runs of a single elastic sphere, the simplest packing, on all kinds of
-targets.
+"""Closed forms compared with runs of a single elastic sphere on all kinds of targets.
+
+A single sphere is the simplest packing.
 """
 
 from __future__ import annotations
