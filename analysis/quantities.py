@@ -485,7 +485,7 @@ REPORT_COLUMNS = (
 
 @cache
 def report_columns() -> tuple[str, ...]:
-    """Return the columns of the tables of results in reports, as far as there are values; values of
+    """Return the columns of the tables of results in reports, if they have values; values of
     extensions follow the entry ``after``.
     """
     columns = list(REPORT_COLUMNS)

@@ -1,4 +1,4 @@
-"""Summary of a run: ``summary.json``, SI units, null where a value does not apply.
+"""Summary of a run: ``summary.json``, SI units, null if a value does not apply.
 
 Their names, and where they are shown: `granwave.analysis.quantities`.
 """
@@ -320,7 +320,7 @@ def _of_block(path: Path, size: int, assembly: Assembly, first: int) -> dict[str
 
 
 def _columns(result: Result, rows: slice | tuple[()] = ()) -> dict[str, Array]:
-    """Return the columns of some contacts, with those of other losses as far as there are any."""
+    """Return the columns of some contacts, and the columns of other losses, if there are any."""
     others = [name for name in _OTHER_LOSSES if f"contacts/{name}" in result]
     names = (*_CONTACT_COLUMNS, *others)
     if rows == ():
@@ -504,8 +504,8 @@ def _mass_and_height(result: Result) -> tuple[float, float]:
 
 
 def _sensors(result: Result) -> Summary:
-    """Largest force at each sensor of a chain; largest acceleration and speed at each of another
-    packing.
+    """Largest force at each sensor of a chain; largest acceleration and speed at each sensor of
+    another packing.
     """
     if "chain" in result:
         return {

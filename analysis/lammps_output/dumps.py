@@ -74,7 +74,7 @@ def read_frames(
     Rows in several files are joined. The snapshots of resumed runs follow in separate files. If a
     step was written twice (resumed run), the first is used. With ``at_once`` only the rows of a
     frame are sorted; rows of a snapshot stay in the order in which LAMMPS wrote them: sorted in one
-    file, as the ranks hold them in several files.
+    file, in the order of the ranks in several files.
 
     Parameters
     ----------
@@ -183,9 +183,8 @@ class ContactDump:
 
     def unread(self, at_once: int) -> tuple[Frame, Iterator[Frame], int]:
         """Return a frame without rows, the rows in pieces of about this size that any process can
-        read, and their number.
-
-        Where fewer or more are found, `frames` raises the error of the damaged file.
+        read, and their expected number. For a file with fewer or more rows, `frames` raises the
+        error of a damaged file.
         """
         like = next(self.frames(1))  # checks header and columns
         paths = self.paths
@@ -222,8 +221,7 @@ def contacts_at_end(directory: AnyPath) -> ContactDump:
 def contacts_after_static_stage(directory: AnyPath) -> ContactDump | None:
     """Return the contact forces after the static stage: i, j, force (N).
 
-    None if there was no such stage. A file in the list of files of the run counts, even if it is
-    missing.
+    None if there was no such stage. A file that the run lists must exist.
     """
     results = ResultDirectory.at(directory)
     folder = results / DUMPS
@@ -410,7 +408,7 @@ def _pieces(
     """Iterate over the snapshots of a dump of one or more files; check their columns, and that
     there is one.
 
-    With ``partial`` a truncated last one is skipped with a warning.
+    With ``partial`` a truncated last snapshot is skipped with a warning.
     """
     number = 0
     path = paths[0]
@@ -456,8 +454,8 @@ def _of_all_parts(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
 
 
 def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
-    """Return the files of a dump: itself, or all its parts where its name has "%"; ``like`` is
-    another dump of the same session, with as many parts.
+    """Return the files of a dump: the dump itself, or all its parts if its name contains "%";
+    ``like`` is another dump of the same session, with as many parts.
     """
     if RANK not in path.name:
         return [path]

@@ -141,7 +141,7 @@ def _main_figure(item: ReportRun | ReportScan, inputs: ReportInputs) -> Figure |
 
 
 def _names(item: ReportRun | ReportScan) -> list[str]:
-    """Return the names of the figures there are that show the main quantity of a scan, or a run,
+    """Return the names of the existing figures of the main quantity of a scan, or of a run, the
     best first.
     """
     if isinstance(item, ReportRun):
@@ -179,7 +179,7 @@ def _is_thin(run: ReportRun) -> bool:
 
 
 def _of_scan(scan: ReportScan, inputs: ReportInputs, studied: Figure | None) -> tuple[Part, ...]:
-    """Return the sentence, and the figure and the table where anything varies."""
+    """Return the sentence, and, if anything varies, the figure and the table."""
     means = scan.means
     shown = means.quantities()
     pictures = (Gallery((studied,)),) if studied else ()

@@ -182,8 +182,8 @@ def _look(item: ReportRun | ReportScan, name: str) -> str:
 
 
 def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tuple[str, str]:
-    """Return the caption of a figure from the name of its file, and, ``in_words``, what a figure of
-    a scan shows.
+    """Return the caption of a figure from the name of its file, and, ``in_words``, from the
+    quantity and the key of a figure of a scan.
     """
     captions = _captions(item)
     if stem in captions:
@@ -316,7 +316,7 @@ def _picture(
 
 
 def _data_of(path: Path) -> bytes:
-    """Return the table of a figure for the page; empty where it is large, or cannot be read."""
+    """Return the table of a figure for the page; empty if it is large, or cannot be read."""
     try:
         return path.read_bytes() if path.stat().st_size <= MOST_DATA else b""
     except OSError:

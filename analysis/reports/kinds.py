@@ -189,7 +189,7 @@ class ReportKind:
     # ------------------------------------------------------------------ reading
 
     def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
-        """Read a directory; several runs where it holds several.
+        """Read a directory, which may hold several runs.
 
         Raises
         ------
@@ -244,7 +244,7 @@ class ReportKind:
         return ""
 
     def load_keys(self, case: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the keys of the load of a case, by dotted keys, as a packing has them."""
+        """Return the keys of the load of a case, by dotted keys, with the names of a packing."""
         return {}
 
     def setting(self, run: ReportRun) -> str:

@@ -379,7 +379,9 @@ def _input_row(item: ReportRun | ReportScan, inputs: ReportInputs) -> tuple[str 
 
 
 def _versions(inputs: ReportInputs) -> list[Block]:
-    """Return tables of versions: those that all runs share, then those that differ, by kind of run."""
+    """Return tables of versions: first versions that all runs share, then versions that differ, by
+    kind of run.
+    """
     runs = list(inputs.results())
     same = []
     others = []

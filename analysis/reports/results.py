@@ -304,12 +304,14 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _unit_of(key: str, summaries: Sequence[Mapping[str, Any]]) -> tuple[str, float]:
-    """Return the unit in which values of summaries are read best, and its size in the SI unit."""
+    """Return the unit in which values of summaries are most readable, and its size in
+    the SI unit.
+    """
     return column_unit(unit_of_value(key), [summary.get(key) for summary in summaries])
 
 
 def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cell:
-    """Return the cell of a value of a summary in a unit of a size, marked where it is doubtful; a
+    """Return the cell of a value of a summary in a unit of a size, marked if it is doubtful; a
     list holds names of boundaries.
     """
     if not summary:

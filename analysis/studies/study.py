@@ -331,7 +331,7 @@ def draw_studies(found: Sequence[Study], directory: AnyPath) -> list[Path]:
 
 
 def record_of(row: Row) -> dict[str, Any]:
-    """Return a row by name of the column; None where a value is missing."""
+    """Return a row by name of the column; None if a value is missing."""
     return {
         "kind": row.kind,
         "quantity": row.quantity,

@@ -72,7 +72,8 @@ def dents_in(region: Dents, law: ContactLaw, radius: NDArray[np.float64]) -> NDA
     """Return the largest overlaps so far, given by a region, of contacts with effective radii (n,):
     (n,), m.
 
-    A force (N) gives the overlap at which first loading reaches it; F/R*^2 depends on alpha/R* only.
+    A force (N) gives the overlap at which first loading reaches it; F/R*^2 depends only on
+    alpha/R*.
     """
     if not region.force:
         return np.full(len(radius), (region.overlap or 0.0) if region.force is None else 0.0)

@@ -222,7 +222,9 @@ def _spheres_from(assembly: Assembly, restart_from: str) -> list[str]:
 
 
 def _initial_places(*, resumed: bool) -> list[str]:
-    """Return the commands that store the initial positions of the spheres; a restart file has them."""
+    """Return the commands that store the initial positions of the spheres; a restart
+    file has them.
+    """
     lines = [
         "# Initial positions of the spheres: contact forces keep the directions between them.",
         "fix             initial all property/atom d2_initial 3 ghost yes",

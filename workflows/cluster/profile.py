@@ -1,4 +1,4 @@
-"""Profile of a cluster: how jobs are submitted there, as ``--profile`` and ``--submit`` read it."""
+"""Profile of a cluster: submission of jobs, for ``--profile`` and ``--submit``."""
 
 from __future__ import annotations
 

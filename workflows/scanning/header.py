@@ -161,7 +161,7 @@ def variations_of(
     """Make the values of each point, by dotted key, out of [grid], [[zip]] and [[points]]; a
     product of the first two.
 
-    Faults go into ``errors``.
+    Faults are added to ``errors``.
     """
     axes = [
         [{key: value} for value in values]

@@ -99,7 +99,7 @@ def is_whole(directory: Path, point: str) -> bool:
 
 
 def reopen(directory: Path, point: str) -> None:
-    """Move a damaged point back to the unfinished ones, with its intact files.
+    """Move a damaged point back to the unfinished points, with its intact files.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def reopen(directory: Path, point: str) -> None:
 
 
 def close(directory: Path, point: str) -> None:
-    """Move a point to the finished ones; raise as `reopen`."""
+    """Move a point to the finished points; raise as `reopen`."""
     _move(unfinished(directory, point), finished(directory, point))
 
 

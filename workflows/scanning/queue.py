@@ -1,7 +1,7 @@
 """Jobs of a scan in the queue of a cluster: their batches, reasons to wait, and ends.
 
 Each job that is submitted is noted in a file of the scan, with its batch, so that a later driver
-finds the jobs of an earlier one.
+finds the jobs of an earlier driver.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
 
 
 def value_table(comparison: Comparison) -> DocumentTable:
-    """Return the table of values; of many runs the smallest and largest of each."""
+    """Return the table of values; for many runs the smallest and the largest of each value."""
     values = comparison.values
     if not comparison.quantities:
         values = values[:_MOST_VALUES]
@@ -167,7 +167,7 @@ def _folded(table: DocumentTable) -> Group:
 def _case_table(
     caption: str, rows: Sequence[Difference], runs: Sequence[ComparedRun]
 ) -> DocumentTable:
-    """Return a row for each key; of many runs a row for each run."""
+    """Return a row for each key; for many runs a row for each run."""
     names = [run.name for run in runs]
     if len(runs) <= MOST_SIDE_BY_SIDE:
         texts = [(row.what, *row.values) for row in rows]

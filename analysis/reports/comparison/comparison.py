@@ -126,8 +126,8 @@ class Comparison:
 
     @property
     def protection(self) -> list[str]:
-        """Sentences on which run protects better, by the force on the bottom and by the depth of
-        the plastic zone; empty if values were requested, or if nothing differs.
+        """Sentences that compare the protection by the runs: force on the bottom, and depth of the
+        plastic zone; empty if values were requested, or if nothing differs.
         """
         if self.quantities or len(self.runs) < _LEAST_RUNS or not self.differs:
             return []
@@ -137,8 +137,9 @@ class Comparison:
     def table(self) -> pandas.DataFrame:
         """Values by name, the most different first: a column for each run, and the ratio.
 
-        Units are in ``attrs["units"]``, by name. The ratio is second over first of two runs, of
-        more largest over smallest; NaN where a value is zero or missing.
+        Units are in ``attrs["units"]``, by name. The ratio is that of the second to the first of
+        two runs, of the largest to the smallest value of more runs; NaN where a value is zero or
+        missing.
         """
         import pandas
 
@@ -166,7 +167,7 @@ class Comparison:
 
     @property
     def wanted_figures(self) -> list[str]:
-        """Names of the figures that are drawn, as far as runs have their data."""
+        """Names of the figures that are drawn if runs have their data."""
         asked = [name for name in FIGURES if name in self.quantities]
         asked += [name for name in self.measured if name not in asked]
         return asked if self.quantities else list(FIGURES)
@@ -273,9 +274,9 @@ class Comparison:
 
     @property
     def misfits(self) -> pandas.DataFrame:
-        """Difference of each run from the measured curve: rms, rms over the measured peak, relative
-        difference of the peaks, number of points, and peak of the run in the measured range with
-        its position; empty without a measured curve.
+        """Difference of each run from the measured curve: rms, rms divided by the measured peak,
+        relative difference of the peaks, number of points, and peak of the run in the measured
+        range with its position; empty without a measured curve.
         """
         import pandas
 

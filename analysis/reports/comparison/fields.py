@@ -134,7 +134,7 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
     """Draw the peak force of each run minus the peak force of the first, for runs with the same
     grains.
 
-    None where no run corresponds to the first, or none differs from it.
+    None if no run corresponds to the first, or if none differs from it.
     """
     reference, *others = list(fields)[:MOST_PANELS]
     first = fields[reference]
@@ -223,7 +223,7 @@ def _panels(number: int, window: Window, depth_label: str) -> tuple[MatplotlibFi
 
 
 def _joint(windows: Sequence[Window]) -> Window:
-    """Return the smallest window around several."""
+    """Return the smallest window that contains several windows."""
     left, right, top, bottom = zip(*windows, strict=True)
     return min(left), max(right), min(top), max(bottom)
 

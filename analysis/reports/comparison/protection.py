@@ -1,4 +1,4 @@
-"""Sentences on which of several runs protects better: force on the bottom, depth of the zone."""
+"""Sentences that compare the protection by several runs: force on the bottom, depth of the zone."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class _Phrase:
 
 
 def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[str]:
-    """Return which run protects better, with all values and their ratios.
+    """Return sentences that compare the protection, with all values and their ratios.
 
     Runs with the same energy input are ordered by the peak force on the bottom, above its static
     force if there is one, others by the

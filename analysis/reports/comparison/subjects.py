@@ -161,7 +161,7 @@ def names_with_cases(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def names_in_words(names: Sequence[str]) -> str:
-    """Return names in a sentence; of many the first and the last."""
+    """Return names in a sentence; for many names the first and the last."""
     if len(names) > _MOST_LISTED:
         return f"{names[0]} to {names[-1]} ({len(names)} runs)"
     return f"{', '.join(names[:-1])} and {names[-1]}"
@@ -195,7 +195,7 @@ def ranges_of(runs: Sequence[ComparedRun]) -> str:
 
 
 def physical_keys(runs: Sequence[ReportRun]) -> list[str]:
-    """Return the keys that differ and change the physics; of different materials their name."""
+    """Return the keys that differ and change the physics; for different materials their name."""
     keys = [key for key in differing(runs) if is_physical(key)]
     if _MATERIAL not in keys:
         return keys
@@ -258,7 +258,7 @@ def _without_nothing(entry: Any) -> Any:
 
 
 def _with_unit(value: float, unit: str) -> str:
-    """Return a number with its unit; of plain units with a prefix."""
+    """Return a number with its unit, which has a prefix if it is a simple unit."""
     if unit.isalpha() and unit != "kg":
         return quantity_in(value, unit)
     if unit == "m/s" or 1 / _KILO <= abs(value) < _KILO:
