@@ -28,6 +28,8 @@ AXES = {
     8: (30.0, "8.8b"),
     10: (30.0, "8.8c"),
 }  # ends, N, of the same; figure
+INPUT_AXIS = 140.0  # N: end of Fig. 8.5b
+WINDOWS = ((OPEN, FRICTION, 600.0, "8.5a"), (DOWNSTREAM, 0.0, 500.0, "8.5b"))  # us, of the axes
 SHEARED = "Mindlin's spring here, the sign of the velocity there."
 
 
@@ -43,7 +45,7 @@ def select(runs):
 
 
 def rows(measured):
-    found, _ = measured
+    found, none = measured
     checked = {"where": "thesis 8", "verification": True}
     # fmt: off
     solved = second_solver()
@@ -68,6 +70,34 @@ def rows(measured):
     loose = [row.first[1] for row in found[DOWNSTREAM, 0.0]]
     yield gw.Row("First peak at sphere 21, loose, downstream: spread over the numbers of cylinders", "N", 0.0,
                  max(loose) - min(loose), "thesis 8.4, Fig. 8.10b", "The source: independent of it.")
+    # fmt: on
+    yield from both_sensors(found, none)
+
+
+def both_sensors(found, none):
+    """Rows of the signals of both sensors (Fig. 8.5), by the axes and the text."""
+    first = [row.first for row in (none, *found[OPEN, FRICTION])]
+    times, forces = np.array(first).T
+    steps = len(NUMBERS)
+    name = f"open gaps, friction {FRICTION:g}"
+    # fmt: off
+    for what, ours in (("falls", np.sum(np.diff(forces) < 0)), ("is later", np.sum(np.diff(times) > 0))):
+        yield gw.Row(f"Steps of two cylinders with which the first peak at sphere 21 {what}, {name}", source=steps,
+                     ours=float(ours), where="thesis 8.2.2, Fig. 8.5a",
+                     remark="The source: force and speed fall with the number of cylinders.")
+    yield gw.Row("First peak at sphere 6, no cylinders, at most", "N", INPUT_AXIS, none.first_peak_at(SENSORS[0])[1],
+                 "thesis Fig. 8.5b", "By the end of the axis; the curves are measured.", bound=True)
+    for state, friction, length, figure in WINDOWS:
+        row = found[state, friction][-1]
+        apart = 1e6 * (row.first[0] - row.first_peak_at(SENSORS[0])[0])
+        yield gw.Row(f"Time between the first peaks of both sensors, {row.name}, at most", "us", length, apart,
+                     f"thesis Fig. {figure}", "By the length of the axis; the curves are measured.", bound=True)
+    for state in (UPSTREAM, DOWNSTREAM):
+        row = found[state, FRICTION][-1]
+        yield gw.Row(f"First peak at sphere 21 relative to that without cylinders, {row.name}",
+                     ours=row.first[1] / none.first[1], where="thesis 8.2.2, Fig. 8.5b", digits=3,
+                     remark="The source: very little decay. It does not say where loose cylinders rest when the wave "
+                     "comes.")
     # fmt: on
 
 
@@ -114,3 +144,30 @@ def pictures(measured):
     caption = "First peak behind the cylinders, and forces there with open gaps and friction (thesis Figs 8.6 to 8.10): "
     caption += "friction makes the fall with their number; loose ones downstream change nothing"
     yield gw.Picture("switch_peaks", caption, figure, data)
+    yield picture_of_both(found, none)
+
+
+def picture_of_both(found, none):
+    """Signals of both sensors with gaps between spheres, and with loose cylinders."""
+    figure = Figure((7, 2.8), layout="constrained")
+    data = {}
+    for axes, (state, friction, *_), title in zip(
+        figure.subplots(1, 2, sharey=True),
+        WINDOWS,
+        ("open gaps, friction", "loose, downstream"),
+        strict=True,
+    ):
+        for k, row in enumerate((none, *found[state, friction])):
+            for sensor in SENSORS:
+                time, force = row.sensor(sensor)
+                label = f"{row.n} cylinders" if sensor == SENSORS[0] else None
+                axes.plot(1e3 * time, force, f"C{k}", linewidth=0.9, label=label)
+                name = f"{'open' if state == OPEN else 'loose'}_{row.n}_sphere_{sensor}"
+                data |= {f"{name}_time_s": time, f"{name}_N": force}
+        axes.set(xlabel="Time (ms)", title=title, xlim=(0, 0.6))
+        axes.legend(fontsize=6)
+    figure.axes[0].set(ylabel="Force (N)", ylim=(0, None))
+    caption = "Forces at sphere 6 (before the cylinders) and 21 (behind them), computed, as the source measured them "
+    caption += "(thesis Fig. 8.5): with open gaps force and speed fall with the number of cylinders, with loose ones "
+    caption += "downstream nothing changes"
+    return gw.Picture("switch_both_sensors", caption, figure, data)
