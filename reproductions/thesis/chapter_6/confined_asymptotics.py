@@ -6,8 +6,8 @@ source's (factor 1.2). Mended: delta_hat is 2 delta tan(theta), eta_hat has no f
 (0.5286 for n = 8, not 0.2528), the residual keeps its powers 3/2 and c^2 w'', (6.17) has the
 difference of beads, (6.18) n eps^3/A^2 (w_1'^2 + u_1'^2) with the largest velocity of a bead in the
 place of A. Waves become wider with precompression, not narrower: C1 falls. The legends of figure
-6.10 (0.09, 0.22, 0.36) are in the ratio of the precompressions, but about a quarter of delta_hat:
-their scale cannot be found, so slopes are compared.
+6.10 (0.09, 0.22, 0.36) are in the ratio of the precompressions, but about a quarter of the
+delta_hat of the waves in these rows, so slopes are compared.
 """
 
 from functools import cached_property
@@ -96,8 +96,8 @@ def rows(theory):
         yield gw.Row(f"Displacement of a bead by the wave over D, times 1e3, {run.label}", ours=1e3 * moved / BEAD,
                      where="ours", digits=3)
         yield gw.Row(f"delta_hat of the legend, {run.label}", source=LEGENDS[round(run.a, 7)], ours=delta_hat, digits=3,
-                     where="thesis figure 6.10", remark="Its scale cannot be found: some four times, in the ratio of "
-                     "a.")
+                     where="thesis figure 6.10", remark="Some four times, in the ratio of a: the legends are the "
+                     "delta_hat of the drawn curves.")
     of_energy = slope(*theory.curve)
     yield gw.Row("Slope of ln(decay of the force) with delta_hat", ours=slope(theory.delta_hat, theory.decay), digits=3,
                  where="thesis figure 6.11", theory=of_energy,
@@ -106,7 +106,7 @@ def rows(theory):
     yield gw.Row("Slope of ln(decay of the force) with delta_hat, by the source's equations (6.7)", digits=3,
                  ours=slope(theory.delta_hat, decay_by_source(theory)), where="thesis figure 6.11", theory=of_energy,
                  remark="Its soft wall, no contacts in the rings, normals of the start; the equations are solved, and "
-                 "runs of that model agree with them to four digits. What is left is not explained.")
+                 "runs of that model agree with them to four digits. What is left depends on the choice of A.")
     # fmt: on
 
 
