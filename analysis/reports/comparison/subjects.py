@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -270,18 +271,29 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     keys = physical_keys(with_case) if len(with_case) > 1 else []
     if len({run.kind for run in runs}) > 1:
         keys = comparable_keys(keys, with_case)
-    keys = keys[:_MOST_KEYS]
+    keys = [key for key in keys if not any("\n" in str(run.case.get(key)) for run in runs)]
+    values = {key: [_value_in_label(key, run.case) for run in runs] for key in keys}
+    usual = {key: _usual(of_runs) for key, of_runs in values.items()}
     texts: list[str] = []
-    for run in runs:
-        parts = [
-            value_text(key, run.case, missing="")
-            for key in keys
-            if "\n" not in str(run.case.get(key))  # no table of grains
-        ]
+    for place, run in enumerate(runs):
+        parts = [of[place] for key, of in values.items() if of[place] != usual[key]]
         in_name = re.split(_BETWEEN_WORDS, run.label)
         said = [part for part in parts if 0 < len(part) <= _LONGEST_VALUE and part not in in_name]
-        texts.append(", ".join(said))
+        texts.append(", ".join(said[:_MOST_KEYS]))
     return texts
+
+
+def _value_in_label(key: str, case: Mapping[str, Any]) -> str:
+    """Return the value of a key in a label; of a bare number with the name of the key."""
+    text = value_text(key, case, missing="")
+    is_bare = re.fullmatch(r"[-+.\de]+", text) is not None
+    return f"{key.rpartition('.')[2].replace('_', ' ')} {text}" if is_bare else text
+
+
+def _usual(values: Sequence[str]) -> str | None:
+    """Return the value of most runs, which labels omit; None if there is none."""
+    text, count = Counter(values).most_common(1)[0]
+    return text if 2 * count > len(values) else None
 
 
 def _shortened(label: str) -> str:
