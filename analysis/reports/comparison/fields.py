@@ -109,7 +109,7 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
     low, high = decades_up_to(largest, None)
     low = min(low, decades_up_to(least, None)[0] * _DECADE)
     windows = [fields[run].window(low) for run in runs]
-    is_shared = not _differ_in_size(windows)
+    is_shared = not _differ_in_size([fields[run].window(0.0) for run in runs])
     windows = [_joint(windows)] * len(runs) if is_shared else _of_one_aspect(windows)
     depth_label = _depth_label([fields[run] for run in runs])
     figure, panels = _panels(len(runs), windows[0], depth_label, shared=is_shared)

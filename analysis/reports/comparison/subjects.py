@@ -23,7 +23,6 @@ from granwave.analysis.reports.setting import (
     is_nothing,
     origin_of,
 )
-from granwave.analysis.result.not_a_run import UNFINISHED
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.run_directory import RESULT_FILE
@@ -109,11 +108,10 @@ class ComparedRun:
     @property
     def unfinished(self) -> str:
         """Reason why its results end early; empty for a finished run."""
-        state = self.run.record.get("state")
         end = self.run.number("end_time_s")
-        if state not in UNFINISHED or end is None:
+        if not self.run.is_unfinished or end is None:
             return ""
-        return f"{state} at {quantity_in(end, 's')}"
+        return f"{self.run.record['state']} at {quantity_in(end, 's')}"
 
 
 def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
