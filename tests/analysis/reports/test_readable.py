@@ -48,11 +48,14 @@ def test_cells_in_another_unit_sort_by_the_value():
     assert cell_in_unit("none", 1e-3).text == "none"
 
 
+class Kind:
+    of_spheres = True
+
+
 def runs(*cases):
     """Return runs with these cases, called a, b, ..."""
-    kind = SimpleNamespace(of_spheres=True)
     return [
-        SimpleNamespace(label=label, case=case, kind=kind)
+        SimpleNamespace(label=label, case=case, kind=Kind)
         for label, case in zip("abcdef", cases, strict=False)
     ]
 
