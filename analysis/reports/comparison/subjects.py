@@ -36,6 +36,7 @@ _REPLACED = "replace"  # key of replaced grains ...
 _DIAMETER = "diameter"
 _INDEX = "index"  # ... and of their ids
 _OF_MATERIAL = "material."
+_OF_BOUNDARY = "boundary."
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
@@ -270,22 +271,29 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     if len({run.kind for run in runs}) > 1:
         keys = comparable_keys(keys, with_case)
     keys = [key for key in keys if not any("\n" in str(run.case.get(key)) for run in runs)]
-    values = {key: [_value_in_label(key, run.case) for run in runs] for key in keys}
+    values = {key: [value_text(key, run.case, missing="") for run in runs] for key in keys}
     usual = {key: _usual(of_runs) for key, of_runs in values.items()}
     texts: list[str] = []
     for place, run in enumerate(runs):
-        parts = [of[place] for key, of in values.items() if of[place] != usual[key]]
+        parts = {key: of[place] for key, of in values.items() if of[place] != usual[key]}
         in_name = re.split(_BETWEEN_WORDS, run.label)
-        said = [part for part in parts if 0 < len(part) <= _LONGEST_VALUE and part not in in_name]
+        said = [
+            _with_name(key, part)
+            for key, part in parts.items()
+            if 0 < len(part) <= _LONGEST_VALUE and part not in in_name
+        ]
         texts.append(", ".join(said[:_MOST_KEYS]))
     return texts
 
 
-def _value_in_label(key: str, case: Mapping[str, Any]) -> str:
-    """Return the value of a key in a label; of a bare number with the name of the key."""
-    text = value_text(key, case, missing="")
+def _with_name(key: str, text: str) -> str:
+    """Return the value of a key in a label; of a boundary, and of a bare number, with the name of
+    the key.
+    """
     is_bare = re.fullmatch(r"[-+.\de]+", text) is not None
-    return f"{key.rpartition('.')[2].replace('_', ' ')} {text}" if is_bare else text
+    if is_bare or key.startswith(_OF_BOUNDARY):
+        return f"{key.rpartition('.')[2].replace('_', ' ')} {text}"
+    return text
 
 
 def _usual(values: Sequence[str]) -> str | None:
