@@ -330,7 +330,13 @@ def value_column(key: str, called: str = SPHERES, unit: str | None = None) -> Ta
 def value_cells(key: str, values: Sequence[Any]) -> tuple[str, list[Cell]]:
     """Return the unit in which values of the summary are read best, and their cells in it."""
     unit, size = column_unit(unit_of_value(key), values)
-    return unit, [value_cell(in_unit(value, size)) for value in values]
+    return unit, [cell_in_unit(value, size) for value in values]
+
+
+def cell_in_unit(value: Any, size: float, **more: Any) -> Cell:
+    """Return the cell of a value in a unit of a size, which sorts by the SI value."""
+    text = value_cell(in_unit(value, size)).text
+    return dataclasses.replace(value_cell(value, **more), text=text)
 
 
 def in_unit(value: Any, size: float) -> Any:

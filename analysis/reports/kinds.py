@@ -80,6 +80,11 @@ class ReportRun:
         return self.results.path
 
     @property
+    def is_unfinished(self) -> bool:
+        """True if the run ended before its end: interrupted, failed or still running."""
+        return self.record.get("state") in UNFINISHED
+
+    @property
     def has_balance(self) -> bool:
         """True for results of a time integration, which have energies."""
         return self.kind.has_balance

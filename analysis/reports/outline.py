@@ -221,7 +221,7 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
     for scan in inputs.scans:
         undone += sum(point.run is None for point in scan.points)
     where = "failures" if inputs.scans else "short"
-    unfinished = undone + sum(run.status != "done" for run in runs)
+    unfinished = undone + sum(run.status != "done" or run.is_unfinished for run in runs)
     total = undone + len(runs)
     badges = [_badge(unfinished, total, "finished", "not finished", "bad", where)]
     balanced = [run for run in runs if run.has_balance]

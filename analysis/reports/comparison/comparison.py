@@ -120,9 +120,16 @@ class Comparison:
             listed = names_in_words([run.name for run in self.runs])
             first = f"Nothing differs: cases and results of {listed} are equal."
         else:
-            values = self.values or compared_values(self.runs)
-            first = sentence(values, self.runs, asked=bool(self.quantities and self.values))
+            first = self._largest_differences()
         return " ".join([first, *measured])
+
+    def _largest_differences(self) -> str:
+        """Return the values that differ most, in a sentence; of finished runs, if there are two."""
+        if self.quantities and self.values:
+            return sentence(self.values, self.runs, asked=True)
+        finished = [run for run in self.runs if not run.run.is_unfinished]
+        runs = finished if len(finished) >= _LEAST_RUNS else self.runs
+        return sentence(compared_values(runs), runs)
 
     @property
     def protection(self) -> list[str]:
@@ -131,7 +138,11 @@ class Comparison:
         """
         if self.quantities or len(self.runs) < _LEAST_RUNS or not self.differs:
             return []
-        return protection_sentences(self.runs, names_with_cases(self.runs))
+        names = names_with_cases(self.runs)
+        finished = [place for place, run in enumerate(self.runs) if not run.run.is_unfinished]
+        return protection_sentences(
+            [self.runs[place] for place in finished], [names[place] for place in finished]
+        )
 
     @property
     def table(self) -> pandas.DataFrame:

@@ -45,6 +45,7 @@ from granwave.analysis.reports.comparison.fields import (
     draw_difference,
     draw_fields,
     force_field,
+    scale_notes,
 )
 from granwave.analysis.reports.comparison.measured import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import (
@@ -506,6 +507,11 @@ def _rising_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     return f"Without layers whose force still rises at the end: {', '.join(parts)}."
 
 
+def _field_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
+    """Return the sentences below the peak forces on sections."""
+    return " ".join(filter(None, [dynamic_notes(fields), scale_notes(fields)]))
+
+
 def _difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
     """Return the sentences below the difference of the peak forces."""
     return " ".join(filter(None, [dynamic_notes(fields), difference_notes(fields)]))
@@ -571,7 +577,7 @@ FIGURES: dict[str, ComparisonFigure] = {
     "peak_force_field": ComparisonFigure(
         "Peak force on the lattice plane below the impact in which spheres touch, on a common "
         "colour scale", force_field,
-        draw_field_panels, notes=dynamic_notes, most=MOST_PANELS,
+        draw_field_panels, notes=_field_notes, most=MOST_PANELS,
     ),
     "peak_force_difference": ComparisonFigure(
         "Difference of the peak force of corresponding grains", force_field,
