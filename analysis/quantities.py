@@ -12,6 +12,7 @@ import dataclasses
 from collections.abc import Container
 from fnmatch import fnmatchcase
 from functools import cache
+from itertools import product
 from typing import Any
 
 from granwave.lammps_inputs.extensions import added
@@ -111,6 +112,8 @@ _INTERPOLATED_90 = {
 
 def _zone_sizes() -> tuple[Quantity, ...]:
     """Sizes of the plastic zone."""
+    whole = product((("depth", "m", "z"), ("radius", "m", "r"), ("volume", "m3", "V")), SHARES)
+    between = product((("depth", "z"), ("radius", "r")), SHARES)
     return tuple(
         Quantity(
             f"zone_{size}_{share}_{unit}",
@@ -122,8 +125,7 @@ def _zone_sizes() -> tuple[Quantity, ...]:
             axis=f"{share} % {size}",
             symbol=f"{symbol}_{{{share}}}",
         )
-        for size, unit, symbol in (("depth", "m", "z"), ("radius", "m", "r"), ("volume", "m3", "V"))
-        for share in SHARES
+        for (size, unit, symbol), share in whole
     ) + tuple(
         Quantity(
             f"zone_{size}_{share}_interpolated_m",
@@ -135,8 +137,7 @@ def _zone_sizes() -> tuple[Quantity, ...]:
             axis=f"{share} % {size}, interpolated",
             symbol=f"{symbol}_{{{share}}}",
         )
-        for size, symbol in (("depth", "z"), ("radius", "r"))
-        for share in SHARES
+        for (size, symbol), share in between
     )
 
 
@@ -490,7 +491,7 @@ REPORT_COLUMNS = (
 
 @cache
 def report_columns() -> tuple[str, ...]:
-    """Return the columns of the tables of results in reports, as far as there are values; values of
+    """Return the columns of the tables of results in reports, if they have values; values of
     extensions follow the entry ``after``.
     """
     columns = list(REPORT_COLUMNS)

@@ -1,4 +1,4 @@
-"""Summary of a run: ``summary.json``, SI units, null where a value does not apply.
+"""Summary of a run: ``summary.json``, SI units, null if a value does not apply.
 
 Their names, and where they are shown: `granwave.analysis.quantities`.
 """
@@ -28,7 +28,7 @@ from granwave.analysis.measures.lines import (
     sensor_velocities,
 )
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import reached, unprotected
+from granwave.analysis.measures.target import Reached, reached, unprotected
 from granwave.analysis.measures.waves import wave_speed_of
 from granwave.analysis.measures.zone_size import HALF_LAW_LIMIT, LAW_LIMIT, zone_summary
 from granwave.analysis.quantities import ENTRIES
@@ -320,7 +320,7 @@ def _of_block(path: Path, size: int, assembly: Assembly, first: int) -> dict[str
 
 
 def _columns(result: Result, rows: slice | tuple[()] = ()) -> dict[str, Array]:
-    """Return the columns of some contacts, with those of other losses as far as there are any."""
+    """Return the columns of some contacts, and the columns of other losses, if there are any."""
     others = [name for name in _OTHER_LOSSES if f"contacts/{name}" in result]
     names = (*_CONTACT_COLUMNS, *others)
     if rows == ():
@@ -400,56 +400,90 @@ def _walls(result: Result) -> Summary:
     Peak reduction: the largest force on the target without the packing divided by the largest force
     with it. The initial force of a precompressed packing is not part of the dynamic force.
     """
-    found = reached(result)
-    bare = unprotected(result.assembly, float(result["energy/time"][-1])) if found else None
-    ground, moved = (found.ground_force, found.displacement) if found else (None, None)
-    peak, ground_peak = (bare.peak_force, bare.ground_peak_force) if bare else (None, None)
-
-    def reduced(without: float | None, force: Array) -> float | None:
-        largest = float((force - force[0]).max())
-        return without / largest if largest > 0 and without else None
-
-    # no peak is known while the force still rises at the end
-    reduction = (
-        reduced(peak, found.force)
-        if found and found.force.argmax() < len(found.force) - 1
-        else None
-    )
+    target = reached(result)
+    bare = unprotected(result.assembly, float(result["energy/time"][-1])) if target else None
+    ground_force = target.ground_force if target else None
+    bare_ground_peak = bare.ground_peak_force if bare and ground_force is not None else None
+    reduction = _peak_reduction(target, bare)
     mass, height = _mass_and_height(result)
-    summary: Summary = {
-        "wall_peak_force_N": found.peak_force if found else None,
-        "wall_impulse_Ns": float(found.impulse[-1]) if found else None,
-        "base_arrival_s": found.arrival if found else None,
-    }
-    for name in (name for name in result.names("walls") if name in SIDE_WALLS or name == PLATE):
-        force = result[f"walls/{name}/force"]
-        impulse = result[f"walls/{name}/impulse"]
-        prefix = name if name == PLATE else f"wall_{name}"
-        summary |= {
-            f"{prefix}_peak_force_N": float(force.max()),
-            f"{prefix}_impulse_Ns": float(impulse[-1]),
-        }
-    if f"walls/{PLATE}" in result:
-        summary["plate_velocity_m_s"] = -float(result[f"walls/{PLATE}/velocity"][-1])
-        summary["energy_plate_J"] = float(result["energy/plate"][-1])
-    return summary | {
-        "target_peak_force_N": found.peak_force if found else None,
-        "ground_peak_force_N": found.ground_peak_force if found else None,
-        "target_peak_displacement_m": None if moved is None else float(np.abs(moved).max()),
-        "energy_target_J": _last(
-            result, "energy/target", 0.0 if "walls/bottom" in result else None
-        ),  # 0: the target is fixed
+    energy_of_fixed = 0.0 if "walls/bottom" in result else None
+    return {
+        **_impulse_on(target),
+        **_side_walls(result),
+        **_plate(result),
+        "target_peak_force_N": target.peak_force if target else None,
+        "ground_peak_force_N": target.ground_peak_force if target else None,
+        "target_peak_displacement_m": _largest_displacement(target),
+        "energy_target_J": _last(result, "energy/target", energy_of_fixed),
         "support_energy_J": _last(result, "energy/support"),
         "support_lost_J": _last(result, "energy/support_lost"),
-        "unprotected_peak_force_N": peak,
-        "unprotected_ground_peak_force_N": None if ground is None else ground_peak,
+        "unprotected_peak_force_N": bare.peak_force if bare else None,
+        "unprotected_ground_peak_force_N": bare_ground_peak,
         "peak_reduction": reduction,
-        "ground_peak_reduction": None if ground is None else reduced(ground_peak, ground),
+        "ground_peak_reduction": _reduction(bare_ground_peak, ground_force),
         "packing_mass_kg": mass,
         "packing_height_m": height,
         "peak_reduction_per_kg": None if reduction is None else reduction / mass,
         "peak_reduction_per_m": None if reduction is None else reduction / height,
     }
+
+
+def _impulse_on(target: Reached | None) -> Summary:
+    """Return the peak force and the impulse on the target, and when the force arrives."""
+    if target is None:
+        return dict.fromkeys(("wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s"))
+    return {
+        "wall_peak_force_N": target.peak_force,
+        "wall_impulse_Ns": float(target.impulse[-1]),
+        "base_arrival_s": target.arrival,
+    }
+
+
+def _side_walls(result: Result) -> Summary:
+    """Return the peak force and the impulse on each side wall and on a moving plate."""
+    summary: Summary = {}
+    for name in result.names("walls"):
+        if name in SIDE_WALLS or name == PLATE:
+            prefix = name if name == PLATE else f"wall_{name}"
+            summary[f"{prefix}_peak_force_N"] = float(result[f"walls/{name}/force"].max())
+            summary[f"{prefix}_impulse_Ns"] = float(result[f"walls/{name}/impulse"][-1])
+    return summary
+
+
+def _plate(result: Result) -> Summary:
+    """Return the velocity of a moving plate into the packing at the end, and its energy."""
+    if f"walls/{PLATE}" not in result:
+        return {}
+    return {
+        "plate_velocity_m_s": -float(result[f"walls/{PLATE}/velocity"][-1]),
+        "energy_plate_J": float(result["energy/plate"][-1]),
+    }
+
+
+def _largest_displacement(target: Reached | None) -> float | None:
+    """Return the largest displacement of the target, m; None for a fixed one."""
+    if target is None or target.displacement is None:
+        return None
+    return float(np.abs(target.displacement).max())
+
+
+def _peak_reduction(target: Reached | None, bare: Reached | None) -> float | None:
+    """Return the reduction of the peak force on the target; None while the force still rises at the
+    end, since its peak is unknown.
+    """
+    if target is None or bare is None or target.force.argmax() == len(target.force) - 1:
+        return None
+    return _reduction(bare.peak_force, target.force)
+
+
+def _reduction(bare_peak: float | None, force: Array | None) -> float | None:
+    """Return a peak force without the packing over the largest dynamic force with it; None if there
+    is no such force.
+    """
+    if force is None or not bare_peak:
+        return None
+    largest = float((force - force[0]).max())
+    return bare_peak / largest if largest > 0 else None
 
 
 def _mass_and_height(result: Result) -> tuple[float, float]:
@@ -470,8 +504,8 @@ def _mass_and_height(result: Result) -> tuple[float, float]:
 
 
 def _sensors(result: Result) -> Summary:
-    """Largest force at each sensor of a chain; largest acceleration and speed at each of another
-    packing.
+    """Largest force at each sensor of a chain; largest acceleration and speed at each sensor of
+    another packing.
     """
     if "chain" in result:
         return {
@@ -482,8 +516,8 @@ def _sensors(result: Result) -> Summary:
         "peak_acceleration_m_s2": sensor_accelerations(result),
         "peak_velocity_m_s": sensor_velocities(result),
     }
-    return {
-        f"sensor_{name}_{quantity}": float(np.linalg.norm(values, axis=1).max())
-        for quantity, sensors in found.items()
-        for name, values in sensors.items()
-    }
+    peaks = {}
+    for quantity, sensors in found.items():
+        for name, values in sensors.items():
+            peaks[f"sensor_{name}_{quantity}"] = float(np.linalg.norm(values, axis=1).max())
+    return peaks

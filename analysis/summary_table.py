@@ -1,5 +1,5 @@
-"""Main values of a run, as the terminal and notebooks show them, and sentences on values of
-``summary.json``.
+"""Main values of a run for the terminal and notebooks, and sentences on
+values of ``summary.json``.
 """
 
 from __future__ import annotations

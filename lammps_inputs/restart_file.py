@@ -7,8 +7,8 @@ angular velocity; the states of fixes follow, each preceded by its length. Integ
 doubles. The names and styles of these fixes precede the spheres.
 
 Each state of a fix of granwave has a head (plugins/styles/restart_state.h). The state of the pair
-style has a record for each contact of the sphere (kernels/contact_history.h), the state of a wall has
-the reported values and the history of the contacts with the lower and the upper wall
+style has a record for each contact of the sphere (kernels/contact_history.h), the state of a wall
+has the reported values and the history of the contacts with the lower and the upper wall
 (styles/fix_wall_gran_hysteretic.h).
 """
 

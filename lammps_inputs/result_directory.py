@@ -229,7 +229,9 @@ class ResultDirectory(OwnFiles):
             return None
 
     def check_case(self) -> None:
-        """Raise InputError if case.toml was changed after the run, except for the table of figures."""
+        """Raise InputError if case.toml was changed after the run, except for the
+        table of figures.
+        """
         path = self.path / run_directory.CASE_FILE
         there = read_tables(path)
         as_run = self.tables_as_run()

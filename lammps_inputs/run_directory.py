@@ -156,6 +156,13 @@ def of_each_rank(name: str) -> str:
     return str(path.with_suffix(f".{RANK}{path.suffix}"))
 
 
+def shown_dump(path: Path) -> str:
+    """Return the path of a dump for messages, with N for the number of one of several files."""
+    if RANK not in path.name:
+        return str(path)
+    return f"{path.with_name(path.name.replace(RANK, 'N'))} (N = 0, 1, ...)"
+
+
 def files_of(directory: Path, name: str) -> list[str]:
     """Return the names of the files for a name: the file itself, or all existing parts in order."""
     if RANK not in name:

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -28,8 +29,11 @@ if (
     signal.signal(signal.SIGINT, signal.default_int_handler)
 BIN = Path(sys.prefix) / "bin"
 os.environ.setdefault(PROCESSES, "1")  # tests run side by side already
-# MPICH: ranks that wait leave their core, of which tests side by side have too few
+# MPICH: ranks that wait leave their core, of which tests side by side have too few, and sleep after
+# 100 polls without a message; else each wait takes the whole time slice of the rank it waits for
 os.environ.setdefault("MPIR_CVAR_ENABLE_HEAVY_YIELD", "1")
+os.environ.setdefault("MPIR_CVAR_CH4_PROGRESS_THROTTLE", "1")
+os.environ.setdefault("MPIR_CVAR_CH4_PROGRESS_THROTTLE_NO_PROGRESS_COUNT", "100")
 PLAIN = {
     name: value
     for name, value in os.environ.items()
@@ -212,13 +216,44 @@ def script_of(
     return "\n".join(lines) + "\n"
 
 
+#: Files that take longest, 10 s and more; no process should begin one when the others are done.
+SLOW_FILES = (
+    "hostile/test_inputs.py",
+    "lammps_inputs/test_key_words.py",
+    "reproductions/test_second_solver.py",
+    "analysis/figures/test_side_by_side.py",
+    "plugins/pair/test_cylinders.py",
+    "workflows/run/test_impact.py",
+    "hostile/test_keys.py",
+    "hostile/test_pipes.py",
+    "extensions/pictures/test_film.py",
+    "plugins/pair/test_dents.py",
+    "plugins/laws/test_moved_mass.py",
+    "reproductions/test_scripts.py",
+    "extensions/waves/test_static_states.py",
+    "lammps_inputs/test_files_of_others.py",
+    "extensions/packings/test_poured.py",
+    "extensions/continuum/test_punch.py",
+    "analysis/figures/test_saving.py",
+    "extensions/packings/test_compressed.py",
+    "golden/test_golden.py",
+)
+
+
+def rank(item: pytest.Item) -> int:
+    """Return 0 for a test of a group, 1 for a test of a slow file, 2 for all others."""
+    if item.get_closest_marker("xdist_group") is not None:
+        return 0
+    return 1 if item.path.as_posix().endswith(SLOW_FILES) else 2
+
+
 @pytest.hookimpl(trylast=True)  # after the choice of markers
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Put groups of tests first, since one process takes all of a group, so that all processes end
-    at about the same time; with ``--one-of-each`` leave out all but the first case of each test
-    function.
+    """Put groups of tests and slow files first, since one process takes all of a group or file, so
+    that all processes end at about the same time; with ``--one-of-each`` leave out all but the
+    first case of each test function.
     """
-    items.sort(key=lambda item: item.get_closest_marker("xdist_group") is None)
+    items.sort(key=rank)
     if config.getoption("--one-of-each"):
         first: dict[str, pytest.Item] = {}
         for item in items:
@@ -226,3 +261,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         kept = set(first.values())
         config.hook.pytest_deselected(items=[item for item in items if item not in kept])
         items[:] = first.values()
+
+
+@pytest.hookimpl(optionalhook=True)  # pytest-xdist may be missing
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Return the schedule of ``--dist loadgroup``, in the order of the tests."""
+    if config.getoption("dist") != "loadgroup":
+        return None
+    from tests.helpers.file_scheduler import FileScheduling
+
+    config.option.loadscopereorder = False
+    return FileScheduling(config, log)

@@ -388,7 +388,7 @@ def _on_ranks(n_ranks: int, size: list[int], repeats: int) -> dict[str, Any]:
 
 
 def time_study(repeats: int, ranks: int) -> dict[str, Any]:
-    """Run the reference study as users do, at most thrice, and time its parts.
+    """Run the reference study by the command, at most three times, and time its parts.
 
     Returns
     -------

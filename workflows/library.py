@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from importlib import resources
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -38,11 +39,11 @@ def _files(kind: str) -> dict[str, Path]:
     # the package is always unpacked on disk: it holds a shared library
     folders = [Path(str(resources.files("granwave.workflows")))]
     folders += [one.folder for one in extensions() if one.folder is not None]
-    return {
-        path.name.removesuffix(_SUFFIX): path
-        for folder in reversed(folders)
-        for path in sorted((folder / kind).glob(f"*{_SUFFIX}"))
-    }
+    paths = {}
+    for folder in reversed(folders):
+        found = sorted((folder / kind).glob(f"*{_SUFFIX}"))
+        paths |= {path.name.removesuffix(_SUFFIX): path for path in found}
+    return paths
 
 
 def names(kind: str = CASES) -> list[str]:
@@ -154,7 +155,7 @@ def verb_of(path: Path) -> str:
 
 
 def _all_names() -> list[str]:
-    return [name for kind in _WHAT for name in names(kind)]
+    return [*chain.from_iterable(map(names, _WHAT))]
 
 
 def _other_word(study: str, found: str, wanted: str) -> InputError:
@@ -204,10 +205,11 @@ class Entry(NamedTuple):
 def entries() -> list[Entry]:
     """Return all built-in studies, in the order of their groups."""
     found = []
-    for kind, name in [(one, name) for one in _WHAT for name in names(one)]:
-        tables = read_toml(_files(kind)[name])
-        group = _group_of_scan(tables) if kind == SCANS else _group_of_case(tables)
-        found.append(Entry(_WHAT[kind], name, group, title(name)))
+    for kind, word in _WHAT.items():
+        for name, path in sorted(_files(kind).items()):
+            tables = read_toml(path)
+            group = _group_of_scan(tables) if kind == SCANS else _group_of_case(tables)
+            found.append(Entry(word, name, group, title(name)))
     headings = dict.fromkeys(kind.heading for kind in case_kinds() if kind is not GRANULAR)
     groups = (_PACKINGS, _CHAINS, *headings, _SCANS, _SUITES)
     return sorted(found, key=lambda entry: groups.index(entry.group))

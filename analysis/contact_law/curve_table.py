@@ -1,4 +1,4 @@
-"""Tables of measured curves, as machines and spreadsheets write them.
+"""Tables of measured curves from testing machines and spreadsheets.
 
 Titles may be above the names of the columns, a row of units below these; a unit may also be in the
 name: ``overlap_um``, ``Displacement (mm)``, ``Load [kN]``.

@@ -7,9 +7,10 @@ the same curves, see test_curves.py.
 
 Measured force-overlap curves, read from CSV, with the branch and the largest overlap of every row.
 
-There are two forms. With a column ``branch`` (loading, unloading_N, reloading_N), as `granwave law
--o x.csv` writes it, all rows of one N lie below the same largest overlap. Otherwise the rows are in
-the order of measurement, and the branches follow from the turning points of the overlap.
+There are two forms. With a column ``branch`` (loading, unloading_N, reloading_N), such as in the
+output of `granwave law -o x.csv`, all rows of one N lie below the same largest overlap. Otherwise
+the rows are in the order of measurement, and the branches follow from the turning points of the
+overlap.
 """
 
 from __future__ import annotations
@@ -157,8 +158,8 @@ def check_forces(law: ContactLaw) -> None:
 def law_drawing(
     law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "", velocity: float = 0.0
 ) -> Drawing:
-    """Draw the curves of `law_table`, with physical axes below and left, normalised ones above and
-    right.
+    """Draw the curves of `law_table`, with physical axes below and at the left, normalised axes
+    above and at the right.
     """
     table = law_table(law, max_overlap, velocity)
     branch = table["branch"]
@@ -267,7 +268,7 @@ def restitution(
 def restitution_error(law: ContactLaw, mass: float, velocity: ArrayLike) -> NDArray[np.float64]:
     """Return the error bars of `restitution` at impact velocities that it returned: (n,).
 
-    NaN where the law states none.
+    NaN if the law states none.
     """
     peak = np.geomspace(_SLOWEST * law.yield_overlap, law.effective_radius, _POINTS)
     overlap = np.interp(
@@ -327,9 +328,8 @@ _LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 _FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}
 _COLUMNS = {  # names of columns of overlaps and of forces, with their units in SI units
     "overlap": {
-        f"{name}_{unit}": size
-        for name in ("overlap", "displacement")
-        for unit, size in _LENGTHS.items()
+        **{f"overlap_{unit}": size for unit, size in _LENGTHS.items()},
+        **{f"displacement_{unit}": size for unit, size in _LENGTHS.items()},
     },
     "force": {f"force_{unit}": size for unit, size in _FORCES.items()},
 }
@@ -431,7 +431,7 @@ def read_curve(path: str | Path, *, any_zero: bool = False) -> Curve:
 def curve_of(
     overlap: ArrayLike, force: ArrayLike, branch: Sequence[str] | None = None, source: str = "curve"
 ) -> Curve:
-    """Make a curve from overlaps (m) and forces (N); without ``branch`` in the order of
+    """Make a curve from overlaps (m) and forces (N); without ``branch`` they are in the order of
     measurement.
     """
     overlap = np.asarray(overlap, float)

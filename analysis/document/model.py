@@ -7,9 +7,9 @@ writers of this model. All texts are plain: a writer escapes what its format nee
 Cells and columns have names, units and numbers as text of a summary or a case, without clutter.
 Clutter means columns and rows without a value, and digits that are only rounding.
 
-A number is rounding where it is below 1e-12 of the scale of its quantity, or below 1e-100. The
-scale is the largest number with the same unit in the same run (its energies, for example); where a
-number is the only one with its unit, or has no unit, the scale is the largest number of all runs.
+A number is rounding if it is below 1e-12 of the scale of its quantity, or below 1e-100. The scale
+is the largest number with the same unit in the same run (its energies, for example). If a number is
+the only one with its unit, or has no unit, the scale is the largest number of all runs.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ class Figure:
 
     @property
     def wide(self) -> bool:
-        """True for a figure wider than a column, such as panels side by side, which fills a row."""
+        """True for a figure wider than a column, such as panels side by side; it fills a row."""
         return self.inches > _COLUMN if self.inches else self.size[0] > 2 * self.size[1]
 
 
@@ -159,8 +159,8 @@ class Gallery:
 
 @dataclasses.dataclass(frozen=True)
 class Note:
-    """A sentence: an important sentence, the answer (``lead``), or without a tone a plain
-    paragraph. ``section`` is the section with the details.
+    """A sentence: important, the answer (``lead``), or, without a tone, a plain paragraph.
+    ``section`` is the section with the details.
     """
 
     text: str
@@ -206,7 +206,9 @@ class DocumentSection:
 
 @dataclasses.dataclass(frozen=True)
 class Badge:
-    """A state in a few words, at the top of a report; ``section`` is the section with the details."""
+    """A state in a few words, at the top of a report; ``section`` is the section
+    with the details.
+    """
 
     text: str
     tone: Tone
@@ -268,9 +270,7 @@ def meaning_in(key: str, called: str = SPHERES) -> str:
 
 
 def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
-    """Meanings of the values that any of these summaries has, folded away; nothing if there are
-    none.
-    """
+    """Meanings of the values in these summaries, folded away; nothing if there are none."""
     explained = [entry for entry in entries() if entry.meaning]
     shown = [
         entry
@@ -308,7 +308,7 @@ def column_table(
 
 
 def unit_of_value(key: str) -> str:
-    """Unit of a key of a summary, empty where it has none."""
+    """Unit of a key of a summary, empty if it has none."""
     return printed_unit(quantity(key).unit)
 
 
@@ -330,7 +330,13 @@ def value_column(key: str, called: str = SPHERES, unit: str | None = None) -> Ta
 def value_cells(key: str, values: Sequence[Any]) -> tuple[str, list[Cell]]:
     """Return the unit in which values of the summary are read best, and their cells in it."""
     unit, size = column_unit(unit_of_value(key), values)
-    return unit, [value_cell(in_unit(value, size)) for value in values]
+    return unit, [cell_in_unit(value, size) for value in values]
+
+
+def cell_in_unit(value: Any, size: float, **more: Any) -> Cell:
+    """Return the cell of a value in a unit of a size, which sorts by the SI value."""
+    text = value_cell(in_unit(value, size)).text
+    return dataclasses.replace(value_cell(value, **more), text=text)
 
 
 def in_unit(value: Any, size: float) -> Any:
@@ -339,7 +345,7 @@ def in_unit(value: Any, size: float) -> Any:
 
 
 def case_column(key: str, unit: str, *, numeric: bool) -> TableColumn:
-    """Column of a key of the case, with its unit as people write it."""
+    """Column of a key of the case, with its unit in print."""
     return TableColumn(key, unit, numeric=numeric, key=True)
 
 
@@ -447,7 +453,7 @@ def _columns_of_numbers(table: DocumentTable) -> list[int]:
 
 
 def _without_rounding(table: DocumentTable) -> list[list[Cell]]:
-    """Return the cells by row and column, with a bound in place of each number that is rounding."""
+    """Return the cells by row and column, with a bound in place of each rounding error."""
     rows = [list(row) for row in table.rows]
     shown = _columns_of_numbers(table)
     if not rows or not shown:

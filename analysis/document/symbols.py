@@ -1,6 +1,6 @@
 """Symbols in texts of a report, such as ``F_y`` and ``sigma_y^-2.5``: MathML, or HTML for paper.
 
-Texts hold symbols as people write them in plain text; Markdown shows them as they are.
+Texts contain symbols in the notation of plain text, which Markdown shows unchanged.
 """
 
 from __future__ import annotations

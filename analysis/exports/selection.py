@@ -71,13 +71,13 @@ class Selection:
 
     @property
     def tables(self) -> tuple[str, ...]:
-        """Names of the tables that it selects from."""
+        """Names of the tables from which it selects rows."""
         of_place = OF_PLACE if self.is_of_place else ()
         of_time = OF_TIME if self.time else ()
         return tuple(dict.fromkeys((*of_place, *of_time)))
 
     def refuse_tables_without(self, tables: Sequence[str]) -> None:
-        """Raise InputError if it selects from none of some tables."""
+        """Raise InputError if none of these tables is among them."""
         if self.is_empty or set(tables) & set(self.tables):
             return
         raise InputError(
@@ -91,7 +91,7 @@ class Selection:
 
     @property
     def words(self) -> str:
-        """Names of what it selects by, for messages."""
+        """Names of the criteria of selection, for messages."""
         fields = dataclasses.fields(self)
         return ", ".join(field.name for field in fields if getattr(self, field.name))
 
@@ -275,7 +275,7 @@ class SelectedRows:
 
     @cached_property
     def contacts(self) -> Rows:
-        """True for contacts at a selected place, with a selected sphere: (n_contacts,)."""
+        """True for contacts at a selected position with a selected sphere: (n_contacts,)."""
         geometry = contact_geometry(self._result)
         points = np.stack([geometry[axis] for axis in "xyz"], axis=1)
         rows: Rows = self._grains[self._result.ends].any(axis=1) & self._at(points)

@@ -60,8 +60,8 @@ class Colouring:
 def force_scale(result: Result) -> tuple[float, str, str]:
     """Return the unit of forces in figures, N, the label of the ratio, and its name in CSV files.
 
-    The unit is F_y if contacts can yield, else the largest peak force of the run, whose value is in
-    the label.
+    The unit is F_y if contacts can yield, otherwise the largest peak force of the run, whose value
+    is in the label.
     """
     if result.has_yield_force:
         return result.law.yield_force, r"$F/F_\mathrm{y}$", "force_over_yield_force"

@@ -165,7 +165,7 @@ def _lines(
     each, (n_lines,).
 
     A line goes from the centre of one grain to the centre of the other. A contact across periodic
-    sides has two lines, one from each grain to the nearest image of the other; the second ones are
+    sides has two lines, one from each grain to the nearest image of the other; the second lines are
     last.
     """
     position = result["spheres/position"]
@@ -356,7 +356,7 @@ def _histogram(values: Vectors, wide: bool) -> tuple[Vectors, Vectors, NDArray[n
 
 def _draw_tail(axes: Axes, tail: ExponentialTail, relative: Vectors, colour: str) -> None:
     """Draw the fitted exponential, with the fraction of the values beyond its start below it;
-    dashed where the values are not exponential.
+    dashed if the values are not exponential.
     """
     x = np.geomspace(tail.start, float(relative.max()), _CURVE)
     height = tail.count / len(relative) * tail.decay

@@ -249,7 +249,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
 
 
 def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> None:
-    """Draw a fitted decay over the layers that it is fitted to.
+    """Draw a fitted decay over the layers of the fit.
 
     Parameters
     ----------
@@ -446,8 +446,8 @@ def directions(result: Result) -> Drawing | None:
     """Draw the fractions of travelling energy and dissipation by direction: polar for a layer, else
     stereographic.
 
-    Crystals in the x-z plane have no such figure: they are no layer about the impact, and would be
-    a line in a stereographic view.
+    Crystals in the x-z plane have no such figure: their grains do not surround the impact in a
+    layer, and would be on a line in a stereographic view.
     """
     if not result.case.packing.rule.has_faces:
         return None

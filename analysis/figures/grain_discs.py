@@ -88,8 +88,8 @@ def half_axes(result: Result, rows: NDArray[np.int64]) -> NDArray[np.float64] | 
 
 
 def sticks_of(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64] | None:
-    """Return half the axis of each cylinder as seen in a section, 0 for spheres and cylinders seen
-    along it: (n, 2), m.
+    """Return half the axis of each cylinder in the plane of a section, 0 for spheres and for
+    cylinders along the line of sight: (n, 2), m.
 
     None if there are only spheres.
     """

@@ -260,7 +260,8 @@ def probes(result: Result) -> Drawing | None:
 
 
 def _name_curves(figure: Any, stack: list[Axes], names: list[list[str]]) -> None:
-    """Draw legends of panels with few curves: a common one above panels that have the same curves.
+    """Draw legends of panels with few curves: a common legend above panels that have the same
+    curves.
 
     Parameters
     ----------
@@ -324,7 +325,7 @@ def target(result: Result) -> Drawing | None:
     """Draw the force on the bottom against time, the force without the packing, and below them the
     work on a bottom that moves.
 
-    The axis of the forces is logarithmic where their peaks differ by more than a decade. The
+    The axis of the forces is logarithmic if their peaks differ by more than a decade. The
     impulse is in the figure of the force on the bottom. None if the bottom does not move and there
     is no such force: the force on the bottom has a separate figure.
     """

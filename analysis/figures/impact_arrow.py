@@ -59,7 +59,8 @@ def impact_arrow(result: Result) -> ImpactArrow:
 def draw_arrow(
     axes: Axes, place: Vector, direction: Vector, diameter: float, length: float = _LENGTH
 ) -> Vector:
-    """Draw an arrow whose tip touches a disc, or a circle with a dot where it is seen end on.
+    """Draw an arrow whose tip touches a disc, or a circle with a dot if it points along the line of
+    sight.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ _COLUMNS_ABOVE = 3
 
 
 def uncover_curves(figure: Figure) -> bool:
-    """Move each legend that covers a curve to a place within its axes where it does not, or above.
+    """Move each legend that covers a curve to a free place within its axes, or above the axes.
 
     Returns
     -------
@@ -35,7 +35,9 @@ def uncover_curves(figure: Figure) -> bool:
 
 
 def uncover_curves_of(axes: Axes) -> bool:
-    """Move the legend of axes as `uncover_curves` does; True if it was moved above."""
+    """Move the legend of axes as in `uncover_curves`; return True if it was moved
+    above the axes.
+    """
     legend = axes.get_legend()
     if legend is None or _is_outside(axes, legend) or not covers_curve(axes, legend):
         return False
@@ -101,7 +103,7 @@ def _moves_within(axes: Axes, legend: Legend) -> bool:
 
 
 def _put_above(axes: Axes, legend: Legend) -> None:
-    """Replace a legend by one above its axes, in as many columns as have room."""
+    """Replace a legend by a legend above its axes, with as many columns as fit."""
     entries = [text.get_text() for text in legend.get_texts()]
     of_axes, labels = axes.get_legend_handles_labels()
     drawn = dict(zip(labels, of_axes, strict=True))

@@ -406,7 +406,7 @@ def _draw_motion(axes: Axes, motion: LineMotion, colours: str) -> Any:
 
 
 def _last_moved(motion: LineMotion, least: float) -> float:
-    """Return where the axis of positions ends: beyond the last grain that is coloured, mm."""
+    """Return the end of the axis of positions, beyond the last coloured grain, mm."""
     coloured = np.flatnonzero(np.abs(motion.velocity).max(axis=0) > least)
     last = min(int(coloured[-1]) + 1, len(motion.place) - 1)
     spacing = motion.place[last] - motion.place[last - 1]
@@ -414,7 +414,7 @@ def _last_moved(motion: LineMotion, least: float) -> float:
 
 
 def _last_shown(motion: LineMotion) -> float:
-    """Return where the axis of times ends: some time after the wave has arrived everywhere, µs."""
+    """Return the end of the axis of times, some time after the wave has arrived everywhere, µs."""
     end = float(motion.time[-1])
     arrived = np.isfinite(motion.arrival)
     if arrived.all():

@@ -194,7 +194,7 @@ def run_figures() -> dict[str, RunFigure]:
 
 
 def _added(reference: str) -> RunFigure:
-    """Return a figure of an extension; one that cannot be loaded fails when it is drawn."""
+    """Return a figure of an extension; if it cannot be loaded, it fails when it is drawn."""
     try:
         figure: RunFigure = load(reference)
     except Exception as error:  # an error in someone's extension; the other figures are drawn
@@ -295,8 +295,8 @@ def _shares(names: Sequence[str]) -> list[list[int]]:
 def painter(
     directory: AnyPath, options: Figures, assembly: Assembly | None = None
 ) -> Iterator[Callable[[str], dict[str, bytes] | None]]:
-    """Open a run; return a function that draws the figure of a name, as contents of its files by
-    suffix.
+    """Open a run; return a function that draws the figure of a name and returns the contents of its
+    files by suffix.
 
     Parameters
     ----------

@@ -66,7 +66,7 @@ class PowersOfTen(LogFormatterSciNotation):
     """Labels of a logarithmic axis, such as 10⁻³, as plain text: formulas take many times longer to
     set.
 
-    Major and minor ticks are labelled by one rule: the first choice whose labels have room.
+    Major and minor ticks are labelled by one rule: the first choice whose labels fit.
     """
 
     plain = False  # numbers such as 0.2 in place of powers
@@ -75,7 +75,7 @@ class PowersOfTen(LogFormatterSciNotation):
     every = 1  # number of decades from one label to the next
 
     def set_locs(self, locs: Any = None) -> None:
-        """Choose the labels that have room: plain numbers within a decade or so."""
+        """Choose labels that fit: plain numbers within about a decade."""
         super().set_locs(locs)
         axis: Any = self.axis
         if axis is None:
@@ -88,7 +88,7 @@ class PowersOfTen(LogFormatterSciNotation):
         self.factors, self.every = self._choose(axis, low, high)
 
     def _choose(self, axis: Any, low: float, high: float) -> tuple[tuple[float, ...], int]:
-        """Return the first choice whose labels have room, the last if none has; axes over several
+        """Return the first choice whose labels fit, the last one if none fits; axes over several
         decades have powers only.
         """
         powers = labelled_values(low, high, (1.0,))
@@ -317,8 +317,8 @@ def numbered_map(
 
 
 def spread_scales(axes: Axes, places: Iterable[float]) -> str:
-    """Put ticks at all positions; scales become logarithmic where values are spread over decades,
-    and 0 is kept.
+    """Put ticks at all positions; scales become logarithmic if values are spread over decades, and
+    0 is kept.
 
     Returns
     -------

@@ -66,8 +66,8 @@ def dissipation_section(result: Result, name: str) -> Drawing | None:
 
 
 def dissipation_parts_section(result: Result, name: str) -> Drawing | None:
-    """Draw dissipation by yielding, friction and viscous losses separately, as far as there are
-    several of them.
+    """Draw dissipation by yielding, friction and viscous losses separately, if there are several of
+    them.
     """
     parts = ["yielding"] if result.yields or result.yield_energy.any() else []
     parts += [part for part in ("friction", "viscous") if result.has(f"spheres/{part}_energy")]
@@ -246,8 +246,8 @@ def draw_impact(
 
 
 def cut_of(result: Result, name: str) -> SpheresOnPlane | None:
-    """Return the spheres on a plane; None without the plane, or with a single line of spheres on
-    it.
+    """Return the spheres on a plane; None if there is no such plane, or only a single line of
+    spheres on it.
     """
     diameter = result.case.packing.diameter
     candidates = list(planes(result.case.packing.kind))

@@ -97,7 +97,7 @@ class Helpers:
         self._processes.append(subprocess.Popen(command, start_new_session=True, **pipes))
 
     def end(self) -> None:
-        """End the helpers, whether or not they are at work."""
+        """End the helpers, even if they are still drawing."""
         for process in self._processes:
             process.kill()
         if self._threads is not None:

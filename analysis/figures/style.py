@@ -255,8 +255,8 @@ _NEEDED = frozenset(
 @contextmanager
 def _needed_tables_only() -> Iterator[None]:
     """Embed fonts without tables for shaping and naming text, which no reader of a PDF needs and
-    which take longest. matplotlib has no setting for it, so the function by which fontTools loads a
-    font is replaced meanwhile.
+    which take longest. matplotlib has no setting for this, so that the function by which fontTools
+    loads a font is replaced meanwhile.
     """
     from fontTools import subset  # imported on demand: slow to load
 
@@ -295,8 +295,8 @@ def files_of(
 
 
 def lay_out(figure: Figure, resolution: float) -> None:
-    """Compute the layout, once and for all, at a resolution, dots per inch; saving with a layout
-    engine draws twice.
+    """Compute the layout once, at a resolution in dots per inch; saving with a layout engine would
+    draw twice.
 
     Powers of ten on logarithmic axes become plain text, and times beyond 5 ms are in ms.
     """
@@ -361,7 +361,7 @@ class FigureFolder:
     def save(
         self, drawing: Drawing | NotDrawn | None, name: str, *, formats: Sequence[str] = ("pdf",)
     ) -> None:
-        """Save a drawing as `save` does; if it is None, remove the earlier one of this name.
+        """Save a drawing as in `save`; if it is None, remove the earlier figure of this name.
 
         If granwave did not write an existing file of this name, warn and do not save. If a figure
         could not be drawn, the reason is saved instead.
@@ -445,7 +445,7 @@ def _texts(values: ArrayLike, exact: bool) -> list[str]:
 
 
 def _number(value: float, exact: bool) -> str:
-    """Return the text of a number, empty for NaN, with all digits or 10."""
+    """Return the text of a number with all digits, or with 10; empty for NaN."""
     if math.isnan(value):
         return ""
     return repr(value) if exact else f"{value:.10g}"

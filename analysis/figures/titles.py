@@ -43,7 +43,7 @@ def in_two_lines(text: str) -> str:
 
 
 def _leaves(figure: Figure, title: Text, direction: int, middle: float) -> bool:
-    """Return True if a title around the middle of its axis is longer than the figure has room.
+    """Return True if a title around the middle of its axis extends beyond the figure.
 
     Parameters
     ----------

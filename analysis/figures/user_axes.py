@@ -8,6 +8,7 @@ from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
@@ -171,12 +172,28 @@ def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: s
                 _name_curve(axes.lines[0], own)
             legend = axes.get_legend()
             if legend is not None or len(curves) == 1:
-                axes.legend(fontsize=_size_of(legend))
+                axes.legend(*_own_first(axes, name), fontsize=_size_of(legend))
                 uncover_curves_of(axes)
         number += len(curves)
     for axes in second:
         axes.remove()
+    if second:
+        _uncolour(panels[0])
     return number > 0
+
+
+def _own_first(axes: Axes, name: str) -> tuple[list[Any], list[str]]:
+    """Return handles and labels of a legend, with the curves of another run last."""
+    handles, labels = axes.get_legend_handles_labels()
+    of_other = [label == name or label.endswith(f", {name}") for label in labels]
+    order = sorted(range(len(labels)), key=of_other.__getitem__)
+    return [handles[place] for place in order], [labels[place] for place in order]
+
+
+def _uncolour(axes: Axes) -> None:
+    """Give an axis the usual colours, which are of its curve next to a second axis."""
+    axes.yaxis.label.set_color(rcParams["axes.labelcolor"])
+    axes.tick_params(axis="y", colors=rcParams["ytick.color"])
 
 
 def _is_second(axes: Axes, panels: Sequence[Axes]) -> bool:

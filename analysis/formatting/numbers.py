@@ -120,8 +120,9 @@ def column_unit(unit: str, values: Iterable[object]) -> tuple[str, float]:
 
 def _is_finite(value: object) -> TypeGuard[float]:
     """Return True for a finite number."""
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and math.isfinite(value)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return math.isfinite(value)
 
 
 def _fitting(value: float, units: Sequence[tuple[float, str]]) -> tuple[float, str]:

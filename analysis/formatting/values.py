@@ -137,24 +137,24 @@ def amplitude_unit(kinds: Iterable[str]) -> str:
 
 
 def shown_unit(key: str) -> str:
-    """Unit of a dotted key as people write it: kg/m³."""
+    """Unit of a dotted key in print: kg/m³."""
     return printed_unit(unit_of(key))
 
 
 def unit_in_cases(key: str, cases: Iterable[Mapping[str, Any]]) -> str:
-    """Unit, as people write it, of a dotted key of cases, each given by dotted keys."""
+    """Unit in print of a dotted key of cases, each given by dotted keys."""
     if key == AMPLITUDE:
         return amplitude_unit(str(case.get(LOAD_KIND)) for case in cases if key in case)
     return shown_unit(key)
 
 
 def printed_unit(unit: str) -> str:
-    """A unit as people write it: kg/m³ for kg/m^3."""
+    """Unit in print: kg/m³ for kg/m^3."""
     return unit.replace("^2", "²").replace("^3", "³")
 
 
 def grains_called_in(summaries: Iterable[Mapping[str, Any]]) -> str:
-    """Return ``spheres``, ``cylinders``, or ``grains`` where runs have both."""
+    """Return ``spheres``, ``cylinders``, or ``grains`` if runs have both."""
     found = {
         grains_called(summary.get("n_spheres") or 0, summary.get("n_cylinders") or 0)
         for summary in summaries

@@ -27,10 +27,8 @@ _AHEAD = 4096  # bytes of a header that are read at a time
 
 
 class _Bytes:
-    """Bytes of a binary dump, from ``place`` on, in snapshot ``number``.
-
-    The file is open only while some are read, so that the dumps of thousands of ranks can be read
-    side by side.
+    """Bytes of a binary dump, from ``place`` on, in snapshot ``number``. The file is open only
+    during a read, so that the dumps of thousands of ranks can be read in turn.
     """
 
     def __init__(self, path: Path) -> None:
@@ -42,7 +40,7 @@ class _Bytes:
         self._from = 0
 
     def take(self, form: str) -> tuple[Any, ...]:
-        """Read values of a header, as `struct` names them."""
+        """Read values of a header, in a format of `struct`."""
         n = self.check_room(struct.calcsize(f"={form}"))
         if not 0 <= self.place - self._from <= len(self._ahead) - n:
             self._ahead = np.fromfile(self.path, np.uint8, max(n, _AHEAD), offset=self.place)
@@ -52,7 +50,7 @@ class _Bytes:
         return values
 
     def text(self) -> str:
-        """Read a text and its length before it."""
+        """Read a text, which is preceded by its length."""
         (length,) = self.take("i")
         if not 0 <= length <= _LONGEST_TEXT:
             raise self.damaged(f"found a text of {length} bytes in the header")
@@ -131,8 +129,8 @@ class BinaryRows:
 def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
     """Iterate over the snapshots of a binary dump, in the order of the file, their rows unread.
 
-    See `text_frames` for parameters and errors. Dumps of a machine with another order of bytes, or
-    of a LAMMPS before 2021, are errors too.
+    See `text_frames` for parameters and errors. Dumps of a machine with another byte order, and of
+    LAMMPS before 2021, are also errors.
     """
     data = _Bytes(path)
     while data.place < data.size:

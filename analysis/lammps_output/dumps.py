@@ -50,7 +50,7 @@ from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import DUMPS, RANK, files_of, of_each_rank
+from granwave.lammps_inputs.run_directory import DUMPS, RANK, files_of, of_each_rank, shown_dump
 
 # Columns that the readers require; others are optional, see `Frame.get`. Early versions did not
 # write "elastic".
@@ -74,7 +74,7 @@ def read_frames(
     Rows in several files are joined. The snapshots of resumed runs follow in separate files. If a
     step was written twice (resumed run), the first is used. With ``at_once`` only the rows of a
     frame are sorted; rows of a snapshot stay in the order in which LAMMPS wrote them: sorted in one
-    file, as the ranks hold them in several files.
+    file, in the order of the ranks in several files.
 
     Parameters
     ----------
@@ -100,10 +100,8 @@ def read_frames(
 
 def frames_path(directory: AnyPath) -> Path:
     """Return the path of the dump of snapshots, binary or text; "%" stands for several files."""
-    return _present(
-        ResultDirectory.at(directory),
-        [form for name in files.FRAMES_FILES.values() for form in (name, of_each_rank(name))],
-    )
+    forms = ((name, of_each_rank(name)) for name in files.FRAMES_FILES.values())
+    return _present(ResultDirectory.at(directory), [*itertools.chain.from_iterable(forms)])
 
 
 def read_instants(
@@ -178,16 +176,15 @@ class ContactDump:
         expected = self._noted()
         if n_rows != expected:
             raise OutputFormatError(
-                f"{self.path} (all parts): found {n_rows} contacts, {self.count} says {expected}: "
+                f"{shown_dump(self.path)}: found {n_rows} contacts, {self.count} says {expected}: "
                 f"a file is truncated or belongs to another run; {AGAIN}"
             )
         yield frame.with_rows(frame.values[:0])
 
     def unread(self, at_once: int) -> tuple[Frame, Iterator[Frame], int]:
         """Return a frame without rows, the rows in pieces of about this size that any process can
-        read, and their number.
-
-        Where fewer or more are found, `frames` raises the error of the damaged file.
+        read, and their expected number. For a file with fewer or more rows, `frames` raises the
+        error of a damaged file.
         """
         like = next(self.frames(1))  # checks header and columns
         paths = self.paths
@@ -224,8 +221,7 @@ def contacts_at_end(directory: AnyPath) -> ContactDump:
 def contacts_after_static_stage(directory: AnyPath) -> ContactDump | None:
     """Return the contact forces after the static stage: i, j, force (N).
 
-    None if there was no such stage. A file in the list of files of the run counts, even if it is
-    missing.
+    None if there was no such stage. A file that the run lists must exist.
     """
     results = ResultDirectory.at(directory)
     folder = results / DUMPS
@@ -236,7 +232,7 @@ def contacts_after_static_stage(directory: AnyPath) -> ContactDump | None:
         exist = [(folder / file).exists() for file in there]
         if any(f"{DUMPS}/{file}" in own for file in there) or (not own and any(exist)):
             if not all(exist):
-                raise MissingOutputError(f"{path} is missing; {AGAIN}")
+                raise MissingOutputError(f"{shown_dump(path)} is missing; {AGAIN}")
             return ContactDump(path, None, columns.names(columns.FORCES), files.INITIAL_COUNT_FILE)
     return None
 
@@ -412,7 +408,7 @@ def _pieces(
     """Iterate over the snapshots of a dump of one or more files; check their columns, and that
     there is one.
 
-    With ``partial`` a truncated last one is skipped with a warning.
+    With ``partial`` a truncated last snapshot is skipped with a warning.
     """
     number = 0
     path = paths[0]
@@ -458,8 +454,8 @@ def _of_all_parts(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
 
 
 def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
-    """Return the files of a dump: itself, or all its parts where its name has "%"; ``like`` is
-    another dump of the same session, with as many parts.
+    """Return the files of a dump: the dump itself, or all its parts if its name contains "%";
+    ``like`` is another dump of the same session, with as many parts.
     """
     if RANK not in path.name:
         return [path]
@@ -477,7 +473,7 @@ def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
     if missing := sorted(set(range(expected)) - found):
         more = f" (and {len(missing) - 1} more)" if len(missing) > 1 else ""
         raise MissingOutputError(
-            f"{parts[missing[0]]} is missing{more}: {path.name} has {expected} parts; copy it "
+            f"{parts[missing[0]]} is missing{more}: the dump has {expected} files; copy it "
             f"back, or {AGAIN}"
         )
     return parts

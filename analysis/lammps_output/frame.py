@@ -147,7 +147,7 @@ class Frame:
         return dataclasses.replace(self, values=values, more=more)
 
     def read(self) -> Frame:
-        """Return the frame with its rows, which are read from the file if they were not; raise as
+        """Return the frame with its rows, which are read from the file if necessary; raise as
         `text_frames`.
         """
         rows: Any = self.values
@@ -207,18 +207,20 @@ class Lines:
         self._file.close()
 
     def take(self, n: int | None) -> list[str]:
-        """Return the next n lines, or all that are left if there are fewer or n is None."""
+        """Return the next n lines, or all remaining lines if there are fewer or n is None."""
         found = list(itertools.islice(self._file, n))
         self.n_read += len(found)
         return found
 
     def place(self, back: int = 0) -> str:
-        """Return the file and the number of the last line read, or of one ``back`` lines before it."""
+        """Return the file and the number of the last line read, or of the line ``back`` lines
+        before it.
+        """
         return f"{self.path}: line {self.n_read - back}"
 
     def frame(self, rows: list[str], like: Frame, number: int, *, more: bool) -> Frame:
-        """Return the frame of rows of a snapshot that were just taken, with box and columns of
-        another frame.
+        """Return the frame of the rows that were taken last, with box and columns
+        of another frame.
         """
         if rows and not rows[-1].endswith("\n"):
             raise CutShortError(self.place(), number)
@@ -300,7 +302,7 @@ class TextRows:
         return read_rows(rows, columns, lambda row: f"{self._place(row)}{self.note}")
 
     def _place(self, row: int) -> str:
-        """Return file and line of a row; the lines before are counted only now."""
+        """Return file and line of a row; the lines before it are counted only on demand."""
         with open(self.path, "rb") as file:
             blocks = iter(lambda: file.read(min(_BLOCK, max(self.begin - file.tell(), 0))), b"")
             before = sum(block.count(b"\n") for block in blocks)

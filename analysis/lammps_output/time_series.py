@@ -1,7 +1,7 @@
 """Readers of the time series and of the record of a run, and the check that its output is complete.
 
 ``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` begin with comments (``#``) and a
-row of numbers for each instant; the last comment names the columns. A last row that was cut is
+row of numbers for each instant; the last comment names the columns. A truncated last row is
 dropped. If rows have the same instant (resumed run), the last one is used. Truncated files would
 silently give wrong results.
 """
@@ -46,7 +46,7 @@ def read_energy(directory: str | Path) -> Table:
     ``support_lost`` and ``target`` (energy of the support, dissipation by its damper, work done on
     it), J; with bars the energy of each, J; for chains with friction of the guide ``holder``
     (dissipation by this friction), with absorbing spheres ``absorbed``, with viscous losses
-    ``viscous``, with cohesion ``adhesion`` (dissipation where surfaces meet and part), with
+    ``viscous``, with cohesion ``adhesion`` (dissipation when surfaces meet and separate), with
     resistance to rolling and twisting ``rolling``, ``twisting`` (dissipation), ``elastic_rolling``
     and ``elastic_twisting``, J.
 
@@ -178,7 +178,7 @@ def check_complete(directory: Path, assembly: Assembly, schedule: Schedule) -> N
 
 
 def check_unchanged(results: ResultDirectory, processes: Processes = ALONE) -> None:
-    """Raise OutputFormatError if a file that LAMMPS wrote is not as it was at the end of the run."""
+    """Raise OutputFormatError if a file that LAMMPS wrote has changed since the end of the run."""
     if fault := results.changed_file(results.output_names(), processes):
         raise OutputFormatError(
             f"{fault}: restore the file that the run wrote, or run the case again: "

@@ -46,7 +46,7 @@ class HasResults(Protocol):
 
 
 class Chain:
-    """Record of a chain from a run as `granwave.load` gives it.
+    """Record of a chain from a run that `granwave.load` returned.
 
     Contacts, including contacts with strikers and with the faces of bars, are numbered from the
     impacted end, from 0. Beads are numbered in the same way, strikers first.
@@ -64,7 +64,7 @@ class Chain:
         self._arrays: dict[str, NDArray] = {}
 
     def value(self, name: str) -> float:
-        """Return a number of the summary; NaN where it does not apply."""
+        """Return a number of the summary; NaN if it does not apply."""
         return math.nan if self.run[name] is None else float(self.run[name])
 
     @cached_property
@@ -162,8 +162,8 @@ class Chain:
         return first_peak(self.time, self.force[:, contact])
 
     def of_contacts(self, name: str) -> Array:
-        """A column of ``/contacts``, such as ``peak_force``, along the chain, contacts with bars
-        too: (n_contacts,).
+        """A column of ``/contacts``, such as ``peak_force``, along the chain, including contacts
+        with bars: (n_contacts,).
         """
         with Result(self.directory) as result:
             return result.along_chain(name)

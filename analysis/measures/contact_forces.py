@@ -1,5 +1,5 @@
-"""Forces of all contacts of a run: at rest, at an instant, and the largest of each; and the tail of
-their distribution.
+"""Forces of all contacts of a run: at rest, at an instant, and at the largest force of each
+contact; and the tail of their distribution.
 
 The instant has the largest elastic energy among the snapshots with ``output.contact_forces``, or in
 the record of a chain. Contacts that carry less than 1e-4 of the largest force do not count: grains
@@ -74,7 +74,7 @@ class ContactForces:
 
 def contact_forces(result: Result, kept: NDArray[np.bool_] | None = None) -> list[ContactForces]:
     """Return the forces at rest, at the instant of the largest elastic energy, and the largest of
-    each contact, as far as the run has them.
+    each contact, if the run has them.
 
     Parameters
     ----------

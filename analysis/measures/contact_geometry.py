@@ -21,10 +21,10 @@ UNITS = {
 
 
 def contact_geometry(result: Result) -> dict[str, NDArray[np.float64]]:
-    """Return where the contacts of a run are at the start.
+    """Return the positions of the contacts of a run at the start.
 
-    The point of a contact lies on the line between both centres, and divides it as the radii do;
-    across periodic sides it is next to the first sphere. The same holds for cylinders.
+    The point of a contact lies on the line between both centres, and divides it in the ratio of the
+    radii; across periodic sides it is next to the first sphere. The same holds for cylinders.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Force that grains pass on into the depth, against time.
+"""Force that grains transmit into the depth, against time.
 
 A plane across the axis of depth divides the grains by the positions of their centres at the start.
 The force through the plane is the sum of the forces along z that grains above it exert on grains
@@ -48,7 +48,7 @@ class ForceAtDepth:
 
 
 def forces_at_depths(result: Result, depths: Sequence[float] | None = None) -> list[ForceAtDepth]:
-    """Return the force through planes at depths; none without records of it.
+    """Return the force through planes at depths; empty if it was not recorded.
 
     Parameters
     ----------

@@ -6,13 +6,13 @@ fit measures the deviation from a steady motion.
 
 Transmission of a burst, a sweep or noise: the ratio of spectra of the velocities of two spheres
 over the whole run, at frequencies where the spectrum of the first exceeds a fraction of its largest
-value. With noise it is the cross spectrum over the power spectrum, averaged over neighbouring
+value. With noise it is the cross spectrum divided by the power spectrum, averaged over neighbouring
 frequencies (Bendat and Piersol, Random Data, 1986).
 
 Response to an amplitude that rises and falls at one frequency: the signals are fitted, in windows
-of whole periods of the load, by sines of its frequency, its double, its triple and its half. A
-linear chain responds proportionally, at the load's frequency only. Where the branches of rising and
-falling amplitude separate, there are two states at one load; where half the frequency appears, the
+of whole periods of the load, by sines at once, twice, three times and half its frequency. A
+linear chain responds proportionally, at the load's frequency only. If the branches of rising and
+falling amplitude separate, there are two states at one load; if half the frequency appears, the
 period has doubled.
 
 Mean power input of a harmonic load, and mean power absorbed at absorbing ends: slopes of the
@@ -99,7 +99,7 @@ class SteadyMotion:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Transmission from the loaded sphere to the last one against frequency."""
+    """Transmission from the loaded sphere to the last sphere against frequency."""
 
     frequency: Array  # frequencies of the load: (n,), Hz
     ratio: NDArray[np.complex128]  # ratio of the velocities: (n,)
@@ -112,8 +112,8 @@ def steady_amplitudes(
 ) -> tuple[NDArray[np.complex128], Array] | None:
     """Fit sines of one frequency over the last whole periods, at most half of the time.
 
-    The second and third harmonic, which a nonlinear row has in its steady motion, are fitted too
-    where the records are dense enough.
+    The second and third harmonic, which occur in the steady motion of a nonlinear row, are fitted
+    too if the records are dense enough.
 
     Parameters
     ----------
@@ -145,14 +145,17 @@ def steady_amplitudes(
 
 def _sines(angle: Array, multiples: Sequence[float]) -> list[Array]:
     """Cosine and sine of multiples of an angle."""
-    return [part(factor * angle) for factor in multiples for part in (np.cos, np.sin)]
+    sines = list[Array]()
+    for factor in multiples:
+        sines += [np.cos(factor * angle), np.sin(factor * angle)]
+    return sines
 
 
 def transfer(
     time: Array, drive: Array, answer: Array, *, averaged: int = 1
 ) -> tuple[Array, NDArray[np.complex128]]:
-    """Ratio of the spectra of two signals, where the first spectrum is not weak; both signals are
-    tapered at their end.
+    """Ratio of the spectra of two signals at frequencies where the first spectrum is not weak; both
+    signals are tapered at their end.
 
     Parameters
     ----------
@@ -317,7 +320,7 @@ def mean_power_of(result: Result) -> tuple[float, float | None] | None:
     or too few periods.
 
     The first is the power of the load, the second the power absorbed by the spheres of
-    ``[[absorb]]`` and the damper below; None where there is neither.
+    ``[[absorb]]`` and the damper below; None if there is neither.
     """
     load = result.case.load
     time = result["energy/time"]

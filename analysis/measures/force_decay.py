@@ -5,8 +5,8 @@ Both are least-squares lines through the logarithms of the forces, with equal we
     F = F_0 exp(-z/L)          rate 1/L, of waves that lose the same fraction in every layer
     F = F_D (z/D)^-n           exponent n, of waves that spread without a scale
 
-Standard errors are those of the slopes. They measure the scatter of the layers about the line,
-which is systematic: forces that follow neither law have a large standard error.
+Standard errors are standard errors of the slopes. They measure the scatter of the layers about the
+line, which is systematic: forces that follow neither law have a large standard error.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may 
 
 @dataclass(frozen=True)
 class PowerDecay:
-    """Decay of the peak force with depth, as a power of it: ``F = F_D (z/D)^-exponent``.
+    """Decay of the peak force as a power of the depth: ``F = F_D (z/D)^-exponent``.
 
     Attributes
     ----------

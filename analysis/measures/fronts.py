@@ -52,14 +52,14 @@ class Front:
 
     @property
     def speed(self) -> float:
-        """Slope of position against time, m/s; 0 where the times are equal."""
+        """Slope of position against time, m/s; 0 if the times are equal."""
         late = self.time - self.time.mean()
         if not late.any():
             return 0.0
         return float(late @ (self.place - self.place.mean()) / (late @ late))
 
     def when(self, place: Array) -> Array:
-        """Return the times at which the line is at some positions, s."""
+        """Return the times at which the line reaches positions, s."""
         return self.time.mean() + (place - self.place.mean()) / self.speed
 
 
@@ -160,7 +160,7 @@ def _nearest_to_axis(
 
 
 def _arrivals(result: Result, ids: NDArray[np.int64], time: Array, velocity: Array) -> Array:
-    """Return the arrivals of the wave at grains, s; NaN where there is none, or no record."""
+    """Return the arrivals of the wave at grains, s; NaN without an arrival or a record."""
     if result.case.precompression is None:
         return _arrivals_by_contacts(result, ids)
     if "chain" not in result:
@@ -169,7 +169,7 @@ def _arrivals(result: Result, ids: NDArray[np.int64], time: Array, velocity: Arr
 
 
 def _arrivals_by_contacts(result: Result, ids: NDArray[np.int64]) -> Array:
-    """Return the arrivals at grains as their contacts recorded them, s; NaN where there is none."""
+    """Return the arrivals at grains that their contacts recorded, s; NaN without an arrival."""
     group = np.full(result.n_spheres, -1, dtype=np.int64)
     group[result.rows(ids)] = np.arange(len(ids))
     arrival = arrivals_of_groups(result, group, len(ids))
@@ -177,8 +177,8 @@ def _arrivals_by_contacts(result: Result, ids: NDArray[np.int64]) -> Array:
 
 
 def _first_passes(time: Array, velocity: Array) -> Array:
-    """Return when the speed of each grain first passes 10 % of its largest, s; NaN for grains that
-    the wave did not reach before the end.
+    """Return the times at which the speed of each grain first passes 10 % of its largest value, s;
+    NaN for grains that the wave did not reach before the end.
     """
     speed = np.abs(velocity)
     largest = speed.max(axis=0)

@@ -72,7 +72,7 @@ class SpheresOnPlane:
 
 
 def planes(kind: str) -> tuple[Plane, ...]:
-    """The planes of a kind of packing: principal, then orthogonal, as far as there are any."""
+    """The planes of a kind of packing: principal, then orthogonal, if they exist."""
     return tuple(
         Plane(name, np.array(plane.across), np.array(plane.down), plane.tolerance, plane.down_label)
         for name, plane in zip(("principal", "orthogonal"), section_planes(kind), strict=False)
@@ -129,8 +129,8 @@ def own_plane(
 
 
 def preferred_directions(kind: str) -> Array:
-    """Unit vectors from the impacted sphere to those it rests on; in a square packing to its
-    neighbours.
+    """Unit vectors from the impacted sphere to the spheres on which it rests; in a square packing
+    to its neighbours.
 
     (n_directions, 3): 3 for fcc (<110>) and hcp, 4 for bcc (<111>) and square, 1 for sc and chain.
     They are equal by symmetry. In hcp only the first contact lies on a straight line.

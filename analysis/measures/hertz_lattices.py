@@ -7,13 +7,14 @@ A line under a static force, chain or stack of lattice layers, has bodies of mas
 and springs that are linear for small waves:
 
     chain         k = 3/2 F0/alpha0, of a Hertz contact with the overlap alpha0 under F0
-    fcc and hcp   along [111] and c: layers D sqrt(2/3) apart; a sphere has three contacts in each of the next layers,
-                  inclined with cos^2 = 2/3, so that K = 3 cos^2 k - 3 sin^2 f/D = 2 k - f/D for
-                  layers as wholes, with the static force f of a contact. The second term, of
-                  contacts that turn, is alpha/(3 D) of the first.
+    fcc and hcp   along [111] and c: layers D sqrt(2/3) apart; a sphere has three contacts in each
+                  of the next layers, inclined with cos^2 = 2/3, so that
+                  K = 3 cos^2 k - 3 sin^2 f/D = 2 k - f/D for layers as wholes, with the static
+                  force f of a contact. The second term, of contacts that turn, is alpha/(3 D) of
+                  the first.
 
-Long waves have the speed c0 = h sqrt(K/m). For a chain of like spheres of diameter a that is, with
-Hertz's k,
+Long waves have the speed c0 = h sqrt(K/m). For a chain of identical spheres of diameter a and with
+Hertz's k this is
 
     c0 = 0.93146 (4 E^2 F0/(a^2 rho^3 (1 - nu^2)^2))^(1/6),    0.93146 = sqrt(9/pi) 3^(-1/3) 4^(-1/6)
 
@@ -25,8 +26,8 @@ omega^2 = K/m)
 
     v_n(t) = v (2 (2 n - 1)/tau) J_(2n-1)(tau),   force n  F_n(t) = v sqrt(K m) (4 n/tau) J_2n(tau),   tau = 2 omega t
 
-(from v_n = J_(2n-2) + J_2n, which satisfies the equation of motion and the free end). The crest
-that runs ahead falls as n^(-1/3) and is always slower than c0.
+(from v_n = J_(2n-2) + J_2n, which satisfies the equation of motion and the free end). The leading
+crest falls as n^(-1/3) and is always slower than c0.
 """
 
 from __future__ import annotations
@@ -211,7 +212,7 @@ def solitary_wave(
 
 def _bead_velocity() -> tuple[Array, Array]:
     """Positions in diameters, and the velocity of a bead in the travelling wave, times the diameter
-    over speed and largest overlap.
+    divided by speed and largest overlap.
     """
     x, wave, _ = _discrete_wave()
     per_diameter = round(1 / (x[1] - x[0]))
@@ -256,7 +257,8 @@ def static_overlap(law: ContactLaw, force: Values) -> Values:
 
 @dataclasses.dataclass(frozen=True)
 class PrecompressedLine:
-    """The line that a chain or a packing is for long waves along it, in its static state.
+    """Line that is equivalent to a chain or a packing, in its static state, for long waves along
+    it.
 
     Attributes
     ----------
@@ -281,14 +283,13 @@ class PrecompressedLine:
 
     @property
     def velocity(self) -> float:
-        """omega alpha0, m/s; impacts that are far slower make small waves."""
+        """omega alpha0, m/s; much slower impacts make small waves."""
         return self.frequency * self.overlap
 
 
 def line_of(case: Case, law: ContactLaw | None = None) -> PrecompressedLine:
-    """The line of a precompressed chain, or of the layers of a packing, of like spheres.
-
-    Where the sides are periodic, the load makes the contacts of a packing less steep.
+    """The line of a precompressed chain, or of the layers of a packing, of identical spheres. With
+    periodic sides the load makes the contacts of a packing less steep.
 
     Parameters
     ----------
@@ -318,17 +319,17 @@ def line_of(case: Case, law: ContactLaw | None = None) -> PrecompressedLine:
 
 @cache
 def _lattice_waves() -> tuple[Array, Array]:
-    """Logarithms of F_m/F0 and of the speed over c0 of the travelling waves of the lattice."""
+    """Logarithms of F_m/F0 and of the speed divided by c0 of the travelling waves
+    of the lattice.
+    """
     excess = np.concatenate([[0.0], np.geomspace(3e-4, 6.0, 45)])
     ratio = [1.0, *(_travelling(1 + x) for x in excess[1:])]
     return np.log(ratio), np.log1p(excess)
 
 
 def lattice_speed(ratio: Array) -> Array:
-    """Speed over c0 of the travelling wave of the precompressed Hertz lattice itself, from F_m/F0
-    up to some 1e5.
-
-    Beyond, the exponent is 1/6.
+    """Speed divided by c0 of the travelling wave of the discrete precompressed Hertz lattice, for
+    F_m/F0 up to about 1e5; at larger values the exponent is 1/6.
     """
     known, speed = _lattice_waves()
     x = np.log(ratio)
@@ -336,7 +337,7 @@ def lattice_speed(ratio: Array) -> Array:
 
 
 def _travelling(speed: float) -> float:
-    """F_m/F0 of the lattice's wave of a speed over c0, above 1.
+    """F_m/F0 of the wave of the lattice for a speed divided by c0, above 1.
 
     In units of D, alpha0 and the static stiffness, the overlap 1 + r of a wave obeys V^2 r =
     triangle * g(r) with g = (2/3)((1 + r)^1.5 - 1), the triangle of height 1 and base 2. With g = r

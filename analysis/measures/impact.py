@@ -116,7 +116,7 @@ class Rays:
 
 
 def rays(result: Result) -> Rays:
-    """Peak force of every contact along each preferred direction, from the impacted sphere on.
+    """Peak force of every contact along each preferred direction, starting at the impacted sphere.
 
     Each sphere of a ray is the sphere nearest to the position in a perfect packing, within a
     quarter of a diameter. Grains of a file have no such directions: there is no ray.

@@ -1,4 +1,4 @@
-"""Error bars that a contact law states for itself, of the peak force and the restitution of a run."""
+"""Error bars of a contact law for the peak force and the restitution of a run."""
 
 from __future__ import annotations
 

@@ -5,8 +5,8 @@ timesteps, so that their times are not exactly uniform; velocities are interpola
 even times (cubic splines).
 
 Waves under a static force are compared with `granwave.analysis.measures.hertz_lattices`: in the
-units of the static state (speeds over c0, forces over F0, velocities over omega alpha0) results of
-all lines of identical Hertz contacts lie on one curve.
+units of the static state (speeds divided by c0, forces by F0, velocities by omega alpha0) results
+of all lines of identical Hertz contacts lie on one curve.
 
 The space-time transform shows the distribution of the energy of a line in (k, omega): the
 velocities v(x_n, t) of grains at even positions x_n = n h are tapered in space and time (Hann) and
@@ -105,8 +105,8 @@ def _means(result: Result, axis: int) -> tuple[Array, Array]:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Peaks:
-    """The pulse at the spheres of a chain, impacted sphere first; every array (n_spheres,), NaN
-    where it did not pass.
+    """The pulse at the spheres of a chain, impacted sphere first; every array (n_spheres,), NaN if
+    it did not pass.
 
     Attributes
     ----------
@@ -265,7 +265,7 @@ def reflection(time: ArrayLike, force: ArrayLike, place: int, beyond: int) -> fl
     """Peak force of the wave reflected to a contact of a chain, divided by the peak force of the
     incident wave.
 
-    The search ends when waves from the far end can arrive; NaN where the record ends sooner, or the
+    The search ends when waves from the far end can arrive; NaN if the record ends sooner, or if the
     contact is too near an end.
 
     Parameters
@@ -295,8 +295,7 @@ def reflection(time: ArrayLike, force: ArrayLike, place: int, beyond: int) -> fl
 
 
 def speed_along_layers(result: Result, line: PrecompressedLine) -> float:
-    """c0 along the stacking of a packing, m/s; NaN where the run has too few layers, or is too
-    short.
+    """c0 along the stacking of a packing, m/s; NaN if the run has too few layers, or is too short.
 
     The mean velocity of a layer of a periodic packing obeys the linear chain of layers exactly as
     long as the motion is linear, for any choice of impacted spheres in the top layer; in a packing
@@ -321,7 +320,9 @@ def speed_along_layers(result: Result, line: PrecompressedLine) -> float:
 
 
 def _crests(time: Array, mean: Array) -> tuple[NDArray[np.int64], Array]:
-    """Layers, from 1, that the crest of their velocities (n_times, n_layers) has passed, and when."""
+    """Layers, from 1, that the crest of their velocities (n_times, n_layers) has passed, and the
+    times.
+    """
     fine = np.linspace(time[0], time[-1], _FINE_CRESTS * (len(time) - 1) + 1)
     times = np.array(
         [first_peak(fine, CubicSpline(time, one)(fine), floor=0.5)[0] for one in mean.T]
@@ -365,7 +366,7 @@ class SpaceTime:
     amplitude: Array
 
     def ridge(self, floor: float = 0.02) -> Array:
-        """Frequency of the largest amplitude at each k: (n_k,), Hz, by a parabola; NaN where it is
+        """Frequency of the largest amplitude at each k: (n_k,), Hz, by a parabola; NaN if it is
         below the floor.
         """
         top = np.argmax(self.amplitude, axis=0)

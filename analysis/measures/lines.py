@@ -4,14 +4,14 @@ sensors.
 Decay of a peak along a line: a continuous, piecewise linear fit of its logarithm, and the position
 where two lines diverge.
 
-ln(peak) = c - a1 x up to the border b, and on with the slope -a2 beyond it. For each border the
-rest is linear, so that only the border is searched: over each interval between grains that leaves
-at least two on either side.
+ln(peak) = c - a1 x up to the border b, and with the slope -a2 beyond it. For a given border the fit
+is linear, so that only the border is searched: over each interval between grains that has at least
+two grains on either side.
 
 A sensor reads the mean of the forces of its bead's two contacts in a chain, its acceleration
-elsewhere: a transducer glued between the halves of a bead feels the force between them, which for
-slow pulses is about that mean. At an end of the chain, where there is one contact, half of its
-force.
+elsewhere: a transducer glued between the halves of a bead measures the force between them, which
+for slow pulses is about that mean. At an end of the chain, with a single contact, it reads half of
+the force of this contact.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Distribution:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class LineRecord:
-    """A line of grains of a run; arrays in the order of the line, NaN where a grain has no first
+    """A line of grains of a run; arrays in the order of the line, NaN for grains without a first
     pulse.
 
     Attributes

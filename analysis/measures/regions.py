@@ -4,8 +4,8 @@ Regions are the strikers, and parts of the packing: groups of a file of grains, 
 with one material and diameter, or equal parts along the load. Strikers, walls and the dissipated
 energy have separate fractions.
 
-Under a static load the elastic energy of a region is no part of the input, which is measured from
-the static state; fractions are then of the kinetic energy only.
+The input is measured from the static state. Under a static load it therefore does not contain the
+elastic energy of a region, and fractions are of the kinetic energy only.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def _kind_of(assembly: Assembly, bead: int) -> str:
 
 
 def _name_of(assembly: Assembly, start: int, stretch: Ids) -> str:
-    """Return the name of a stretch of a chain, whose first bead has the number ``start`` from 0."""
+    """Return the name of a part of a chain whose first bead has the number ``start``, from 0."""
     end = start + len(stretch)
     numbers = f"beads {start + 1} to {end}" if len(stretch) > 1 else f"bead {end}"
     material = assembly.material_of(int(stretch[0])).name
@@ -213,8 +213,8 @@ def _stored_in_beads(result: Result) -> Array:
     """Return half the elastic energy of the contacts between beads for each of the two:
     (n_times, n_beads), J.
 
-    Contacts that yielded remember the largest overlap of the instants that were recorded, and the
-    largest overlap before the run.
+    For contacts that yielded, the largest overlap at recorded instants and before the run is taken
+    into account.
     """
     place = result["chain/position"] + result["chain/displacement"]
     radius = result["spheres/radius"][result.rows(result["chain/id"])]
@@ -257,7 +257,7 @@ def _summed(
 
 
 def _without_spheres(result: Result, time: Array) -> dict[str, Array]:
-    """Return the fractions of energies that belong to no sphere."""
+    """Return the fractions of energies that do not belong to spheres."""
     return {
         name: _of_ledger(result, column, time)
         for name, column in _WITHOUT_SPHERES.items()

@@ -123,7 +123,7 @@ class Power:
 
     @property
     def interval(self) -> str:
-        """Confidence interval of the exponent as a sentence; empty where there is none."""
+        """Confidence interval of the exponent as a sentence; empty if there is none."""
         return f"95 % confidence interval: ± {self.margin:.1g}." if np.isfinite(self.margin) else ""
 
 
@@ -171,7 +171,7 @@ class ExponentialDecay:
 
 
 def decay(x: ArrayLike, y: ArrayLike) -> ExponentialDecay | None:
-    """The exponential law through points (n_points,); None where there are too few, or no such law
+    """The exponential law through points (n_points,); None if there are too few, or if no such law
     is found.
     """
     x = np.asarray(x, dtype=np.float64)

@@ -94,8 +94,8 @@ class Reached:
 
 
 def reached(result: Result) -> Reached | None:
-    """Return the record of the bottom of a packing, or of the bar at a chain's end; None where
-    there is neither.
+    """Return the record of the bottom of a packing, or of the bar at a chain's end; None if there
+    is neither.
     """
     name = next((name for name in ("bottom", BAR) if f"walls/{name}" in result), None)
     if name is None:
@@ -140,7 +140,7 @@ class Target:
     def rates(self, place: Array, speed: Array, force: float) -> tuple[Array, Array]:
         """Velocities and accelerations of the nodes under a force (N) on the plane; (n,) each.
 
-        A surface without mass has the velocity that its damper allows, whatever ``speed`` is.
+        A surface without mass has the velocity that its damper allows, for any ``speed``.
         """
         if not self.moves:
             return place, place
@@ -307,8 +307,8 @@ def _pushed(load: DrivenLoad, target: Target, end_time: float) -> Reached:
 def _rebound(group: Impactors) -> Reached:
     """Equal spheres that hit a fixed plane, until they leave it.
 
-    Overlaps are deepest - way s^2 with s in equal steps: the speed is in proportion to s where the
-    spheres turn round.
+    Overlaps are deepest - way s^2 with s in equal steps: the speed is proportional to s near the
+    reversal of the spheres.
     """
     law = group.law
     deepest = np.array([group.largest_overlap])

@@ -11,6 +11,7 @@ solid angle.
 from __future__ import annotations
 
 import dataclasses
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -72,11 +73,8 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
     case = result.case
     n = result.assembly.lattice.n_spheres
     if case.striker:
-        return result.rows(
-            np.array(
-                sorted({one for striker in case.striker for one in striker.touches if one <= n})
-            )
-        )
+        touched = set(chain.from_iterable(striker.touches for striker in case.striker))
+        return result.rows(np.array(sorted(number for number in touched if number <= n)))
     return result.rows(np.array(result.struck))
 
 
@@ -171,7 +169,7 @@ def energy_of_spheres(result: Result, frame: int) -> Array:
 
 def travelling_frame(result: Result) -> int:
     """Number of the last snapshot before the wave reaches sides or bottom; otherwise of the first
-    after the start.
+    snapshot after the start.
 
     Parameters
     ----------
@@ -216,12 +214,12 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
     The front is at a layer when the force of a contact there first passes 10 % of the largest
     force of that contact. The slope is a least-squares fit to the deeper half of the layers that
     were reached, without the five uppermost layers, where the wave develops its shape. The
-    reflection from the bottom does not affect it, unlike the times of peak forces. The first force
-    at all is no measure: ahead of a wave in Hertzian contacts the overlap falls faster than
-    exponentially, so that the rounding of the coordinates decides when it is first above zero. On a
-    chain of Hertz contacts the speed is within 2 % of the solitary wave's 0.6802 (2E / (D rho^1.5
-    (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker it also becomes slower and longer, and
-    its front is faster than its peak.
+    reflection from the bottom does not affect it, unlike the times of peak forces. The first
+    nonzero force is not a suitable measure: ahead of a wave in Hertzian contacts the overlap falls
+    faster than exponentially, so that the rounding of the coordinates decides when it is first
+    above zero. On a chain of Hertz contacts the speed is within 2 % of the solitary wave's 0.6802
+    (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). As the wave becomes weaker it also becomes slower
+    and longer, and its front is faster than its peak.
 
     Parameters
     ----------
@@ -248,8 +246,8 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
 
 
 def fitted_layers(mean: Array, first: Array, diameter: float) -> tuple[Array, Array]:
-    """Return depth, m, and arrival, s, of the layers that `wave_speed` takes: the deeper half of
-    those reached, without the five uppermost; none where there are fewer than four.
+    """Return depth, m, and arrival, s, of the layers in the fit of `wave_speed`: the deeper half of
+    the layers that were reached, without the five uppermost; empty for fewer than four layers.
 
     Parameters
     ----------
@@ -265,7 +263,7 @@ def fitted_layers(mean: Array, first: Array, diameter: float) -> tuple[Array, Ar
 
 
 def wave_speed_of(result: Result) -> float | None:
-    """Speed of the wave into the depth of a run, m/s; None where there is none, see `wave_speed`.
+    """Speed of the wave into the depth of a run, m/s; None if it is not known, see `wave_speed`.
 
     After precompression it is known only in a chain with recorded forces: there the front is at a
     contact once its force has risen by 10 % of its largest rise, if the rise was complete before
@@ -273,7 +271,7 @@ def wave_speed_of(result: Result) -> float | None:
     speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
 
     None for loads that keep oscillating: the largest force of a bead may occur at any time, and
-    later where beads absorb. A burst passes once.
+    later in beads that absorb. A burst passes once.
 
     None for a load that does not push down: its wave does not start at the top.
 
@@ -332,7 +330,7 @@ def front_arrivals(result: Result) -> tuple[Array, Array]:
 
 
 def arrivals_of_groups(result: Result, group: NDArray[np.integer], n_groups: int) -> Array:
-    """Return the arrival of the wave front at groups of spheres, as `front_arrivals` at layers:
+    """Return the arrival of the wave front at groups of spheres, defined as in `front_arrivals`:
     (n_groups,), s; inf if it never arrived.
 
     Parameters
@@ -361,12 +359,10 @@ def arrivals_of_groups(result: Result, group: NDArray[np.integer], n_groups: int
 
 
 def passage(result: Result) -> float:
-    """Return when the front of the wave has passed the packing, s; the end of a run in which it has
-    not.
-
-    It has arrived at the deepest layer; in a packing of one layer at the last of the spheres that
-    carry at least 1 % of the largest force. Where contacts are loaded from the start it is the
-    arrival at the bottom.
+    """Return the time at which the front of the wave has passed the packing, s; the end of a run in
+    which it has not. The front has then arrived at the deepest layer; in a packing of one layer, at
+    the last of the spheres that carry at least 1 % of the largest force. If contacts are loaded
+    from the start, it is the arrival at the bottom.
     """
     end = float(result["energy/time"][-1])
     if result.case.precompression is not None:

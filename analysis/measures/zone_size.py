@@ -1,8 +1,8 @@
 """Size of the plastic zone: depth, radius and volume with 50, 90 and 99 % of the plastic
 dissipation; boundaries, waves from them, marks.
 
-One definition for packings and the continuum. A part is a sphere of the packing, weighed by the
-energy that it dissipated by yielding, or an element, weighed by its plastic work:
+One definition for packings and the continuum. A part is a sphere of the packing, with the energy
+that it dissipated by yielding as weight, or an element, with its plastic work as weight:
 
     depth     smallest d such that the parts whose centres lie at most d below the impacted
               sphere's centre (packing) or the block's face (continuum) contain the fraction; a
@@ -17,7 +17,7 @@ the depth is the depth of a layer, and does not change with the load until the n
 The interpolated depth and radius lie between layers: E(d) is the energy of all parts at most d
 away, and straight lines connect its values at the distances of the parts. The interpolated size is
 where these lines reach the fraction: between the size above and the next smaller distance of a
-part. Both agree where the parts are fine.
+part. Both agree if the parts are small.
 
 The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times beyond. A zone
 is marked if it reaches a boundary, or if a reflected wave returned to it: it differs from the zone
@@ -25,8 +25,8 @@ in an infinite packing.
 
 The impact axis is parallel to z through the centroid of the impacted spheres.
 
-The plastic dissipation of a sphere is half the dissipation of each of its contacts, all of it where
-the partner has the higher yield strength, none where the partner has the lower one. Contacts with
+The plastic dissipation of a sphere is half the dissipation of each of its contacts, all of it if
+the partner has the higher yield strength, none if the partner has the lower one. Contacts with
 walls of a material follow the same rule; at a rigid wall all dissipation belongs to the sphere.
 Friction, dampers and strikers do not count: strikers are not part of the packing, and their
 dissipation is excluded.
@@ -45,6 +45,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from enum import IntEnum
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -118,7 +119,7 @@ def interpolated_extent(distance: Array, energy: Array, share: float) -> float:
 
 def volume_holding(volume: Array, energy: Array, share: float) -> float:
     """Return the volume (m^3) of the parts of highest energy per volume that contain a fraction;
-    otherwise as `extent_holding`.
+    parameters as in `extent_holding`.
     """
     order = np.lexsort((volume, -energy / volume))
     return float(np.sum(volume[order][: _parts_holding(energy[order], share)]))
@@ -155,19 +156,19 @@ def zone_sizes(
         ``zone_depth_50_interpolated_m``, ``zone_radius_50_interpolated_m``, ... 90, 99; None where
         a size does not apply.
     """
-    return {
-        f"zone_{name}_{percent}{unit}": None
-        if energy is None or parts is None
-        else size(parts, energy, percent / 100)
-        for name, unit, parts, size in (
-            ("depth", "_m", depth, extent_holding),
-            ("radius", "_m", radius, extent_holding),
-            ("volume", "_m3", volume, volume_holding),
-            ("depth", "_interpolated_m", depth, interpolated_extent),
-            ("radius", "_interpolated_m", radius, interpolated_extent),
-        )
-        for percent in SHARES
-    }
+    measures = (
+        ("depth", "_m", depth, extent_holding),
+        ("radius", "_m", radius, extent_holding),
+        ("volume", "_m3", volume, volume_holding),
+        ("depth", "_interpolated_m", depth, interpolated_extent),
+        ("radius", "_interpolated_m", radius, interpolated_extent),
+    )
+    sizes = dict[str, float | None]()
+    for (name, unit, parts, size), percent in product(measures, SHARES):
+        has_size = energy is not None and parts is not None
+        key = f"zone_{name}_{percent}{unit}"
+        sizes[key] = size(parts, energy, percent / 100) if has_size else None
+    return sizes
 
 
 def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> dict[str, Any]:
@@ -308,11 +309,11 @@ def _return_times(
     by boundary, s.
 
     The peak of the first wave is at the bound at t_b and was at the border of the zone, at
-    ``border`` (m), at t_z on its way: it takes as long back, and returns at 2 t_b - t_z. Waves get
-    weaker and slower on their way, so this is about the earliest time. No wave returns from a
-    boundary that no wave reached within the run. If contacts are loaded from the start, arrivals
-    cannot be observed: the wave is assumed to travel in all directions at the speed with which it
-    reached the bottom. None if this speed is unknown too.
+    ``border`` (m), at t_z on its way: the way back takes the same time, so that it returns at 2 t_b
+    - t_z. Waves get weaker and slower on their way, so this is about the earliest time. No wave
+    returns from a boundary that no wave reached within the run. If contacts are loaded from the
+    start, arrivals cannot be observed: the wave is assumed to travel in all directions at the speed
+    with which it reached the bottom. None if this speed is also unknown.
     """
     inner = {name: border[name] or 0.0 for name in _WAYS if name in distances}
     if result.case.precompression is None:
@@ -338,7 +339,7 @@ def _return_times(
 
 
 def wave_arrivals(result: Result, sets: Sequence[NDArray[np.bool_]]) -> list[float]:
-    """Return when the first force at contacts of each set of spheres was at its peak, s; inf:
+    """Return the time of the peak of the first force at contacts of each set of spheres, s; inf:
     never.
 
     The first non-zero force does not mark a wave: rounding errors propagate by one sphere per step.
@@ -396,8 +397,8 @@ LABELS = {Mark.CUT: "zone reaches a boundary", Mark.WAVE: "reflected wave came b
 
 
 def mark_of(summary: Mapping[str, Any]) -> Mark:
-    """Return the mark of a run; none where its summary has no plastic zone, or for a collision of
-    two spheres.
+    """Return the mark of a run; `Mark.NONE` if its summary has no plastic zone, or for a collision
+    of two spheres.
     """
     if summary.get("n_spheres") in (1, 2):
         return Mark.NONE
@@ -408,8 +409,8 @@ def mark_of(summary: Mapping[str, Any]) -> Mark:
 
 
 def bounds_in_words(bounds: object, *, periodic: object = False) -> str:
-    """Return a list of bounds, or of other names, as words: ``bottom, sides``, or ``none`` where it
-    is empty.
+    """Return a list of bounds, or of other names, as words: ``bottom, sides``, or ``none`` if it is
+    empty.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class _OnDemand(BackendArray):
-    """Data set of an open result.h5 that is read where it is indexed."""
+    """Data set of an open result.h5; indexing reads only the requested values."""
 
     def __init__(self, result: Result, name: str) -> None:
         # the result keeps the file open
@@ -115,7 +115,9 @@ def chain(result: Result) -> Dataset:
 
 
 def _variable(result: Result, path: str, dimensions: tuple[str, ...], name: str) -> Variable:
-    """Make a variable; one of a single dimension is time, or has the last of ``dimensions``."""
+    """Make a variable; if it has a single dimension, it is time, or has the
+    last of ``dimensions``.
+    """
     attributes = {"units": result.unit(path), "long_name": name.replace("_", " ")}
     source = result.file[path]
     if source.ndim == 1:

@@ -200,8 +200,8 @@ def load(directory: str | Path) -> Any:
     """Load the results of a run, a scan, a search for a design, an inference, or of bands, modes
     and transmission.
 
-    The last three are datasets, as `bands` returns them; for several in one directory, a dictionary
-    by name.
+    The last three are datasets, as returned by `bands`; if there are several in one directory, a
+    dictionary by name.
 
     Returns
     -------

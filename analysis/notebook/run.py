@@ -226,7 +226,7 @@ class Run(Values):
 
     @property
     def case(self) -> Case:
-        """Case that was run; from its case.toml where result.h5 was removed."""
+        """Case that was run; from its case.toml if result.h5 was removed."""
         if not (self.directory / RESULT_FILE).exists():
             from granwave.lammps_inputs.load_case import read_stored_case
 
@@ -267,7 +267,7 @@ class Run(Values):
         region: str | None = None,
         time: Sequence[float] | None = None,
     ) -> pandas.DataFrame:
-        """Return selected rows of a table, as ``granwave export`` selects them.
+        """Return selected rows of a table, as in ``granwave export``.
 
         Parameters
         ----------
@@ -320,7 +320,7 @@ class Run(Values):
     @cached_property
     def contacts(self) -> pandas.DataFrame:
         """Contacts between spheres ``i`` and ``j``: pairs that touch at the start or were loaded,
-        with their initial positions, as `contact_geometry` returns them.
+        with their initial positions, see `contact_geometry`.
         """
         table = self.table("contacts")
         units = table.attrs[UNITS] | PLACE_UNITS
@@ -423,7 +423,7 @@ class Run(Values):
 
     @cached_property
     def figures(self) -> tuple[str, ...]:
-        """Names of the figures that apply to this run; none of a run that is not of spheres.
+        """Names of the figures that apply to this run; none unless the run is of spheres.
 
         Figures that are not in its directory yet are drawn to find out whether they apply, which
         takes seconds once.
@@ -528,7 +528,7 @@ class Run(Values):
     @contextmanager
     def _options(self, plane: Any, depths: Any) -> Iterator[Figures]:
         """Use another plane of sections and other depths in the ``with`` block, unless they are
-        None; give the options of figures.
+        None; yield the options of figures.
         """
         options = self.result.figure_options
         table: dict[str, Any] = {}

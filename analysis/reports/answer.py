@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import chain, product
 from pathlib import Path
 from typing import Any
 
@@ -105,7 +106,7 @@ def answer_blocks(
     for answer in opened:
         blocks.extend(answer)
     if others := answers[len(opened) :]:
-        parts = tuple(block for answer in others for block in answer)
+        parts = tuple(chain.from_iterable(others))
         blocks.append(Group(f"Main quantity of the other {len(others)} scans", parts, folded=True))
     if len(inputs.runs) == 1:
         return [*blocks, *_of_run(inputs.runs[0], inputs)]
@@ -128,9 +129,10 @@ def main_figures(inputs: ReportInputs, studied: Figure | None) -> set[Path]:
     if studied:
         return set()
     items = inputs.items if len(inputs.runs) < 2 else inputs.scans
-    return {
-        item.directory / FIGURES_DIRECTORY / name for item in items for name in _names(item)[:1]
-    }
+    paths = set()
+    for item in items:
+        paths.update(item.directory / FIGURES_DIRECTORY / name for name in _names(item)[:1])
+    return paths
 
 
 def _main_figure(item: ReportRun | ReportScan, inputs: ReportInputs) -> Figure | None:
@@ -139,7 +141,7 @@ def _main_figure(item: ReportRun | ReportScan, inputs: ReportInputs) -> Figure |
 
 
 def _names(item: ReportRun | ReportScan) -> list[str]:
-    """Return the names of the figures there are that show the main quantity of a scan, or a run,
+    """Return the names of the existing figures of the main quantity of a scan, or of a run, the
     best first.
     """
     if isinstance(item, ReportRun):
@@ -152,7 +154,7 @@ def _names(item: ReportRun | ReportScan) -> list[str]:
         means = item.means
         main = [name for name, key in means.quantities()[:1] if means.varies(key)]
         keys = sorted(means.keys, key=lambda key: (not key.numeric, -len(set(key.values))))
-        names = [f"{name}_vs_{key.slug}" for name in main for key in keys]
+        names = [f"{name}_vs_{key.slug}" for name, key in product(main, keys)]
     return [
         name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()
     ]
@@ -177,7 +179,7 @@ def _is_thin(run: ReportRun) -> bool:
 
 
 def _of_scan(scan: ReportScan, inputs: ReportInputs, studied: Figure | None) -> tuple[Part, ...]:
-    """Return the sentence, and the figure and the table where anything varies."""
+    """Return the sentence, and, if anything varies, the figure and the table."""
     means = scan.means
     shown = means.quantities()
     pictures = (Gallery((studied,)),) if studied else ()
@@ -307,11 +309,9 @@ def in_words(run: ReportRun) -> str:
     if (plate := run.number("plate_velocity_m_s")) is not None:
         values["plate"] = f"{'rebounds' if plate < 0 else 'still moves in'} at {abs(plate):.4g} m/s"
     values = {name: text for name, text in values.items() if text}
-    lines = [
-        text.format(name)
-        for name in _named(summary, "line_", "_front_speed_m_s")
-        for text in _ALONG_LINE
-    ]
+    lines = list[str]()
+    for name in _named(summary, "line_", "_front_speed_m_s"):
+        lines += [text.format(name) for text in _ALONG_LINE]
     seen = {name: summary[f"sensor_{name}_peak_velocity_m_s"] or 0.0
             for name in _named(summary, "sensor_", "_peak_velocity_m_s")}  # fmt: skip
     ends = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Collection
+from itertools import chain
 from pathlib import Path
 
 from PIL import Image
@@ -181,8 +182,8 @@ def _look(item: ReportRun | ReportScan, name: str) -> str:
 
 
 def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tuple[str, str]:
-    """Return the caption of a figure from the name of its file, and, ``in_words``, what a figure of
-    a scan shows.
+    """Return the caption of a figure from the name of its file, and, ``in_words``, from the
+    quantity and the key of a figure of a scan.
     """
     captions = _captions(item)
     if stem in captions:
@@ -229,12 +230,8 @@ def _points(scan: ReportScan, inputs: ReportInputs, number: int) -> list[Block]:
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
         parts = _pictures(run, inputs, name, f"run {run.label}", POINT_WIDTH)
-        size += sum(
-            len(figure.png)
-            for part in parts
-            if isinstance(part, Gallery)
-            for figure in part.figures
-        )
+        galleries = (part.figures for part in parts if isinstance(part, Gallery))
+        size += sum(len(figure.png) for figure in chain.from_iterable(galleries))
         labels = ", ".join(
             f"{key} = {as_label(value)}" for key, value in point.result.labels.items()
         )
@@ -319,7 +316,7 @@ def _picture(
 
 
 def _data_of(path: Path) -> bytes:
-    """Return the table of a figure for the page; empty where it is large, or cannot be read."""
+    """Return the table of a figure for the page; empty if it is large, or cannot be read."""
     try:
         return path.read_bytes() if path.stat().st_size <= MOST_DATA else b""
     except OSError:

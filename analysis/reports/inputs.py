@@ -118,7 +118,7 @@ class ReportInputs:
                     yield point.run
 
     def whole(self) -> Iterator[ReportRun]:
-        """Iterate over `results` without those whose result.h5 is damaged."""
+        """Iterate over `results` without runs whose result.h5 is damaged."""
         return (run for run in self.results() if not run.damaged)
 
     def path(self, path: Path) -> str:
@@ -204,7 +204,7 @@ def _each_once(paths: Sequence[Path]) -> list[Path]:
 
 
 def _labels(paths: Sequence[Path], base: Path) -> list[str]:
-    """Return a label for each directory: its name, or its path where names are equal; a repeated
+    """Return a label for each directory: its name, or its path if names are equal; a repeated
     directory has a number.
     """
     names = [path.resolve().name or "/" for path in _each_once(paths)]
@@ -228,7 +228,7 @@ def _parts(directory: Path) -> list[Path]:
 
 
 def _read(path: Path, label: str, study_files: Collection[str]) -> list[ReportRun | ReportScan]:
-    """Read a directory; several runs where it holds several."""
+    """Read a directory, which may hold several runs."""
     if not path.exists():
         raise InputError(
             f"{path}: no such directory{similar(path)}; expected the directory of a run or of a scan"

@@ -80,6 +80,11 @@ class ReportRun:
         return self.results.path
 
     @property
+    def is_unfinished(self) -> bool:
+        """True if the run ended before its end: interrupted, failed or still running."""
+        return self.record.get("state") in UNFINISHED
+
+    @property
     def has_balance(self) -> bool:
         """True for results of a time integration, which have energies."""
         return self.kind.has_balance
@@ -189,7 +194,7 @@ class ReportKind:
     # ------------------------------------------------------------------ reading
 
     def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
-        """Read a directory; several runs where it holds several.
+        """Read a directory, which may hold several runs.
 
         Raises
         ------
@@ -244,7 +249,7 @@ class ReportKind:
         return ""
 
     def load_keys(self, case: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the keys of the load of a case, by dotted keys, as a packing has them."""
+        """Return the keys of the load of a case, by dotted keys, with the names of a packing."""
         return {}
 
     def setting(self, run: ReportRun) -> str:

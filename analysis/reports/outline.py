@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import chain
 
 from granwave.analysis.document.model import (
     Badge,
@@ -111,7 +112,7 @@ def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
     labels = [inputs.suite] if inputs.suite else [item.label for item in inputs.items]
     failures = failures_section(inputs)
     studies = studies_of(inputs, named)
-    above = {picture.name for study in studies for picture in study.pictures}
+    above = {picture.name for picture in chain.from_iterable(one.pictures for one in studies)}
     picture = main_picture(studies, inputs)
     heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
     what = text_table(
@@ -220,7 +221,7 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
     for scan in inputs.scans:
         undone += sum(point.run is None for point in scan.points)
     where = "failures" if inputs.scans else "short"
-    unfinished = undone + sum(run.status != "done" for run in runs)
+    unfinished = undone + sum(run.status != "done" or run.is_unfinished for run in runs)
     total = undone + len(runs)
     badges = [_badge(unfinished, total, "finished", "not finished", "bad", where)]
     balanced = [run for run in runs if run.has_balance]
@@ -378,11 +379,13 @@ def _input_row(item: ReportRun | ReportScan, inputs: ReportInputs) -> tuple[str 
 
 
 def _versions(inputs: ReportInputs) -> list[Block]:
-    """Return tables of versions: those that all runs share, then those that differ, by kind of run."""
+    """Return tables of versions: first versions that all runs share, then versions that differ, by
+    kind of run.
+    """
     runs = list(inputs.results())
     same = []
     others = []
-    for name in dict.fromkeys(name for run in runs for name in run.versions):
+    for name in dict.fromkeys(chain.from_iterable(run.versions for run in runs)):
         users = [run for run in runs if name in run.versions]
         found = list(dict.fromkeys(run.versions[name] for run in users))
         if len(found) == 1 and len(users) == sum(

@@ -3,7 +3,7 @@
 Equal inputs give equal bytes: a report has no date, does not depend on the order of files on the
 disk, and shows paths relative to itself.
 
-HTML and Markdown are written by ``templates``; the PDF is as a browser would print the page.
+HTML and Markdown are written by ``templates``; the PDF is the printed page of a browser.
 """
 
 from __future__ import annotations
@@ -213,8 +213,8 @@ def pdf_file(report: Report) -> bytes:
         ) from None
 
     class OwnFiles(plutoprint.ResourceFetcher):
-        """Images in the page, and its fonts: neither files nor the network, whatever a text
-        says.
+        """Images in the page, and its fonts: neither files nor the network are read, whatever a
+        text contains.
         """
 
         def fetch_url(self, url: str) -> plutoprint.ResourceData:

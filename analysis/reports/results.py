@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain, product
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from granwave.analysis.document.model import (
     TableColumn,
     Tone,
     case_column,
+    cell_in_unit,
     column_table,
     in_unit,
     is_number,
@@ -103,7 +105,9 @@ _OF_TARGETS = (
     "ground_peak_force_N",
     "base_arrival_s",
 )
-_TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
+_TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note",
+    "interrupted": "bad", "running": "note",
+}  # fmt: skip
 _NOT_COMPARED = ("name", "kind", "versions", PERIODIC_SIDES)
 _OF_ZONE = (
     "plastic_zone",
@@ -202,6 +206,11 @@ def _yields(run: ReportRun) -> bool:
     return (law not in ALL_LAWS or bool(ALL_LAWS[law].yields)) and law != LINE
 
 
+def _state_of(run: ReportRun) -> str:
+    """Return the status of a run; of an unfinished run its state."""
+    return str(run.record["state"]) if run.is_unfinished else run.status
+
+
 def status_cell(status: str) -> Cell:
     """Return the cell of a status."""
     return Cell(status, status, _TONES.get(status, ""))
@@ -212,7 +221,7 @@ def _runs_table(
 ) -> DocumentTable:
     cases = [run.case for run in runs]
     names = TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]
-    results = _results([(run.status, run.summary) for run in runs], shown)
+    results = _results([(_state_of(run), run.summary) for run in runs], shown)
     return column_table("Runs", [names, *_settings(keys, cases, cases), *results], sortable=True)
 
 
@@ -292,7 +301,7 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
     friction or losses.
     """
     shares = "friction_fraction", "viscous_fraction"
-    several = any(summary.get(share) for summary in summaries for share in shares)
+    several = any(summary.get(share) for summary, share in product(summaries, shares))
     left_out = () if several else FRICTION_SHARES
     there = (
         key
@@ -303,31 +312,32 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _unit_of(key: str, summaries: Sequence[Mapping[str, Any]]) -> tuple[str, float]:
-    """Return the unit in which values of summaries are read best, and its size in the SI unit."""
+    """Return the unit in which values of summaries are most readable, and its size in
+    the SI unit.
+    """
     return column_unit(unit_of_value(key), [summary.get(key) for summary in summaries])
 
 
 def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cell:
-    """Return the cell of a value of a summary in a unit of a size, marked where it is doubtful; a
+    """Return the cell of a value of a summary in a unit of a size, marked if it is doubtful; a
     list holds names of boundaries.
     """
     if not summary:
         return Cell("")
-    value = in_unit(summary.get(key), size)
+    value = summary.get(key)
     noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
     noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
     if isinstance(value, list):
         value = bounds_in_words(value, periodic=summary.get(PERIODIC_SIDES))
-    return value_cell(value, tone="note" if noted else "")
+    return cell_in_unit(value, size, tone="note" if noted else "")
 
 
 def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
     """Make a table of all values of the summaries, with a column for each run, and the difference
     of two runs.
     """
-    keys = list(
-        dict.fromkeys(key for run in runs for key in run.summary if key not in _NOT_COMPARED)
-    )
+    names = dict.fromkeys(chain.from_iterable(run.summary for run in runs))
+    keys = [key for key in names if key not in _NOT_COMPARED]
     pair = len(runs) == 2
     numbers = [*(run.label for run in runs), *["Difference"] * pair]
     columns = [

@@ -34,7 +34,7 @@ def by_part(runs: Sequence[ReportRun]) -> list[list[ReportRun]]:
 
 
 def value_table(runs: Sequence[ReportRun], caption: str) -> DocumentTable:
-    """Make a table of the main values of runs of one kind: a row for each value that there is, a
+    """Make a table of the main values of runs of one kind: a row for each value that occurs, a
     column for each run.
     """
     kind = runs[0].kind

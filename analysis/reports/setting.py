@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -331,7 +332,7 @@ def settings_blocks(inputs: ReportInputs) -> list[Block]:
 
 def differing(runs: Sequence[ReportRun]) -> list[str]:
     """Return the keys of the case that differ between runs, in the order of the cases."""
-    keys = list(dict.fromkeys(key for run in runs for key in run.case))
+    keys = list(dict.fromkeys(chain.from_iterable(run.case for run in runs)))
     keys = [key for key in keys if key not in _REMARKS]
     values = {key: [applied_value(key, run.case) for run in runs] for key in keys}
     changed = [key for key, of_runs in values.items() if _differ(of_runs)]

@@ -189,7 +189,7 @@ def _run_type(study: str) -> type[AnyRun[Any]]:
 
 
 def _read(run: ReportRun) -> AnyRun[Any] | None:
-    """Read a run for studies; None if there are none of its kind, or it was rejected or cannot be
+    """Read a run for studies; None if no study takes its kind, or if it was rejected or cannot be
     read.
     """
     whole = run.status == "done" and (run.directory / RESULT_FILE).is_file()
@@ -286,7 +286,7 @@ _DISSIPATION = "Dissipation and plastic zones"  # title of the section
 
 
 def comparison_section(inputs: ReportInputs) -> DocumentSection:
-    """The section of the report; without blocks where there is nothing to compare.
+    """The section of the report; without blocks if there is nothing to compare.
 
     Omitted runs are named with the reason.
     """

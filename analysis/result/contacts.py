@@ -4,8 +4,8 @@ pairs are added.
 Touching pairs at the start follow from positions and radii, for any packing.
 
 A pair may have several dents: a dent is forgotten when the gap exceeds a given distance, and the
-next contact starts a new one. In this table each pair is one row, with the largest peak, the sum of
-the energies and the earliest times. Constants of the contact laws of pairs are yield overlap,
+next contact starts a new dent. In this table each pair is one row, with the largest peak, the sum
+of the energies and the earliest times. Constants of the contact laws of pairs are yield overlap,
 effective radius and fractions of dissipation.
 """
 
@@ -76,7 +76,7 @@ def merge_dents(dents: Frame) -> Contacts:
         return np.where(total(name) < 0, np.inf, total(name))
 
     def arrival() -> NDArray[np.float64]:
-        """Times of arrival, of the dents that count."""
+        """Times of arrival, from the dents that count."""
         force = total("peak_force")
         largest = np.maximum.reduceat(force, starts) if len(starts) else np.empty(0)
         counts = force >= ARRIVED * np.repeat(largest, np.diff(np.append(starts, len(first))))
@@ -166,7 +166,7 @@ def list_contacts(
 
 def leave_out_rounding(contacts: Contacts, box: NDArray[np.float64]) -> None:
     """Remove the time of arrival of contacts with an overlap that never exceeded the rounding of
-    coordinates in the box, (3, 2), m: no wave has been there.
+    coordinates in the box, (3, 2), m: no wave has reached them.
     """
     untouched = contacts["peak_overlap"] <= _ROUNDING * np.abs(box).max()
     contacts["time_first"][untouched] = np.nan

@@ -98,7 +98,8 @@ _DERIVED = {
     "N s": "impulse",
 }
 _UNITS = {one.name: one.unit for one in (*LEDGER, *MOVING_WALL, *WALL_CONTACTS, *CONTACTS)}
-_UNITS |= {name: unit for unit, names in _DERIVED.items() for name in names.split()}
+for _unit, _names in _DERIVED.items():
+    _UNITS |= dict.fromkeys(_names.split(), _unit)
 _PROBE_UNITS = {"u": "m", "v": "m s-1", "f": "N"}
 
 # pieces of a column: first row, and a whole chunk or values
@@ -106,7 +107,7 @@ Pieces = list[tuple[int, bytes | NDArray]]
 
 
 class Encoded(NamedTuple):
-    """Rows of a column as the file holds them, made by any process."""
+    """Rows of a column in the form of the file, made by any process."""
 
     dtype: np.dtype
     tail: tuple[int, ...]  # shape of a row
@@ -117,7 +118,7 @@ def encoded(values: NDArray, first: int, n_chunk: int = ROWS_IN_CHUNK) -> Encode
     """Encode values for the rows from ``first`` on of a column with a given number of rows in a
     chunk.
 
-    Whole chunks are compressed as `COMPRESSION` says; HDF5 compresses the other rows.
+    Whole chunks are compressed by `COMPRESSION`; HDF5 compresses the other rows.
     """
     pieces: Pieces = []
     at = 0

@@ -20,8 +20,8 @@ line, at the instant of the peak. In a packing in a vertical plane it is half of
 for lines in any direction.
 
 The pulse arrives when the speed first exceeds 5 % of a reference speed. Its peak is the first
-maximum above that after which the speed falls by 10 %; smaller ripples on the way up are no peaks.
-Its width is the time between the half heights.
+maximum above that after which the speed falls by 10 %; smaller ripples during the rise do not count
+as peaks. Its width is the time between the half heights.
 """
 
 from __future__ import annotations

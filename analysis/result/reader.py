@@ -2,9 +2,9 @@
 balance.
 
 The error is |kinetic + elastic + dissipated - input|. It is divided by the largest |input| up to
-then. A prescribed displacement also gives the moved grains their kinetic energy, and takes it back
-when they stop: it is excluded from that input. Otherwise the error of a grain that is pushed in
-fast and then held would be compared with an energy that no other grain ever had.
+then. A prescribed displacement also gives the moved grains their kinetic energy, and removes it
+when they stop; this energy is excluded from that input. Otherwise the error of a run in which a
+grain is pushed in fast and then held would be divided by an energy that no other grain ever had.
 """
 
 from __future__ import annotations
@@ -240,7 +240,7 @@ class Result:
         return self[name]
 
     def close(self) -> None:
-        """Close the file; arrays that were read remain."""
+        """Close the file; arrays that were read remain valid."""
         self.file.close()
 
     def names(self, group: str) -> list[str]:
@@ -340,8 +340,8 @@ class Result:
         return origin + np.where(np.abs(middle) > _AT_CENTRE * diameter, middle, 0.0)
 
     def across(self, offset: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return distances in x and y, (n, 2), m, to the nearest images where the sides are
-        periodic.
+        """Convert distances in x and y, (n, 2), m, to distances to the nearest images if the sides
+        are periodic.
         """
         if not self.case.boundary.periodic:
             return offset
@@ -349,8 +349,8 @@ class Result:
         return offset - periods * np.round(offset / periods)
 
     def distance_from_axis(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the distances of points, (n, 3), m, from the impact axis, or its nearest image
-        where the sides are periodic: (n,), m.
+        """Return the distances of points, (n, 3), m, from the impact axis, or from its nearest
+        image if the sides are periodic: (n,), m.
         """
         offset = self.across(position[:, :2] - self.impact_axis)
         return np.asarray(np.hypot(offset[:, 0], offset[:, 1]))
@@ -377,10 +377,9 @@ class Result:
     def of_pairs(
         self, column: str, first: ArrayLike, second: ArrayLike, missing: float = 0.0
     ) -> NDArray[np.float64]:
-        """Return a column of ``/contacts``, such as ``peak_force``, of pairs of ids, with bars too:
-        (n_pairs,).
-
-        Faces of bars have ids, too. ``missing`` is the value of pairs that are no contact.
+        """Return a column of ``/contacts``, such as ``peak_force``, of pairs of ids, including
+        contacts with bars: (n_pairs,). Faces of bars have ids. ``missing`` is the value of pairs
+        that are not in contact.
         """
         i, j, values = (self[f"contacts/{name}"] for name in ("i", "j", column))
         for bar in self.assembly.bars:
@@ -446,8 +445,8 @@ class Result:
             yield self._part_of(slice(first, first + self.at_once))
 
     def _part_of(self, rows: slice) -> Result:
-        """Return the result with some of the spheres. It reads the same open file; what it has read
-        is freed with it.
+        """Return the result with some of the spheres. It reads the same open file; the memory of
+        its arrays is freed with it.
         """
         part = type(self).__new__(type(self))
         part.path = self.path

@@ -130,7 +130,7 @@ class Start:
         return rows_of_all(self.n_particles, ids) if self._ids is None else rows_of(self._ids, ids)
 
     def check_ids(self, path: Path, frame: Frame) -> None:
-        """Raise OutputFormatError if a dump names a particle that is not there."""
+        """Raise OutputFormatError if a dump names a particle that does not exist."""
         for name in [name for name in ("i", "j", "id") if name in frame.columns]:
             found = frame[name]
             if self._ids is None:
@@ -146,7 +146,7 @@ class Start:
         self, part: int, further: NDArray[np.int64], gap: float, periodic: tuple[bool, bool, bool]
     ) -> Frame:
         """Return the spheres of a part, spheres of other parts that may touch them, and further
-        ones, sorted by id.
+        spheres, sorted by id.
 
         Parameters
         ----------
@@ -254,7 +254,7 @@ def _read_places(like: Frame, places: list[PlaceOfRows]) -> Frame:
 def write_by_part(
     path: Path, values: NDArray[np.float64], *parts: NDArray[np.int64]
 ) -> list[PlaceOfRows]:
-    """Write rows to a scratch file, one part after the other.
+    """Write rows to a scratch file, part by part.
 
     Parameters
     ----------
@@ -276,8 +276,8 @@ def write_by_part(
 def _by_part(
     start: Start, source: Path, task: tuple[Frame, Path]
 ) -> tuple[int, NDArray[np.float64], list[PlaceOfRows]]:
-    """Write contacts to a scratch file by part; return the number of all, those with bars, and
-    where each part is.
+    """Write contacts to a scratch file by part; return the number of all contacts, the contacts
+    with bars, and the position of each part.
     """
     frame = task[0].read()
     path = task[1]

@@ -39,6 +39,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.files import discard
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.run_directory import shown_dump
 
 GROUP = "particles/spheres"
 _VECTORS = {"position": "m", "displacement": "m", "velocity": "m s-1"}
@@ -346,7 +347,6 @@ def _strange(
     source: Path, number: int, step: int, n_spheres: int, start: Start
 ) -> OutputFormatError:
     return OutputFormatError(
-        f"{source}: snapshot {number} (step {step}) holds {n_spheres} spheres that are not the "
-        f"{start.n_spheres} of "
+        f"{shown_dump(source)}: snapshot {number} (step {step}) holds {n_spheres} spheres that are not the {start.n_spheres} of "
         f"data.granwave: spheres were lost, or the files belong to different runs; {AGAIN}"
     )

@@ -1,6 +1,6 @@
 """Impossible values of a result.h5: invalid ids, and numbers that are not finite.
 
-A time is NaN where nothing happened; a quantity of a snapshot is NaN for all spheres where LAMMPS
+A time is NaN if the event did not occur; a quantity of a snapshot is NaN for all spheres if LAMMPS
 did not record it.
 """
 

@@ -152,8 +152,8 @@ def write_result(
             scratch if unsorted else None,
         )
         if end < n_steps:  # the end of a run is always a snapshot
-            ends = f"{snapshots} ends with the snapshot of step {end}, the run at step {n_steps}"
-            raise OutputFormatError(f"{ends}: {CUT}")
+            last = f"{files.shown_dump(snapshots)} ends with the snapshot of step {end}"
+            raise OutputFormatError(f"{last}, the run at step {n_steps}: {CUT}")
         if every := resolved.get("history_every"):
             _write_groups(
                 file,

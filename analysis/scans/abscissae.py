@@ -25,7 +25,7 @@ def choices_of_axes(keys: Mapping[str, VariedKey], free: Sequence[str]) -> list[
     is drawn.
 
     Numeric keys of three values or more, then the category with most values, then numeric keys of
-    two values, with the category where it is equivalent to one of them.
+    two values, with the category if it is equivalent to one of them.
     """
     numeric = _abscissae(keys, free)
     long = [name for name in numeric if _n_levels(keys[name]) >= FEWEST_LEVELS]
@@ -58,7 +58,7 @@ def _abscissae(keys: Mapping[str, VariedKey], free: Sequence[str]) -> list[str]:
 def keys_of_curves(keys: dict[str, VariedKey], free: Sequence[str], x: str) -> list[VariedKey]:
     """Return the keys that distinguish curves over ``x``: the keys that ``x`` does not determine.
 
-    A key with fewer values than ``x`` distinguishes curves too, although ``x`` determines it.
+    A key with fewer values than ``x`` also distinguishes curves, although ``x`` determines it.
     Categories that are equivalent to such a key are named with it.
     """
     abscissae = keys[x].labels

@@ -1,6 +1,6 @@
 """Points of curves and bars of a scan: means over random packings, with their error bars.
 
-Quantities that no curve shows to change, and too few points, have no table.
+There is no table for quantities that do not change along any curve, or for too few points.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def is_one_line(rows: Sequence[int], x: VariedKey, keys: Iterable[VariedKey]) ->
 
 
 def points_of(x: Series, y: Series, others: Sequence[VariedKey], marks: Series) -> DataFrame:
-    """Return the points of curves, as `granwave.analysis.scans.drawing` expects them; points at the
+    """Return the points of curves in the form for `granwave.analysis.scans.drawing`; points at the
     same abscissa are averaged.
 
     Parameters
@@ -116,7 +116,7 @@ def _changes(points: DataFrame) -> bool:
 def table_of_bars(
     x: VariedKey, others: Sequence[VariedKey], values: Series, marks: Series
 ) -> DataFrame | None:
-    """Return the values of bars; None for too few bars, and for equal ones."""
+    """Return the values of bars; None for too few bars, and for equal bars."""
     categories = categories_of(x)
     places = Series([categories.index(value) for value in x.values])
     table = points_of(places[values.index], values, others, marks)

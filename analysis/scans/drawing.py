@@ -142,7 +142,7 @@ def _norm(key: VariedKey, points: DataFrame) -> Normalize:
 
 
 def _shade(place: Any) -> Any:
-    """Return the colour at a place from 0 to 1 of the scale, without its palest part."""
+    """Return the colour at a position from 0 to 1 of the scale, without its palest part."""
     return mpl.colormaps[_SCALE_MAP](0.92 * place)
 
 
@@ -376,7 +376,9 @@ def _columns(
 
 
 def _legend(figure: Figure, entries: Mapping[str, Any]) -> None:
-    """Put a legend above, with as many columns as fit, at most 4; the figure grows by it."""
+    """Put a legend above, with as many columns as fit, at most 4; the figure grows by the height of
+    the legend.
+    """
     if not entries:
         return
     labels = [textwrap.fill(label, _LINE_OF_LEGEND) for label in entries]

@@ -47,10 +47,10 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
     """Draw the figures of a scan into its ``figures``; figures that no longer apply are removed.
 
     For each numeric key of three values or more: ``QUANTITY_vs_KEY``, with curves by the other
-    keys. Where nothing changes along such a key, bars for each value of the category with most
-    values, or curves over keys of two values. If velocity and material vary:
-    ``collapse_QUANTITY``, on normalised axes. If exactly two numeric keys vary and fill a grid of
-    three by three or more: ``dissipated_fraction_map``.
+    keys. If nothing changes along such a key: bars for each value of the category with most values,
+    or curves over keys of two values. If velocity and material vary: ``collapse_QUANTITY``, on
+    normalised axes. If exactly two numeric keys vary and fill a grid of three by three or more:
+    ``dissipated_fraction_map``.
 
     Quantities without variation in any curve have no figure: a quantity that is constant, or zero
     at some points of a curve and constant elsewhere.

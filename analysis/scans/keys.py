@@ -139,7 +139,7 @@ class VariedKey:
         return self.name.replace(".", "_")
 
     def text(self, row: int) -> str:
-        """Return the value of one point for a legend."""
+        """Return the text of the value of a point for a legend."""
         value = self.values[row]
         if not is_number(value):
             return f"{self.naming.label}: {value}" if value == NONE else str(value)
@@ -147,7 +147,7 @@ class VariedKey:
         return f"{self.naming.symbol or self.naming.label} = {shown(value)}{unit}"
 
     def tick(self, row: int) -> str:
-        """Return the value of one point for an axis."""
+        """Return the text of the value of a point for an axis."""
         value = self.values[row]
         return shown(value) if is_number(value) else str(value)
 
@@ -406,13 +406,13 @@ class Means:
         return falls if signs == {False} else ""
 
     def text(self, name: str, row: int) -> str:
-        """Return a mean with its interval, where it has one."""
+        """Return a mean with its interval, if it has one."""
         mean = self.values[name][row]
         half = self.half_widths[name][row]
         return interval(mean, half) if mean is not None and half else show(mean)
 
     def in_words(self, name: str, row: int) -> str:
-        """Return a mean with its unit, with its interval where it has one."""
+        """Return a mean with its unit, and its interval if it has one."""
         mean = self.values[name][row]
         unit = quantity(name).unit
         if mean is None or self.half_widths[name][row]:
@@ -479,7 +479,7 @@ def with_values(summaries: Iterable[Mapping[str, Any]]) -> set[str]:
 
 
 def _present(columns: Mapping[str, Sequence[float | None]]) -> set[str]:
-    """Return the quantities with a value; not the force between spheres where a point has forces
+    """Return the quantities with a value; without the force between spheres if a point has forces
     at walls only.
     """
     present = {name for name, values in columns.items() if set(values) - {None}}
@@ -491,7 +491,7 @@ def _present(columns: Mapping[str, Sequence[float | None]]) -> set[str]:
 
 
 def _numbers(summaries: Sequence[Mapping[str, Any]]) -> dict[str, list[float | None]]:
-    """Return the numbers of summaries by quantity; None where there is no number."""
+    """Return the numbers of summaries by quantity; None if there is no number."""
     columns: dict[str, list[float | None]] = {}
     for name in dict.fromkeys(itertools.chain.from_iterable(summaries)):
         values: list[Any] = [summary.get(name) for summary in summaries]

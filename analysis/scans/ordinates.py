@@ -1,7 +1,7 @@
 """Quantities that figures of a scan show: their titles, and their values in units or divided by a
 scale.
 
-Lengths are divided by the diameter and forces by the yield force, where all points have them.
+Lengths are divided by the diameter and forces by the yield force, if all points have these.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Ordinate:
 
     @property
     def zone(self) -> bool:
-        """True for a plastic zone; its points are marked where the zone reaches a boundary."""
+        """True for a plastic zone; its points are marked if the zone reaches a boundary."""
         return self.name.startswith(_OF_ZONE)
 
 
@@ -90,7 +90,7 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
 
 
 def _with_change(ordinate: Ordinate, name: str, key: str, done: Sequence[PointResult]) -> Ordinate:
-    """Return a quantity, in its unit where it is the same at all points after division by a scale.
+    """Return a quantity; in its unit if it is the same at all points after division by a scale.
 
     A figure then shows the law of the scale, such as a force that grows with the diameter squared.
     """
@@ -118,9 +118,8 @@ def _ordinate(name: str, key: str, scales: Mapping[str, _Scale]) -> Ordinate:
 def _scales(
     varied: Sequence[str], done: Sequence[PointResult]
 ) -> tuple[dict[int, float], dict[int, float]]:
-    """Return the diameter (m) and the yield force (N) of points by number; NaN without.
-
-    Each case is read once.
+    """Return the diameter (m) and the yield force (N) of points by number; NaN if unknown. Each
+    case is read once.
     """
     keys = [key for key in varied if not key.startswith(_UNITS_OF_ITS_OWN)]
     scales: dict[tuple[Any, ...], tuple[float, float]] = {}
@@ -147,7 +146,7 @@ def _number(point: PointResult, name: str) -> float:
 
 
 def value_of(name: str) -> Value:
-    """Return a function that returns a value of the summary of a point; NaN without."""
+    """Return a function that returns a value of the summary of a point; NaN without this value."""
     return lambda point: _number(point, name)
 
 

@@ -1,7 +1,7 @@
 """Reader of the directory of a scan: points, their status and their summaries.
 
 A scan has ``scan.json`` (its points and varied keys), ``points/ID`` (directories of finished runs)
-and ``unfinished/ID`` (running or failed ones). In both, ``point.json`` records the number of
+and ``unfinished/ID`` (of running or failed runs). In both, ``point.json`` records the number of
 attempts and the reason of a failure. An ID is a hash of the resolved case and the versions that it
 was run with.
 """
@@ -121,8 +121,8 @@ class ScanResult:
         return {key: unit for key, unit in units.items() if unit}
 
     def _load_kinds(self) -> set[str]:
-        """Return the kinds of the loads: of all points if they vary, else of the first point that
-        was started.
+        """Return the kinds of the loads: of all points if they vary, otherwise of the first point
+        that was started.
         """
         if LOAD_KIND in self.varied:
             return {str(point["labels"].get(LOAD_KIND)) for point in self._points}

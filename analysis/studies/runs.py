@@ -1,6 +1,4 @@
-"""Finished runs with their cases, as studies take them from a report; titles of packing, load and
-bottom.
-"""
+"""Finished runs with their cases, in the form for studies; titles of packing, load and bottom."""
 
 from __future__ import annotations
 
@@ -63,7 +61,7 @@ class AnyRun(Generic[AnyCase]):
         return {}
 
     def value(self, name: str) -> float:
-        """A number of the summary; NaN where it does not apply."""
+        """A number of the summary; NaN if it does not apply."""
         found = self.summary.get(name)
         return (
             float(found)

@@ -217,71 +217,100 @@ def make_studies(
             if name in runs
         }
         modules |= {name: load_study(name) for name in runs if is_study_file(name)}
-        return [
-            study
-            for name, module in modules.items()
-            for study in _make(Path(name).stem, module, runs[name], (undone or {}).get(name, ()))
-        ]
+        studies = list[Study]()
+        for name, module in modules.items():
+            studies += _make(Path(name).stem, module, runs[name], (undone or {}).get(name, ()))
+        return studies
 
 
 def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]:
     """Make the study of each group of runs."""
-    from granwave.analysis.figures.style import NotDrawn, attempt, not_made
-
     groups = list(module.select(runs))
     # the module distinguishes the groups
     numbered = len(groups) > 1 and not hasattr(module, "name")
     for number, group in enumerate(groups, start=1):
-        word = (
-            module.name(group)
-            if hasattr(module, "name")
-            else name + (f"-{number}" if number > 1 else "")
-        )
-        failed: list[NotDrawn] = []
-
-        def part(
-            which: str, *arguments: Any, word: str = word, failed: list[NotDrawn] = failed
-        ) -> Iterator[Any]:
-            """Iterate over a part, such as the rows, up to where it fails."""
-            done = 0
-            try:
-                for one in getattr(module, which)(*arguments) if hasattr(module, which) else ():
-                    yield one
-                    done += 1
-            except Exception as error:
-                if isinstance(error, MissingDataError) and is_loaded(
-                    module
-                ):  # a user's code may ask for the name of no run
-                    error = KeyError(str(error)).with_traceback(error.__traceback__)
-                failed.append(
-                    not_made(f"{which} of the study {word}, from number {done + 1} on,", error)
-                )
-
-        rows = tuple(part("rows", group))
-        pictures = []
-        for one in part("pictures", group):
-            file = f"{one.name}_{number}" if numbered else one.name
-            if not one.name or one.name.startswith("_"):
-                file = word.replace("-", "_") + one.name
-            drawing = (
-                attempt(f"figure {file}", one.drawing) if callable(one.drawing) else one.drawing
-            )
-            if isinstance(drawing, NotDrawn):
-                failed.append(drawing)
-            else:
-                pictures.append(Picture(file, one.caption, drawing))
+        parts = _Parts(module, _word(name, module, group, number))
+        # in the order in which they are made, which is the order of failures
+        rows = tuple(parts.of("rows", group))
+        pictures = tuple(_pictures(parts, group, f"_{number}" if numbered else ""))
+        title = module.title(group) if hasattr(module, "title") else module.TITLE
+        if numbered and not hasattr(module, "title"):
+            title = f"{title} ({number})"
         yield Study(
-            name + f"-{number}" if numbered else word,
-            module.title(group)
-            if hasattr(module, "title")
-            else module.TITLE + (f" ({number})" if numbered else ""),
+            f"{name}-{number}" if numbered else parts.study,
+            title,
             module.text(group) if hasattr(module, "text") else module.TEXT,
             rows,
-            tuple(pictures),
-            tuple(map(as_block, part("tables", group))),
-            (*part("verdict", group), *part("missing", group, undone)),
-            tuple(failed),
+            pictures,
+            tuple(map(as_block, parts.of("tables", group))),
+            (*parts.of("verdict", group), *parts.of("missing", group, undone)),
+            tuple(parts.failed),
         )
+
+
+def _word(name: str, module: Any, group: Any, number: int) -> str:
+    """Return the name of the study of a group in the names of its figures."""
+    if hasattr(module, "name"):
+        return module.name(group)
+    return f"{name}-{number}" if number > 1 else name
+
+
+@dataclasses.dataclass
+class _Parts:
+    """Parts of a study, as functions of its module make them.
+
+    Attributes
+    ----------
+    study
+        Name of the study in messages.
+    failed
+        Parts that failed so far.
+    """
+
+    module: Any
+    study: str
+    failed: list[NotDrawn] = dataclasses.field(default_factory=list)
+
+    def of(self, which: str, *arguments: Any) -> Iterator[Any]:
+        """Iterate over a part, such as the rows, up to where it fails."""
+        from granwave.analysis.figures.style import not_made
+
+        if not hasattr(self.module, which):
+            return
+        done = 0
+        try:
+            for one in getattr(self.module, which)(*arguments):
+                yield one
+                done += 1
+        except Exception as error:
+            # a user's code may ask for the name of no run
+            if isinstance(error, MissingDataError) and is_loaded(self.module):
+                error = KeyError(str(error)).with_traceback(error.__traceback__)
+            place = f"{which} of the study {self.study}, from number {done + 1} on,"
+            self.failed.append(not_made(place, error))
+
+
+def _pictures(parts: _Parts, group: Any, ending: str) -> Iterator[Picture]:
+    """Iterate over the figures of a study that can be drawn.
+
+    Parameters
+    ----------
+    ending
+        End of the names of their files.
+    """
+    from granwave.analysis.figures.style import NotDrawn, attempt
+
+    for one in parts.of("pictures", group):
+        file = one.name + ending
+        if not one.name or one.name.startswith("_"):
+            file = parts.study.replace("-", "_") + one.name
+        drawing = one.drawing
+        if callable(drawing):
+            drawing = attempt(f"figure {file}", drawing)
+        if isinstance(drawing, NotDrawn):
+            parts.failed.append(drawing)
+        else:
+            yield Picture(file, one.caption, drawing)
 
 
 def draw_studies(found: Sequence[Study], directory: AnyPath) -> list[Path]:
@@ -302,7 +331,7 @@ def draw_studies(found: Sequence[Study], directory: AnyPath) -> list[Path]:
 
 
 def record_of(row: Row) -> dict[str, Any]:
-    """Return a row by name of the column; None where a value is missing."""
+    """Return a row by name of the column; None if a value is missing."""
     return {
         "kind": row.kind,
         "quantity": row.quantity,

@@ -47,6 +47,7 @@ from granwave.analysis.figures.style import (
     style,
 )
 from granwave.analysis.formatting.numbers import duration, in_any_unit, quantity_in
+from granwave.analysis.formatting.values import unit_in_cases
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.kinds import ReportKind, ReportRun, by_key
 from granwave.analysis.reports.setting import setting_of
@@ -282,7 +283,8 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
         heads.append(TableColumn(title, unit, numeric=True))
         columns.append(cells)
     for key in keys:
-        heads.append(case_column(key, "", numeric=False))
+        unit = unit_in_cases(key, [{key: None}])
+        heads.append(case_column(key, unit, numeric=False))
         columns.append(list(map(value_cell, rows[key].astype(object))))
     return DocumentTable(
         "Best designs; best-1.toml ... are their cases",

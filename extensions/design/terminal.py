@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.formatting.values import printed_unit, unit_in_cases
 from granwave.analysis.quantities import quantity
 from granwave.analysis.summary_table import lines
 from granwave.extensions.design.files import DESIGN_OUTCOME
@@ -205,11 +206,13 @@ def outcome_text(found: dict[str, Any], report: str) -> str:
             f"number {best['number']}, in {best['directory']}; {found['evaluations']} were run",
         )
     ]
-    rows += [(key, show(value)) for key, value in best["variables"].items()]
+    for key, value in best["variables"].items():
+        rows.append((key, f"{show(value)} {unit_in_cases(key, [best['variables']])}".rstrip()))
     for name, value in best["objective"].items():
         ends = best.get("spread", {}).get(name)
         spread = f" ({ends[0]:.4g} to {ends[1]:.4g})" if ends else ""
-        rows.append((quantity(name).label or name, f"{value:.5g}{spread}"))
+        unit = printed_unit(quantity(name).unit or "")
+        rows.append((quantity(name).label or name, f"{value:.5g}{spread} {unit}".rstrip()))
         if checked := range_under_checks(best, name):
             rows.append(("", checked))
     rows += [("mass", f"{best['mass_kg']:.4g} kg"), ("height", f"{best['height_m']:.4g} m")]

@@ -9,6 +9,7 @@ import json
 import logging
 from collections.abc import Mapping, Sequence
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -129,7 +130,7 @@ class SmallWaves:
             if case_in(directory / SPECTRA_FILE) not in ("", self.state.case.to_toml()):
                 results.make_room(force=force)
             elif force:
-                drawn = [file for figure in FIGURES[self.name] for file in figure_files(figure)]
+                drawn = chain.from_iterable(map(figure_files, FIGURES[self.name]))
                 results.make_room(force=True, names=[*names, *drawn])
             results.claim([*names, SPECTRA_FILE], kind=SPECTRA)
             write_spectra(directory / SPECTRA_FILE, self.state, self.tables)

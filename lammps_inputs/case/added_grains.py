@@ -259,14 +259,14 @@ def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
     periods = np.array([*lattice.lengths, 0.0]) / lattice.diameter
     if lattice.periodic:
         around = np.concatenate(
-            [spheres + (i, j, 0) * periods for i in (0, -1, 1) for j in (0, -1, 1)]
+            [spheres + (i, j, 0) * periods for i, j in itertools.product((0, -1, 1), repeat=2)]
         )
     tree = KDTree(around)
     if kind == "octahedral":  # three pairs of spheres are opposite to each other
         near = tree.query_ball_point(spheres, 2 * distance + _NEAR)
-        pairs = np.array(
-            [(i, j) for i, others in enumerate(near) for j in others], dtype=np.int64
-        ).reshape(-1, 2)
+        first = np.repeat(np.arange(len(spheres)), [len(others) for others in near])
+        second = np.array([*itertools.chain.from_iterable(near)], dtype=np.int64)
+        pairs = np.column_stack([first, second])
         apart = np.linalg.norm(around[pairs[:, 1]] - spheres[pairs[:, 0]], axis=1)
         pairs = pairs[np.abs(apart - 2 * distance) <= _NEAR]
         found = (around[pairs[:, 1]] + spheres[pairs[:, 0]]) / 2

@@ -287,7 +287,9 @@ class Case:
 
     @property
     def seeks_balance(self) -> bool:
-        """True if a static stage brings the packing to balance, False if contacts start unchanged."""
+        """True if a static stage brings the packing to balance, False if
+        contacts start unchanged.
+        """
         way = self.packing.contact_way
         return way is None or way.balances or not way.presses
 

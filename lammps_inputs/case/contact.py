@@ -184,7 +184,9 @@ class Contact:
 
     @property
     def parameters(self) -> dict[str, float | str]:
-        """Values of the parameters of the law for a contact, by name, without omitted parameters."""
+        """Values of the parameters of the law for a contact, by name,
+        without omitted parameters.
+        """
         own = [name for name, p in self.entry.parameters.items() if not p.of_material]
         values = {name: getattr(self, name) for name in own}
         return {name: value for name, value in values.items() if value is not None}

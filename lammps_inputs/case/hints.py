@@ -7,7 +7,8 @@ from __future__ import annotations
 import dataclasses
 import difflib
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import chain
 from typing import Any
 
 # Smallest and largest accepted magnitudes by unit; results beyond them would be meaningless. Zero
@@ -112,7 +113,7 @@ def unusual(value: Any, usual: Usual) -> str:
 def _numbers(value: Any) -> list[float]:
     """Return the numbers in a value and in the lists within it."""
     if isinstance(value, list | tuple):
-        return [number for part in value for number in _numbers(part)]
+        return [*chain.from_iterable(map(_numbers, value))]
     return [float(value)] if isinstance(value, int | float) else []
 
 
@@ -121,15 +122,22 @@ def plain(number: float) -> str:
     return re.sub(r"e([+-])0*", lambda match: "e-" if match[1] == "-" else "e", f"{number:g}")
 
 
+def _each_word(words_of: Mapping[str, str]) -> dict[str, str]:
+    """Return the key of each word, from the words of each key in one text."""
+    keys = {}
+    for key, words in words_of.items():
+        keys |= dict.fromkeys(words.split(), key)
+    return keys
+
+
 # `difflib` ratios: same table, other tables, same table as a last resort
 _ALIKE = 0.75
 _SIMILAR = 0.8
 _FAINT = 0.5
 _MOST = 2  # most keys of other tables in a hint
 
-_KEY_OF_WORD = {
-    word: key
-    for key, words in {
+_KEY_OF_WORD = _each_word(
+    {
         "velocity": "speed v v0 impact_speed impact_velocity initial_velocity striker_velocity",
         "friction": "mu mu_s friction_coefficient coefficient_of_friction coulomb sliding_friction",
         "rolling": "mu_r mu_roll rolling_friction rolling_resistance rolling_coefficient rolling_friction_coefficient",
@@ -162,9 +170,8 @@ _KEY_OF_WORD = {
         "replace": "inclusion inclusions intruder intruders impurity impurities substitution",
         "material": "stainless steel alloy metal",
         "name": "title label",
-    }.items()
-    for word in words.split()
-}
+    }
+)
 _WITHIN = {
     "packing.shape": "size",
     "load.force": "amplitude",
@@ -187,7 +194,7 @@ _OTHER_WORDS = {
     "gamma_t": "x_gamma_t xt tangential_damping tangential_loss loss_tangential shear_damping",
     "ranks": "np threads cores processors",
 }
-_NOTES |= {word: _NOTES[known] for known, words in _OTHER_WORDS.items() for word in words.split()}
+_NOTES |= {word: _NOTES[known] for word, known in _each_word(_OTHER_WORDS).items()}
 
 
 def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequence[str] = ()) -> str:

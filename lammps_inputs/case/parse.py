@@ -338,7 +338,9 @@ def read_parts(
 
 
 def _usual_axis(packing: Mapping[str, Any]) -> dict[str, str]:
-    """Return the axis of the cylinders of a packing as value of a key, if it is not the default y."""
+    """Return the axis of the cylinders of a packing as value of a key, if it is not
+    the default y.
+    """
     kind = packing.get("kind")
     rule = lattice_kinds().get(kind) if isinstance(kind, str) else None
     return {"axis": "z"} if rule is not None and rule.cylinder_axis[2] else {}

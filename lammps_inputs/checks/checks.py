@@ -68,7 +68,9 @@ def check_together(case: Case, errors: ErrorList) -> None:
 
 
 def _fit(case: Case, errors: ErrorList, *checks: Check) -> bool:
-    """Return True if a case passes all checks; a check that reads an invalid table does not pass."""
+    """Return True if a case passes all checks; a check that reads an invalid table
+    does not pass.
+    """
     before = len(errors.items)
     complete = True
     for check in checks:

@@ -230,8 +230,9 @@ def _check_walls(case: Case, sites: Sites, errors: ErrorList) -> None:
     if boundary.sides_rule.has_planes:
         low[:2] -= max(boundary.gap, 0.0)
         high[:2] += max(boundary.gap, 0.0)
-        planes += [(f"{letter}{end}", axis, plane[axis], sign) for axis, letter in enumerate("xy")
-                   for end, plane, sign in (("lo", low, -1), ("hi", high, 1))]  # fmt: skip
+        for axis, letter in enumerate("xy"):
+            planes.append((f"{letter}lo", axis, low[axis], -1))
+            planes.append((f"{letter}hi", axis, high[axis], 1))
     large = np.flatnonzero(sites.larger & sites.present)
     centres = sites.positions(1, lattice.n_spheres)[large]
     for name, axis, plane, sign in planes:

@@ -72,7 +72,8 @@ def dents_in(region: Dents, law: ContactLaw, radius: NDArray[np.float64]) -> NDA
     """Return the largest overlaps so far, given by a region, of contacts with effective radii (n,):
     (n,), m.
 
-    A force (N) gives the overlap at which first loading reaches it; F/R*^2 depends on alpha/R* only.
+    A force (N) gives the overlap at which first loading reaches it; F/R*^2 depends only on
+    alpha/R*.
     """
     if not region.force:
         return np.full(len(radius), (region.overlap or 0.0) if region.force is None else 0.0)
@@ -316,13 +317,13 @@ def dents_of_result(assembly: Assembly) -> dict[tuple[int | str, int], float]:
     for sphere_1, sphere_2, peak in zip(first, second, peaks, strict=True):
         dents[sphere_1, sphere_2] = peak
     faces = {bar.name: bar.face for bar in assembly.bars}
-    fixes = {
-        (wall.name, material): name for wall in walls(assembly) for name, _, material in wall.fixes
-    }
-    for wall, sphere, peak in zip(
+    fixes = {}
+    for wall in walls(assembly):
+        fixes.update({(wall.name, material): name for name, _, material in wall.fixes})
+    for wall_name, sphere, peak in zip(
         *(column.tolist() for column in earlier["wall_contacts"].values()), strict=True
     ):
-        surface = faces.get(wall) or fixes.get((wall, assembly.material_of(sphere)))
+        surface = faces.get(wall_name) or fixes.get((wall_name, assembly.material_of(sphere)))
         if surface is not None:
             dents[surface, sphere] = max(peak, dents.get((surface, sphere), 0.0))
     return dents

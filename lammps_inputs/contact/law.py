@@ -39,7 +39,9 @@ HERTZ = Contact(law="hertz")
 
 
 def elastic_contact(contact: Contact) -> Contact:
-    """Return Hertz's law, or the law of the case if it is a power of the overlap and thus elastic."""
+    """Return Hertz's law, or the law of the case if it is a power of the overlap
+    and thus elastic.
+    """
     return contact if contact.entry.is_power else HERTZ
 
 

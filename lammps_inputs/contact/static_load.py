@@ -206,7 +206,9 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
 
 
 def striker_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the ids of the strikers on which gravity acts, and their weights: (n,) and (n, 3), N."""
+    """Return the ids of the strikers on which gravity acts, and their weights: (n,) and
+    (n, 3), N.
+    """
     stage = _stage_of(assembly)
     falls = (assembly.ids > assembly.lattice.n_spheres) & assembly.case.strikers_fall
     weight = np.zeros((int(falls.sum()), 3))
@@ -234,7 +236,9 @@ def force_of_contact(assembly: Assembly) -> float:
 
 
 def force_in_bed(assembly: Assembly) -> float:
-    """Estimate the largest force on a loaded contact, N; in a wide bed it is the force in a column."""
+    """Estimate the largest force on a loaded contact, N; in a wide bed it is the force
+    in a column.
+    """
     return _dead_load(assembly).force_in_bed(assembly)
 
 

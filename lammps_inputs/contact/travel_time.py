@@ -193,12 +193,9 @@ def measured_row(assembly: Assembly) -> MeasuredRow | None:
     still: set[int] = set()
     for entry in case.absorb:
         still.update(absorbing_ids(assembly, entry))
-    still |= {
-        one
-        for hold in case.holds.values()
-        if loaded & set(hold.axes)
-        for one in held_ids(case, hold)
-    }
+    for hold in case.holds.values():
+        if loaded & set(hold.axes):
+            still.update(held_ids(case, hold))
     if case.boundary.bottom_rule.holds_layer:
         still |= set(assembly.lattice.last_layer.tolist())
     rest = [place for place, one in enumerate(ids) if one not in still and place != first]

@@ -427,7 +427,8 @@ def _groups(assembly: Assembly) -> list[str]:
             for name, _, ids in touched_groups(assembly, chosen)
         ]
     others = [wall for wall, selected in zip(planes, selections, strict=True) if selected is None]
-    groups = [(group, of) for wall in others[-1:] for _, group, of in wall.fixes if group != "all"]
+    fixes = others[-1].fixes if others else ()
+    groups = [(group, of) for _, group, of in fixes if group != "all"]
     outside = []
     if groups and passing:
         every = len(passing) == len(assembly.strikers)

@@ -99,11 +99,9 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
         file.writelines(_velocity_lines(assembly))
         if bars:
             file.write("\nBonds\n\n")
-            joints = [
-                (kind, a)
-                for kind, bar in enumerate(bars, start=1)
-                for a in range(bar.first, bar.last)
-            ]
+            joints = list[tuple[int, int]]()
+            for kind, bar in enumerate(bars, start=1):
+                joints += [(kind, a) for a in range(bar.first, bar.last)]
             file.writelines(
                 f"{number} {kind} {a} {a + 1}\n" for number, (kind, a) in enumerate(joints, start=1)
             )

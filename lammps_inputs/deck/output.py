@@ -94,7 +94,8 @@ def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
             for number, axis in enumerate("xyz", start=1)
         }
         values |= {
-            f"{what}{axis}": f"{what}{axis}[{probe.sphere}]" for what in "vf" for axis in "xyz"
+            component: f"{component}[{probe.sphere}]"
+            for component in ("vx", "vy", "vz", "fx", "fy", "fz")
         }
         lines += [
             f"variable        probe{n}{quantity} equal {source}"
@@ -343,4 +344,4 @@ def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
         (stage and parts, [run_directory.INITIAL_COUNT_FILE]),
         (stage, [run_directory.STATIC_STAGE_FILE, run_directory.STATIC_FILE]),
     ]
-    return [name for there, names in wanted if there for name in names]
+    return [*itertools.chain.from_iterable(names for there, names in wanted if there)]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
+from itertools import product
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import INITIAL
@@ -221,7 +222,9 @@ def _spheres_from(assembly: Assembly, restart_from: str) -> list[str]:
 
 
 def _initial_places(*, resumed: bool) -> list[str]:
-    """Return the commands that store the initial positions of the spheres; a restart file has them."""
+    """Return the commands that store the initial positions of the spheres; a restart
+    file has them.
+    """
     lines = [
         "# Initial positions of the spheres: contact forces keep the directions between them.",
         "fix             initial all property/atom d2_initial 3 ghost yes",
@@ -241,11 +244,8 @@ def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
     checks = int(_TRAVEL_BETWEEN_CHECKS * skin / (fastest(assembly) * schedule.largest_timestep))
     every = min(max(checks, 1), _MOST_STEPS_BETWEEN_CHECKS)
     nodes = [n for n, species in enumerate(assembly.species, start=1) if species.role == "node"]
-    apart = {
-        tuple(sorted((node, other)))
-        for node in nodes
-        for other in range(1, len(assembly.species) + 1)
-    }
+    types = range(1, len(assembly.species) + 1)
+    apart = {tuple(sorted(pair)) for pair in product(nodes, types)}
     return [
         "# Neighbour lists: the spheres hardly move, so rebuilds are rare.",
         f"neighbor        {num(skin)} bin",

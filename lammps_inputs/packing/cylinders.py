@@ -179,11 +179,9 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     cylinders = [row for row, one in enumerate(grains.shape) if one is not None]
     tree = KDTree(grains.position)
     near = tree.query_ball_point(grains.position[cylinders], reach[cylinders] + reach.max() + slack)
-    pairs = {
-        tuple(sorted((row, other)))
-        for row, others in zip(cylinders, near, strict=True)
-        for other in others
-    }
+    pairs = set()
+    for row, others in zip(cylinders, near, strict=True):
+        pairs.update(tuple(sorted((row, other))) for other in others)
     ids = 1 + np.array(
         sorted(pair for pair in pairs if pair[0] != pair[1]), dtype=np.int64
     ).reshape(-1, 2)

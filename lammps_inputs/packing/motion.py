@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from itertools import chain
 
 import numpy as np
 
@@ -209,7 +210,8 @@ def line_ids(assembly: Assembly, line: Line) -> tuple[int, ...]:
 
 def all_line_ids(assembly: Assembly) -> tuple[int, ...]:
     """Return the ids of the grains of all lines, each once, in rising order."""
-    return tuple(sorted({one for line in assembly.case.line for one in line_ids(assembly, line)}))
+    lines = (line_ids(assembly, line) for line in assembly.case.line)
+    return tuple(sorted(set(chain.from_iterable(lines))))
 
 
 def left_out(assembly: Assembly, line: Line) -> int:

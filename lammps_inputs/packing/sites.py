@@ -326,7 +326,8 @@ def _sites_of_grains(case: Case, places: Places) -> Sites:
 def named_spheres(case: Case, lattice: Lattice) -> dict[int, str]:
     """Return the spheres that a case names, with the keys that name them; they are never vacant."""
     names = [case.load.named(partial(struck_spheres, lattice))]
-    names += [("output.probes", [one for probe in case.output.probes for one in probe.spheres])]
+    probed = itertools.chain.from_iterable(probe.spheres for probe in case.output.probes)
+    names += [("output.probes", [*probed])]
     names += [
         (f"sensor.{place}.id", (sensor.id,)) for place, sensor in enumerate(case.sensor, start=1)
     ]
@@ -338,12 +339,10 @@ def named_spheres(case: Case, lattice: Lattice) -> dict[int, str]:
         (f"replace.{place}.index", entry.index or ())
         for place, entry in enumerate(case.replace, start=1)
     ]
-    return {
-        sphere: key
-        for key, spheres in reversed(names)
-        for sphere in spheres
-        if sphere <= lattice.n_spheres
-    }
+    keys = {}
+    for key, spheres in reversed(names):
+        keys |= {sphere: key for sphere in spheres if sphere <= lattice.n_spheres}
+    return keys
 
 
 def chosen_sites(

@@ -7,6 +7,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -336,7 +337,8 @@ def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], .
 
 def plane_fixes(assembly: Assembly) -> list[str]:
     """Return the names of the fixes of all planes and of a tube."""
-    return [fix for wall in walls(assembly) for fix, _, _ in wall.fixes]
+    fixes = chain.from_iterable(wall.fixes for wall in walls(assembly))
+    return [fix for fix, _, _ in fixes]
 
 
 def touched_groups(

@@ -109,11 +109,9 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
     else:
         of, example = kinds_of_grains(sites)
         n = len(example)
-        codes = {
-            int(code)
-            for near, _ in sites.neighbours()
-            for code in np.unique(of[near - 1] @ np.array([n, 1]))
-        }
+        codes = set[int]()
+        for near, _ in sites.neighbours():
+            codes.update(np.unique(of[near - 1] @ np.array([n, 1])).tolist())
         if isinstance(assembly.lattice, Places):  # any two grains may collide
             codes = set()
             for first in range(n):

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -140,60 +141,105 @@ def make_schedule(assembly: Assembly, timestep: float | None = None) -> Schedule
     case = assembly.case
     run = case.run
     output = case.output
-    in_blocks = isinstance(case.run.end_time, str)
-    duration = (
-        BLOCK_TIME if isinstance(run.end_time, str) else run.end_time
-    )  # length of a block, or of the run
+    in_blocks = isinstance(run.end_time, str)
+    # length of a block, or of the run
+    duration = BLOCK_TIME if isinstance(run.end_time, str) else run.end_time
     rows = _LEDGER_ROWS_IN_BLOCK if in_blocks else _LEDGER_ROWS
     fixed = run.timestep if timestep is None else timestep
     if isinstance(fixed, str):
-        tick, unit, per_first, in_ledger, in_block = _automatic(assembly, duration, rows)
+        units = _automatic(assembly, duration, rows)
+        tolerance = run.energy_tolerance
     else:
         check_steps(case.name, duration, fixed)
-        tick = fixed
-        unit = 1
-        per_first = 1
-        n = max(1, math.ceil(duration / fixed * (1 - 1e-9)))
-        candidates = range(max(1, n // (2 * rows)), max(1, 2 * n // rows) + 1)
-        in_ledger = min(candidates, key=lambda every: (-n % every, abs(every - n / rows)))
-        in_block = n + -n % in_ledger
-    length = unit * tick  # length of a unit, s; the intervals of all records are multiples of it
-    n_units = in_block * (max(1, round(AUTO_END_TIME / (in_block * length))) if in_blocks else 1)
+        units = _equal_steps(duration, fixed, rows)
+        tolerance = 0.0
+    n_units = units.in_block
+    if in_blocks:
+        n_units *= max(1, round(AUTO_END_TIME / (units.in_block * units.length)))
     # time over which records are spread, s
-    span = _AUTO_FRAME_SPAN if in_blocks else length * n_units
-
-    def units(time: float) -> int:
-        return max(1, round(time / length))
-
-    def records(most: int) -> int:
-        """Units between records that are at most so many first timesteps apart, and divide a
-        block.
-        """
-        return max(
-            every for every in range(1, max(1, most // per_first) + 1) if in_block % every == 0
-        )
-
-    frame_every, frame_steps = _frames(
-        assembly, tick, unit, n_units, round(span / length * per_first)
-    )
+    span = _AUTO_FRAME_SPAN if in_blocks else units.length * n_units
+    n_steps = round(span / units.length * units.first_steps)
+    frame_every, frame_steps = _frames(assembly, units.tick, units.ticks, n_units, n_steps)
     interval = output.probe_interval
+    if isinstance(interval, str):
+        probe_every = units.between_records(_AUTO_PROBE_STEPS)
+    else:
+        probe_every = units.ticks_in(interval)
     instants = chain_history(assembly)
     return Schedule(
-        timestep=tick,
-        n_steps=unit * n_units,
-        block_steps=unit * in_block if in_blocks else 0,
-        ledger_every=unit * in_ledger,
-        wall_every=unit * records(_WALL_STEPS),
-        probe_every=unit
-        * (records(_AUTO_PROBE_STEPS) if isinstance(interval, str) else units(interval)),
+        timestep=units.tick,
+        n_steps=units.ticks * n_units,
+        block_steps=units.ticks * units.in_block if in_blocks else 0,
+        ledger_every=units.ticks * units.in_ledger,
+        wall_every=units.between_records(_WALL_STEPS),
+        probe_every=probe_every,
         frame_every=frame_every,
         frame_steps=frame_steps,
-        history_every=unit * units(span / instants) if instants else 0,
-        line_every=unit * units(span / line_history(assembly)) if case.line else 0,
-        first_step=unit // per_first,
-        longest_step=unit,
-        energy_tolerance=run.energy_tolerance if isinstance(fixed, str) else 0.0,
+        history_every=units.ticks_in(span / instants) if instants else 0,
+        line_every=units.ticks_in(span / line_history(assembly)) if case.line else 0,
+        first_step=units.ticks // units.first_steps,
+        longest_step=units.ticks,
+        energy_tolerance=tolerance,
     )
+
+
+class _Units(NamedTuple):
+    """Units of time of a run: the intervals of all records are multiples of a unit.
+
+    Attributes
+    ----------
+    tick
+        Time of a tick, s.
+    ticks
+        Ticks of a unit.
+    first_steps
+        First timesteps in a unit.
+    in_ledger
+        Units between rows of the ledger.
+    in_block
+        Units of the run or a block.
+    """
+
+    tick: float
+    ticks: int
+    first_steps: int
+    in_ledger: int
+    in_block: int
+
+    @property
+    def length(self) -> float:
+        """Length of a unit, s."""
+        return self.ticks * self.tick
+
+    def ticks_in(self, time: float) -> int:
+        """Return the ticks of the whole units in a time, s, at least one unit."""
+        return self.ticks * max(1, round(time / self.length))
+
+    def between_records(self, most: int) -> int:
+        """Return the ticks between records that are at most so many first timesteps apart, and
+        divide a block.
+        """
+        numbers = range(1, max(1, most // self.first_steps) + 1)
+        return self.ticks * max(number for number in numbers if self.in_block % number == 0)
+
+
+def _equal_steps(duration: float, timestep: float, rows: int) -> _Units:
+    """Return the units of a run of equal timesteps, each of which is a unit.
+
+    Parameters
+    ----------
+    duration
+        Of the run or a block, s.
+    timestep
+        s.
+    rows
+        Rows of the energy record in that time, which may become half as many or twice as many so
+        that they divide it.
+    """
+    n = max(1, math.ceil(duration / timestep * (1 - 1e-9)))
+    candidates = range(max(1, n // (2 * rows)), max(1, 2 * n // rows) + 1)
+    in_ledger = min(candidates, key=lambda every: (-n % every, abs(every - n / rows)))
+    return _Units(timestep, 1, 1, in_ledger, n + -n % in_ledger)
 
 
 def _frames(
@@ -260,7 +306,7 @@ def _dense_times(assembly: Assembly) -> tuple[float, ...]:
     return (*before.tolist(), *(until + sparse * np.arange(1, later + 1)).tolist())
 
 
-def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, int, int, int, int]:
+def _automatic(assembly: Assembly, duration: float, rows: int) -> _Units:
     """Find the units of a run with a timestep that follows the error of the energy balance, from
     its longest timesteps.
 
@@ -270,12 +316,6 @@ def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, i
         Of the run or a block, s.
     rows
         Of the energy record in that time.
-
-    Returns
-    -------
-    tuple
-        Time of a tick (s), ticks of a unit, first timesteps in a unit, units between rows of the
-        ledger, and units of the run or a block.
     """
     case = assembly.case
     run = case.run
@@ -298,28 +338,52 @@ def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, i
             case.name, duration, first / down, timestep_limits(assembly, run.energy_tolerance)[0]
         )
     # the longest timestep must not exceed the times between records
-    span = _AUTO_FRAME_SPAN if isinstance(run.end_time, str) else run.longest
-    intervals = [duration / rows]
-    intervals += [_WALL_STEPS * first]
-    if not isinstance(run.frames, tuple):
-        times = _dense_times(assembly)
-        intervals.append(times[1] if times else span / max(1, case.n_frames - 1))
-    probes = case.output.probe_interval
-    given = None if isinstance(probes, str) or not case.probes else probes
-    intervals += [given or _AUTO_PROBE_STEPS * first] if case.probes else []
-    intervals += [span / chain_history(assembly)] if chain_history(assembly) else []
-    intervals += [span / line_history(assembly)] if case.line else []
-
-    def fits(
-        length: float,
-    ) -> bool:  # a given interval of probes is a multiple of it, to half a first timestep
-        return given is None or abs(max(1, round(given / length)) * length - given) <= 0.5 * first
-
-    while up > 1 and not (up * first <= min(intervals) and fits(up * first)):
+    longest = min(duration / rows, *_intervals(assembly, first))
+    probes = _probe_interval(assembly)
+    while up > 1 and (up * first > longest or not _divides(up * first, probes, 0.5 * first)):
         up //= 2
     in_ledger = max(1, math.floor(duration / rows / (up * first) * (1 + 1e-9)))
     n_units = in_ledger * math.ceil(duration / (in_ledger * up * first) * (1 - 1e-9))
-    return duration / (n_units * up * down), up * down, up, in_ledger, n_units
+    return _Units(duration / (n_units * up * down), up * down, up, in_ledger, n_units)
+
+
+def _intervals(assembly: Assembly, first: float) -> list[float]:
+    """Return the times between records of a run, s, other than those of the energies.
+
+    Parameters
+    ----------
+    first
+        First timestep, s.
+    """
+    case = assembly.case
+    run = case.run
+    span = _AUTO_FRAME_SPAN if isinstance(run.end_time, str) else run.longest
+    intervals = [_WALL_STEPS * first]
+    if not isinstance(run.frames, tuple):
+        times = _dense_times(assembly)
+        intervals.append(times[1] if times else span / max(1, case.n_frames - 1))
+    if case.probes:
+        intervals.append(_probe_interval(assembly) or _AUTO_PROBE_STEPS * first)
+    if chain_history(assembly):
+        intervals.append(span / chain_history(assembly))
+    if case.line:
+        intervals.append(span / line_history(assembly))
+    return intervals
+
+
+def _probe_interval(assembly: Assembly) -> float | None:
+    """Return the interval of probes that a case sets, s; None if it sets none or has no probes."""
+    interval = assembly.case.output.probe_interval
+    if isinstance(interval, str) or not assembly.case.probes:
+        return None
+    return interval
+
+
+def _divides(length: float, interval: float | None, tolerance: float) -> bool:
+    """Return True if an interval (s; None: any) is a multiple of a length, to a tolerance."""
+    if interval is None:
+        return True
+    return abs(max(1, round(interval / length)) * length - interval) <= tolerance
 
 
 def check_steps(

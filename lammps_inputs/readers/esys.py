@@ -80,7 +80,7 @@ def read(source: GrainSource) -> GrainTable:
 
 
 def _check_kind(head: str, kind: str) -> None:
-    """Raise ValueError for a plane, or other particles than spheres."""
+    """Raise ValueError for a plane, or for particles other than spheres."""
     if _PLANE.search(head):
         raise ValueError("found particles in two dimensions (Dimension 2D), expected three")
     if kind != _SPHERES:

@@ -88,7 +88,9 @@ def read_table_text(text: str, options: FileOptions) -> GrainTable:
 
 
 def _row_of_names(layout: Layout) -> int:
-    """Return the row with the names of the columns, if there are other rows above it; otherwise 0."""
+    """Return the row with the names of the columns, if there are other rows above
+    it; otherwise 0.
+    """
     for row in range(min(len(layout.rows), _LARGEST_TITLE)):
         try:
             cells = layout_from(layout, row).cells(0)

@@ -491,7 +491,9 @@ class _XmlReader:
             raise ValueError(f"found an array {name} that is damaged ({error})") from None
 
     def _bytes(self, content: bytes, is_raw: bool) -> bytes:
-        """Return the bytes of an array, which begins with its size or with the size of its blocks."""
+        """Return the bytes of an array, which begins with its size or with the size
+        of its blocks.
+        """
         size = self.header.itemsize
         if not self.is_packed:
             head = _decode(content, size, is_raw)

@@ -93,7 +93,9 @@ def _type_of(content: bytes) -> str:
 
 
 def _check(grains: GrainTable) -> None:
-    """Raise ValueError for a position or a size that is not a finite number, or a size that is 0."""
+    """Raise ValueError for a position or a size that is not a finite number, or a size
+    that is 0.
+    """
     assert grains.radius is not None
     is_wrong = ~np.isfinite(grains.position).all(axis=1) | ~(grains.radius > 0)
     wrong = np.flatnonzero(is_wrong | ~np.isfinite(grains.radius))

@@ -289,7 +289,9 @@ def _downhill(
 
 
 def _net(problem: EnergyProblem, now: Evaluation) -> float:
-    """Return the largest net force on a grain, a wall, or the cell (divided by its mean period), N."""
+    """Return the largest net force on a grain, a wall, or the cell (divided by its
+    mean period), N.
+    """
     motions = float(np.abs(now.gradient[: problem.n_motions]).max(initial=0.0))
     lengths = np.linalg.norm(problem.bodies.periods, axis=1)
     cell = float(np.abs(now.gradient[problem.n_motions : problem.n_of_grains]).max(initial=0.0))

@@ -196,7 +196,9 @@ def _pressing(ratio: float) -> str:
 
 
 def _may_be_soft_without_friction(assembly: Assembly) -> bool:
-    """Return True for spheres without friction under gravity, which a search brings to equilibrium."""
+    """Return True for spheres without friction under gravity, which a search
+    brings to equilibrium.
+    """
     case = assembly.case
     stage = case.precompression
     way = case.packing.contact_way

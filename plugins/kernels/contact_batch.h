@@ -7,8 +7,8 @@
 #ifndef GRANWAVE_CONTACT_BATCH_H
 #define GRANWAVE_CONTACT_BATCH_H
 
-#include "processors.h"
 #include "../laws/tangential.h"
+#include "processors.h"
 
 #include <cstdint>
 

@@ -11,9 +11,9 @@
 #ifndef GRANWAVE_CONTACT_HISTORY_H
 #define GRANWAVE_CONTACT_HISTORY_H
 
+#include "../laws/tangential.h"
 #include "front.h"
 #include "stored.h"
-#include "../laws/tangential.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -12,9 +12,9 @@
 #include "../laws/law_arguments.h"
 #include "../laws/partial_slip.h"
 #include "../laws/resistance.h"
-#include "stored.h"
 #include "../laws/tangential_damping.h"
 #include "../laws/viscous_loss.h"
+#include "stored.h"
 
 #include <algorithm>
 #include <vector>

@@ -16,8 +16,9 @@ namespace granwave {
 
 class MeshWall : public CurvedWall {
  public:
-  /* The patches of an STL file are numbered from 1. Raises std::invalid_argument. */
-  MeshWall(const std::string &path, double angle, int patch) : mesh_(read_stl(content_of(path)), angle), patch_(patch - 1)
+  /* The patches of an STL file, of this path and content, are numbered from 1. Raises std::invalid_argument. */
+  MeshWall(const std::string &path, const std::string &content, double angle, int patch) :
+      mesh_(read_stl(content), angle), patch_(patch - 1)
   {
     const std::string n = std::to_string(mesh_.n_patches());
     if (patch_ < 0 || patch_ >= mesh_.n_patches())

@@ -5,8 +5,8 @@
 #ifndef GRANWAVE_PLASTIC_BATCH_H
 #define GRANWAVE_PLASTIC_BATCH_H
 
-#include "contact_batch.h"
 #include "../laws/contact_law.h"
+#include "contact_batch.h"
 
 namespace granwave {
 

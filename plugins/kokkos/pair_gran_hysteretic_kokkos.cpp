@@ -77,7 +77,8 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::refuse_ot
       const std::string name = laws.arguments(i, j).law->name;
       if (setflag[i][j] && name != "hertz" && name != "elastoplastic") found = "law " + name;
     }
-  if (has.friction) found = "friction";
+  if (has.slip) found = "partial slip";
+  if (has.resistance) found = "a resistance to rolling or twisting";
   if (has.loss) found = "a viscous loss";
   if (has.cohesion) found = "cohesion";
   if (has_rate) found = "a yield strength that depends on the rate";
@@ -87,11 +88,23 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::refuse_ot
   if (radii_vary) found = "radii that change during a run";
   if (update->whichflag == 2) found = "a minimization";
   if (!found.empty())
-    error->all(
-        FLERR,
-        "Pair style gran/hysteretic/kk computes normal forces with the laws hertz and elastoplastic, found {}: use pair "
-        "style gran/hysteretic",
-        found);
+    error->all(FLERR,
+               "Pair style gran/hysteretic/kk computes normal forces with the laws hertz and elastoplastic, and friction, "
+               "found {}: "
+               "use pair style gran/hysteretic",
+               found);
+}
+
+/* Stop with an error if springs would need velocities that jump across a periodic boundary, or steps that a rerun lacks. */
+template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::refuse_flow()
+{
+  if (!has.friction) return;
+  if (domain->deform_vremap)
+    error->all(FLERR, "Pair style gran/hysteretic/kk with friction does not support fix deform with remap v: use pair style "
+                      "gran/hysteretic");
+  if (is_rerun(*update))
+    error->all(FLERR, "Pair style gran/hysteretic/kk: rerun lacks the steps between its snapshots, by which the history of "
+                      "contacts with friction grows");
 }
 
 /* ---------------------------------------------------------------------- transfer */
@@ -112,6 +125,7 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::send_pair
     crossings.push_back(crossing);
   });
   views.pairs = c.size();
+  views.friction = has.friction;
   views.plain = c.begin[c.plain];
   to_card(first, views.first);
   to_card(c.partner, views.second);
@@ -120,6 +134,7 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::send_pair
   send_contacts_of_spheres();
   send_histories();
   first_of(views.force, first.size());
+  if (views.friction) first_of(views.surface, first.size());
 }
 
 /* Send the laws of all pairs, each once. */
@@ -128,6 +143,7 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::send_laws
   std::map<std::tuple<int, int, double, double>, int> known;
   std::map<const ContactLaw *, int> curve_of;
   std::vector<PairLaw> laws_of_pairs;
+  std::vector<PairFriction> frictions;
   std::vector<Elastoplastic> curves;
   std::vector<int> law_of_pair;
   law_of_pair.reserve(contacts.size());
@@ -145,10 +161,13 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::send_laws
     }
     laws_of_pairs.push_back({p.radsum, p.touch_sq, p.radsum + gap, p.largest_overlap, p.contact.hertz(),
                              p.contact.elastic_limit(), p.contact.yield_overlap(), p.contact.yield_force(), curve->second});
+    frictions.push_back({p.radius_i, p.radius_j, p.contact.effective_radius(), p.root_radius, p.friction, p.shear_stiffness,
+                         p.tangential_model});
   });
   to_card(law_of_pair, views.law);
   to_card(laws_of_pairs, views.laws);
   to_card(curves, views.curves);
+  if (views.friction) to_card(frictions, views.frictions);
 }
 
 /* Send the contacts of each owned sphere, in the order in which the plain style adds their forces. */
@@ -187,6 +206,10 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::send_hist
   to_card(c.time_yield, views.time_yield);
   to_card(c.front, views.front);
   to_card(std::vector<Turning>(c.size(), {views.UNKNOWN, 0.0, 0.0, 1.0}), views.turning);
+  if (views.friction) {
+    to_card(c.spring, views.spring);
+    first_of(views.peak_area, c.size());
+  }
   ahead = false;
 }
 
@@ -201,6 +224,7 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::bring_bac
   from_card(views.time_peak, c.time_peak);
   from_card(views.time_yield, c.time_yield);
   from_card(views.front, c.front);
+  if (views.friction) from_card(views.spring, c.spring);
   for (int k = 0; k < c.size(); k++)
     if (c.peak[k] != before[k]) c.discard_turning(k);
 }
@@ -212,15 +236,26 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::compute_c
   const int owned = atom->nlocal;
   vectors_to_card(atom->x, owned + atom->nghost, x);
   vectors_to_card(atom->f, owned, f);
-  const KernelStep present{now, step.dt, {domain->xprd, domain->yprd, domain->zprd, domain->yz, domain->xz, domain->xy}};
+  if (views.friction) {
+    vectors_to_card(atom->v, owned + atom->nghost, v);
+    vectors_to_card(atom->omega, owned + atom->nghost, omega);
+    vectors_to_card(atom->torque, owned, torque);
+  }
+  const KernelStep present{
+      now, step.dt, {domain->xprd, domain->yprd, domain->zprd, domain->yz, domain->xz, domain->xy}, step.advances};
   PairFindings found;
   Kokkos::parallel_reduce("gran/hysteretic/kk, pairs", Kokkos::RangePolicy<DeviceType>(0, views.pairs),
-                          AdvancePairs<DeviceType, Vectors>{views, x, present, owned}, found);
+                          AdvancePairs<DeviceType, Vectors>{views, x, v, omega, present, owned}, found);
   ahead = true;
   if (found.wrong > 0) stop_at_wrong_overlap();
-  Kokkos::parallel_for("gran/hysteretic/kk, spheres", Kokkos::RangePolicy<DeviceType>(0, owned),
-                       SumForces<DeviceType, Vectors, Vectors>{views, x, f, present});
+  const Kokkos::RangePolicy<DeviceType> spheres(0, owned);
+  if (views.friction)
+    Kokkos::parallel_for("gran/hysteretic/kk, spheres", spheres, SumForcesAndTorques<DeviceType, Vectors>{views, f, torque});
+  else
+    Kokkos::parallel_for("gran/hysteretic/kk, spheres", spheres,
+                         SumForces<DeviceType, Vectors, Vectors>{views, x, f, present});
   vectors_from_card(f, owned, atom->f);
+  if (views.friction) vectors_from_card(torque, owned, atom->torque);
   if (with_virial) std::copy_n(found.virial, 6, virial);
   if (found.far > 0) forget_far();
 }
@@ -251,12 +286,21 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::stop_at_w
              "Pair style gran/hysteretic/kk: an overlap that is too large was found on the card, and not on the host");
 }
 
+/* Send velocities to the ghosts, which friction needs, as the plain style does. */
+template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::send_velocities()
+{
+  if (!sends_velocities) return;
+  if (neighbor->ago == 0) ghosts.renew();
+  send(Message::VELOCITIES);
+}
+
 template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
   if (eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0)
     error->all(FLERR, "Pair style gran/hysteretic/kk has no energies and stresses of single atoms or pairs: use pair style "
                       "gran/hysteretic");
+  refuse_flow();
   if (evaluations++ % STEPS_BETWEEN_CHECKS == 0) require_finite_motion(lmp);
   if (neighbor->ago == 0) renew_ghosts();
   if (!contacts.valid) {
@@ -264,6 +308,7 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::compute(i
     build_contacts();
     send_pairs();
   }
+  send_velocities();
   begin_evaluation();
   contacts.published = false;
   now = simulated_time(*update);
@@ -274,8 +319,12 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::compute(i
 
 template <class DeviceType> double PairGranHystereticKokkos<DeviceType>::memory_usage()
 {
-  constexpr double BYTES = 4 * sizeof(int) + 4 * sizeof(double) + sizeof(Front) + sizeof(Turning) + 2 * sizeof(int);
-  return PairGranHysteretic::memory_usage() + BYTES * views.pairs;
+  constexpr double BYTES = 6 * sizeof(int) + 4 * sizeof(double) + sizeof(Front) + sizeof(Turning);
+  constexpr double OF_FRICTION = sizeof(TangentialSpring) + sizeof(double) + sizeof(SurfaceForce);
+  const double of_pair = BYTES + (views.friction ? OF_FRICTION : 0.0);
+  const double of_vectors =
+      3 * sizeof(double) * (x.extent(0) + v.extent(0) + omega.extent(0) + f.extent(0) + torque.extent(0));
+  return PairGranHysteretic::memory_usage() + of_pair * views.pairs + of_vectors;
 }
 
 template class LAMMPS_NS::PairGranHystereticKokkos<Kokkos::DefaultExecutionSpace>;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic/kk: normal forces of spheres with the laws hertz and elastoplastic, computed by Kokkos
+/* Pair style gran/hysteretic/kk: normal forces of spheres with the laws hertz and elastoplastic, and friction, computed by Kokkos
    (contact_kernels.h). It is in plugins that are built with Kokkos, and requires no package KOKKOS of LAMMPS.
 
    The flat list of pairs is that of the plain style, and is made on the host. Histories are sent to the card whenever it is made,
    and come back before the host reads them: for output, restart files, spheres that go to another processor, and the next list.
-   Positions are sent and forces come back in each timestep. */
+   Positions are sent and forces come back in each timestep, with friction also velocities and torques. */
 
 #ifdef PAIR_CLASS
 // clang-format off
@@ -35,10 +35,13 @@ template <class DeviceType> class PairGranHystereticKokkos : public PairGranHyst
   using Vectors = Kokkos::View<double *[3], Kokkos::LayoutRight, DeviceType>;
 
   granwave::ContactViews<DeviceType> views;
-  Vectors x, f;          // of all spheres, and of owned ones
-  bool ahead = false;    // true if histories have advanced since they were sent
+  Vectors x, v, omega;    // of all spheres
+  Vectors f, torque;      // of owned spheres
+  bool ahead = false;     // true if histories have advanced since they were sent
 
   void refuse_others();
+  void refuse_flow();
+  void send_velocities();
   void send_pairs();
   void send_laws();
   void send_contacts_of_spheres();

@@ -127,7 +127,7 @@ class Elastoplastic : public NormalLaw {
     return energy_lost(loading_work(t.peak, site), t);
   }
 
-  double area(double a, const Site &) const { return a <= 1.0 ? a : area_beyond_yield(a); }
+  GRANWAVE_KERNEL double area(double a, const Site &) const { return a <= 1.0 ? a : area_beyond_yield(a); }
   /* Without branches (plastic_batch.h). */
   GRANWAVE_KERNEL double area_beyond_yield(double a) const
   {

@@ -21,7 +21,8 @@
 #ifndef GRANWAVE_TANGENTIAL_H
 #define GRANWAVE_TANGENTIAL_H
 
-#include <algorithm>
+#include "kernel.h"
+
 #include <cmath>
 
 namespace granwave {
@@ -36,19 +37,22 @@ struct TangentialSpring {
   double loss = 0.0;          // frictional loss since the first contact
 };
 
-inline double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+GRANWAVE_KERNEL double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-inline double tangential_force(const TangentialSpring &spring) { return std::sqrt(dot(spring.force, spring.force)); }
+GRANWAVE_KERNEL double tangential_force(const TangentialSpring &spring)
+{
+  return std::sqrt(dot(spring.force, spring.force));
+}
 
-inline double tangential_energy(const TangentialSpring &spring)
+GRANWAVE_KERNEL double tangential_energy(const TangentialSpring &spring)
 {
   return 0.5 * dot(spring.force, spring.force) * spring.compliance;
 }
 
 /* Slip in a timestep. `velocity` is that of the first body relative to the second at their centers, `spin` the sum of lever
    arm times angular velocity over both bodies (0 for a plane). */
-inline void slip_of_step(const double (&velocity)[3], const double (&spin)[3], const double (&n)[3], double dt,
-                         double (&slip)[3])
+GRANWAVE_KERNEL void slip_of_step(const double (&velocity)[3], const double (&spin)[3], const double (&n)[3], double dt,
+                                  double (&slip)[3])
 {
   const double along = dot(velocity, n);
   slip[0] = (velocity[0] - along * n[0] - (spin[1] * n[2] - spin[2] * n[1])) * dt;
@@ -57,7 +61,7 @@ inline void slip_of_step(const double (&velocity)[3], const double (&spin)[3], c
 }
 
 /* Torque on either body per unit of its lever arm. */
-inline void torque_per_lever(const double (&n)[3], const double (&force)[3], double (&torque)[3])
+GRANWAVE_KERNEL void torque_per_lever(const double (&n)[3], const double (&force)[3], double (&torque)[3])
 {
   torque[0] = -(n[1] * force[2] - n[2] * force[1]);
   torque[1] = -(n[2] * force[0] - n[0] * force[2]);
@@ -65,7 +69,7 @@ inline void torque_per_lever(const double (&n)[3], const double (&force)[3], dou
 }
 
 /* Rotate the force into the plane normal to n with unchanged magnitude, whose square is given. No branches (contact_batch.h). */
-inline void rotate(TangentialSpring &spring, double square, const double (&n)[3])
+GRANWAVE_KERNEL void rotate(TangentialSpring &spring, double square, const double (&n)[3])
 {
   const double along = dot(spring.force, n), rest = square - along * along;
   const bool turns = rest > 0.0;    // otherwise the force is parallel to n, or negligible
@@ -74,8 +78,8 @@ inline void rotate(TangentialSpring &spring, double square, const double (&n)[3]
 }
 
 /* Advance the spring by one timestep of a contact with positive normal force. */
-inline void compute_tangential(TangentialSpring &spring, const double (&n)[3], const double (&slip)[3], double stiffness,
-                               double limit, TangentialModel model)
+GRANWAVE_KERNEL void compute_tangential(TangentialSpring &spring, const double (&n)[3], const double (&slip)[3],
+                                        double stiffness, double limit, TangentialModel model)
 {
   const double before = dot(spring.force, spring.force), stored = 0.5 * before * spring.compliance;
   rotate(spring, before, n);
@@ -95,7 +99,7 @@ inline void compute_tangential(TangentialSpring &spring, const double (&n)[3], c
 }
 
 /* Release the spring of separated surfaces: the stored energy is dissipated. */
-inline void release(TangentialSpring &spring)
+GRANWAVE_KERNEL void release(TangentialSpring &spring)
 {
   spring.loss += tangential_energy(spring);
   spring = {{0.0, 0.0, 0.0}, 0.0, spring.loss};

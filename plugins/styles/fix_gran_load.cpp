@@ -3,10 +3,10 @@
 
 #include "comm.h"
 #include "error.h"
-#include "motion.h"
 #include "fix_gran_timestep.h"
 #include "group.h"
 #include "modify.h"
+#include "motion.h"
 #include "restart_state.h"
 
 #include <cstdlib>

@@ -17,8 +17,8 @@ FixStyle(gran/load,FixGranLoad);
 #ifndef LMP_FIX_GRAN_LOAD_H
 #define LMP_FIX_GRAN_LOAD_H
 
-#include "fix.h"
 #include "../laws/load_shape.h"
+#include "fix.h"
 
 #include <array>
 

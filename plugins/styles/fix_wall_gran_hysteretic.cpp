@@ -5,15 +5,44 @@
 
 #include "fix_wall_gran_hysteretic.h"
 
-#include "domain.h"
-#include "error.h"
 #include "../kernels/tube.h"
 #include "../laws/law_arguments.h"
+
+#include "comm.h"
+#include "domain.h"
+#include "error.h"
 #include "motion.h"
 #include "neighbor.h"
 
 using namespace LAMMPS_NS;
 using namespace granwave;
+
+namespace {
+
+/* Content of a file, which the first processor reads for all. Throws std::invalid_argument on all of them if it cannot be read. */
+std::string shared_content(LAMMPS *lmp, const std::string &path)
+{
+  constexpr std::size_t PIECE = std::size_t(1) << 30;    // bytes of a message
+  std::string content, fault;
+  if (lmp->comm->me == 0) {
+    try {
+      content = content_of(path);
+    } catch (const std::invalid_argument &unreadable) {
+      fault = unreadable.what();
+    }
+  }
+  for (std::string *const text : {&fault, &content}) {
+    bigint size = static_cast<bigint>(text->size());
+    MPI_Bcast(&size, 1, MPI_LMP_BIGINT, 0, lmp->world);
+    text->resize(static_cast<std::size_t>(size));
+    for (std::size_t begin = 0; begin < text->size(); begin += PIECE)
+      MPI_Bcast(text->data() + begin, static_cast<int>(std::min(PIECE, text->size() - begin)), MPI_CHAR, 0, lmp->world);
+  }
+  if (!fault.empty()) throw std::invalid_argument(fault);
+  return content;
+}
+
+}    // namespace
 
 FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
@@ -84,7 +113,8 @@ int FixWallGranHysteretic::read_wall(char **arg)
     used_words = 7;
     try {
       const double angle = utils::numeric(FLERR, arg[5], false, lmp);
-      curved = std::make_unique<MeshWall>(arg[4], angle, utils::inumeric(FLERR, arg[6], false, lmp));
+      const int patch = utils::inumeric(FLERR, arg[6], false, lmp);
+      curved = std::make_unique<MeshWall>(arg[4], shared_content(lmp, arg[4]), angle, patch);
     } catch (const std::invalid_argument &fault) {
       error->all(FLERR, "Illegal fix {} mesh {}: {}", STYLE, arg[4], fault.what());
     }

@@ -33,8 +33,8 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #include "fix_gran_cylinder.h"
 #include "moved_mass.h"
 #include "region_wall.h"
-#include "wall_history.h"
 #include "update.h"
+#include "wall_history.h"
 
 #include <map>
 

@@ -212,7 +212,7 @@ def test_values_of_a_summary_that_tables_name_exist():
     named = set()
     for page in PAGES:
         for table in re.findall(
-            r"^\| value \| what \|\n\|.*\n((?:\|.*\n)+)",
+            r"^\| value \| meaning \|\n\|.*\n((?:\|.*\n)+)",
             page.read_text(encoding="utf-8"),
             re.MULTILINE,
         ):

@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 import tomllib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 from tests.house.rules import name_of, python_files
@@ -132,14 +133,17 @@ def is_text(node: ast.AST) -> bool:
     return bool(text_of(node))
 
 
+@cache
 def lines() -> dict[str, list[int]]:
     """Lines that ask for a kind, by file."""
     found = {}
-    paths = [path for path in python_files() if name_of(path).startswith(FOLDERS)]
-    for path in paths:
+    for path in python_files():
+        name = name_of(path)
+        if not name.startswith(FOLDERS) or name.startswith(OWN):
+            continue
         numbers = sorted(comparisons(ast.parse(path.read_text(encoding="utf-8"))))
-        if numbers and not name_of(path).startswith(OWN):
-            found[name_of(path)] = numbers
+        if numbers:
+            found[name] = numbers
     return found
 
 

@@ -12,7 +12,8 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -24,16 +25,14 @@ COMPLEXITY = ("C901", "PLR0912", "PLR0915")  # rules of ruff, with the limits in
 Comprehension = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
 
 
-def tuple_assignments(tree: ast.AST) -> Iterator[int]:
-    """Lines that assign a tuple of values to as many names, swaps and recurrences excepted."""
-    for node in ast.walk(tree):
-        if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Tuple):
-            continue
-        target = node.targets[0]
-        if not isinstance(target, ast.Tuple) or len(target.elts) != len(node.value.elts):
-            continue
-        if not names_in(target) & names_in(node.value):
-            yield node.lineno
+def is_tuple_assignment(node: ast.AST) -> bool:
+    """Return True for a tuple of values assigned to as many names; swaps are excepted."""
+    if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Tuple):
+        return False
+    target = node.targets[0]
+    if not isinstance(target, ast.Tuple) or len(target.elts) != len(node.value.elts):
+        return False
+    return not names_in(target) & names_in(node.value)
 
 
 def names_in(node: ast.AST) -> set[str]:
@@ -42,18 +41,12 @@ def names_in(node: ast.AST) -> set[str]:
     return {ast.unparse(part) for part in ast.walk(node) if isinstance(part, parts)}
 
 
-def products_with_truth(tree: ast.AST) -> Iterator[int]:
-    """Lines that multiply a text, list or tuple by a comparison or a negation."""
-    truths = (ast.Compare, ast.BoolOp)
-    for node in ast.walk(tree):
-        if not isinstance(node, ast.BinOp) or not isinstance(node.op, ast.Mult):
-            continue
-        sides = (node.left, node.right)
-        if any(is_sequence(side) for side in sides) and any(
-            isinstance(side, truths) or is_negation(side) or is_call_of(side, "bool")
-            for side in sides
-        ):
-            yield node.lineno
+def is_product_with_truth(node: ast.AST) -> bool:
+    """Return True for a text, list or tuple multiplied by a comparison or a negation."""
+    if not isinstance(node, ast.BinOp) or not isinstance(node.op, ast.Mult):
+        return False
+    sides = (node.left, node.right)
+    return any(map(is_sequence, sides)) and any(map(is_truth, sides))
 
 
 def is_sequence(node: ast.AST) -> bool:
@@ -63,41 +56,36 @@ def is_sequence(node: ast.AST) -> bool:
     return isinstance(node, ast.List | ast.Tuple | ast.JoinedStr)
 
 
-def is_negation(node: ast.AST) -> bool:
-    """Return True for ``not x``."""
-    return isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not)
+def is_truth(node: ast.AST) -> bool:
+    """Return True for a comparison, ``and``, ``or``, ``not x`` or ``bool(x)``."""
+    if isinstance(node, ast.UnaryOp):
+        return isinstance(node.op, ast.Not)
+    if isinstance(node, ast.Call):
+        return ast.unparse(node.func) == "bool"
+    return isinstance(node, ast.Compare | ast.BoolOp)
 
 
-def is_call_of(node: ast.AST, name: str) -> bool:
-    """Return True for a call of the function of this name."""
-    return isinstance(node, ast.Call) and ast.unparse(node.func) == name
+def is_nested_comprehension(node: ast.AST) -> bool:
+    """Return True for a comprehension with two loops, or with another comprehension inside."""
+    if not isinstance(node, Comprehension):
+        return False
+    inner = [part for part in ast.walk(node) if isinstance(part, Comprehension)]
+    return len(node.generators) > 1 or len(inner) > 1
 
 
-def nested_comprehensions(tree: ast.AST) -> Iterator[int]:
-    """Lines of comprehensions with two loops, or with another comprehension inside."""
-    for node in ast.walk(tree):
-        if not isinstance(node, Comprehension):
-            continue
-        inner = [part for part in ast.walk(node) if isinstance(part, Comprehension)]
-        if len(node.generators) > 1 or len(inner) > 1:
-            yield node.lineno
+def is_long_conditional(node: ast.AST) -> bool:
+    """Return True for a conditional expression of several lines, or with another inside."""
+    if not isinstance(node, ast.IfExp):
+        return False
+    arms = (node.body, node.orelse)
+    return node.end_lineno != node.lineno or any(isinstance(arm, ast.IfExp) for arm in arms)
 
 
-def long_conditionals(tree: ast.AST) -> Iterator[int]:
-    """Lines of conditional expressions that take several lines or stand inside another."""
-    for node in ast.walk(tree):
-        if not isinstance(node, ast.IfExp):
-            continue
-        arms = (node.body, node.orelse)
-        if node.end_lineno != node.lineno or any(isinstance(arm, ast.IfExp) for arm in arms):
-            yield node.lineno
-
-
-RULES: dict[str, Callable[[ast.AST], Iterator[int]]] = {
-    "tuple_assignments": tuple_assignments,
-    "products_with_truth": products_with_truth,
-    "nested_comprehensions": nested_comprehensions,
-    "long_conditionals": long_conditionals,
+RULES: dict[str, Callable[[ast.AST], bool]] = {
+    "tuple_assignments": is_tuple_assignment,
+    "products_with_truth": is_product_with_truth,
+    "nested_comprehensions": is_nested_comprehension,
+    "long_conditionals": is_long_conditional,
 }
 LONG_LINES = "long_lines"
 
@@ -115,14 +103,23 @@ def name_of(path: Path) -> str:
 def violations(path: Path) -> dict[str, list[int]]:
     """Lines of a file that break each rule."""
     text = path.read_text(encoding="utf-8")
-    tree = ast.parse(text)
-    lines = {rule: sorted(finder(tree)) for rule, finder in RULES.items()}
+    lines = broken_lines(ast.parse(text))
     lines[LONG_LINES] = [
         number
         for number, line in enumerate(text.splitlines(), start=1)
         if len(line) > MOST_COLUMNS and "fmt: skip" not in line
     ]
     return {rule: numbers for rule, numbers in lines.items() if numbers}
+
+
+def broken_lines(tree: ast.AST) -> dict[str, list[int]]:
+    """Lines of a syntax tree that break each rule."""
+    lines: dict[str, list[int]] = {rule: [] for rule in RULES}
+    for node in ast.walk(tree):
+        for rule, breaks in RULES.items():
+            if breaks(node):
+                lines[rule].append(node.lineno)
+    return {rule: sorted(numbers) for rule, numbers in lines.items()}
 
 
 def public_classes() -> dict[str, list[str]]:
@@ -160,6 +157,7 @@ def exceptions() -> dict[str, dict]:
     return tomllib.loads(EXCEPTIONS.read_text(encoding="utf-8"))
 
 
+@cache
 def counts() -> dict[str, dict[str, int]]:
     """Violations of each rule in each file: how many."""
     table: dict[str, Counter[str]] = {rule: Counter() for rule in (*RULES, LONG_LINES)}

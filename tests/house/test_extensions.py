@@ -55,7 +55,7 @@ def test_extensions_import_only_those_that_they_use(name):
     others = {
         other.split(".")[2]
         for module in own
-        for other in imports(MODULES[module])
+        for other in imports(module)
         if other.startswith("granwave.extensions.")
     }
     assert others - {name} <= set(extension.uses)

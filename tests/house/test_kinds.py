@@ -9,6 +9,7 @@ import pytest
 from tests.house import kinds
 
 UPDATE = "run: python -m tests.house.kinds"
+pytestmark = pytest.mark.xdist_group("kinds")  # the files are read once
 
 
 def test_no_file_asks_for_kinds_more_often() -> None:

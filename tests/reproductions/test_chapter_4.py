@@ -277,3 +277,28 @@ def test_blocks_beside_a_packing(packings: list[gw.Run], blocks: list[gw.Run]) -
     )
     assert row(study, masses).ours == pytest.approx(abs(light - heavy))
     assert 0.2 < row(study, "Volume that dissipates").ours < 5
+
+
+def test_packings_at_high_inputs(
+    packings: list[gw.Run], blocks: list[gw.Run], tmp_path: Path
+) -> None:
+    """Spheres with a tenth of the yield strength lie on the curve of brass; several impacted spheres
+    are compared at equal input.
+    """
+    early = [
+        point(tmp_path, "fcc-impact", SMALL, {
+            "load.velocity": velocity / math.sqrt(count), "load.spheres": count,
+            "material.yield_strength": 55e6, "run.end_time": math.sqrt(10) * SMALL["run.end_time"],
+        })
+        for velocity, count in ((0.1264911, 1), (0.4, 1), (0.4, 3), (0.4, 7), (1.264911, 1))
+    ]  # fmt: skip
+    assert early[0]["velocity_normalised"] == pytest.approx(packings[3]["velocity_normalised"])
+    share = packings[3]["dissipated_fraction"]
+    assert early[0]["dissipated_fraction"] == pytest.approx(share, rel=5e-3)
+    runs = [*packings[:4], *early, *blocks[2:4]]
+    study = study_of("thesis/chapter_5/high_inputs.py", runs)
+    three = row(study, "Dissipated share of 3 struck spheres")
+    assert three.ours == early[2]["dissipated_fraction"] / early[1]["dissipated_fraction"]
+    assert row(study, "D2").ours == pytest.approx(0.5, abs=0.05)
+    assert len([one for one in study.rows if one.quantity.startswith("Largest difference")]) == 4
+    assert len(study.pictures) == 2

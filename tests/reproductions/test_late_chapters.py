@@ -101,6 +101,28 @@ def test_asymptotic_theory() -> None:
     assert low.energy_decay > 2 * high.energy_decay > 0
 
 
+def test_legends_are_values_of_delta_hat() -> None:
+    """The printed equations stay within both axes of Fig. 6.10, the corrected ones within one."""
+    legends = load_study(str(CHAPTER / "legends.py"))
+    row = waves.Rows.fitting([8])
+    printed = legends.Travelling(legends.PrintedSpheres(row), legends.LEGENDS[0])
+    corrected = legends.Travelling(legends.LightSpheres(row), legends.LEGENDS[0])
+    ends = list(legends.ENDS.values())
+    assert printed.largest == pytest.approx([2.98, 0.488], rel=0.01)
+    assert corrected.largest == pytest.approx([3.46, 0.562], rel=0.01)
+    assert np.less(printed.largest, ends).all() and not np.less(corrected.largest, ends).all()
+
+
+def test_delta_hat_by_the_force() -> None:
+    """A wave's own delta_hat is found from its largest force."""
+    legends = load_study(str(CHAPTER / "legends.py"))
+    limit = legends.LightSpheres(waves.Rows.fitting([8]))
+    amplitude = 2e-5
+    force = legends.K_BEADS * amplitude**1.5 * legends.Travelling(limit, 0.5).largest_force
+    found = legends.delta_hat_by_force(limit, [0.5 * amplitude], [force])
+    assert found == pytest.approx([0.5], rel=1e-3)
+
+
 @pytest.mark.validation
 def test_decay_by_the_equations_of_the_source() -> None:
     """Decay between contacts 50 and 100 of the run with the model of the source (stored rows)."""

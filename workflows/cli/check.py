@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +82,7 @@ def _plan_text(
 ) -> str:
     """Return the table of a plan, and the lines that extensions add."""
     if isinstance(expected, Plan):
-        rows = [row for part in parts for row in part.rows]
+        rows = [*chain.from_iterable(part.rows for part in parts)]
         text = plan_table(assembled, expected, inputs_of_packing(assembled), rows)
     else:
         text = _table_of_other(kind, assembled, name, expected, parts)

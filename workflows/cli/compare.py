@@ -57,7 +57,9 @@ def _values(comparison: Comparison) -> str:
 
 
 def _differences(comparison: Comparison) -> str:
-    """Return the table of the differences between the cases; of physical keys only, if any differ."""
+    """Return the table of the differences between the cases; of physical keys only,
+    if any differ.
+    """
     physical = [row for row in comparison.case_rows if not row.is_numerical]
     chosen_rows = physical or comparison.case_rows
     if not chosen_rows:

@@ -171,10 +171,10 @@ def _values(name: str) -> list[str]:
 def _tables(_: argparse.Namespace) -> Iterable[str]:
     from granwave.workflows.cli.keys import tables
 
-    return dict.fromkeys(
-        [table.name for table in tables()]
-        + [f"{t.name}.{k.name}" for t in tables() for k in t.keys]
-    )
+    names = [table.name for table in tables()]
+    for table in tables():
+        names += [f"{table.name}.{key.name}" for key in table.keys]
+    return dict.fromkeys(names)
 
 
 _OVERRIDES = "overrides"

@@ -308,6 +308,6 @@ def _attempt(part: str, command: list[str], success: str, remedy: str) -> Findin
 
 
 def _fault_in(lines: Sequence[str]) -> str:
-    """Return the last error of granwave among the lines of a program, or else its last line."""
+    """Return the last error of granwave among the lines of a program, otherwise its last line."""
     errors = mpi.errors_in(lines) or [line.strip() for line in lines if line.strip()]
     return errors[-1] if errors else ""

@@ -122,12 +122,10 @@ def find(*words: str) -> list[KeyTable]:
     found = [table for table in tables() if table.name == wanted]
     if not found:
         table_name, _, key = wanted.rpartition(".")
-        found = [
-            dataclasses.replace(table, keys=(entry,))
-            for table in tables()
-            for entry in table.keys
-            if entry.name == key and table.name in (table_name or table.file,)
-        ]
+        for table in tables():
+            if table.name == (table_name or table.file):
+                entries = [entry for entry in table.keys if entry.name == key]
+                found += [dataclasses.replace(table, keys=(entry,)) for entry in entries]
     if not found and wanted:
         patterns = [
             re.compile(rf"(?<!\w){re.escape(word)}s?(?!\w)", re.IGNORECASE) for word in words

@@ -7,7 +7,7 @@ and m are the effective radius and mass of the pair, K = 4/3 E* sqrt(R):
     Thornton 1997    F_max = F_y sqrt(6/5 (v/v_y)^2 - 1/5) and, with r = v_y/v, restitution
                      e^2 = 6 sqrt(3)/5 (1 - r^2/6) sqrt(r/(r + 2 sqrt(6/5 - r^2/5)))
 
-The third, of a small packing, was stored with its digits.
+The third reference value, of a small packing, is a stored result with all digits.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ def _line(*words: str) -> str:
 
 
 def _all(scratch: Path, ranks: int, launcher: Sequence[str]) -> Iterator[Check]:
-    """Make all checks; where LAMMPS does not load the plugin there is nothing to compute."""
+    """Make all checks; if LAMMPS does not load the plugin, there is nothing to compute."""
     release = plugins.lammps_release()
     wrong = check_release()
     yield Check(
@@ -205,7 +205,7 @@ def _run(
 
 
 def _number(what: str, unit: str, expected: float, found: float, digits: int = 5) -> Check:
-    """Compare two numbers to some digits, shown with one more."""
+    """Compare two numbers to some digits, and show one more digit."""
     shown, got = (f"{value:.{digits + 1}g} {unit}".strip() for value in (expected, found))
     return Check(
         what,

@@ -1,8 +1,8 @@
-"""Job of a scan: runs the points of one batch, one after the other.
+"""Job of a scan: runs the points of one batch in sequence.
 
     cd DIR && python -m granwave.workflows.cli.worker .scan/batches/BATCH.json
 
-A point on one rank runs in a forked copy of this process, which has loaded all modules; one on
+A point on one rank runs in a forked copy of this process, which has loaded all modules; a point on
 several ranks is started by mpiexec or srun. In both cases a crash of one point does not affect the
 others. SIGTERM, the stop file of the scan, and the end of the driver of a local scan make the
 current point write a checkpoint, and end the job.
@@ -104,7 +104,7 @@ class _Worker:
     # ------------------------------------------------------------------ stopping
 
     def stop(self) -> None:
-        """Ask the current point to write a checkpoint and stop, and start no other."""
+        """Ask the current point to write a checkpoint and stop, and start no further point."""
         self.stopping.set()
         if self.rank_stop is not None:
             self.rank_stop.touch()

@@ -3,7 +3,7 @@ of the results, with script, logs, and a record of the jobs.
 
 A chain is several jobs, each of which waits for the end of the previous job and continues from
 its checkpoint; all are submitted at the start, because submission from compute nodes is often not
-allowed. When the work is done, the jobs that are left end at once.
+allowed. When the work is done, the remaining jobs end at once.
 """
 
 from __future__ import annotations

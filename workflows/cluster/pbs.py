@@ -23,7 +23,7 @@ class Pbs(Scheduler):
     programs = ("qsub", "qstat", "qdel")
     variables = "PBS_"
     longest_name = 15
-    log_pattern = "*.o{job}"
+    log_patterns = ("{job}.*.OU", "*.o{job}")  # PBS: of a log in a folder; Torque
     keys: ClassVar[Mapping[str, str]] = {"-q": "partition", "-A": "account"}
     own_options = ("-N", "-o", "-e", "-j", "-V", "-S")
     signs_in_log = re.compile(r"=>> PBS: (?:job killed: )?(.+)")

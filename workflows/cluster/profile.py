@@ -1,4 +1,4 @@
-"""Profile of a cluster: how jobs are submitted there, as ``--profile`` and ``--submit`` read it."""
+"""Profile of a cluster: submission of jobs, for ``--profile`` and ``--submit``."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ _LINES_FORM = "shell commands, a string or a list of strings"
 _LEAST_MINUTES = 10  # shortest default time limit
 _LEFT_ALONE = 30  # s for which ranks may continue after one has died
 _BYTES_PER_MB = 1e6
+_MARGIN = 1.3  # schedulers end jobs that need more memory than they requested
 
 
 def _lines(lines: tuple[str, ...]) -> str:
@@ -69,7 +70,8 @@ class SlurmProfile:
         "time limit of a job, minutes; default: thrice the expected time", default=None
     )
     memory: int | None = schema.count(
-        "memory of a job on each node, MB; default: the memory required by its points", default=None
+        f"memory of a job on each node, MB; default: {_MARGIN:g} times the expected memory",
+        default=None,
     )
     jobs: int = schema.count("number of simultaneous jobs, unless --jobs is given", default=100)
     nodes: int = schema.count("number of nodes for the ranks of a point", default=1)
@@ -157,7 +159,7 @@ class Profile(SlurmProfile):
         directory: Path,
         after: tuple[str, ...] = (),
     ) -> JobRequest:
-        """Return the request of a job; ``memory`` is the required memory on a node, bytes; the
+        """Return the request of a job; ``memory`` is the expected memory on a node, bytes; the
         other parameters are defined in `JobRequest`.
         """
         return JobRequest(
@@ -166,7 +168,7 @@ class Profile(SlurmProfile):
             ranks=ranks,
             nodes=self.nodes_of(ranks),
             minutes=minutes,
-            memory=self.memory or math.ceil(memory / _BYTES_PER_MB),
+            memory=self.memory or math.ceil(_MARGIN * memory / _BYTES_PER_MB),
             logs=logs,
             directory=directory,
             before=self.before,

@@ -80,7 +80,7 @@ class JobRequest:
 
 
 class Scheduler:
-    """A scheduler of jobs; this is the base of all.
+    """Base class of the schedulers.
 
     Attributes
     ----------
@@ -94,8 +94,8 @@ class Scheduler:
         Id of a job in its own shell.
     log_name
         Name of the log of a job, as the scheduler expands it; empty: the scheduler names it.
-    log_pattern
-        Pattern of that name with the id of the job, for `pathlib.Path.glob`.
+    log_patterns
+        Patterns of that name with the id of the job, for `pathlib.Path.glob`.
     programs
         Commands that must be on a login node.
     launcher
@@ -121,7 +121,7 @@ class Scheduler:
     queue_type: ClassVar[str]
     job_id: ClassVar[str]
     log_name: ClassVar[str] = ""
-    log_pattern: ClassVar[str] = "{job}.log"
+    log_patterns: ClassVar[tuple[str, ...]] = ("{job}.log",)
     programs: ClassVar[tuple[str, ...]]
     launcher: ClassVar[str] = "mpiexec"
     listed_after: ClassVar[float] = 0.0
@@ -185,7 +185,9 @@ class Scheduler:
             raise InputError(f"template of jobs: {error}") from None
 
     def commands_of_job(self, request: JobRequest) -> str:
-        """Return the shell commands of a job: the options of the profile, then its own."""
+        """Return the shell commands of a job: first the options of the profile, then the commands
+        of the job.
+        """
         lines = [
             "set -euo pipefail",
             f"cd {shlex.quote(str(request.directory))}",
@@ -294,7 +296,9 @@ class Scheduler:
         return dict(zip(ids, table["status"], strict=True))
 
     def cancel(self, jobs: Iterable[str]) -> None:
-        """Cancel jobs; log a warning if the scheduler rejects it, as for jobs that have ended."""
+        """Cancel jobs; log a warning if the scheduler rejects this, for instance because they have
+        ended.
+        """
         for job in jobs:
             try:
                 ask([*self.commands.delete_job_command, job])

@@ -29,7 +29,7 @@ class Slurm(Scheduler):
     }  # fmt: skip
     own_options = (
         "--job-name", "-J", "--output", "-o", "--error", "-e", "--parsable", "--export",
-        "--workdir", "--chdir", "-D", "--ntasks", "-n", "--cpus-per-task",
+        "--workdir", "--chdir", "-D", "--ntasks", "-n", "--ntasks-per-node", "--cpus-per-task",
         "-c", "--signal", "--wrap",
     )  # fmt: skip
     signs_in_log = re.compile(r"slurmstepd[^:]*: error: (.+)")

@@ -292,7 +292,7 @@ def _net_forces_over_weights(
 
 
 def _listed(ids: list[int]) -> str:
-    """Return ids in words, the first few of many."""
+    """Return ids in words; for many ids the first few."""
     words = ", ".join(map(str, ids[:_MOST_NAMED]))
     noun = "id" if len(ids) == 1 else "ids"
     more = f" and {len(ids) - _MOST_NAMED} more" if len(ids) > _MOST_NAMED else ""
@@ -355,7 +355,8 @@ def check_coordination(kind: str, expected: tuple[int, float] | None, engine: En
 
 
 def warn_of_strikers(assembly: Assembly, centres: Mapping[int, NDArray[np.float64]]) -> None:
-    """Log a warning of each striker that the static stage left clear of its sphere, or deep in it.
+    """Log a warning of each striker that does not touch its sphere, or overlaps it deeply, after
+    the static stage.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ _CHECKPOINT = re.compile(
 
 
 class RunDirectory(ResultDirectory):
-    """Directory of a run by the driver, which holds its record and checkpoint too."""
+    """Directory of a run by the driver, which also holds its record and checkpoint."""
 
     def read_record(self) -> record.Record | None:
         """Read the record; None if missing or damaged."""
@@ -79,7 +79,7 @@ class RunDirectory(ResultDirectory):
             return None
 
     def keep_checkpoint(self, checkpoint: dict[str, Any] | None) -> None:
-        """Remove the restart files of all checkpoints but this one."""
+        """Remove the restart files of all other checkpoints."""
         kept = checkpoint_files(checkpoint["file"]) if checkpoint else []
         there = [name for name in self.marker.files if _CHECKPOINT.fullmatch(name)]
         self.clear([name for name in there if name not in kept])
@@ -133,7 +133,9 @@ class RunDirectory(ResultDirectory):
 
 
 def checkpoint_files(name: str) -> list[str]:
-    """Return the names of the files of a checkpoint: of parts, also the file next to them."""
+    """Return the names of the files of a checkpoint: for a checkpoint in parts, also the file next
+    to them.
+    """
     return list(dict.fromkeys([name, name.replace(files.RANK, _BASE)]))
 
 

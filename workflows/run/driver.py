@@ -261,8 +261,8 @@ class _Run:
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
 
     def _fail(self, error: RunError | OSError) -> NoReturn:
-        """Record the error that ends the run, and raise it; if the disk is full, with advice how to
-        resume.
+        """Record the error that ends the run, and raise it; if the disk is full, with advice on
+        resuming.
         """
         failure = self._with_advice(error)
         if isinstance(failure, SingleRankError) and self.comm.size > 1:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,7 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
     RunError
         Spheres are lost, because no rank creates them.
     """
-    box = joined(num(bound) for bounds in box_of(assembly) for bound in bounds)
+    box = joined(map(num, chain.from_iterable(box_of(assembly))))
     engine.commands(
         f"region packing block {box} units box\ncreate_box {len(assembly.species)} packing\nregion packing delete"
     )

@@ -140,11 +140,11 @@ class Engine:
 
     @property
     def id_form(self) -> str:
-        """Type of ids: ``i4``, or ``i8`` where LAMMPS was built with -D LAMMPS_SIZES=bigbig."""
+        """Type of ids: ``i4``, or ``i8`` if LAMMPS was built with -D LAMMPS_SIZES=bigbig."""
         return f"i{self.lammps.extract_setting('tagint')}"
 
     def per_atom(self, name: str) -> NDArray[Any]:
-        """Return values of this rank's own atoms, as LAMMPS holds them: writing to the array
+        """Return values of this rank's own atoms, in the memory of LAMMPS: writing to the array
         changes them.
         """
         return np.asarray(self.lammps.numpy.extract_atom(name))

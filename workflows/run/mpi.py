@@ -266,7 +266,7 @@ def start(
     launcher: Sequence[str] = (),
     **variables: str,
 ) -> subprocess.Popen[bytes]:
-    """Start a `command` in a session of its own; its ranks stop when the file ``stop`` exists, or
+    """Start a `command` in a separate session; its ranks stop when the file ``stop`` exists, or
     this process ends.
 
     Parameters
@@ -440,7 +440,7 @@ class StopRequest(Interrupts):
 
     @contextlib.contextmanager
     def answered_at_once(self, answer: Callable[[], object]) -> Iterator[None]:
-        """Call ``answer`` in a thread from a request on, also while LAMMPS executes a command."""
+        """Call ``answer`` in a thread after a request, also while LAMMPS executes a command."""
         reading, writing = os.pipe()
         os.set_blocking(writing, False)
 

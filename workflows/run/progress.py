@@ -1,4 +1,4 @@
-"""Messages of a run at work: a bar on a terminal or in a notebook, lines in a batch log, warnings
+"""Messages during a run: a bar on a terminal or in a notebook, lines in a batch log, warnings
 once.
 """
 
@@ -37,7 +37,7 @@ def not_enough_memory(why: str) -> str:
 
 
 def announce(expected: Plan) -> None:
-    """Announce the expected duration of a long run, and the reason of its short steps, before it
+    """Announce the expected duration of a long run, and the reason for its short steps, before it
     starts.
     """
     if expected.slowness:

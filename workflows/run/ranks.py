@@ -54,7 +54,7 @@ def shared(
 
 
 class _Ranks(Processes):
-    """Ranks that serve the first one."""
+    """Ranks that work for the first rank."""
 
     def __init__(self, comm: Intracomm, stopped: Callable[[], bool], most: int | None) -> None:
         working = comm.size if most is None else min(most, comm.size)

@@ -25,7 +25,7 @@ _PACKAGES = (
 @cache
 def versions() -> dict[str, str]:
     """Return the versions of granwave, Python and the packages used; "not installed" for missing
-    ones.
+    packages.
     """
     return versions_of(_PACKAGES, plugin_built_for_lammps=plugins.lammps_release())
 
@@ -83,7 +83,9 @@ class Record:
 
 
 def record_of(content: dict[str, Any] | None) -> Record | None:
-    """Return the record of tables of JSON; None without any, or if they are of another version."""
+    """Return the record of tables of JSON; None if there are none, or if they are of another
+    version.
+    """
     try:
         return None if content is None else Record(**content)
     except TypeError:  # keys of another version

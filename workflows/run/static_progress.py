@@ -100,7 +100,9 @@ class StaticProgress:
 
 
 def net_over_largest(values: Mapping[str, float]) -> float:
-    """Return the largest net force on a grain divided by the largest contact force; 0 if unknown."""
+    """Return the largest net force on a grain divided by the largest contact force;
+    0 if unknown.
+    """
     largest = _largest(values) or 0.0
     net = values.get(NET_FORCE, 0.0)
     return net / largest if largest > 0 and net > 0 else 0.0

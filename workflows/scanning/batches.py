@@ -160,7 +160,7 @@ class Machine:
         ]
 
     def time(self, points: Iterable[ScanPoint]) -> float:
-        """Return the expected wall time of a scan with these points left, without waiting in a
+        """Return the expected wall time of a scan with these remaining points, without waiting in a
         queue, s.
         """
         batches = self.batches(points, prefix="")

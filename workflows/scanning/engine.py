@@ -61,7 +61,7 @@ class Jobs:
         self._repeated: set[str] = set()
 
     def running(self) -> bool:
-        """Start the jobs that have room; return True while jobs are running or pending."""
+        """Start the jobs for which there is room; return True if jobs are running or pending."""
         for job in self._ended():
             batch = self._live.pop(job)
             if batch.id not in self._repeated and not all(
@@ -153,8 +153,8 @@ class ClusterJobs(Jobs):
         self._submitted: dict[str, float] = {}  # times, by id
 
     def running(self) -> bool:
-        """Start jobs that have room, and ask for the states of all jobs at intervals; in between
-        return the last answer.
+        """Start jobs for which there is room, and ask for the states of all jobs at intervals;
+        between these requests return the last answer.
         """
         if time.monotonic() > self._asked + _QUEUE_POLL:
             self._unended = super().running()

@@ -161,7 +161,7 @@ def variations_of(
     """Make the values of each point, by dotted key, out of [grid], [[zip]] and [[points]]; a
     product of the first two.
 
-    Faults go into ``errors``.
+    Faults are added to ``errors``.
     """
     axes = [
         [{key: value} for value in values]
@@ -187,7 +187,7 @@ def variations_of(
     ]
     if not axes and not single and not errors.items:
         errors.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
-    keys = [key for axis in axes for key in axis[0]]
+    keys = [*itertools.chain.from_iterable(axis[0] for axis in axes)]
     for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
         errors.add(key, "varies twice; keep it in only one of [grid] and [[zip]]")
     count = ((math.prod(map(len, axes)) if axes else 0) + len(single)) * (
@@ -197,11 +197,13 @@ def variations_of(
         errors.add("grid", Mismatch(f"{count} points", f"at most {_MOST_POINTS}"))
     if errors.items:
         return []
-    products = itertools.product(*axes) if axes else []
-    points = [
-        {key: value for part in parts for key, value in part.items()} for parts in products
-    ] + single
-    return points
+    points = list[dict[str, Any]]()
+    for parts in itertools.product(*axes) if axes else ():
+        point = dict[str, Any]()
+        for part in parts:
+            point |= part
+        points.append(point)
+    return points + single
 
 
 def _tables(value: Any, name: str, errors: ErrorList) -> list[Mapping[str, Any]]:

@@ -60,7 +60,10 @@ def unfinished(directory: Path, point: str) -> Path:
 
 def files(points: Iterable[str]) -> list[str]:
     """Return the names of the results of a scan of these points, without figures."""
-    return [*_FILES, *(f"{place}/{point}/" for point in points for place in (POINTS, UNFINISHED))]
+    names = [*_FILES]
+    for point in points:
+        names += [f"{POINTS}/{point}/", f"{UNFINISHED}/{point}/"]
+    return names
 
 
 def is_done(directory: Path, point: str) -> bool:
@@ -96,7 +99,7 @@ def is_whole(directory: Path, point: str) -> bool:
 
 
 def reopen(directory: Path, point: str) -> None:
-    """Move a damaged point back to the unfinished ones, with its intact files.
+    """Move a damaged point back to the unfinished points, with its intact files.
 
     Raises
     ------
@@ -107,7 +110,7 @@ def reopen(directory: Path, point: str) -> None:
 
 
 def close(directory: Path, point: str) -> None:
-    """Move a point to the finished ones; raise as `reopen`."""
+    """Move a point to the finished points; raise as `reopen`."""
     _move(unfinished(directory, point), finished(directory, point))
 
 

@@ -1,7 +1,7 @@
 """Jobs of a scan in the queue of a cluster: their batches, reasons to wait, and ends.
 
 Each job that is submitted is noted in a file of the scan, with its batch, so that a later driver
-finds the jobs of an earlier one.
+finds the jobs of an earlier driver.
 """
 
 from __future__ import annotations
@@ -123,7 +123,8 @@ def _note_end(directory: Path, point: str, scheduler: Scheduler) -> None:
 def end_of(directory: Path, job: str, scheduler: Scheduler) -> str:
     """Return why a scheduler ended a job of a scan, as `Scheduler.end_of`."""
     lines: list[str] = []
-    for path in (directory / layout.LOGS).glob(f"**/{scheduler.log_pattern.format(job=job)}"):
-        with contextlib.suppress(OSError):
-            lines += path.read_text(encoding="utf-8", errors="replace").splitlines()
+    for pattern in scheduler.log_patterns:
+        for path in (directory / layout.LOGS).glob(f"**/{pattern.format(job=job)}"):
+            with contextlib.suppress(OSError):
+                lines += path.read_text(encoding="utf-8", errors="replace").splitlines()
     return scheduler.end_of(job, lines)

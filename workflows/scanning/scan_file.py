@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import hashlib
+import itertools
 import json
 import logging
 import random
@@ -132,7 +133,7 @@ class Scan:
 
 
 def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
-    """Find the file of a scan or a suite, given as a path or as the name of a built-in one.
+    """Find the file of a scan or a suite, given as a path or as the name of a built-in scan.
 
     Parameters
     ----------
@@ -266,7 +267,7 @@ def _build(
             key: len({repr(values.get(key)) for values in variations}) for key in variations[0]
         }
         variations = [variations[n] for n in sorted(random.Random(0).sample(range(n_all), most))]
-    varied = tuple(dict.fromkeys(key for values in variations for key in values))
+    varied = tuple(dict.fromkeys(itertools.chain.from_iterable(variations)))
     if header.replicates > 1:
         if SEED in varied:
             raise InputError(
@@ -421,7 +422,7 @@ def _read_or_note(
 def _replicates(
     header: ScanHeader, values: Mapping[str, Any], reader: _PointReader
 ) -> list[Mapping[str, Any]]:
-    """Return the values of a point with each of its seeds; itself if nothing is random."""
+    """Return the values of a point with each of its seeds; the values alone if nothing is random."""
     if header.replicates <= 1:
         return [values]
     n_seeds = header.replicates

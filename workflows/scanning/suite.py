@@ -202,11 +202,9 @@ def run_suite(
                 break
         stopped = outcomes[-1].stopped
         if not stopped:
-            studies = [
-                name
-                for names in (suite.study, *(scan.study for scan in suite.scans))
-                for name in names
-            ]
+            studies = [*suite.study]
+            for scan in suite.scans:
+                studies += scan.study
             publish(results, studies, suite=True)
         complete = len(outcomes) == len(suite.scans) and all(
             outcome.complete for outcome in outcomes

@@ -16,10 +16,9 @@ from granwave.analysis.document.model import (
     Link,
     Note,
     TableColumn,
-    in_unit,
+    cell_in_unit,
     percent,
     text_table,
-    value_cell,
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import column_unit, quantity_in
@@ -80,7 +79,7 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
 
 
 def value_table(comparison: Comparison) -> DocumentTable:
-    """Return the table of values; of many runs the smallest and largest of each."""
+    """Return the table of values; for many runs the smallest and the largest of each value."""
     values = comparison.values
     if not comparison.quantities:
         values = values[:_MOST_VALUES]
@@ -96,7 +95,7 @@ def value_table(comparison: Comparison) -> DocumentTable:
 def _value_row(value: ComparedValue) -> tuple[Cell, ...]:
     """Return label, unit, values and ratio, in the unit in which the values are read best."""
     unit, size = column_unit(value.unit, value.values)
-    cells = [value_cell(in_unit(number, size)) for number in value.values]
+    cells = [cell_in_unit(number, size) for number in value.values]
     return (Cell(value.label, value.label), Cell(unit), *cells, _ratio(value))
 
 
@@ -115,8 +114,8 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
         least = min(named)
         most = max(named)
         unit, size = column_unit(value.unit, value.numbers)
-        smallest = value_cell(in_unit(least[0], size))
-        largest = value_cell(in_unit(most[0], size))
+        smallest = cell_in_unit(least[0], size)
+        largest = cell_in_unit(most[0], size)
         ends = (smallest, Cell(least[1]), largest, Cell(most[1]))
         rows.append((Cell(value.label, value.label), Cell(unit), *ends, _ratio(value)))
     columns = (
@@ -167,7 +166,7 @@ def _folded(table: DocumentTable) -> Group:
 def _case_table(
     caption: str, rows: Sequence[Difference], runs: Sequence[ComparedRun]
 ) -> DocumentTable:
-    """Return a row for each key; of many runs a row for each run."""
+    """Return a row for each key; for many runs a row for each run."""
     names = [run.name for run in runs]
     if len(runs) <= MOST_SIDE_BY_SIDE:
         texts = [(row.what, *row.values) for row in rows]

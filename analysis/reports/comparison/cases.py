@@ -79,7 +79,7 @@ def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
 
 
 def _kind_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
-    """Return rows with the kinds and the settings of the runs, where the kinds differ."""
+    """Return rows with the kinds and the settings of the runs, if the kinds differ."""
     nouns = tuple(run.run.kind.noun for run in runs)
     if len(set(nouns)) < 2:
         return []
@@ -95,7 +95,7 @@ def _key_row(key: str, runs: Sequence[ComparedRun], *, is_numerical: bool = Fals
 def _grain_rows(runs: Sequence[ComparedRun], *, places: bool) -> list[Difference]:
     """Return rows for grains of the same ids that differ in material, diameter or position.
 
-    Positions are omitted without ``places``, where a key of the packing says that they differ.
+    Positions are omitted without ``places``, if a key of the packing already states the difference.
     """
     grains: list[_Grains] = []
     for run in runs:
@@ -176,7 +176,9 @@ def _change_text(change: NDArray[np.float64]) -> str:
 
 
 def ids_in_words(ids: Iterable[int]) -> str:
-    """Return ids as ranges: ``grains 1, 3 to 5``; of long lists the first, and their number."""
+    """Return ids as ranges: ``grains 1, 3 to 5``; for long lists the first ids, and the number of
+    all.
+    """
     numbers = sorted(ids)
     if len(numbers) == 1:
         return f"grain {numbers[0]}"

@@ -120,25 +120,37 @@ class Comparison:
             listed = names_in_words([run.name for run in self.runs])
             first = f"Nothing differs: cases and results of {listed} are equal."
         else:
-            values = self.values or compared_values(self.runs)
-            first = sentence(values, self.runs, asked=bool(self.quantities and self.values))
+            first = self._largest_differences()
         return " ".join([first, *measured])
+
+    def _largest_differences(self) -> str:
+        """Return the values that differ most, in a sentence; of finished runs, if there are two."""
+        if self.quantities and self.values:
+            return sentence(self.values, self.runs, asked=True)
+        finished = [run for run in self.runs if not run.run.is_unfinished]
+        runs = finished if len(finished) >= _LEAST_RUNS else self.runs
+        return sentence(compared_values(runs), runs)
 
     @property
     def protection(self) -> list[str]:
-        """Sentences on which run protects better, by the force on the bottom and by the depth of
-        the plastic zone; empty if values were requested, or if nothing differs.
+        """Sentences that compare the protection by the runs: force on the bottom, and depth of the
+        plastic zone; empty if values were requested, or if nothing differs.
         """
         if self.quantities or len(self.runs) < _LEAST_RUNS or not self.differs:
             return []
-        return protection_sentences(self.runs, names_with_cases(self.runs))
+        names = names_with_cases(self.runs)
+        finished = [place for place, run in enumerate(self.runs) if not run.run.is_unfinished]
+        return protection_sentences(
+            [self.runs[place] for place in finished], [names[place] for place in finished]
+        )
 
     @property
     def table(self) -> pandas.DataFrame:
         """Values by name, the most different first: a column for each run, and the ratio.
 
-        Units are in ``attrs["units"]``, by name. The ratio is second over first of two runs, of
-        more largest over smallest; NaN where a value is zero or missing.
+        Units are in ``attrs["units"]``, by name. The ratio is that of the second to the first of
+        two runs, of the largest to the smallest value of more runs; NaN where a value is zero or
+        missing.
         """
         import pandas
 
@@ -166,7 +178,7 @@ class Comparison:
 
     @property
     def wanted_figures(self) -> list[str]:
-        """Names of the figures that are drawn, as far as runs have their data."""
+        """Names of the figures that are drawn if runs have their data."""
         asked = [name for name in FIGURES if name in self.quantities]
         asked += [name for name in self.measured if name not in asked]
         return asked if self.quantities else list(FIGURES)
@@ -273,9 +285,9 @@ class Comparison:
 
     @property
     def misfits(self) -> pandas.DataFrame:
-        """Difference of each run from the measured curve: rms, rms over the measured peak, relative
-        difference of the peaks, number of points, and peak of the run in the measured range with
-        its position; empty without a measured curve.
+        """Difference of each run from the measured curve: rms, rms divided by the measured peak,
+        relative difference of the peaks, number of points, and peak of the run in the measured
+        range with its position; empty without a measured curve.
         """
         import pandas
 

@@ -186,7 +186,9 @@ def growth(run: ComparedRun) -> GrowthCurves:
 
 
 def front(run: ComparedRun) -> SampledCurve:
-    """Return when the front of the wave reached each layer, or bead of a chain: m, s."""
+    """Return the times at which the front of the wave reached each layer, or bead of a
+    chain: m, s.
+    """
     with run.opened() as result:
         if result.case.precompression is not None:
             raise LackingError("its contacts are loaded from the start")

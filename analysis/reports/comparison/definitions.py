@@ -38,7 +38,7 @@ def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def _inputs(runs: Sequence[ComparedRun]) -> str:
-    """Return a sentence on different energy inputs; empty where they are equal."""
+    """Return a sentence on different energy inputs; empty if they are equal."""
     inputs = {run: run.run.number(_INPUT) or 0.0 for run in runs}
     largest = max(inputs.values())
     if largest - min(inputs.values()) <= _SAME_INPUT * largest:
@@ -55,7 +55,7 @@ def _inputs(runs: Sequence[ComparedRun]) -> str:
 
 
 def _static_forces(runs: Sequence[ComparedRun]) -> str:
-    """Return a sentence on static forces below peak forces; empty where there are none."""
+    """Return a sentence on static forces below peak forces; empty if there are none."""
     static = {run: static_force_at_bottom(run) for run in runs}
     loaded = [run for run, force in static.items() if force]
     if not loaded:
@@ -145,7 +145,7 @@ def _joined(run: ComparedRun, name: str) -> str:
 
 
 def _listed(runs: Sequence[ComparedRun], text: Callable[[ComparedRun], str]) -> str:
-    """Return runs with a text each; of many, the first ones and the number of the others."""
+    """Return runs with a text each; for many runs, the first ones and the number of the others."""
     parts = [f"{text(run)} in {run.name}" for run in runs[:_MOST_LISTED]]
     left = len(runs) - _MOST_LISTED
     more = f" and {left} more" if left > 0 else ""

@@ -30,6 +30,7 @@ Window = tuple[float, float, float, float]  # left, right, top, bottom; mm
 
 _PLANES = ("principal", "orthogonal")  # the first that a packing has; spheres of it touch
 _ACROSS = 3  # most panels in a row ...
+_UNLIKE_SIZES = 2.0  # largest over smallest section from which on each has its own scale
 _IN_PAIRS = 2  # ... and panels in a row of four
 MOST_PANELS = 6
 _MILLI = 1e3
@@ -99,18 +100,23 @@ def force_field(run: ComparedRun) -> ForceField:
 
 
 def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
-    """Draw the sections of several runs side by side, on one scale of lengths and of colours."""
+    """Draw the sections of several runs side by side, on one scale of colours, and on one scale of
+    lengths unless a section is much smaller than another.
+    """
     runs = list(fields)[:MOST_PANELS]
     largest = max(float(fields[run].force.max()) for run in runs)
     least = min(float(fields[run].force.max()) for run in runs)
     low, high = decades_up_to(largest, None)
     low = min(low, decades_up_to(least, None)[0] * _DECADE)
-    window = _joint([fields[run].window(low) for run in runs])
-    figure, panels = _panels(len(runs), window, _depth_label([fields[run] for run in runs]))
+    windows = [fields[run].window(low) for run in runs]
+    is_shared = not _differ_in_size([fields[run].window(0.0) for run in runs])
+    windows = [_joint(windows)] * len(runs) if is_shared else _of_one_aspect(windows)
+    depth_label = _depth_label([fields[run] for run in runs])
+    figure, panels = _panels(len(runs), windows[0], depth_label, shared=is_shared)
     columns: dict[str, Array] = {}
     is_dynamic = any(fields[run].has_static for run in runs)
     title = "Peak dynamic force (N)" if is_dynamic else "Peak force (N)"
-    for axes, run in zip(panels, runs, strict=True):
+    for axes, run, window in zip(panels, runs, windows, strict=True):
         field = fields[run]
         colouring = Colouring(field.force, title, "peak_force_N", FORCE_MAP, low, high)
         draw_discs(axes, field.cut, field.force, colouring, field.radius, sticks=field.sticks)
@@ -120,6 +126,24 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
     forces = np.concatenate([fields[run].force for run in runs])
     colour_bar(figure, panels, colouring, forces, location="top")
     return Drawing(figure, columns)
+
+
+def scale_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
+    """Return a sentence if the sections are not on one scale of lengths."""
+    windows = [field.window(0.0) for field in fields.values()]
+    return "Each section has its own scale of lengths." if _differ_in_size(windows) else ""
+
+
+def _differ_in_size(windows: Sequence[Window]) -> bool:
+    """Return True if a section would hardly be seen on the scale of another."""
+    sizes = [max(right - left, bottom - top) for left, right, top, bottom in windows]
+    return max(sizes) > _UNLIKE_SIZES * min(sizes)
+
+
+def _of_one_aspect(windows: Sequence[Window]) -> list[Window]:
+    """Return windows that are extended downwards to the same ratio of height and width."""
+    ratio = max((bottom - top) / (right - left) for left, right, top, bottom in windows)
+    return [(left, right, top, top + ratio * (right - left)) for left, right, top, _ in windows]
 
 
 def corresponding(first: ForceField, other: ForceField) -> bool:
@@ -134,7 +158,7 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
     """Draw the peak force of each run minus the peak force of the first, for runs with the same
     grains.
 
-    None where no run corresponds to the first, or none differs from it.
+    None if no run corresponds to the first, or if none differs from it.
     """
     reference, *others = list(fields)[:MOST_PANELS]
     first = fields[reference]
@@ -206,15 +230,17 @@ def _depth_label(fields: Sequence[ForceField]) -> str:
     return f"{labels.pop()} (mm)" if len(labels) == 1 else "Depth along the plane (mm)"
 
 
-def _panels(number: int, window: Window, depth_label: str) -> tuple[MatplotlibFigure, list[Axes]]:
-    """Return a figure with a panel for each section, with common axes."""
+def _panels(
+    number: int, window: Window, depth_label: str, *, shared: bool = True
+) -> tuple[MatplotlibFigure, list[Axes]]:
+    """Return a figure with a panel for each section, with common axes if they are shared."""
     across = _IN_PAIRS if number == _IN_PAIRS**2 else min(number, _ACROSS)
     rows = math.ceil(number / across)
     width = WIDTH if number == 1 else 2 * WIDTH
     left, right, top, bottom = window
     panel = (width - 0.6 - 0.2 * across) / across * (bottom - top) / (right - left) + 0.35
     figure = new_figure(min(rows * panel + 0.95, _TALLEST), width)
-    grid = figure.subplots(rows, across, sharex=True, sharey=True, squeeze=False)
+    grid = figure.subplots(rows, across, sharex=shared, sharey=shared, squeeze=False)
     for empty in grid.flat[number:]:
         empty.set_visible(False)
     figure.supxlabel("Distance from the impact axis (mm)", fontsize=_FONT)
@@ -223,7 +249,7 @@ def _panels(number: int, window: Window, depth_label: str) -> tuple[MatplotlibFi
 
 
 def _joint(windows: Sequence[Window]) -> Window:
-    """Return the smallest window around several."""
+    """Return the smallest window that contains several windows."""
     left, right, top, bottom = zip(*windows, strict=True)
     return min(left), max(right), min(top), max(bottom)
 

@@ -45,6 +45,7 @@ from granwave.analysis.reports.comparison.fields import (
     draw_difference,
     draw_fields,
     force_field,
+    scale_notes,
 )
 from granwave.analysis.reports.comparison.measured import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import (
@@ -207,8 +208,8 @@ def _legend(figure: MatplotlibFigure) -> None:
 
 
 def _end_of_time(axes: Axes, ends: Sequence[float]) -> None:
-    """Show the longest run completely; the axis is logarithmic where the lengths of the runs differ
-    a lot.
+    """Show the longest run completely; the axis is logarithmic if the lengths of the runs differ a
+    lot.
     """
     longest = max(ends) * _MICRO
     shortest = min(ends) * _MICRO
@@ -220,7 +221,9 @@ def _end_of_time(axes: Axes, ends: Sequence[float]) -> None:
 
 
 def _force_unit(largest: float) -> tuple[float, str]:
-    """Return the unit of forces up to ``largest`` (N): how many are a newton, and its name."""
+    """Return the unit of forces up to ``largest`` (N): the number of units in a newton, and its
+    name.
+    """
     return (1 / _KILO, "kN") if largest >= _KILO else (1.0, "N")
 
 
@@ -266,7 +269,7 @@ def draw_bottom_force(
 
 
 def _show_small_forces(axes: Axes, peaks: Sequence[float]) -> None:
-    """Make the vertical axis logarithmic where a linear one would hide the lowest peak.
+    """Make the vertical axis logarithmic if a linear axis would hide the lowest peak.
 
     Parameters
     ----------
@@ -319,7 +322,7 @@ def draw_peaks(
 ) -> Drawing:
     """Draw the largest and median peak force of each layer against depth, with the fits.
 
-    Where each layer is one sphere, as in a chain, there is no panel of the median.
+    If each layer is one sphere, as in a chain, there is no panel of the median.
     """
     has_layers = any((one.largest != one.median).any() for one in peaks.values())
     figure, left, *others = panels(2.9, columns=1 + has_layers)
@@ -356,7 +359,7 @@ def draw_peaks(
 
 
 def _log_if_wide(axes: Axes) -> None:
-    """Make the vertical axis logarithmic where the lines span more than a decade."""
+    """Make the vertical axis logarithmic if the lines span more than a decade."""
     values = np.concatenate([np.asarray(line.get_ydata()) for line in axes.lines] or [np.ones(1)])
     if len(values) and values.max() > _WIDE * values.min():
         axes.set_yscale("log")
@@ -365,7 +368,7 @@ def _log_if_wide(axes: Axes) -> None:
 
 
 def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
-    """Return the fit of each run that has one, for the law that fits all runs better.
+    """Return the fits of the runs that have one, by the law that fits all runs better.
 
     The law is the same for all runs, so that its constants can be compared: the exponential or
     the power with the smaller sum of squared misfits.
@@ -456,7 +459,7 @@ def draw_growth(
 def draw_fronts(
     curves: Mapping[ComparedRun, SampledCurve], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
-    """Draw when the front of the wave reached each layer or bead."""
+    """Draw the times at which the front of the wave reached each layer or bead."""
     figure, axes = panels(2.7)
     columns: dict[str, Array] = {}
     for run, look in _styles(list(curves)).items():
@@ -482,7 +485,7 @@ def static_notes(curves: Mapping[ComparedRun, Any]) -> str:
 
 
 def dynamic_notes(curves: Mapping[ComparedRun, Any]) -> str:
-    """Return a sentence on forces that are drawn above the static ones; empty without a static
+    """Return a sentence on forces that are drawn above the static forces; empty without a static
     load.
     """
     names = [run.name for run in curves if has_static_load(run)]
@@ -502,6 +505,11 @@ def _rising_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     if not parts:
         return ""
     return f"Without layers whose force still rises at the end: {', '.join(parts)}."
+
+
+def _field_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
+    """Return the sentences below the peak forces on sections."""
+    return " ".join(filter(None, [dynamic_notes(fields), scale_notes(fields)]))
 
 
 def _difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
@@ -569,7 +577,7 @@ FIGURES: dict[str, ComparisonFigure] = {
     "peak_force_field": ComparisonFigure(
         "Peak force on the lattice plane below the impact in which spheres touch, on a common "
         "colour scale", force_field,
-        draw_field_panels, notes=dynamic_notes, most=MOST_PANELS,
+        draw_field_panels, notes=_field_notes, most=MOST_PANELS,
     ),
     "peak_force_difference": ComparisonFigure(
         "Difference of the peak force of corresponding grains", force_field,

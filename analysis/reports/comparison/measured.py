@@ -1,8 +1,8 @@
 """Comparison of a measured curve with the curves of runs.
 
-The curve is a table of text with a column of times or lengths and one of forces or other values,
-each with its unit in its name, ``time_us, force_kN`` or ``t (ms); F (N)``, or in the row below the
-names, as oscilloscopes write it. It is shifted and scaled only on request.
+The curve is a table of text with a column of times or lengths and a column of forces or other
+values, each with its unit in its name, ``time_us, force_kN`` or ``t (ms); F (N)``, or in the row
+below the names, as in the files of oscilloscopes. It is shifted and scaled only on request.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def read_measured(
 
 
 def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
-    """Return the difference of a run from a measured curve; None where they do not overlap."""
+    """Return the difference of a run from a measured curve; None if they do not overlap."""
     low = max(float(curve.x.min()), float(measured.x[0]))
     high = min(float(curve.x.max()), float(measured.x[-1]))
     inside = (measured.x >= low) & (measured.x <= high)
@@ -211,7 +211,7 @@ def closest_sentence(
 
 
 def relative_text(ratio: float) -> str:
-    """Return a ratio in words: ``12 % of``, or ``27.2 times`` where it is large."""
+    """Return a ratio in words: ``12 % of``, or ``27.2 times`` if it is large."""
     return f"{share(ratio)} of" if ratio < _TIMES else f"{ratio:.3g} times"
 
 
@@ -244,7 +244,7 @@ def outside_notes(
 
 
 def _within(curve: SampledCurve, low: float, high: float) -> SampledCurve:
-    """Return the part of a curve in a range; its interpolated start where no sample is inside."""
+    """Return the part of a curve in a range; its interpolated start if no sample is inside."""
     inside = (curve.x >= low) & (curve.x <= high)
     if inside.any():
         return SampledCurve(curve.x[inside], curve.y[inside])
@@ -279,7 +279,7 @@ def _values(table: TextTable, column: int, power: int) -> Array:
 
 
 def _columns(table: TextTable, units: tuple[str, str], source: str) -> Sequence[tuple[int, int]]:
-    """Return number and power of ten of the columns of some SI units, the first of each."""
+    """Return number and power of ten of the first column of each of some SI units."""
     if not table.heads:
         raise InputError(f"{source}: line 1: found no names of columns, expected {_example(units)}")
     taken: list[tuple[int, int]] = []

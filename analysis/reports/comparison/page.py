@@ -37,7 +37,7 @@ def write_comparison(
     shift: float = 0.0,
     scale: float = 1.0,
 ) -> tuple[Comparison, Path]:
-    """Compare runs, and write the page and its figures; older ones of this name are replaced.
+    """Compare runs, and write the page and its figures; older files of this name are replaced.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def figure_folder(output: Path) -> Path:
 
 
 def _other_figures(folder: Path) -> list[str | InputFault]:
-    """Return messages for files of others that have the name of a figure."""
+    """Return messages for files that granwave did not write and that have the name of a figure."""
     if folder.exists() and not folder.is_dir():
         return [
             f"{folder}: is a file, but the figures require a directory of this name; move it "
@@ -111,7 +111,7 @@ def _refusal(path: Path, own: bytes) -> list[Any]:
 
 
 def _save_figures(comparison: Comparison, folder: Path) -> None:
-    """Save the figures as PNG, PDF and CSV; remove those of an older comparison."""
+    """Save the figures as PNG, PDF and CSV; remove the figures of an older comparison."""
     with style():
         drawings = {name: comparison.drawing(name) for name in comparison.wanted_figures}
         present = {

@@ -1,4 +1,4 @@
-"""Sentences on which of several runs protects better: force on the bottom, depth of the zone."""
+"""Sentences that compare the protection by several runs: force on the bottom, depth of the zone."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from functools import partial
 
 from granwave.analysis.formatting.numbers import number, plain, quantity_in
 from granwave.analysis.reports.comparison.curves import static_force_at_bottom
-from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.comparison.subjects import ComparedRun, names_in_words
 from granwave.analysis.reports.setting import target_of
 
 _FORCE = "wall_peak_force_N"
 _REDUCTION = "peak_reduction"
 _INPUT = "energy_input_J"
+_SPHERES = "n_spheres"
 _DEPTH = "zone_depth_90_interpolated_m"
 _SAME_INPUT = 1e-6  # relative tolerance of equal energies
 _SAME = 5e-3  # relative difference of results that are called equal
@@ -53,7 +54,7 @@ class _Phrase:
 
 
 def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[str]:
-    """Return which run protects better, with all values and their ratios.
+    """Return sentences that compare the protection, with all values and their ratios.
 
     Runs with the same energy input are ordered by the peak force on the bottom, above its static
     force if there is one, others by the
@@ -87,7 +88,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
             "better",
             "best",
         )
-        return _ordered(phrase, entries, partial(quantity_in, unit="N"))
+        return _ordered(phrase, entries, partial(quantity_in, unit="N"), len(runs))
     relative = [_Entry(entry.name, 1 / entry.value) for entry in _entries(_REDUCTION, runs, names)]
     phrase = _Phrase(
         f"Relative to the same impact without the packing, {{}} protects the {place} {{}}: its "
@@ -97,7 +98,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         "better",
         "best",
     )
-    return _ordered(phrase, relative, number)
+    return _ordered(phrase, relative, number, len(runs))
 
 
 def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
@@ -110,7 +111,7 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         "shallower",
         "shallowest",
     )
-    text = _ordered(phrase, entries, partial(quantity_in, unit="m"))
+    text = _ordered(phrase, entries, partial(quantity_in, unit="m"), len(runs))
     present = {entry.name for entry in entries}
     without = [
         name
@@ -122,8 +123,16 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     return f"{text} No plastic dissipation below the impact: {', '.join(without)}."
 
 
-def _ordered(phrase: _Phrase, entries: Sequence[_Entry], text: Callable[[float], str]) -> str:
-    """Return the runs in the order of their values; empty for fewer than two."""
+def _ordered(
+    phrase: _Phrase, entries: Sequence[_Entry], text: Callable[[float], str], n_runs: int
+) -> str:
+    """Return the runs in the order of their values; empty for fewer than two.
+
+    Parameters
+    ----------
+    n_runs
+        Number of runs of the comparison, also without such a value.
+    """
     if len(entries) < _LEAST_RUNS:
         return ""
     rising = sorted(entries, key=lambda entry: entry.value)
@@ -132,6 +141,8 @@ def _ordered(phrase: _Phrase, entries: Sequence[_Entry], text: Callable[[float],
     if last.value <= first.value * (1 + _SAME):
         percent = plain(f"{100 * (last.value / first.value - 1):.1g}")
         runs = "both runs" if len(rising) == _LEAST_RUNS else "all runs"
+        if len(entries) < n_runs:
+            runs = names_in_words([entry.name for entry in entries])
         return f"{phrase.equal.format(text(first.value))} in {runs}, within {percent} %."
     degree = phrase.of_two if len(rising) == _LEAST_RUNS else phrase.of_more
     others = rising[1:] if len(rising) <= _MOST_LISTED else rising[-1:]
@@ -163,7 +174,7 @@ def _entries(
         value = run.run.number(key) or 0.0
         if subtracted is not None:
             value -= subtracted[place]
-        if value > 0:
+        if value > 0 and run.run.number(_SPHERES) != 1:  # one sphere is the impact without packing
             entries.append(_Entry(name, value))
     return entries
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -22,7 +23,6 @@ from granwave.analysis.reports.setting import (
     is_nothing,
     origin_of,
 )
-from granwave.analysis.result.not_a_run import UNFINISHED
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.run_directory import RESULT_FILE
@@ -36,6 +36,7 @@ _REPLACED = "replace"  # key of replaced grains ...
 _DIAMETER = "diameter"
 _INDEX = "index"  # ... and of their ids
 _OF_MATERIAL = "material."
+_OF_BOUNDARY = "boundary."
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
@@ -108,11 +109,10 @@ class ComparedRun:
     @property
     def unfinished(self) -> str:
         """Reason why its results end early; empty for a finished run."""
-        state = self.run.record.get("state")
         end = self.run.number("end_time_s")
-        if state not in UNFINISHED or end is None:
+        if not self.run.is_unfinished or end is None:
             return ""
-        return f"{state} at {quantity_in(end, 's')}"
+        return f"{self.run.record['state']} at {quantity_in(end, 's')}"
 
 
 def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
@@ -161,7 +161,7 @@ def names_with_cases(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def names_in_words(names: Sequence[str]) -> str:
-    """Return names in a sentence; of many the first and the last."""
+    """Return names in a sentence; for many names the first and the last."""
     if len(names) > _MOST_LISTED:
         return f"{names[0]} to {names[-1]} ({len(names)} runs)"
     return f"{', '.join(names[:-1])} and {names[-1]}"
@@ -195,7 +195,7 @@ def ranges_of(runs: Sequence[ComparedRun]) -> str:
 
 
 def physical_keys(runs: Sequence[ReportRun]) -> list[str]:
-    """Return the keys that differ and change the physics; of different materials their name."""
+    """Return the keys that differ and change the physics; for different materials their name."""
     keys = [key for key in differing(runs) if is_physical(key)]
     if _MATERIAL not in keys:
         return keys
@@ -258,7 +258,7 @@ def _without_nothing(entry: Any) -> Any:
 
 
 def _with_unit(value: float, unit: str) -> str:
-    """Return a number with its unit; of plain units with a prefix."""
+    """Return a number with its unit, which has a prefix if it is a simple unit."""
     if unit.isalpha() and unit != "kg":
         return quantity_in(value, unit)
     if unit == "m/s" or 1 / _KILO <= abs(value) < _KILO:
@@ -272,18 +272,36 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     keys = physical_keys(with_case) if len(with_case) > 1 else []
     if len({run.kind for run in runs}) > 1:
         keys = comparable_keys(keys, with_case)
-    keys = keys[:_MOST_KEYS]
+    keys = [key for key in keys if not any("\n" in str(run.case.get(key)) for run in runs)]
+    values = {key: [value_text(key, run.case, missing="") for run in runs] for key in keys}
+    usual = {key: _usual(of_runs) for key, of_runs in values.items()}
     texts: list[str] = []
-    for run in runs:
-        parts = [
-            value_text(key, run.case, missing="")
-            for key in keys
-            if "\n" not in str(run.case.get(key))  # no table of grains
-        ]
+    for place, run in enumerate(runs):
+        parts = {key: of[place] for key, of in values.items() if of[place] != usual[key]}
         in_name = re.split(_BETWEEN_WORDS, run.label)
-        said = [part for part in parts if 0 < len(part) <= _LONGEST_VALUE and part not in in_name]
-        texts.append(", ".join(said))
+        said = [
+            _with_name(key, part)
+            for key, part in parts.items()
+            if 0 < len(part) <= _LONGEST_VALUE and part not in in_name
+        ]
+        texts.append(", ".join(said[:_MOST_KEYS]))
     return texts
+
+
+def _with_name(key: str, text: str) -> str:
+    """Return the value of a key in a label; of a boundary, and of a bare number, with the name of
+    the key.
+    """
+    is_bare = re.fullmatch(r"[-+.\de]+", text) is not None
+    if is_bare or key.startswith(_OF_BOUNDARY):
+        return f"{key.rpartition('.')[2].replace('_', ' ')} {text}"
+    return text
+
+
+def _usual(values: Sequence[str]) -> str | None:
+    """Return the value of most runs, which labels omit; None if there is none."""
+    text, count = Counter(values).most_common(1)[0]
+    return text if 2 * count > len(values) else None
 
 
 def _shortened(label: str) -> str:

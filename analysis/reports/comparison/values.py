@@ -90,7 +90,7 @@ class ComparedValue:
         """Ratio of the second to the first value of two runs; for more runs, of the largest to the
         smallest magnitude.
 
-        None where a run has none, or with zero or different signs.
+        None if a run has no value, or with zero or different signs.
         """
         if None in self.values or not all(self.numbers):
             return None
@@ -250,7 +250,7 @@ def _value(name: str, runs: Sequence[ComparedRun]) -> ComparedValue:
 
 
 def _rank(value: ComparedValue) -> tuple[bool, float]:
-    """Return the order of a value: the most different first, zeros next to numbers after them."""
+    """Return the order of a value: the most different first, then zeros next to numbers."""
     infinite = math.isinf(value.spread) or None in value.values
     return infinite, -value.spread
 

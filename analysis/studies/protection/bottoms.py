@@ -1,5 +1,6 @@
-"""Influence of the bottom: the same impact on the same packing, on a rigid wall, plates,
-half-spaces and bars.
+"""Influence of the bottom: the same impact on a rigid wall, plates, half-spaces and bars.
+
+The packing is the same on all bottoms.
 """
 
 from __future__ import annotations

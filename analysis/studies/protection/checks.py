@@ -1,5 +1,6 @@
-"""Closed forms compared with runs of a single elastic sphere, the simplest packing, on every kind
-of target.
+"""Closed forms compared with runs of a single elastic sphere on all kinds of targets.
+
+A single sphere is the simplest packing.
 """
 
 from __future__ import annotations
@@ -93,9 +94,9 @@ def plate_displacement(impact: HertzImpact, plate: Plate) -> tuple[float, str] |
 
 
 def energy_into_impedance(impact: HertzImpact, boundary: Boundary) -> tuple[float, str] | None:
-    """Energy that a bar without an echo, or a half-space, takes, J, and its theory.
+    """Energy that a bar without an echo, or a half-space, absorbs, J, and its theory.
 
-    The force is the force on a rigid wall as long as the target hardly moves; None where it moves
+    The force is the force on a rigid wall as long as the target hardly moves; None if it moves
     more, and for other targets.
     """
     support = boundary.bottom_support

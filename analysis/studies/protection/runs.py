@@ -48,7 +48,7 @@ class TargetRun(FinishedRun):
     """A finished run of a packing between an impact and a bottom that supports it."""
 
     def value(self, name: str) -> float:
-        """A number of the summary, or one of the further `QUANTITIES`; NaN where not applicable."""
+        """A number of the summary, or one of the further `QUANTITIES`; NaN if not applicable."""
         if name == "largest_of_one_N":
             with Result(self.directory) as result:
                 at_bottom = result["wall_contacts/wall"] == "bottom"
@@ -93,7 +93,7 @@ class TargetRun(FinishedRun):
 
     @property
     def moves(self) -> bool:
-        """The bottom is a support that moves."""
+        """True if the bottom is a support that moves."""
         return self.case.boundary.bottom_support is not None
 
     @property
@@ -138,7 +138,7 @@ def impacts(runs: Iterable[FinishedRun]) -> list[list[TargetRun]]:
     """Group the runs by impact; in a group the bottom, the height or friction differs.
 
     A group has a bottom that moves, or a series of heights on a bottom. Its runs are in the order
-    of bottoms, friction and layers. Of equal cases the longest run counts.
+    of bottoms, friction and layers. Of runs with equal cases only the longest counts.
     """
     groups: dict[str, dict[str, TargetRun]] = {}
     for run in runs:

@@ -40,7 +40,7 @@ Spectrum = tuple[TargetRun, DataFrame]
 def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
     """Spectra of plates with at least four stiffnesses, for each impact.
 
-    True if the same packing was also run on a wall of the plates' material.
+    Each has True if the same packing was also run on a wall of the plates' material.
     """
     all_spectra = [spectra(impact) for impact in impacts(runs)]
     return [spectra_of_impact for spectra_of_impact in all_spectra if spectra_of_impact]

@@ -1,4 +1,4 @@
-"""Tolerances: loss of performance where spheres scatter in size, are missing, or have friction.
+"""Tolerances: loss of performance if spheres scatter in size, are missing, or have friction.
 
 Runs that differ only in the imperfections of their packing belong together; their means by
 imperfection are the rows of the tables and the points of the figures.

@@ -165,7 +165,7 @@ def _curve(
 def _left_of_ideal(
     packing: PackingRuns, across: ToleranceQuantity, up: ToleranceQuantity
 ) -> Drawing | None:
-    """Maps of performance by two imperfections; None where they do not fill a grid."""
+    """Maps of performance by two imperfections; None if they do not fill a grid."""
     settings = [setting for setting in packing.runs if _has_only(setting, (across, up))]
     columns = sorted({across.of(setting) for setting in settings})
     rows = sorted({up.of(setting) for setting in settings})
@@ -198,7 +198,7 @@ def _has_only(setting: Setting, axes: Sequence[ToleranceQuantity]) -> bool:
 def _per_cent_of_ideal(
     packing: PackingRuns, quantity: ToleranceQuantity, settings: Sequence[Setting]
 ) -> NDArray[np.float64]:
-    """Values of settings in per cent of the ideal packing's, NaN where there is none; shape
+    """Values of settings in per cent of the ideal packing's, NaN if there is none; shape
     (n_settings,).
     """
     ratios = packing.over_ideal(quantity)
@@ -209,7 +209,7 @@ def _per_cent_of_ideal(
 
 def _convergence(packing: PackingRuns) -> Drawing | None:
     """Half-width of the confidence interval of the first n seeds of the setting with most of them;
-    None for few seeds, or where nothing is random.
+    None for few seeds, or if nothing is random.
     """
     random = [setting for setting in packing.runs if packing.random(setting)]
     if not random:

@@ -67,7 +67,7 @@ class PackingRuns:
 
     @property
     def suffix(self) -> str:
-        """End of a caption: the packing, where there are several."""
+        """End of a caption: the packing, if there are several."""
         return f" ({self.label})" if self.label else ""
 
     def along(self, axis: ToleranceQuantity) -> dict[Setting, list[Setting]]:
@@ -81,7 +81,7 @@ class PackingRuns:
         return {base: lines[base] for base in sorted(lines) if len(lines[base]) > 1}
 
     def random(self, setting: Setting) -> bool:
-        """Values differ from seed to seed."""
+        """True if values differ from seed to seed."""
         return is_random(self.runs[setting][0].case)
 
     def values(self, quantity: ToleranceQuantity, setting: Setting) -> list[float]:
@@ -103,7 +103,7 @@ class PackingRuns:
         return means
 
     def over_ideal(self, quantity: ToleranceQuantity) -> Means:
-        """Ratios to the ideal packing's value; nothing where that is random, zero or not known."""
+        """Ratios to the ideal packing's value; empty if this value is random, zero or not known."""
         means = self.means(quantity)
         ideal = means.get(IDEAL)
         if not ideal or not ideal.exact or not ideal.mean:
@@ -146,7 +146,7 @@ def _inverse(share: statistics.Estimate) -> statistics.Estimate:
 
 def select(runs: Sequence[FinishedRun]) -> list[PackingRuns]:
     """Packings that were run with at least two settings, each with its name and label; of equal
-    runs the longest counts.
+    runs only the longest counts.
     """
     groups = [runs for runs in _runs_by_packing(runs) if len(runs) > 1]
     titles = [_title(PackingRuns(runs)) for runs in groups]
@@ -204,7 +204,7 @@ def _labels(titles: Sequence[str]) -> list[str]:
 
 def imperfections(case: Case) -> dict[str, Any]:
     """Return packing and impact without the imperfections, as text, the imperfections, and the
-    seed, 0 where nothing is random.
+    seed, 0 if nothing is random.
     """
     packing = case.packing
     left_out = ["packing.diameter_scatter", "packing.seed", "contact.friction"]

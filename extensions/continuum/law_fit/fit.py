@@ -359,7 +359,9 @@ class _Problem:
         return residual_scale(self.curve)[self.rows]
 
     def law(self, x: Array, *, checked: bool = False) -> ContactLaw:
-        """Return the law with these variables; with ``checked``, ValueError if it is not passive."""
+        """Return the law with these variables; with ``checked``, ValueError if it
+        is not passive.
+        """
         constants = {
             name: float(factor * self.start[name])
             for name, factor in zip(self.names, x, strict=True)
@@ -385,7 +387,9 @@ def residual_scale(curve: Curve) -> Array:
 
 
 def bearing(curve: Curve) -> NDArray[np.bool_]:
-    """Return True for the fitted rows: all except rows of un- and reloading without a force, (n,)."""
+    """Return True for the fitted rows: all except rows of un- and reloading without
+    a force, (n,).
+    """
     return curve.loading | (np.abs(curve.force) > _NO_FORCE * _turn_force(curve))
 
 

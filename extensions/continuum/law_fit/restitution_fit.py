@@ -249,7 +249,9 @@ class _Problem:
         return restitution_at(law, self.mass, self.rebounds.velocity)
 
     def law(self, x: Array, *, checked: bool = False) -> ContactLaw:
-        """Return the law with these variables; with ``checked``, ValueError if it is not passive."""
+        """Return the law with these variables; with ``checked``, ValueError if it
+        is not passive.
+        """
         fitted = {
             name: float(factor * self.start[name])
             for name, factor in zip(self.names, x, strict=True)

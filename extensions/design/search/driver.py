@@ -307,7 +307,9 @@ class _Search:
         return True
 
     def _has_values(self, design: Design, ended: Ended) -> bool:
-        """Enter the values of a run that objectives and limits need; the design fails without them."""
+        """Enter the values of a run that objectives and limits need; the design
+        fails without them.
+        """
         problem = self.problem
         values = with_derived(ended.summary, design.known["smallest_diameter_m"]) | design.known
         names_of_values = [objective.name for objective in problem.objectives]

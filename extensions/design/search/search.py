@@ -246,7 +246,9 @@ def _threads() -> Any:
 
 
 def _scaled(losses: Array) -> Array:
-    """Return the logarithms of losses with the same sign, in their order; other losses unchanged."""
+    """Return the logarithms of losses with the same sign, in their order;
+    other losses unchanged.
+    """
     if (losses > 0).all():
         return np.log(losses)
     if (losses < 0).all():

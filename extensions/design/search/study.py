@@ -106,7 +106,9 @@ class Design:
         return list(dict.fromkeys(run["note"] for run in self.runs.values() if run.get("note")))
 
     def losses(self, objectives: tuple[Objective, ...]) -> tuple[float, ...] | None:
-        """Return the objectives with signs such that small values are good; None without a value."""
+        """Return the objectives with signs such that small values are good; None
+        without a value.
+        """
         if self.state in (RUNNING, FAILED) or len(self.objectives) < len(objectives):
             return None
         return tuple(objective.sign * self.objectives[objective.name] for objective in objectives)

@@ -241,7 +241,9 @@ def _refuse_misplaced(
     contacts: CandidateContacts,
     tolerance: float,
 ) -> None:
-    """Raise InputError for grains on the wrong side of a wall, and for grains that touch nothing."""
+    """Raise InputError for grains on the wrong side of a wall, and for grains
+    that touch nothing.
+    """
     errors = []
     for name, wall in walls.items():
         distance = (grains.position - np.array(wall.point)) @ np.array(wall.normal)

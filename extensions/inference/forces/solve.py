@@ -219,7 +219,9 @@ def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
 
 
 def refuse_unknowable(grains: MeasuredGrains, equations: Equations) -> None:
-    """Raise InputError if the modulus cannot be found: with measured stresses, or without motion."""
+    """Raise InputError if the modulus cannot be found: with measured stresses,
+    or without motion.
+    """
     if grains.compliance is None:
         raise InputError(
             'infer.modulus: found "find" with measured stresses, which require no modulus; '

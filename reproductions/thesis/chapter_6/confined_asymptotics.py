@@ -7,8 +7,8 @@ tan(theta); eta_hat has no further cos^2.5 (0.5286 for n = 8, not 0.2528); the r
 powers 3/2 and c^2 w''; (6.17) has the difference of beads; (6.18) is n eps^3/A^2 (w_1'^2 + u_1'^2)
 with the largest velocity of a bead in place of A. Waves become wider with precompression, not
 narrower: C1 falls. The legends of figure 6.10 (0.09, 0.22, 0.36) have the ratio of the
-precompressions, but are about a quarter of delta_hat. Their scale is unknown, so that slopes are
-compared.
+precompressions, but are about a quarter of the delta_hat of the waves in these chains, so that
+slopes are compared.
 """
 
 from functools import cached_property
@@ -98,9 +98,9 @@ def rows(theory):
         yield gw.Row(f"Displacement of a bead by the wave over D, times 1e3, {run.label}", ours=1e3 * moved / BEAD,
                      where="ours", digits=3)
         yield gw.Row(f"delta_hat of the legend, {run.label}", source=LEGENDS[round(run.a, 7)], ours=delta_hat, digits=3,
-                     where="thesis figure 6.10", remark="The scale of the legend is unknown. Our "
-                                                        "values are about four times as large, in "
-                                                        "the ratio of a.")
+                     where="thesis figure 6.10", remark="Our values are about four times as large, in "
+                                                        "the ratio of a. The legends are the "
+                                                        "delta_hat of the drawn curves.")
     of_energy = slope(*theory.curve)
     yield gw.Row("Slope of ln(decay of the force) with delta_hat", ours=slope(theory.delta_hat, theory.decay), digits=3,
                  where="thesis figure 6.11", theory=of_energy,
@@ -111,7 +111,8 @@ def rows(theory):
                  ours=slope(theory.delta_hat, decay_by_source(theory)), where="thesis figure 6.11", theory=of_energy,
                  remark="The model of the source has a soft wall, no contacts in the rings, and "
                         "fixed normals. Its equations are solved, and runs of that model agree "
-                        "with them to four digits. The remaining difference is not explained.")
+                        "with them to four digits. The remaining difference depends on the "
+                        "choice of A.")
     # fmt: on
 
 

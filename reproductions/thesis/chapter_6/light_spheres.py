@@ -51,6 +51,27 @@ class LightSpheres:
         # eta already contains cos^2.5(theta)
         self.eta_hat = self.n * self.eta / (2 * self.soft) ** 1.5
 
+    def springs(self, r, delta_hat):
+        """Axial and radial stiffness of a small sphere to first order, from the differences of the
+        beads behind, here and ahead.
+        """
+        root = np.sqrt((r[1] + delta_hat) / (2 * self.soft))
+        return [3 * self.eta * root, 1.5 * self.gamma * np.sqrt(self.k) * self.soft * root]
+
+
+class PrintedSpheres(LightSpheres):
+    """The same with (6.13) and (6.17) as they are printed."""
+
+    def __init__(self, rows):
+        super().__init__(rows)
+        self.eta_hat *= rows.cosine[0] ** 2.5
+
+    def springs(self, r, delta_hat):
+        """Axial and radial stiffness, the radial one with differences of small spheres."""
+        axial, _ = super().springs(r, delta_hat)
+        root = np.sqrt(((r[0] + r[2]) / 2 + delta_hat) / 2)
+        return [axial, 1.5 * self.gamma * np.sqrt(self.k * self.soft) * root]
+
 
 def series_at(z, coefficients):
     """Displacement over A, 1/(1 + exp(C1 z + C3 z^3 + ...)) (6.14)."""
@@ -132,10 +153,8 @@ class Travelling:
         ]
         f = [self.force(one) for one in r]
         drive = [-(f[0] - f[2]) / 2, -limit.k / (2 * limit.soft) * (f[0] - 2 * f[1] + f[2])]
-        root = np.sqrt((r[1] + self.delta_hat) / (2 * limit.soft))
-        spring = [3 * limit.eta * root, 1.5 * limit.gamma * np.sqrt(limit.k) * limit.soft * root]
         drive = np.array(drive) / limit.eps
-        spring = np.array(spring) / limit.eps
+        spring = np.array(limit.springs(r, self.delta_hat)) / limit.eps
         step = self.time[1] - self.time[0]
         found = np.zeros_like(drive)
         place = np.zeros(2)
@@ -151,6 +170,21 @@ class Travelling:
         self.tails = np.abs(found[:, self.time > REACH / c]).max(
             axis=1
         )  # largest ones behind the wave
+
+    @property
+    def largest(self):
+        """Largest axial and radial velocity of the small spheres."""
+        return np.abs(self.axial).max(), np.abs(self.radial).max()
+
+    @property
+    def largest_force(self):
+        """Largest force of two beads in the wave."""
+        return self.difference(np.linspace(-0.6, 0.6, 121)).max() ** 1.5
+
+    @property
+    def printed_decay(self):
+        """Decay of the energy by (6.18) as it is printed."""
+        return self.limit.eps**3 * (self.tails**2).sum()
 
     @property
     def energy_decay(self):

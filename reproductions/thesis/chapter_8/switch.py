@@ -32,6 +32,8 @@ AXES = {
 SHEARED = (
     "Friction here has Mindlin's spring; in the second solver it follows the sign of the velocity."
 )
+INPUT_AXIS = 140.0  # N: end of Fig. 8.5b
+WINDOWS = ((OPEN, FRICTION, 600.0, "8.5a"), (DOWNSTREAM, 0.0, 500.0, "8.5b"))  # us, of the axes
 
 
 def select(runs):
@@ -46,7 +48,7 @@ def select(runs):
 
 
 def rows(measured):
-    found, _ = measured
+    found, none = measured
     checked = {"where": "thesis 8", "verification": True}
     # fmt: off
     solved = second_solver()
@@ -73,6 +75,34 @@ def rows(measured):
     yield gw.Row("First peak at sphere 21, loose, downstream: spread over the numbers of cylinders", "N", 0.0,
                  max(loose) - min(loose), "thesis 8.4, Fig. 8.10b",
                      "According to the source it is independent of the number.")
+    # fmt: on
+    yield from both_sensors(found, none)
+
+
+def both_sensors(found, none):
+    """Rows of the signals of both sensors (Fig. 8.5), by the axes and the text."""
+    first = [row.first for row in (none, *found[OPEN, FRICTION])]
+    times, forces = np.array(first).T
+    steps = len(NUMBERS)
+    name = f"open gaps, friction {FRICTION:g}"
+    # fmt: off
+    for what, ours in (("falls", np.sum(np.diff(forces) < 0)), ("is later", np.sum(np.diff(times) > 0))):
+        yield gw.Row(f"Steps of two cylinders with which the first peak at sphere 21 {what}, {name}", source=steps,
+                     ours=float(ours), where="thesis 8.2.2, Fig. 8.5a",
+                     remark="According to the source, force and speed decrease with the number.")
+    yield gw.Row("First peak at sphere 6, no cylinders, at most", "N", INPUT_AXIS, none.first_peak_at(SENSORS[0])[1],
+                 "thesis Fig. 8.5b", "The bound is the end of the axis; the curves are measured.", bound=True)
+    for state, friction, length, figure in WINDOWS:
+        row = found[state, friction][-1]
+        apart = 1e6 * (row.first[0] - row.first_peak_at(SENSORS[0])[0])
+        yield gw.Row(f"Time between the first peaks of both sensors, {row.name}, at most", "us", length, apart,
+                     f"thesis Fig. {figure}", "The bound is the length of the axis; the curves are measured.", bound=True)
+    for state in (UPSTREAM, DOWNSTREAM):
+        row = found[state, FRICTION][-1]
+        yield gw.Row(f"First peak at sphere 21 relative to that without cylinders, {row.name}",
+                     ours=row.first[1] / none.first[1], where="thesis 8.2.2, Fig. 8.5b", digits=3,
+                     remark="According to the source the decay is very small. The source does not state where loose "
+                     "cylinders rest when the wave arrives.")
     # fmt: on
 
 
@@ -125,3 +155,30 @@ def pictures(measured):
         "Friction causes the decrease with their number; loose cylinders downstream have no effect"
     )
     yield gw.Picture("switch_peaks", caption, figure, data)
+    yield picture_of_both(found, none)
+
+
+def picture_of_both(found, none):
+    """Signals of both sensors with gaps between spheres, and with loose cylinders."""
+    figure = Figure((7, 2.8), layout="constrained")
+    data = {}
+    for axes, (state, friction, *_), title in zip(
+        figure.subplots(1, 2, sharey=True),
+        WINDOWS,
+        ("open gaps, friction", "loose, downstream"),
+        strict=True,
+    ):
+        for k, row in enumerate((none, *found[state, friction])):
+            for sensor in SENSORS:
+                time, force = row.sensor(sensor)
+                label = f"{row.n} cylinders" if sensor == SENSORS[0] else None
+                axes.plot(1e3 * time, force, f"C{k}", linewidth=0.9, label=label)
+                name = f"{'open' if state == OPEN else 'loose'}_{row.n}_sphere_{sensor}"
+                data |= {f"{name}_time_s": time, f"{name}_N": force}
+        axes.set(xlabel="Time (ms)", title=title, xlim=(0, 0.6))
+        axes.legend(fontsize=6)
+    figure.axes[0].set(ylabel="Force (N)", ylim=(0, None))
+    caption = "Computed forces at sphere 6 (before the cylinders) and 21 (behind them), which the source measured "
+    caption += "(thesis Fig. 8.5). With open gaps, force and speed decrease with the number of cylinders; loose "
+    caption += "cylinders downstream have no effect"
+    return gw.Picture("switch_both_sensors", caption, figure, data)

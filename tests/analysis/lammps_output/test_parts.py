@@ -205,7 +205,7 @@ def test_analysis_once_more(run):
     [
         (
             "spheres.0.bin",
-            r"spheres\.0\.bin is missing: spheres\.%\.bin has 2 parts",
+            r"spheres\.0\.bin is missing: the dump has 2 files",
         ),
         ("spheres.1.bin", r"spheres\.1\.bin is missing"),
         ("contacts.0.dump", r"contacts\.0\.dump is missing"),
@@ -227,7 +227,8 @@ def test_last_part_of_a_run_that_did_not_finish(run):
     for name in ("spheres.1.bin", "contacts.1.dump"):
         (run / "dumps" / name).unlink()
     with pytest.raises(
-        OutputFormatError, match=r"spheres\.%\.bin: snapshot 0 .* holds 75 spheres .* 144"
+        OutputFormatError,
+        match=r"spheres\.N\.bin \(N = 0, 1, \.\.\.\): snapshot 0 .* holds 75 spheres .* 144",
     ):
         analyse(run, figures=False)
 
@@ -262,7 +263,7 @@ def test_contacts_cut_at_the_end_of_a_row(run):
     path.write_text("".join(path.read_text().splitlines(keepends=True)[:-1]))
     with pytest.raises(
         OutputFormatError,
-        match=r"contacts\.%\.dump \(all parts\): found \d+ contacts, contacts\.txt says",
+        match=r"contacts\.N\.dump \(N = 0, 1, \.\.\.\): found \d+ contacts, contacts\.txt says",
     ):
         analyse(run, figures=False)
 

@@ -86,7 +86,7 @@ def test_a_target_comes_first():
         "Peak reduction",
     ]
     values = {row[0].text: (row[1].text, row[2].text) for row in value_rows(run).rows}
-    assert values["Largest displacement of the target"] == ("0.012", "mm")
+    assert values["Largest displacement of the target"] == ("12", "µm")
     on_a_wall = run_with({"boundary.bottom": "wall"}, wall_peak_force_N=10.0)
     assert in_words(on_a_wall) == "The peak force on the bottom was 10 N."
 

@@ -1,7 +1,8 @@
 // Columns of spheres of two sizes that are pressed, released and pressed again, each contact to another depth: what both programs of
 // test_kernels.py compute, one with the laws as the plain pair style has them, one with the kernels of Kokkos.
-#include "laws/law_arguments.h"
 #include "kernels/touching_pairs.h"
+#include "laws/law_arguments.h"
+#include "laws/tangential.h"
 
 #include <cstdio>
 #include <utility>
@@ -61,6 +62,19 @@ inline std::vector<double> positions(int step)
   }
   return x;
 }
+
+/* Velocities of all spheres, or with a scale angular velocities: any numbers that change with time. */
+inline std::vector<double> velocities(int step, double scale)
+{
+  std::vector<double> v(3 * SPHERES);
+  for (int n = 0; n < 3 * SPHERES; n++) v[n] = scale * ((n * 7 + step * 3) % 23 - 11);
+  return v;
+}
+constexpr double SPEED = 0.05, SPIN = 8.0;
+
+/* Friction of spheres i and i + 1, without which every seventh pair is. */
+inline double coefficient(int i) { return i % 7 == 0 ? 0.0 : 0.3; }
+inline TangentialModel model(int i) { return i % 2 == 0 ? TangentialModel::MINDLIN : TangentialModel::MINDLIN_RESCALE; }
 
 /* Print numbers by their bits. */
 inline void print(const char *name, int step, int i, std::initializer_list<double> numbers)

@@ -25,6 +25,12 @@ def plain(kokkos):
     return output(kokkos / "columns_plain")
 
 
+@pytest.fixture(scope="module")
+def sliding(kokkos):
+    """The same with friction."""
+    return output(kokkos / "columns_plain", "friction")
+
+
 def test_columns_yield_part_and_touch_again(plain):
     """Otherwise there would be nothing to compare."""
     rows = [line.split() for line in plain.splitlines()]
@@ -36,10 +42,27 @@ def test_columns_yield_part_and_touch_again(plain):
     assert 0.2 * len(contacts) < yielded < 0.9 * len(contacts)
 
 
-@pytest.mark.parametrize(
-    ("back_end", "threads"), [("serial", 1), ("openmp", 1), ("openmp", 2), ("openmp", 5)]
-)
+BACK_ENDS = [("serial", 1), ("openmp", 1), ("openmp", 2), ("openmp", 5)]
+
+
+@pytest.mark.parametrize(("back_end", "threads"), BACK_ENDS)
 def test_kernels_give_the_bits_of_the_laws(kokkos, plain, back_end, threads):
     computed = output(kokkos / "columns_kokkos", back_end, threads=threads)
     assert "wrong" not in computed
     assert computed == plain
+
+
+def test_columns_with_friction_slide_stick_and_part(sliding):
+    springs = [line.split()[3:] for line in sliding.splitlines() if line.startswith("spring")]
+    zero = "0" * 16
+    stretched = sum(spring[3] != zero for spring in springs)
+    lossy = sum(spring[4] != zero for spring in springs)
+    assert 0.2 * len(springs) < stretched < 0.9 * len(springs)
+    assert 0.5 * len(springs) < lossy < len(springs)
+
+
+@pytest.mark.parametrize(("back_end", "threads"), BACK_ENDS)
+def test_springs_have_the_bits_of_the_laws(kokkos, sliding, back_end, threads):
+    computed = output(kokkos / "columns_kokkos", back_end, "friction", threads=threads)
+    assert "wrong" not in computed
+    assert computed == sliding

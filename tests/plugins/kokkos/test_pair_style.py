@@ -42,11 +42,16 @@ thermo_style    custom step time atoms c_kinetic pe c_now c_now[1] c_now[2] &
 thermo_modify   norm no format float %.17g
 thermo          {steps_of_thermo}
 run             {steps}
-write_dump      all custom {{name}}.spheres id type x y z vx vy vz fx fy fz c_sphere[*] &
-                modify sort id format float %.17g
+write_dump      all custom {{name}}.spheres id type x y z vx vy vz fx fy fz omegax omegay omegaz &
+                tqx tqy tqz c_sphere[*] modify sort id format float %.17g
 write_dump      all local {{name}}.contacts index c_contact[*] modify format float %.17g
 """
 RATTLING_STEPS = 10000
+#: Columns of compute gran/hysteretic/atom, and the fraction of the spheres in which they are positive.
+LARGEST_OVERLAP = "c_sphere[3]"
+LOST_BY_FRICTION = "c_sphere[12]"
+LEAST_TOUCHED = 0.3
+ROTATION = "set             group all omega 300.0 -200.0 100.0\n"
 BRASS = "elastoplastic 115e9 0.30 550e6"
 STEEL = "hertz 210e9 0.30"
 
@@ -75,7 +80,10 @@ def script(
 
 
 def block(cells: int, walls: int = 1, height: int = 4, striker: float = 0.04) -> str:
-    """FCC block of touching brass spheres, hit by a steel sphere of this diameter."""
+    """FCC block of touching brass spheres, hit after 20 us by a steel sphere of this diameter, in the
+    hollow between four spheres.
+    """
+    above = np.sqrt((0.005 + 0.5 * striker) ** 2 - 0.5 * 0.01**2) + 1e-4
     return f"""
 lattice         fcc $(0.01*sqrt(2):%.17g)
 region          box block -{walls} $({cells}+{walls}) -{walls} $({cells}+{walls}) -1 {height + 4}
@@ -84,7 +92,7 @@ region          block block -0.1 {cells - 0.1} -0.1 {cells - 0.1} -0.1 {height -
 create_atoms    1 region block
 set             type 1 diameter 0.01 density 8500
 create_atoms    2 single $(0.01*sqrt(2)*{cells}/2) $(0.01*sqrt(2)*{cells}/2) &
-                $(0.01*sqrt(2)*({height}-0.5)+{0.0055 + 0.5 * striker}) units box
+                $(0.01*sqrt(2)*({height}-0.5)+{above:.17g}) units box
 set             type 2 diameter {striker} density 7800
 group           striker type 2
 velocity        striker set 0.1 0.2 -5.0 units box
@@ -160,7 +168,7 @@ CASES = {
     "block, spheres of unequal size": script(
         block(4) + SIZES,
         f"pair_coeff 1 1 {BRASS}\npair_coeff 2 2 {STEEL}\npair_coeff 1 2 {BRASS} 210e9 0.30 INF",
-        8000,
+        24000,  # there are gaps between the spheres
     ),
     "crystal, pressed": script(
         PERIODIC.format(diameter=0.01), f"pair_coeff * * {BRASS}", 4000, "p p p", 1e-8, PRESSED
@@ -187,6 +195,29 @@ CASES = {
         + "\nfix damp all gran/absorb rate 100.0", timestep=1e-7,
     ),
 }  # fmt: skip
+
+
+def with_friction(text: str, words: str = "") -> str:
+    """Return the script with friction of pairs and walls, and with spheres that rotate."""
+    text = re.sub(
+        r"^(pair_coeff .*|fix \w+ all wall/gran/hysteretic .*)$",
+        rf"\1 friction 0.3 {words}",
+        text,
+        flags=re.MULTILINE,
+    )
+    text = text.replace("fix             motion all nve", "fix             motion all nve/sphere")
+    return text.replace("neighbor  ", f"{ROTATION}neighbor  ", 1)
+
+
+#: The cases with friction.
+SLIDING = {f"{name}, friction": with_friction(text) for name, text in CASES.items()} | {
+    "rattling, tangential mindlin": with_friction(
+        CASES["rattling between walls"], "tangential mindlin"
+    ),
+    "block, free, without friction of the striker": with_friction(CASES["block, free"]).replace(
+        "INF friction 0.3", "INF"
+    ),
+}
 
 
 @pytest.fixture
@@ -248,23 +279,45 @@ def assert_same(one: Path, other: Path) -> None:
         assert (one / name).read_text() == (other / name).read_text(), name
 
 
+def values_of_spheres(place: Path, name: str) -> np.ndarray:
+    """Return a column of the spheres at the end."""
+    lines = (place / "end.spheres").read_text().splitlines()
+    column = lines[8].split()[2:].index(name)
+    return np.array([float(line.split()[column]) for line in lines[9:]])
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_contacts_of_kokkos_are_those_of_the_plain_style(lammps, case):
     plain = lammps("plain", CASES[case])
+    assert np.mean(values_of_spheres(plain, LARGEST_OVERLAP) > 0.0) > LEAST_TOUCHED
     for threads in THREADS:
         assert_same(plain, lammps(f"threads{threads}", on_card(CASES[case]), threads))
 
 
-def test_spheres_go_to_other_ranks(lammps):
+@pytest.mark.parametrize("case", SLIDING)
+def test_springs_of_kokkos_are_those_of_the_plain_style(lammps, case):
+    plain = lammps("plain", SLIDING[case])
+    assert np.mean(values_of_spheres(plain, LOST_BY_FRICTION) > 0.0) > LEAST_TOUCHED
+    for threads in THREADS:
+        assert_same(plain, lammps(f"threads{threads}", on_card(SLIDING[case]), threads))
+
+
+@pytest.mark.parametrize("friction", [False, True])
+def test_spheres_go_to_other_ranks(lammps, friction):
     text = CASES["rattling between walls"].replace(str(RATTLING_STEPS), "4000")
+    if friction:
+        text = with_friction(text)
     plain = lammps("plain", text)
     place = lammps("ranks", on_card(text), ranks=2)
     assert (place / "end.spheres").read_text() == (plain / "end.spheres").read_text()
 
 
+@pytest.mark.parametrize("friction", [False, True])
 @pytest.mark.parametrize("first_on_card", [True, False])
-def test_a_restart_goes_on_with_either_style(lammps, first_on_card):
+def test_a_restart_goes_on_with_either_style(lammps, first_on_card, friction):
     text = CASES["rattling between walls"]
+    if friction:
+        text = with_friction(text)
     whole = lammps("whole", text)
     half = text.replace(
         f"run             {RATTLING_STEPS}", f"run             {RATTLING_STEPS // 2}"
@@ -279,7 +332,11 @@ def test_a_restart_goes_on_with_either_style(lammps, first_on_card):
 @pytest.mark.parametrize(
     ("coefficients", "found"),
     [
-        (f"pair_coeff * * {BRASS} friction 0.3", "friction"),
+        (f"pair_coeff * * {BRASS} friction 0.3 tangential partial_slip", "partial slip"),
+        (
+            f"pair_coeff * * {BRASS} friction 0.3 rolling sds 2e6 1e5 0.02",
+            "a resistance to rolling or twisting",
+        ),
         ("pair_coeff * * thornton 115e9 0.30 550e6", "law thornton"),
         (f"pair_coeff * * {STEEL} loss dashpot 0.02", "a viscous loss"),
     ],
@@ -287,3 +344,12 @@ def test_a_restart_goes_on_with_either_style(lammps, first_on_card):
 def test_what_the_kernels_lack_is_refused(lammps, coefficients, found):
     with pytest.raises(AssertionError, match=f"found {found}: use pair style gran/hysteretic"):
         lammps("refused", on_card(script(RATTLING, coefficients, 10)))
+
+
+def test_springs_across_a_boundary_that_moves_are_refused(lammps):
+    text = with_friction(CASES["crystal, pressed"])
+    text = re.sub(
+        r"^fix +press .*$", "fix press all deform 1 x erate -1.0 remap v", text, flags=re.M
+    )
+    with pytest.raises(AssertionError, match="does not support fix deform with remap v"):
+        lammps("refused", on_card(text))

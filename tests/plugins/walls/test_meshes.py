@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,10 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import TriangleMesh, read_stl
+from tests.conftest import BIN, PLAIN, script_of
 from tests.helpers import meshes
 from tests.helpers.bodies.thrown_sphere import state, thrown
-from tests.helpers.bodies.two_spheres import value
+from tests.helpers.bodies.two_spheres import BOX, value
 
 HERTZ = "hertz 115e9 0.3"
 FRICTION = "hertz 115e9 0.3 friction 0.3"
@@ -184,3 +186,22 @@ def test_wrong_meshes_are_refused(lammps: Any, tmp_path: Path, words: str, fault
     fix = f"fix wall all wall/gran/hysteretic {words.replace('PATH', str(plate))} {HERTZ}"
     with pytest.raises(Exception, match=fault):
         thrown(lmp, (0, 0, 0.01), (0, 0, 0), 0, fix)
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_the_first_rank_reads_the_file_for_all(tmp_path: Path, is_there: bool) -> None:
+    """The second rank runs in another folder, as on a node without this one; none of them waits."""
+    first = tmp_path / "first"
+    second = tmp_path / "second"
+    for folder in (first, second):
+        folder.mkdir()
+    if is_there:
+        written(first / "plate.stl", meshes.plate(1))
+    fix = wall(Path("plate.stl"))
+    (first / "in.script").write_text(script_of([(0, 0, 0.01)], box=BOX, extra=f"{fix}\nrun 0\n"))
+    lmp = [str(BIN / "lmp"), "-in", str(first / "in.script"), "-screen", "none", "-log", "none"]
+    ranks = ["-n", "1", "-wdir", str(first), *lmp, ":", "-n", "1", "-wdir", str(second), *lmp]
+    done = subprocess.run(
+        [str(BIN / "mpiexec"), *ranks], capture_output=True, text=True, timeout=300, env=PLAIN
+    )
+    assert (done.returncode == 0) == is_there, done.stdout + done.stderr

@@ -27,6 +27,7 @@ DIRECTIVES = {
 #SBATCH --export=ALL
 #SBATCH --ntasks=7
 #SBATCH --nodes=2
+#SBATCH --ntasks-per-node=4
 #SBATCH --time=90
 #SBATCH --mem=3000
 #SBATCH --signal=TERM@90
@@ -279,6 +280,19 @@ def test_id_of_a_new_job(name, answer):
 )  # fmt: skip
 def test_why_a_job_has_ended(name, line, said):
     assert scheduler(name).end_of("12", ["first", line]) == said
+
+
+@pytest.mark.parametrize(
+    ("name", "log"),
+    [("pbs", "12.server.example.OU"), ("torque", "granwave-x.o12"), ("slurm", "12.log")],
+)
+def test_logs_of_a_job_in_a_folder(name, log, tmp_path):
+    """The scheduler names the log where it knows only the folder: PBS by the id of the job."""
+    for file in (log, log.replace("12", "123"), log.replace("12", "312")):
+        (tmp_path / file).write_text("")
+    patterns = [pattern.format(job="12") for pattern in scheduler(name).log_patterns]
+    found = [path for path in tmp_path.iterdir() if any(map(path.match, patterns))]
+    assert [path.name for path in found] == [log]
 
 
 def fake(folder: Path, name: str, text: str) -> None:

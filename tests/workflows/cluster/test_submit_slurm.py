@@ -18,7 +18,8 @@ from tests.helpers.programs.slurm_cluster import slurm  # noqa: F401 (a fixture)
 pytestmark = [pytest.mark.usefixtures("slurm"), pytest.mark.xdist_group("slurm")]
 
 PROFILE = '[cluster]\nscheduler = "slurm"\npartition = "main"\ntime = 10\nnodes = 2\n'
-SHORT = ["--set", "run.end_time=5e-5", "--set", "run.frames=2", "--no-figures"]
+# few steps: where other programs use all processors, each message between two ranks waits for both
+SHORT = ["--set", "run.end_time=5e-6", "--set", "run.frames=2", "--no-figures"]
 LONG = [
     "--set", "packing.size=[14, 14, 8]", "--set", "run.end_time=1e-3",
     "--set", "run.timestep=2.8e-8", "--set", "run.frames=2", "--no-figures", "--checkpoint", "1",

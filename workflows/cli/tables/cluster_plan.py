@@ -45,7 +45,7 @@ class ClusterPlan:
 
     @property
     def memory(self) -> float:
-        """Memory on the node of the first rank, the fullest, bytes."""
+        """Memory on the node of the first rank, which needs most, bytes."""
         return memory_on_node(self.expected, self.ranks, self.nodes)
 
     @property
@@ -57,7 +57,7 @@ class ClusterPlan:
 
     @property
     def n_jobs(self) -> int:
-        """Number of jobs that the expected time needs, each until it writes its checkpoint."""
+        """Number of jobs for the expected time; each runs until it writes its checkpoint."""
         useful = self.limit - before_limit(int(self.limit))
         return max(1, math.ceil(self.expected.wall_time / useful))
 

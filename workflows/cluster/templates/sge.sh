@@ -9,7 +9,7 @@
 #$ -pe {{parallel_environment}} {{cores}}
 {%- endif %}
 #$ -l h_rt={{run_time_max}}
-#$ -l mem_free={{memory_mb // tasks_per_node}}M
+#$ -l mem_free={{(memory_mb + tasks_per_node - 1) // tasks_per_node}}M
 {%- if partition %}
 #$ -q {{partition}}
 {%- endif %}

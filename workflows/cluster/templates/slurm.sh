@@ -6,6 +6,9 @@
 {%- if cores > 1 %}
 #SBATCH --nodes={{nodes}}
 {%- endif %}
+{%- if nodes > 1 %}
+#SBATCH --ntasks-per-node={{tasks_per_node}}
+{%- endif %}
 #SBATCH --time={{minutes}}
 #SBATCH --mem={{memory_mb}}
 #SBATCH --signal=TERM@{{warning}}
