@@ -352,7 +352,7 @@ ENTRIES = (
                                                          "the run.",
              digits=".6g"),
     Quantity("plate_velocity_m_s", "Plate velocity at the end",
-             "Velocity into the packing; negative: it rebounds.", digits=".5g",
+             "Velocity of the plate into the packing; negative after a rebound.", digits=".5g",
              axis="Velocity of the plate at the end", symbol=r"v_\mathrm{p}"),
     Quantity("energy_plate_J", "Kinetic energy of the plate", "Part of the kinetic energy."),
     Quantity("base_arrival_s", "Arrival at the bottom",
@@ -395,7 +395,7 @@ ENTRIES = (
              "contact when its force first exceeds 10 % of its largest value. Requires at least "
              "nine layers. Null for parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
-             note="Velocity along the impact or load.direction; negative: it rebounds."),
+             note="Velocity along the impact or load.direction; negative after a rebound."),
     Quantity("restitution", axis="Coefficient of restitution", symbol="e",
              note="Given for a single sphere on a rigid wall, and for the impact of two spheres."),
     Quantity("restitution_error", "Error bar of the restitution", digits=".2g",

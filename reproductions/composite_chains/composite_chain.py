@@ -122,7 +122,7 @@ def of_speed(kind, found, measured):
         yield gw.Row(f"Largest error of V against the measurement, {kind}", "%", ERROR,
             100 * max(errors),
                      f"{PLACE}section 4", "The source value is the error of its finite elements "
-                                          "for all N2. Ours is the error for those N2 whose "
+                                          "for all N2. Our value is the error for those N2 whose "
                                           "measured V is printed.")
     if measured and not yields:
         yield from over_steel(found, measured)
