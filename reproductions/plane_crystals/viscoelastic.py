@@ -1,4 +1,4 @@
-"""Plane crystals of viscoelastic cylinders: equation 7 of the source as damping of the contacts.
+"""Plane crystals of viscoelastic cylinders: equation 7 as damping.
 
 The grains have the instantaneous modulus of equation 7, which relaxes by its Prony series: with the
 time constants in ms, with the printed seconds, and without relaxation. The only other dissipation
