@@ -255,7 +255,7 @@ def test_forces_and_energies_of_spheres(packings: list[gw.Run]) -> None:
     assert row(study, "Layers whose largest force").ours >= 3
     assert 0.1 < row(study, "Force straight below").ours < 0.4
     assert 10 < row(study, "Velocity with the largest force").ours < 40
-    assert row(study, "Spheres that do half").ours < 10
+    assert row(study, "Spheres with half").ours < 10
     assert len(study.pictures) == 1
 
 

@@ -270,7 +270,8 @@ def test_output_of_ptfe_has_two_peaks(ptfe: Study, ptfe_twin: Record) -> None:
         found = row(ptfe, name)
         assert found.ours == pytest.approx(force[second] / force[first], rel=3e-3)
         later = 1e6 * (ptfe_twin.times[second] - ptfe_twin.times[first])
-        assert float(found.remark.partition(" µs")[0].split(" ")[-1]) == pytest.approx(later, abs=3)
+        microseconds = found.remark.partition(" µs")[0].split(" ")[-1]
+        assert float(microseconds) == pytest.approx(later, abs=3)
     assert row(ptfe, "Second output peak / first output peak").ours == pytest.approx(
         0.494, abs=0.005
     )
