@@ -47,7 +47,7 @@ write_dump      all custom {{name}}.spheres id type x y z vx vy vz fx fy fz omeg
 write_dump      all local {{name}}.contacts index c_contact[*] modify format float %.17g
 """
 RATTLING_STEPS = 10000
-#: Columns of compute gran/hysteretic/atom; least fraction of the spheres in which they are positive.
+#: Columns of compute gran/hysteretic/atom; least fraction of spheres where they are positive.
 LARGEST_OVERLAP = "c_sphere[3]"
 LOST_BY_FRICTION = "c_sphere[12]"
 LEAST_TOUCHED = 0.3
