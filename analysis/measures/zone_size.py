@@ -445,8 +445,8 @@ def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
     found = []
     periodic = summary.get(PERIODIC_SIDES)
     if summary.get("zone_cut"):
-        names = " and the ".join(_names(summary["zone_cut"], periodic))
-        found.append(f"the plastic zone reaches the {names} of the {body}")
+        reached_bounds = " and the ".join(_names(summary["zone_cut"], periodic))
+        found.append(f"the plastic zone reaches the {reached_bounds} of the {body}")
     share = summary.get("wave_return_share")
     if isinstance(share, int | float) and share > NOTED_SHARE:
         names = _names(summary.get("wave_returned") or (), periodic)
