@@ -182,8 +182,8 @@ def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) 
     )
     in_joules = None
     if given:
-        limits = options.dissipation_limits or DISSIPATION_LIMITS
-        in_joules = tuple(given * end for end in limits)
+        fractions = options.dissipation_limits or DISSIPATION_LIMITS
+        in_joules = tuple(given * end for end in fractions)
     wanted: list[tuple[str, str, str, str, tuple[float, ...] | None]] = [
         (
             "contact force",
