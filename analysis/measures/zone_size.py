@@ -165,9 +165,10 @@ def zone_sizes(
     )
     sizes = dict[str, float | None]()
     for (name, unit, parts, size), percent in product(measures, SHARES):
-        has_size = energy is not None and parts is not None
         key = f"zone_{name}_{percent}{unit}"
-        sizes[key] = size(parts, energy, percent / 100) if has_size else None
+        sizes[key] = None
+        if energy is not None and parts is not None:
+            sizes[key] = size(parts, energy, percent / 100)
     return sizes
 
 
