@@ -95,7 +95,8 @@ _HOLDS_90 = {
     "contains 90 % of the plastic dissipation, evaluated at the centres of spheres (elements) "
     "without interpolation: in a lattice it is the depth of a layer. Strikers are excluded. "
     "Likewise for 50 and 99 %.",
-    "radius": "Smallest distance from the impact axis that contains 90 % of the plastic dissipation, "
+    "radius": "Smallest distance from the impact axis that contains 90 % of the plastic "
+    "dissipation, "
     "evaluated like the depth. The axis is parallel to z through the centroid of the impacted "
     "spheres.",
     "volume": "Smallest volume that contains 90 % of the plastic dissipation: spheres (elements) "
@@ -243,12 +244,14 @@ ENTRIES = (
     Quantity("energy_balance_accepted", "Accepted balance error",
              note="Largest balance error with which this run is accepted; a run with a larger "
              "error is rejected."),
-    Quantity("energy_kinetic_J", "Kinetic energy", note="Kinetic energy at the end, including rotation."),
+    Quantity("energy_kinetic_J", "Kinetic energy", note="Kinetic energy at the end, including "
+                                                        "rotation."),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
     Quantity("energy_elastic_J", "Elastic energy",
              note="Recoverable energy of contacts, springs and bars at the end."),
     Quantity("energy_dissipated_J", "Dissipated energy",
-             note="Energy dissipated up to the end by yielding, friction, viscous damping and dampers."),
+             note="Energy dissipated up to the end by yielding, friction, viscous damping and "
+                  "dampers."),
     Quantity("energy_dissipated_wall_J", "Dissipated at walls",
              note="Part of the dissipated energy."),
     Quantity("energy_dissipated_plastic_J", "Dissipated by yielding",
@@ -300,7 +303,8 @@ ENTRIES = (
     Quantity("n_plastic_spheres", "Yielded spheres", axis="Yielded spheres", symbol=r"N_\mathrm{p}",
              meaning="Spheres with a yielded contact; contacts with walls are not counted."),
     Quantity("n_dissipating_spheres", "Spheres that dissipated energy",
-             "Spheres that dissipated energy by any mechanism, including contacts with walls; the number in the figures of "
+             "Spheres that dissipated energy by any mechanism, including contacts with walls; the "
+             "number in the figures of "
              "dissipation. Excludes spheres whose contacts yielded without dissipating energy.",
              short="dissipating spheres"),
     Quantity("plastic_zone_volume_m3", "Plastic zone volume",
@@ -340,13 +344,15 @@ ENTRIES = (
              digits=".6g", note="Integral of the force on the bottom up to the end."),
     Quantity("wall_*_peak_force_N", "Peak force on a side wall",
              "Largest force on each wall, by name: xlo, xhi, ylo, yhi or tube."),
-    Quantity("wall_*_impulse_Ns", "Impulse on a side wall", "Integral of the force on the wall over the run."),
+    Quantity("wall_*_impulse_Ns", "Impulse on a side wall", "Integral of the force on the wall "
+                                                            "over the run."),
     Quantity("plate_peak_force_N", "Peak force on the plate",
              "Force of all grains on a rigid plate.", digits=".6g"),
-    Quantity("plate_impulse_Ns", "Impulse on the plate", "Integral of the force on the plate over the run.",
+    Quantity("plate_impulse_Ns", "Impulse on the plate", "Integral of the force on the plate over "
+                                                         "the run.",
              digits=".6g"),
     Quantity("plate_velocity_m_s", "Plate velocity at the end",
-             "Velocity into the packing; negative: it rebounds.", digits=".5g",
+             "Velocity of the plate into the packing; negative after a rebound.", digits=".5g",
              axis="Velocity of the plate at the end", symbol=r"v_\mathrm{p}"),
     Quantity("energy_plate_J", "Kinetic energy of the plate", "Part of the kinetic energy."),
     Quantity("base_arrival_s", "Arrival at the bottom",
@@ -389,7 +395,7 @@ ENTRIES = (
              "contact when its force first exceeds 10 % of its largest value. Requires at least "
              "nine layers. Null for parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
-             note="Velocity along the impact or load.direction; negative: it rebounds."),
+             note="Velocity along the impact or load.direction; negative after a rebound."),
     Quantity("restitution", axis="Coefficient of restitution", symbol="e",
              note="Given for a single sphere on a rigid wall, and for the impact of two spheres."),
     Quantity("restitution_error", "Error bar of the restitution", digits=".2g",

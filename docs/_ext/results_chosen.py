@@ -40,7 +40,8 @@ CHOSEN = (
         ("Dissipated fraction", "Peak contact force"),
     ),
     (
-        "Two spheres: deviation of finite elements from the fitted law, 1 to 10 and above 10 yield overlaps",
+        "Two spheres: deviation of finite elements from the fitted law, 1 to 10 and above 10 yield "
+        "overlaps",
         "sphere-contacts",
         "sphere_contact",
         (

@@ -19,12 +19,14 @@ QUANTITIES = (
              note="Elements times steps, divided by wall time."),
     Quantity("energy_punch_J", "Energy of the punch", note="Kinetic energy of the punch at the "
         "end."),
-    Quantity("energy_viscous_J", "Viscous energy", note="Energy dissipated by the artificial viscosity "
+    Quantity("energy_viscous_J", "Viscous energy", note="Energy dissipated by the artificial "
+                                                        "viscosity "
         "of the elements."),
     Quantity("energy_hourglass_J", "Hourglass energy", note="Energy of the hourglass control of "
         "the elements."),
     Quantity("energy_contact_J", "Energy of the contact",
-             note="Energy dissipated by the contact of the punch; for two spheres, energy of the penalty "
+             note="Energy dissipated by the contact of the punch; for two spheres, energy of the "
+                  "penalty "
                  "springs of their contact."),
     Quantity("energy_damping_J", "Energy dissipated by damping",
              note="Energy dissipated by the damping that keeps the compression of two spheres "
@@ -62,15 +64,18 @@ QUANTITIES = (
              note="Largest deviation of the force from the law during first loading."),
     Quantity("force_deviation_rms_percent", short="minus the law (%, "
         "rms)", digits=".2f", phrase="{} % rms",
-             axis="Force - law (%, rms)", note="Root mean square deviation of the force from the law during first loading.", scan_column=True,
+             axis="Force - law (%, rms)", note="Root mean square deviation of the force from the "
+                                               "law during first loading.", scan_column=True,
              scan_figure="force_deviation"),
-    Quantity("*_deviation_*max_percent", note="Largest deviation from the law of force, contact_radius or "
+    Quantity("*_deviation_*max_percent", note="Largest deviation from the law of force, "
+                                              "contact_radius or "
         "mean_pressure, optionally within a range of overlaps normalised by the overlap at first "
         "yield: elastic, 1_to_10, 10_to_50, 50_to_178, beyond_178."),
     Quantity("*_deviation_*rms_percent", note="Root mean square of the same deviations."),
     Quantity("n_unloadings", "Unloadings", note="Number of cycles of unloading and reloading."),
     Quantity("unloading_exponent_min", short="unloading exponents", digits=".2f", phrase="from {}",
-             note="Smallest n of F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n, fitted to each unloading."),
+             note="Smallest n of F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n, fitted to "
+                  "each unloading."),
     Quantity("unloading_exponent_max", short="unloading exponents", digits=".2f", phrase="to {}",
              note="Largest exponent n of the fits to each unloading."),
     Quantity("unloading_misfit_percent",
@@ -88,9 +93,11 @@ QUANTITIES = (
              note="Largest difference between reloading and unloading, relative to the largest "
                  "force."),
     Quantity("face_force_difference_max_percent",
-             note="Largest difference between the force at the loaded face and in the contact; small if "
+             note="Largest difference between the force at the loaded face and in the contact; "
+                  "small if "
                  "quasi-static."),
-    Quantity("face_force_difference_rms_percent", note="Root mean square of this difference of forces."),
+    Quantity("face_force_difference_rms_percent", note="Root mean square of this difference of "
+                                                       "forces."),
     Quantity("face_force_difference_mean_percent", note="Mean of this difference of forces."),
     Quantity("penetration_share_max", note="Largest penetration of the penalty springs of the "
         "contact, relative to the overlap."),

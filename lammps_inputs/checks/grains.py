@@ -385,7 +385,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
         "group": sorted(set(grains.group) - {""}) if grains is not None else [],
     }
     for what, names in known.items():
-        there = f"one of {', '.join(map(show, names))}" if names else f"no grain has a {what}"
+        there = f"one of {', '.join(map(show, names))}" if names else f"none: no grain has a {what}"
         errors.check(
             *(
                 (name not in names, f"{key}.{what}", Mismatch(show(name), there))

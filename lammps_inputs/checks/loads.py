@@ -111,7 +111,8 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     if 0 < n < least:
         _LOG.warning(
             "%s: output.history: found %d instants, expected %d or more: %d in a period of %.4g "
-            "s; with fewer instants nothing is measured", case.name, n, least, LEAST_PER_PERIOD, period,
+            "s; with fewer instants nothing is measured", case.name, n, least, LEAST_PER_PERIOD,
+                period,
         )  # fmt: skip
     if not load.slants:  # the theory of chains applies to waves along z
         _check_arrival(assembly, load, row, errors)

@@ -482,7 +482,8 @@ def _check_series(case: Case, errors: ErrorList) -> None:
             (contact.yields, f"{key}.law", yields), (contact.coheres, f"{key}.cohesion", coheres)
         )
     damped = Mismatch(
-        f'"damped" with contact.loss.kind = "{PRONY}", whose contacts would relax in it',
+        f'"damped" with contact.loss.kind = "{PRONY}", since contacts would relax during the '
+        "damped run",
         "another way to balance the packing, or another loss",
     )
     errors.check((case.is_viscoelastic and case.settles_damped, "packing.relaxation", damped))

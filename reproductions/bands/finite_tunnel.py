@@ -255,7 +255,8 @@ def verdict(runs):
     first, *_, last = falls
     yield (
         f"As the approach of the walls increases from {APPROACHES[0]:g} to {APPROACHES[-1]:g} "
-        f"diameters, the frequency at which a finite tunnel stops waves rises from {first:.3g} to {last:.3g} "
+        "diameters, the frequency at which a finite tunnel stops waves rises from "
+        f"{first:.3g} to {last:.3g} "
         "sqrt(K/m)."
     )
 

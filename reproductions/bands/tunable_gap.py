@@ -33,6 +33,11 @@ PAIRS = {
     ("brass", "brass"): (9e4, ""), ("steel", "aluminium"): (14e4, "small"), ("aluminium", "steel"): (11e4, "large"),
 }  # fmt: skip
 BOTTOM = 2e4  # rad/s: of the axis
+END_OF_AXIS = "The source value is the end of the axis of Fig. 7.7a, an upper bound."
+IN_RADIANS = (
+    "The source states the range of 0.3 MHz; its unit is rad/s, so that the third band is at "
+    "3.6e5 rad/s or 58 kHz."
+)
 
 
 def rows(runs):
@@ -93,18 +98,9 @@ def rows(runs):
             edges[1, 1],
             THESIS,
             bound=a <= 0,
-            remark="The source value is the end of the axis of Fig. 7.7a, an upper bound."
-            if axis
-            else "",
+            remark=END_OF_AXIS if axis else "",
         )
-        third = (
-            ""
-            if a
-            else (
-                "The source states the range of 0.3 MHz; its unit is rad/s, so that "
-                "the third band is at 3.6e5 rad/s or 58 kHz."
-            )
-        )
+        third = "" if a else IN_RADIANS
         yield gw.Row(
             f"Top of the third band, a = {a:g}",
             "rad/s",

@@ -52,7 +52,8 @@ def rows(runs):
     yield gw.Row(f"{LIGHT}: energy of the last bead over the input, {small[0]:.2g}", "", ours=last[0], theory=large[0],
                  where="Harbola et al. 2009", remark="The theory has large hard spheres only, "
                                                      "since light beads act as springs.")
-    yield gw.Row("Ratio of small and large diameter with the least energy of the last bead", "", ours=small[last.argmin()],
+    yield gw.Row("Ratio of small and large diameter with the least energy of the last bead", "",
+        ours=small[last.argmin()],
                  where=NEWS, digits=2, remark="In the source, smaller beads absorb more energy. "
                                               "In our runs that holds only from 0.9 down to this "
                                               "size; still smaller beads absorb less and less.")

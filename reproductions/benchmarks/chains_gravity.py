@@ -17,7 +17,10 @@ POWER = 1.5
 SPEED = (1 - 1 / POWER) / 2
 VELOCITY = -(1 / 3 + 1 / POWER) / 4
 STRETCHES = ((10, 30), (30, 90), (60, 180))  # ranges of beads
-FAR = "The powers hold at great depth. Ours approach them as the range of the fit moves down."
+FAR = (
+    "The powers hold at great depth. Our powers approach these values as the range of the fit "
+    "moves down."
+)
 
 
 def measured(runs):

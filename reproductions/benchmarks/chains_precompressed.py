@@ -71,7 +71,8 @@ def rows(runs):
         f"between points of {100 * LEAST:g} % of the largest velocity.", digits=2)
     most = gain.argmax()
     twice = brentq(lambda f: faster(f) - 2, 1e-3, 10)
-    yield gw.Row("Largest ratio of the speeds with and without static force, same force added", "", 2.0, gain[most], DARAIO,
+    yield gw.Row("Largest ratio of the speeds with and without static force, same force added", "",
+        2.0, gain[most], DARAIO,
                  f"The source states up to two times. Our largest value has {added[most]:.2g} "
                  f"static forces added; in theory the ratio is two at {twice:.2g} static forces.",
                  theory=faster(added[most]), bound=True)

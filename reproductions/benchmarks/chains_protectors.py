@@ -56,7 +56,8 @@ def rows(runs):
         remark="The source places soft, light beads near the wall and hard, heavy beads at the "
         "loaded end.",
     )
-    yield gw.Row("Fraction of soft beads in the half at the wall, of the best order", "", ours=best[6:].count("P") / 6,
+    yield gw.Row("Fraction of soft beads in the half at the wall, of the best order", "",
+        ours=best[6:].count("P") / 6,
                  where=WHERE, digits=3, remark=f"The order is {best}. It agrees with the source "
                                                "except for the first bead, which is soft and "
                                                "lengthens the impact of the steel striker.")  # fmt: skip

@@ -23,6 +23,7 @@ SOURCE = (
     "In the source hard spheres describe the measured front well, and better with a small "
     "loss. Our front falls faster."
 )
+SLOW = "The remaining energy stays in beads that move on slowly."
 LEFT = (
     "A wave in a Hertzian chain extends over about five beads. The energy that it leaves "
     "behind does not reach the front again."
@@ -64,9 +65,7 @@ def rows(runs):
             ours=chain.last,
             theory=chain.hard_last,
             where=HARD,
-            remark=LEFT
-            if chain.taper
-            else ("The remaining energy stays in beads that move on slowly."),
+            remark=LEFT if chain.taper else SLOW,
         )
         where = MEASURED if chain.taper in (0.056, 0.0827) else HARD
         remark = SOURCE if where == MEASURED else ""
@@ -79,11 +78,16 @@ def rows(runs):
             remark=remark,
         )
     most = chains[-1]
-    yield gw.Row(f"Fraction of the input that does not reach the last bead, {100 * most.taper:g} %", "%", 80,
-                 100 * (1 - most.last), NEWS, "Well over 80 % according to the source, which "
-                                              "states neither the taper nor the length. Our chain "
-                                              "has no dissipation.",
-                 bound=True)  # fmt: skip
+    yield gw.Row(
+        f"Fraction of the input that does not reach the last bead, {100 * most.taper:g} %",
+        "%",
+        80,
+        100 * (1 - most.last),
+        NEWS,
+        "Well over 80 % according to the source, which states neither the taper nor the length. "
+        "Our chain has no dissipation.",
+        bound=True,
+    )
 
 
 def pictures(runs):

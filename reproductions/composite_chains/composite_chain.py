@@ -119,15 +119,17 @@ def of_speed(kind, found, measured):
                  remark=(f"The two values of V in the source give {printed:.1f} %. {OF_CHANGE[yields]}") if measured else "")
     if measured:
         errors = [abs(v / measured[one] - 1) for one, v in zip(n, speed, strict=True) if one in measured]
-        yield gw.Row(f"Largest error of V against the measurement, {kind}", "%", ERROR, 100 * max(errors),
+        yield gw.Row(f"Largest error of V against the measurement, {kind}", "%", ERROR,
+            100 * max(errors),
                      f"{PLACE}section 4", "The source value is the error of its finite elements "
-                                          "for all N2. Ours is the error for those N2 whose "
+                                          "for all N2. Our value is the error for those N2 whose "
                                           "measured V is printed.")
     if measured and not yields:
         yield from over_steel(found, measured)
     if fit := exponential_decay(np.array(n), speed):
         formula = f"V = {fit.end:.1f} + {fit.span:.1f} exp(-N2/{fit.length:.2f}) m/s, to {fit.residual:.2g} rms."
-        yield gw.Row(f"N2 over which V approaches its limit by a factor of e, {kind}", ours=fit.length, where=FITTED, remark=formula)
+        yield gw.Row(f"N2 over which V approaches its limit by a factor of e, {kind}",
+            ours=fit.length, where=FITTED, remark=formula)
 
 
 def over_steel(found, measured):
@@ -163,7 +165,8 @@ def of_ratio(kind, found):
                                           "dissipation.")
     elif fit := exponential_decay(np.array(n), ratio):
         formula = f"lambda = {fit.end:.3f} + {fit.span:.3f} exp(-N2/{fit.length:.2f}), to {fit.residual:.2g} rms."
-        yield gw.Row(f"N2 over which lambda approaches its limit by a factor of e, {kind}", ours=fit.length, where=FITTED,
+        yield gw.Row(f"N2 over which lambda approaches its limit by a factor of e, {kind}",
+            ours=fit.length, where=FITTED,
                      remark=formula)
 # fmt: on
 

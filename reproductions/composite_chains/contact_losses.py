@@ -53,7 +53,8 @@ def rows(runs):
                          remark=f"lambda changes from {first.ratio:.3f} to {last.ratio:.3f}. In "
                                 "the source it falls exponentially.")
         for chain in (one for one in chains if one.n == WATCHED):
-            name = (f"Largest pressure of the last contact / first contact of the section, N2 = {chain.n}, "
+            name = ("Largest pressure of the last contact / first contact of the section, N2 = "
+                    f"{chain.n}, "
                     f"{kind}")
             yield gw.Row(name, "", end / begin, chain.pressure(chain.last - 1) / chain.pressure(chain.first),
                          f"{where}3.3", "The source value is the ratio of its two compressive "

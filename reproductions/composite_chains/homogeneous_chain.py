@@ -104,7 +104,8 @@ def rows(runs):
     for contact, source, remark in ((EARLY, 0.6, late), (LATE, None, "")):
         yield gw.Row(f"Beads {contact + 1} and {contact + 2} part", "ms", source, 1e3 * one.parting(contact),
                      where="composite chain, Fig. 4", remark=remark)
-    yield gw.Row("Error of the speed against the wave of the discrete chain at the computed force", "%", ours=our_speed,
+    yield gw.Row("Error of the speed against the wave of the discrete chain at the computed force",
+        "%", ours=our_speed,
                  theory=0.0, remark=f"The source prints {PRINTED.min():.2f} to {PRINTED.max():.0f} "
                                     "% for the speeds of its 11 models. The recomputed errors are "
                                     f"{of_speed.min():.1f} to {of_speed.max():.0f} %.", **where)

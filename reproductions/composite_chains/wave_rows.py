@@ -43,7 +43,8 @@ def of_output(waves, longest, kind):
     if len(out) < 2:
         return
     late = out[1].time - out[0].time
-    yield gw.Row(f"Second output peak / first output peak, N2 = {waves.n}, {kind}", ours=out[1].force / out[0].force,
+    yield gw.Row(f"Second output peak / first output peak, N2 = {waves.n}, {kind}",
+        ours=out[1].force / out[0].force,
                  where=f"{PLACE}Fig. 7", remark=f"The second peak is {1e6 * late:.0f} µs later.")
     if len(train) < 2:
         return
@@ -124,7 +125,8 @@ def of_yielded_pressure(section, source, kind):
     if means[1] / means[0] > EXPLAINED * fallen:
         remark += (" The difference is not explained, since beyond yield the pressure hardly "
                    "depends on the force.")
-    yield gw.Row(f"Last of these mean pressures / first, {at}", "", fallen, means[1] / means[0], f"{PLACE}3.3",
+    yield gw.Row(f"Last of these mean pressures / first, {at}", "", fallen, means[1] / means[0],
+        f"{PLACE}3.3",
                  remark)
 # fmt: on
 

@@ -88,7 +88,8 @@ def rows(runs):
                          ours=pairs[-1, 1] / pairs[0, 1], theory=1.0, where="similarity", **verified)
         straight = (f"{wave.law} against the number of the contact deviates from a straight line "
                     f"by {100 * wave.misfit:.2g} % of its rise.")
-        yield gw.Row(f"Largest force at contact {wave.contact[-1]} / contact {FIRST}, {kind}", ours=wave.force[-1],
+        yield gw.Row(f"Largest force at contact {wave.contact[-1]} / contact {FIRST}, {kind}",
+            ours=wave.force[-1],
                      remark=straight)
         # fmt: on
 

@@ -82,7 +82,8 @@ def rows(runs):
                      1e3 * later_peak(walls[name]), fig9, remark, digits=2)
     for name, motion in motions.items():
         low, high = motion.seen_by_camera(8000.0)
-        yield gw.Row(f"Largest speeds at 8000 frames/s / true largest speeds, least, {name}", digits=2,
+        yield gw.Row(f"Largest speeds at 8000 frames/s / true largest speeds, least, {name}",
+            digits=2,
                      ours=low, where=f"{SOURCE}, camera",
                      remark=f"The ratio lies between this value and {high:.2f}. The largest speeds "
                             "of the source are too low by this factor.")
@@ -94,7 +95,8 @@ def rows(runs):
     for name, one in walls.items():
         speeds = one.lines["all"].distribution
         fig10 = f"{SOURCE}, Fig. 10"
-        yield gw.Row(f"Largest speeds of all grains, p for a Gaussian distribution, {name}", ours=speeds.normal_p, digits=1,
+        yield gw.Row(f"Largest speeds of all grains, p for a Gaussian distribution, {name}",
+            ours=speeds.normal_p, digits=1,
                      where=fig10, remark="According to the source they are Gaussian. p is the "
                                          "result of the test of Shapiro and Wilk.")
         yield gw.Row(f"Largest speeds of all grains, standard deviation over mean, {name}", digits=2, where=fig10,
@@ -111,7 +113,8 @@ def rows(runs):
                      where=SOURCE, remark="In the source the symmetry is almost perfect.", digits=1)
     for name, one in free.items():
         last = (one.peak > 0).nonzero()[0].size - 1
-        yield gw.Row(f"Last peak down the line without / with side walls, {name}", where=SOURCE, digits=2,
+        yield gw.Row(f"Last peak down the line without / with side walls, {name}", where=SOURCE,
+            digits=2,
                      ours=one.peak[last] / walls[name].peak[last], remark=(
                          f"The depth is {one.depth[last]:.1f} D."))
     # fmt: on
@@ -139,7 +142,8 @@ def further(one, motion):
         ("Largest speeds, mean", "m/s", speeds.mean, (4.08, 4.65), 3, ""),
         ("Largest speeds, standard deviation", "m/s", speeds.deviation, (1.51, 1.12), 3, ""),
         ("Dissipated by friction / input", "", run["friction_fraction"], (0.52, 0.32), 2, SOFT),
-        ("Dissipated by damping in contacts / input", "", run["viscous_fraction"], (0.08, 0.14), 2, ""),
+        ("Dissipated by damping in contacts / input", "", run["viscous_fraction"], (0.08, 0.14), 2,
+            ""),
         ("Largest rotation of a grain at a side wall", "degrees", motion.turned()[0], (45.0, 22.0), 2, ""),
         ("Left half of the second row, outwards at 0.3 ms", "um", motion.row_shift(0.3e-3), (59.0, None), 2, ""),
         ("Speed at which the plate rebounds", "m/s", -run["plate_velocity_m_s"], (3.4, 4.0), 2, ""),

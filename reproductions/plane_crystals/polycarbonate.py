@@ -24,8 +24,8 @@ def rows(crystals):
         yield gw.Row(
             f"Rate of decay, lower region over upper region, polycarbonate, {name}, at least", "",
             1.0, one.decay.second / one.decay.first, f"{SOURCE}, 4",
-            "According to the source the trends are those of the soft crystals, with the higher "
-            "rate in the lower region.",
+            "According to the source the trends are the same as in the soft crystals, with the "
+            "higher rate in the lower region.",
             digits=2, bound=True,
         )  # fmt: skip
         yield gw.Row(

@@ -1,4 +1,4 @@
-"""Plane crystals of viscoelastic cylinders: equation 7 of the source as damping of the contacts.
+"""Plane crystals of viscoelastic cylinders: equation 7 as damping.
 
 The grains have the instantaneous modulus of equation 7, which relaxes by its Prony series: with the
 time constants in ms, with the printed seconds, and without relaxation. The only other dissipation
@@ -193,9 +193,10 @@ def of_contacts(name, contacts):
             f"Effective modulus at the contacts of the run, {word}, {name}", "MPa", printed, found,
             f"{SOURCE}, 3", digits=3,
             remark="The source values are of four contacts, whose positions are shown only in a "
-                   "picture. Ours is the modulus of the linear law that fits the viscoelastic "
-                   "force of the first 6 ms best, at all contacts with at least a tenth of the "
-                   f"largest force; the median is {np.median(contacts.modulus):.0f} MPa.",
+                   "picture. Our value is the modulus of the linear law that fits the "
+                   "viscoelastic force of the first 6 ms best, at all contacts with at least a "
+                   f"tenth of the largest force; the median is {np.median(contacts.modulus):.0f} "
+                   "MPa.",
         )  # fmt: skip
     for word, printed, found in zip(
         ("least", "median"), IMPULSES, np.percentile(np.abs(contacts.impulse), (0, 50)), strict=True

@@ -113,7 +113,8 @@ def rows(group):
     for which, word in enumerate(("walls", "free sides")):
         for one in group.pairs[which]:
             if np.isfinite(one.parted) and np.isfinite(trial := TRIAL[crystal][one.count][which]):
-                yield gw.Row(f"Depth where crystals of {one.count} and 40 per row part, {word}, {crystal}", "D", ours=one.parted,
+                yield gw.Row(f"Depth where crystals of {one.count} and 40 per row part, {word}, "
+                             f"{crystal}", "D", ours=one.parted,
                              where=OURS, remark=not_kept(trial), digits=2)
     away = np.abs(np.array(group.parted) - group.width * group.law) / np.diff(group.wide.depth).mean()
     yield gw.Row(f"Depth where crystals part minus depth of the law, at most, {crystal}", "grains",

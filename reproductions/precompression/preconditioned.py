@@ -68,7 +68,8 @@ def rows(runs):
             if pressed and chosen.any():
                 found = force[chosen].max() if which.startswith("Largest") else force[chosen].min()
                 yield gw.Row(
-                    f"{which} dissipation / force of the preconditioning, {pressed:g} N", ours=found / pressed,
+                    f"{which} dissipation / force of the preconditioning, {pressed:g} N",
+                        ours=found / pressed,
                     theory=1.0, where="thesis 1.1",
                     remark="In theory the two values lie on either side of 1. They are taken from "
                            f"{len(force)} impacts.",

@@ -26,7 +26,8 @@ def rows(runs):
     spreads = "" if last.steady else " The crest still spreads and is slower than a solitary wave."
     # fmt: off
     return [
-        gw.Row(f"Speed at F0 = {first.static:g} N / speed of an uncompressed chain", ours=first.speed / free,
+        gw.Row(f"Speed at F0 = {first.static:g} N / speed of an uncompressed chain",
+            ours=first.speed / free,
                theory=first.of_lattice / free, where="composite (4)",
                remark="The two chains have the same largest added force. Theory: the travelling "
                       "wave of the lattice under F0."),

@@ -74,7 +74,8 @@ def rows(one):
         yield gw.Row(f"Energy in strikers and impacted spheres, {way}", percent,
                      ours=ours["strikers"] + ours["struck spheres"], remark=REBOUND, **paths)
     yield gw.Row(f"Chains with a wave, {way}", source=WAVES[way], ours=carrying, **paths)
-    yield gw.Row(f"Largest energy in other spheres, {way}", percent, ours=100 * one.energies["other spheres"].max(),
+    yield gw.Row(f"Largest energy in other spheres, {way}", percent,
+        ours=100 * one.energies["other spheres"].max(),
                  theory=0.0, remark="The theory is symmetry.", **paths)
     for time in SHOWN:
         speeds = one.velocity["central chains"][np.abs(one.time - time).argmin()]
@@ -94,9 +95,11 @@ def rows(one):
         half = found[MEASURES[3]]
         theory = solitary_lengths()[MEASURES[3]]
         unsettled = np.flatnonzero(np.abs(half[1 : last + 1] / half[last] - 1) > SETTLED)
-        yield gw.Row(f"Half-maximum length, relative decrease from Nesterenko's, {of}", "%", 13.0, 100 * (1 - half[last] / theory),
+        yield gw.Row(f"Half-maximum length, relative decrease from Nesterenko's, {of}", "%", 13.0,
+            100 * (1 - half[last] / theory),
                      theory=100 * (1 - discrete_width() / theory), remark=ASYMPTOTIC, **pulse)
-        yield gw.Row(f"First sphere with a steady pulse, {of}", source=5.0, ours=unsettled[-1] + 3, **pulse,
+        yield gw.Row(f"First sphere with a steady pulse, {of}", source=5.0, ours=unsettled[-1] + 3,
+            **pulse,
                      remark="The source prints roughly five or six. From this sphere on, our "
                             f"length is within {100 * SETTLED:g} % of its last value.")
     # fmt: on

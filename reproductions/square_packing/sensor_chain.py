@@ -49,9 +49,10 @@ def rows(runs):
                          remark="The source value was weighed; ours follows from the density and "
                                 "the diameter of the source.")
             yield gw.Row("Mass of a sphere with a sensor", "g", SENSOR, 1e3 * ratio * chain.mass, **SETUP,
-                         remark="The ratio is that of the weighed masses.")
+                         remark="The value is the ratio of the weighed masses.")
             yield gw.Row("Their ratio", "%", 92.0, 100 * ratio, **SETUP)
-        yield gw.Row(f"Largest reflection of a sphere of {ratio:.3g} of the mass of the others", "% of the wave",
+        yield gw.Row(f"Largest reflection of a sphere of {ratio:.3g} of the mass of the others",
+            "% of the wave",
                      LIMIT if weighed else None, share, **SETUP, bound=weighed,
                      remark="The source states less than 1.2 %." if weighed else "")
         # fmt: on

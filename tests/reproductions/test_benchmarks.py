@@ -128,7 +128,7 @@ def test_restitution_and_decay(tmp_path: Path) -> None:
         ]
         assert decay.ours is not None and 0.6 < decay.ours < 0.95
         assert (
-            law in decay.remark and float(decay.remark.partition("to ")[2].partition(" %")[0]) < 2
+            law in decay.remark and float(decay.remark.partition(" by ")[2].partition(" %")[0]) < 2
         )
     assert columns(study)["time_restitution"].shape == (2,)
 
@@ -168,7 +168,7 @@ def test_the_largest_difference_is_beside_the_claim(tmp_path: Path) -> None:
     assert deep.ours == pytest.approx(100 * (0.86 / 0.95 - 1)) and deep.source is None
     assert row(study, "Smallest unloading exponent, brass, like radii").source == 1.3
     assert row(study, "Smallest unloading exponent, brass, radii 2 to 1").source is None
-    assert row(study, "Share of the energy of yielding").ours == pytest.approx(
+    assert row(study, "Fraction of the plastic dissipation").ours == pytest.approx(
         0.3 / (0.3 + 2 * 0.1)
     )
 

@@ -254,8 +254,8 @@ def test_forces_and_energies_of_spheres(packings: list[gw.Run]) -> None:
     study = study_of("thesis/chapter_5/spheres.py", packings[:5])
     assert row(study, "Layers whose largest force").ours >= 3
     assert 0.1 < row(study, "Force straight below").ours < 0.4
-    assert 10 < row(study, "Velocity of the largest force").ours < 40
-    assert row(study, "Spheres that do half").ours < 10
+    assert 10 < row(study, "Velocity with the largest force").ours < 40
+    assert row(study, "Spheres with half").ours < 10
     assert len(study.pictures) == 1
 
 
@@ -271,7 +271,10 @@ def test_blocks_beside_a_packing(packings: list[gw.Run], blocks: list[gw.Run]) -
         < 5
     )
     light, heavy = (one["dissipated_fraction"] for one in (blocks[1], blocks[3]))
-    masses = "Largest difference in the dissipated fraction of a block between punches of different mass, inputs above"
+    masses = (
+        "Largest difference in the dissipated fraction of a block between punches of different "
+        "mass, inputs above"
+    )
     assert row(study, masses).ours == pytest.approx(abs(light - heavy))
     assert 0.2 < row(study, "Volume that dissipates").ours < 5
 

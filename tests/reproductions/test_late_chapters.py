@@ -39,7 +39,7 @@ def test_sizes_constants_and_balance() -> None:
     assert len(checked) == 4 * 7 + 4 and all(abs(row.deviation or 0.0) < 3e-4 for row in checked)
     legends = [row for row in study.rows if row.quantity.startswith("a of the legends")]
     assert sum(f"{row.theory:.2g}" != f"{row.source:.2g}" for row in legends) == 2
-    assert "printed balance needs 0.00191, the right one 0.00134" in legends[7].remark
+    assert "printed balance requires 0.00191, the correct balance 0.00134" in legends[7].remark
 
 
 def test_small_spheres_in_balance() -> None:

@@ -145,7 +145,8 @@ def test_friction_takes_from_the_edge_chains(tmp_path: Path) -> None:
     assert (
         row(
             study,
-            f"Fraction of the friction between spheres at contacts of the two impacted spheres: {own}",
+            "Fraction of the friction between spheres at contacts of the two impacted spheres: "
+            f"{own}",
         ).ours
         > 60
     )

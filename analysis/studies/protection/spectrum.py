@@ -108,8 +108,8 @@ def rows(groups: Sequence[Spectrum]) -> Iterator[Row]:
             remark = ""
             if below > _BELOW:
                 remark = (
-                    f"The displacement is {100 * below:.2g} % smaller than that of the oscillator, "
-                    "since the plate moves under the force."
+                    f"The displacement is {100 * below:.2g} % smaller than the displacement of the "
+                    "oscillator, since the plate moves under the force."
                 )
             what = f"Largest displacement of the plate, {run.mass:g} kg, {time_label(run.period)}"
             yield Row(

@@ -29,7 +29,8 @@ ENTRIES = (
         "the tolerance."),
     Quantity("n_loaded_contacts", "Loaded contacts"),
     Quantity("n_significant_contacts", "Contacts with a force above two standard errors",
-             "Number of contacts with a normal force above two standard errors, since noise gives most "
+             "Number of contacts with a normal force above two standard errors, since noise gives "
+             "most "
              "candidates a small force. Null without standard errors."),
     Quantity("n_equations", "Equations"),
     Quantity("n_unknowns", "Components of forces"),
@@ -38,7 +39,8 @@ ENTRIES = (
     Quantity("friction", "Coefficient of friction"),
     Quantity("largest_force_N", "Largest contact force"),
     Quantity("mean_normal_force_N", "Mean normal force", "Mean over the loaded contacts."),
-    Quantity("n_sliding_contacts", "Sliding contacts", "Contacts with a tangential force within 0.1 % of friction times normal force."),
+    Quantity("n_sliding_contacts", "Sliding contacts", "Contacts with a tangential force within "
+                                                       "0.1 % of friction times normal force."),
     Quantity("residual_fraction", "Unexplained fraction of the data",
              "Root of the sum of squares of the residuals, relative to the data."),
     Quantity("chi2_per_equation", "Chi squared per degree of freedom",
@@ -50,9 +52,11 @@ ENTRIES = (
              "Root of the sum of squares of the standard errors, relative to the forces, from "
              "repetitions with noise."),
     Quantity("repetitions", meaning="Number of repetitions with noise."),
-    Quantity("youngs_modulus_Pa", "Young's modulus", "Modulus of the first grain, given or determined. "
+    Quantity("youngs_modulus_Pa", "Young's modulus", "Modulus of the first grain, given or "
+                                                     "determined. "
         "Null for measured stresses."),
-    Quantity("youngs_modulus_error_Pa", "Standard error of Young's modulus", "Error of the determined modulus; null if "
+    Quantity("youngs_modulus_error_Pa", "Standard error of Young's modulus", "Error of the "
+        "determined modulus; null if "
         "the modulus was given."),
     Quantity("true_force_error", "Error of the forces relative to the true forces",
              "For synthetic measurements of a run: root of the sum of squares of the errors, "

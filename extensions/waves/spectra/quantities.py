@@ -21,12 +21,15 @@ OF_BANDS = (
     _LEFT_OUT,
     Quantity("n_freedoms", "Degrees of freedom", "Displacements and rotations of the grains of the cell."),
     Quantity("n_bands", "Bands", "All bands, or the lowest bands of a large cell."),
-    Quantity("static_force_N", "Mean static force", "Mean static force of the contacts of the cell."),
-    Quantity("contact_stiffness_N_per_m", "Mean contact stiffness", "Mean stiffness of the contacts of the cell, along "
+    Quantity("static_force_N", "Mean static force",
+        "Mean static force of the contacts of the cell."),
+    Quantity("contact_stiffness_N_per_m", "Mean contact stiffness", "Mean stiffness of the "
+                                                                    "contacts of the cell, along "
         "their normals."),
     Quantity("unit_frequency_Hz", "Unit of frequency", "sqrt(mean stiffness / mean mass) / (2 "
         "pi)."),
-    Quantity("highest_frequency_Hz", "Highest frequency", "Highest frequency of the computed bands along the "
+    Quantity("highest_frequency_Hz", "Highest frequency", "Highest frequency of the computed bands "
+                                                          "along the "
         "path."),
     Quantity("speeds_m_s", "Speeds of long waves", "Speeds along the first stretch of the path, in "
         "ascending order; null without stiffness."),

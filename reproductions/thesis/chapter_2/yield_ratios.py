@@ -110,8 +110,8 @@ def rows(contacts):
             yield gw.Row(
                 f"{words} at {place:g} overlaps at yield", source=float(formula(place)),
                 ours=np.mean(values), where=where,
-                remark=f"The source value is its fit. Ours is the mean of {len(values)} ratios, "
-                       f"with a spread of {spread:.1f} %.",
+                remark=f"The source value is its fit. Our value is the mean of {len(values)} "
+                       f"ratios, with a spread of {spread:.1f} %.",
                 digits=3,
             )  # fmt: skip
     for one in contacts:

@@ -142,7 +142,8 @@ def rows(runs):
     yield from of_pressure(alike)
     for one in found:
         if one.strengths[0] != one.strengths[1]:
-            yield gw.Row(f"Fraction of the plastic dissipation in the softer sphere, {one.name}", ours=one.share_of_softer,
+            yield gw.Row(f"Fraction of the plastic dissipation in the softer sphere, {one.name}",
+                ours=one.share_of_softer,
                          where="thesis 3.1, Fig. 3.1", remark=(
                              "According to the source it is almost all."), digits=3)  # fmt: skip
     for one in found:

@@ -36,7 +36,7 @@ def rows(runs):
         middle.leading[0] / middle.force_unit,
         force[1] / middle.force_unit,
     )
-    linear = "The theory value is that of the linear chain"
+    linear = "The theory value is the value of the linear chain"
     where = {"where": "thesis 4.2.1"}
     names = (
         (

@@ -64,14 +64,16 @@ def rows(runs):
     yield gw.Row("Energy input over energy input, normalised", ours=energy / block["energy_input_normalised"],
                  theory=2.630, verification=True, where="thesis 5.30, by hand",
                  remark="The unit of energy is sigma_y^2 D^3 / E.")
-    yield gw.Row(f"Dissipated fraction of a block, {name}, at most", source=0.7, ours=share, bound=True,
+    yield gw.Row(f"Dissipated fraction of a block, {name}, at most", source=0.7, ours=share,
+        bound=True,
                  where="thesis Figs 5.10, 5.11", remark=OF_AXIS)
     yield gw.Row(f"Plastic volume of a block over pi D^3/6, {name}, at most", source=4.0, ours=volume, bound=True,
                  where="thesis Fig. 5.12", remark=OF_AXIS)
     yield gw.Row(f"{between} materials, inputs above sigma_y^2 D^3/E", "%", source=0.0, ours=100 * max(of_materials),
                  where="thesis Fig. 5.10b", remark="The source has one curve.", digits=2)
     for word, above in (("up to", False), ("above", True)):
-        yield gw.Row(f"{between} punches of different mass, inputs {word} sigma_y^2 D^3/E", source=0.0,
+        yield gw.Row(f"{between} punches of different mass, inputs {word} sigma_y^2 D^3/E",
+            source=0.0,
                      ours=max(of_masses[above]), where="thesis Fig. 5.11", remark=(
                          "The source states a small difference."), digits=2)
     yield gw.Row(f"Volume that dissipates {share:.2g} of the input, spheres at {packing['energy_input_J']:.3g} J over "

@@ -60,7 +60,9 @@ def rows(runs):
     name = f"normalised velocity {fast['velocity_normalised']:.3g}"
     unit = fast["energy_input_J"] / fast["energy_input_normalised"]
     # fmt: off
-    yield gw.Row("Velocity with the largest force of Fig. 5.3, 700 F_y", "m/s", where="thesis Fig. 5.3", digits=3,
+    yield gw.Row("Velocity with the largest force of Fig. 5.3, 700 F_y", "m/s", where="thesis Fig. "
+                                                                                      "5.3",
+                                                                                          digits=3,
                  ours=np.interp(LARGEST_FORCE, force, list(found)),
                  remark="The source prints no velocity; its Fig. 5.8 has 4, 10 and 40 m/s.")
     for what, ours, remark, digits in (
@@ -69,7 +71,8 @@ def rows(runs):
              "The source describes a rapid decay, as in its chains.", 3),
         ("Layers whose largest force lies on a preferred direction, 10 m/s", count,
             "The source states the first few.", 5),
-        (f"Force straight below the impacted sphere / force on a preferred direction, layer {LAYER}, "
+        ("Force straight below the impacted sphere / force on a preferred direction, layer "
+         f"{LAYER}, "
          "10 m/s", below,
          "In the source the force is highest in the preferred directions.", 3),
     ):
@@ -78,9 +81,11 @@ def rows(runs):
                  ours=2 * 16 / 15 * fast.result["spheres/dissipated_energy"].max() / unit, where="thesis Fig. 5.8",
                  remark="The bound is the end of the axis; the source counts each contact at both "
                         "of its spheres.")
-    yield gw.Row(f"Spheres with half of the dissipation, {name}", ours=involved.part(0.5)[1] / volume,
+    yield gw.Row(f"Spheres with half of the dissipation, {name}",
+        ours=involved.part(0.5)[1] / volume,
                  where="thesis Fig. 5.8", remark="The source states that most is in the first few.")
-    yield gw.Row(f"Dissipated fraction of a packing, {fast['energy_input_J']:.3g} J, at most", source=0.9, bound=True,
+    yield gw.Row(f"Dissipated fraction of a packing, {fast['energy_input_J']:.3g} J, at most",
+        source=0.9, bound=True,
                  ours=fast["dissipated_fraction"], where="thesis Fig. 5.13",
                  remark="The bound is the end of the axis; the axes of Figs 5.5 to 5.7, for the "
                         "same packings, end at 1.")

@@ -89,7 +89,8 @@ def rows(theory):
                 yield gw.Row(f"C{2 * k + 1} of the series, {at}", ours=ours, digits=3, **of_theory)
             yield gw.Row(f"c of the series, {at}", ours=c, theory=wave.speed, where="lattice", verification=True)
             z = np.linspace(*ZERO, 241)
-            yield gw.Row(f"Largest difference of the series from the profile of the lattice, {at}", digits=2,
+            yield gw.Row(f"Largest difference of the series from the profile of the lattice, {at}",
+                digits=2,
                          ours=np.abs(series_at(z, found) - wave.displacement(z)).max(), where="thesis figure 6.9")
         for way, ours in zip(("Axial", "Radial"), wave.tails, strict=True):
             yield gw.Row(f"{way} first-order velocity behind the wave, {at}", ours=ours, digits=2, **of_theory)
@@ -97,9 +98,10 @@ def rows(theory):
         yield gw.Row(f"Displacement of a bead by the wave over D, times 1e3, {run.label}", ours=1e3 * moved / BEAD,
                      where="ours", digits=3)
         yield gw.Row(f"delta_hat of the legend, {run.label}", source=LEGENDS[round(run.a, 7)], ours=delta_hat, digits=3,
-                     where="thesis figure 6.10", remark="Our values are about four times as large, in "
-                                                        "the ratio of a. The legends are the "
-                                                        "delta_hat of the drawn curves.")
+                     where="thesis figure 6.10", remark="Our values are about four times as "
+                                                        "large, and their ratio is the ratio of "
+                                                        "the a. The legends are the delta_hat of "
+                                                        "the drawn curves.")
     of_energy = slope(*theory.curve)
     yield gw.Row("Slope of ln(decay of the force) with delta_hat", ours=slope(theory.delta_hat, theory.decay), digits=3,
                  where="thesis figure 6.11", theory=of_energy,

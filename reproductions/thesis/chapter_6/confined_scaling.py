@@ -31,7 +31,8 @@ def rows(runs):
     yield gw.Row("Velocity v of the smaller impact in the legend", source=2.56e-8, theory=1 / VELOCITY, **figure,
                  remark="The printed value is v D sqrt(m_b/k_bb) of 1 m/s in place of v/D "
                         "sqrt(m_b/k_bb).")
-    yield gw.Row("a scaled with 2 m/s", source=8.4e-4, ours=similar.a, theory=2**0.8 * 4.8e-4, **figure,
+    yield gw.Row("a scaled with 2 m/s", source=8.4e-4, ours=similar.a, theory=2**0.8 * 4.8e-4,
+        **figure,
                  remark="Theory: 2^0.8 times 4.8e-4.")
     for contact in (100, 200):
         yield gw.Row(f"Power of the peak force with the velocity, contact {contact}, n = 8", source=1.2, theory=6 / 5,

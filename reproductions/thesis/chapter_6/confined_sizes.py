@@ -72,8 +72,8 @@ def rows(runs):
     yield gw.Row("eta, n = 8", source=0.34, ours=row.eta[0], **of_ratios)
     yield gw.Row("gamma = k_w/k_bb, n = 8", source=1.53, ours=(row.k_wall / K_BEADS)[0],
                  theory=(row.k_thesis_wall / K_BEADS)[0], **of_ratios,
-                 remark="The theory is the formula of the source, with the factor 1.2. Ours is "
-                        "the elliptic contact in the tube; a flat wall has 1.657.")
+                 remark="The theory is the formula of the source, with the factor 1.2. Our value "
+                        "is for the elliptic contact in the tube; for a flat wall it is 1.657.")
     yield gw.Row("Impact velocity of 1 m/s in the source's unit", source=1.35e-4, theory=1 / VELOCITY,
                  where="thesis 6.1",
                  remark="The unit D sqrt(k_bb/m_b) of the source is not dimensionless (m^(-1/4)). "

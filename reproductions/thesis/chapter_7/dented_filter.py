@@ -77,7 +77,8 @@ def rows(runs):
             yield gw.Row(f"Decay per contact of the weak pulse, contacts {DECAY[0]} to {DECAY[1]}, {row.words}",
                          ours=row.decay, digits=2 if row.yields else 3, **where)
         if row.after:
-            yield gw.Row(f"Force of a wall before the weak pulse / at the start, {row.words}", digits=3,
+            yield gw.Row(f"Force of a wall before the weak pulse / at the start, {row.words}",
+                digits=3,
                          ours=row.pressed, remark="" if row.yields else ("Spheres that still "
                                                                          "oscillate push the "
                                                                          "cylinders outwards."), **where)

@@ -79,7 +79,8 @@ def rows(found):
     yield gw.Row(f"Decay per contact, {decaying.name}", "1e-3", ours=KILO * decaying.decay(),
                  theory=KILO * solved[decaying.key]["decay_per_contact"], verification=True, digits=3, remark=SOLVER,
                  **figure)
-    yield gw.Row(f"Length of the leading wave in beads at contact {PROBED}, {spread.name}", source=10.0,
+    yield gw.Row(f"Length of the leading wave in beads at contact {PROBED}, {spread.name}",
+        source=10.0,
                  ours=span(spread), where=WHERE, remark="The wave spans the beads with forces "
                                                         "above 1 % of its peak.", digits=3)
     # fmt: on

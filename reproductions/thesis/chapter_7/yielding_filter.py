@@ -34,7 +34,8 @@ def rows(runs):
                 digits=1 if rattles else 2 if velocity <= RATTLES and share < 1 else 4,
             )  # fmt: skip
         yield gw.Row(
-            f"Force of a wall after / before the wave, {name}", ours=row.kept, where="not in the source",
+            f"Force of a wall after / before the wave, {name}", ours=row.kept, where="not in the "
+                                                                                     "source",
             remark="The value shows how much of the precompression of the chain, and thus of the "
                    f"filter, remains after the wave. The elastic chain has {elastic.kept:.3g}.", digits=3,
         )  # fmt: skip

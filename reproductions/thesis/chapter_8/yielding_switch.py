@@ -22,6 +22,7 @@ def rows(runs):
                 where="not in the source",
             )
             yield gw.Row(
-                f"First peak relative to elastic contacts, {name}", ours=row.first[1] / elastic.first[1],
+                f"First peak relative to elastic contacts, {name}",
+                    ours=row.first[1] / elastic.first[1],
                 where="not in the source",
             )  # fmt: skip

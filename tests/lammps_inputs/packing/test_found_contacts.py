@@ -179,9 +179,7 @@ def test_contacts_that_no_places_have() -> None:
 
 def test_lattices_have_no_contacts_to_choose() -> None:
     chain = {"kind": "chain", "size": 3, "diameter": D, "contacts": "touch"}
-    with pytest.raises(
-        InputError, match=r"packing\.contacts: applies only to packing\.kind = .file."
-    ):
+    with pytest.raises(InputError, match=r"packing\.contacts: belongs to packing\.kind = .file."):
         case_from_dict({"packing": chain, "material": "brass"})
 
 

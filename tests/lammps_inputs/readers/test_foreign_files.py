@@ -351,7 +351,7 @@ def test_lengths_without_a_unit_next_to_others_are_noted(tmp_path: Path) -> None
     assert grains.position == pytest.approx(np.array(PLACES))
     assert grains.reading is not None
     assert grains.reading.notes == [
-        "columns without a unit (y, z, r) next to others with one; read in metres, or in "
+        "columns without a unit (y, z, r), although other columns have one; read in metres, or in "
         "packing.units"
     ]
     text = "x (mm),y,z,r\n10,20,5,5\n10,20,15,5\n"

@@ -347,8 +347,10 @@ def test_files_that_are_no_restart(content: bytes, fault: str, tmp_path: Path) -
 
 
 @pytest.mark.parametrize(("key", "value", "fault"), [
-    ("up", "z", 'packing.up: applies only to packing.kind = "file"; found "restart", whose bed is not'),
-    ("units", "mm", 'packing.units: applies only to packing.kind = "file"; found "restart", whose file'),
+    ("up", "z", 'packing.up: applies only to packing.kind = "file"; found "restart", whose bed is '
+                'not'),
+    ("units", "mm", 'packing.units: applies only to packing.kind = "file"; found "restart", whose '
+                    'file'),
 ])  # fmt: skip
 def test_a_restart_file_needs_no_keys_of_reading(key: str, value: str, fault: str) -> None:
     packing = {"kind": "restart", "file": "a.restart", key: value}
