@@ -39,7 +39,7 @@ def _files(kind: str) -> dict[str, Path]:
     # the package is always unpacked on disk: it holds a shared library
     folders = [Path(str(resources.files("granwave.workflows")))]
     folders += [one.folder for one in extensions() if one.folder is not None]
-    paths = {}
+    paths = dict[str, Path]()
     for folder in reversed(folders):
         found = sorted((folder / kind).glob(f"*{_SUFFIX}"))
         paths |= {path.name.removesuffix(_SUFFIX): path for path in found}

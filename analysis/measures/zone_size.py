@@ -165,9 +165,10 @@ def zone_sizes(
     )
     sizes = dict[str, float | None]()
     for (name, unit, parts, size), percent in product(measures, SHARES):
-        has_size = energy is not None and parts is not None
         key = f"zone_{name}_{percent}{unit}"
-        sizes[key] = size(parts, energy, percent / 100) if has_size else None
+        sizes[key] = None
+        if energy is not None and parts is not None:
+            sizes[key] = size(parts, energy, percent / 100)
     return sizes
 
 
@@ -445,8 +446,8 @@ def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
     found = []
     periodic = summary.get(PERIODIC_SIDES)
     if summary.get("zone_cut"):
-        names = " and the ".join(_names(summary["zone_cut"], periodic))
-        found.append(f"the plastic zone reaches the {names} of the {body}")
+        reached_bounds = " and the ".join(_names(summary["zone_cut"], periodic))
+        found.append(f"the plastic zone reaches the {reached_bounds} of the {body}")
     share = summary.get("wave_return_share")
     if isinstance(share, int | float) and share > NOTED_SHARE:
         names = _names(summary.get("wave_returned") or (), periodic)

@@ -129,7 +129,7 @@ def main_figures(inputs: ReportInputs, studied: Figure | None) -> set[Path]:
     if studied:
         return set()
     items = inputs.items if len(inputs.runs) < 2 else inputs.scans
-    paths = set()
+    paths = set[Path]()
     for item in items:
         paths.update(item.directory / FIGURES_DIRECTORY / name for name in _names(item)[:1])
     return paths

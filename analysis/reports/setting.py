@@ -335,6 +335,9 @@ def differing(runs: Sequence[ReportRun]) -> list[str]:
     keys = list(dict.fromkeys(chain.from_iterable(run.case for run in runs)))
     keys = [key for key in keys if key not in _REMARKS]
     values = {key: [applied_value(key, run.case) for run in runs] for key in keys}
+    for key in _OF_SCATTER:
+        if key in values:  # without scatter it does not matter
+            values[key] = [value for value in values[key] if value is not None]
     changed = [key for key, of_runs in values.items() if _differ(of_runs)]
     if KIND_OF_PACKING in changed:  # the kind is shown with the origin
         return [key for key in changed if key != ORIGIN]
@@ -353,10 +356,8 @@ def applied_value(key: str, case: Mapping[str, Any]) -> Any:
 
 def _differ(values: Sequence[Any]) -> bool:
     """Return True if values differ, where a missing value equals one that means nothing."""
-    first, *others = [None if is_nothing(value) else value for value in values]
-    if all(value == first for value in others):
-        return False
-    return any(value != values[0] for value in values)
+    meant = [None if is_nothing(value) else value for value in values]
+    return any(value != meant[0] for value in meant)
 
 
 def is_nothing(value: Any) -> bool:

@@ -406,13 +406,15 @@ def _front(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
     if not found["front"]:
         return None
     x, y = found["objectives"]
-    front = [[one["objective"][name] for one in found["front"]] for name in (x, y)]
+    objectives = [design["objective"] for design in found["front"]]
+    front_x = [objective[x] for objective in objectives]
+    front_y = [objective[y] for objective in objectives]
     figure, axes = panels(2.8)
     axes.plot(ran[x], ran[y], ".", color=GREY, label="designs")
-    axes.plot(*front, "o-", color=BLUE, label="front")
+    axes.plot(front_x, front_y, "o-", color=BLUE, label="front")
     label(axes, value_column(x).title, value_column(y).title)
     legend_above(axes, 2)
-    return Drawing(figure, {x: ran[x], y: ran[y], f"front_{x}": front[0], f"front_{y}": front[1]})
+    return Drawing(figure, {x: ran[x], y: ran[y], f"front_{x}": front_x, f"front_{y}": front_y})
 
 
 def _importance(shares: Mapping[str, float] | None) -> Drawing | None:
@@ -469,11 +471,10 @@ def _named(words: list[str]) -> list[str]:
 
 def _scaled(column: pd.Series[Any]) -> np.ndarray:
     """Scale numbers to the range from 0 to 1; words count by their order."""
-    numbers = (
-        column.to_numpy(float)
-        if pd.api.types.is_numeric_dtype(column)
-        else pd.factorize(column, sort=True)[0]
-    )
+    if pd.api.types.is_numeric_dtype(column):
+        numbers = column.to_numpy(float)
+    else:
+        numbers = pd.factorize(column, sort=True)[0]
     span = np.ptp(numbers)
     return (numbers - numbers.min()) / span if span else np.full(len(numbers), 0.5)
 

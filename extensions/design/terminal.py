@@ -173,26 +173,18 @@ def plan_text(problem: DesignProblem, values: dict[str, Any]) -> str:
     ]
     n = values["n_designs"]
     seconds = values["wall_time_s"]
-    return lines(
-        [
-            ("design", problem.name),
-            ("wanted", " and ".join(goals)),
-            ("variables", ", ".join(values["variables"])),
-            ("designs", f"{n}" if n is not None else "infinite: ranges are continuous"),
-            ("within limits", f"{100 * values['share_within_limits']:.0f} % of random designs"),
-            ("evaluations", f"{values['evaluations']}, of {values['runs_each']} runs each"),
-            *(
-                [
-                    (
-                        "expected time",
-                        f"about {duration(seconds)}, without checks and neighbours of the best",
-                    )
-                ]
-                if seconds
-                else []
-            ),
-        ]
-    )
+    rows = [
+        ("design", problem.name),
+        ("wanted", " and ".join(goals)),
+        ("variables", ", ".join(values["variables"])),
+        ("designs", f"{n}" if n is not None else "infinite: ranges are continuous"),
+        ("within limits", f"{100 * values['share_within_limits']:.0f} % of random designs"),
+        ("evaluations", f"{values['evaluations']}, of {values['runs_each']} runs each"),
+    ]
+    if seconds:
+        expected = f"about {duration(seconds)}, without checks and neighbours of the best"
+        rows.append(("expected time", expected))
+    return lines(rows)
 
 
 def outcome_text(found: dict[str, Any], report: str) -> str:

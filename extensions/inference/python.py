@@ -81,19 +81,16 @@ def infer(
             )
         source = measurement.directory if isinstance(measurement, Run) else Path(home(measurement))
         place = None if directory is None else inference.results_place(home(directory), force=force)
+        levels = None
+        if noise is not None:
+            levels = [_number("noise", one) for one in np.atleast_1d(noise).tolist()]
         found = inference.infer(
             source,
             None if case is None else Path(home(case)),
-            noise=None
-            if noise is None
-            else [_number("noise", one) for one in np.atleast_1d(noise).tolist()],
-            frame_rate=None
-            if frame_rate is None
-            else _number("frame_rate", frame_rate, above=True),
-            position_noise=None
-            if position_noise is None
-            else _number("position_noise", position_noise),
-            time=None if time is None else _number("time", time),
+            noise=levels,
+            frame_rate=_number_or_none("frame_rate", frame_rate, above=True),
+            position_noise=_number_or_none("position_noise", position_noise),
+            time=_number_or_none("time", time),
             repeat=None if repeat is None else int(_number("repeat", repeat, whole=True)),
         )
         if place is not None:
@@ -101,12 +98,16 @@ def infer(
     return InferredForces(found.summary, found.forces, found.grains, found.measurement)
 
 
+def _number_or_none(name: str, value: Any, *, above: bool = False) -> float | None:
+    return None if value is None else _number(name, value, above=above)
+
+
 def _number(name: str, value: Any, *, above: bool = False, whole: bool = False) -> float:
-    kind = (
-        "a whole number from 0 up"
-        if whole
-        else f"a number {'above' if above else 'from'} 0{'' if above else ' up'}"
-    )
+    kind = "a number from 0 up"
+    if whole:
+        kind = "a whole number from 0 up"
+    elif above:
+        kind = "a number above 0"
     good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if not good or value < 0 or (above and not value) or (whole and value != int(value)):
         raise InputError(f"{name}: found {show(value)}, expected {kind}")

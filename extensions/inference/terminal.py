@@ -19,7 +19,8 @@ def infer(options: argparse.Namespace) -> int:
     how = chosen(options, inference.infer)
     found = inference.infer(options.measurement, options.case, progress=True, **how)
     inference.save(found, directory, force=options.force, figures=options.figures)
-    print_json(found.summary) if options.json else print(
-        f"{in_words(found.summary)}\n\nresults in {directory}"
-    )
+    if options.json:
+        print_json(found.summary)
+    else:
+        print(f"{in_words(found.summary)}\n\nresults in {directory}")
     return 0

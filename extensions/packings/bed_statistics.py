@@ -155,11 +155,9 @@ def _mean(values: NDArray[Any]) -> float:
 
 def statistics_rows(found: PackingStatistics, *, friction: bool) -> list[tuple[str, str]]:
     """Return the statistics and the published values, as pairs of a name and a value in words."""
-    pressure = (
-        []
-        if math.isnan(found.pressure)
-        else [("pressure of preparation", f"{found.pressure:.4g} Pa")]
-    )
+    pressure = []
+    if not math.isnan(found.pressure):
+        pressure = [("pressure of preparation", f"{found.pressure:.4g} Pa")]
     return [
         ("grains", _words_of_grains(found)),
         ("contacts", f"{found.n_contacts} between grains"),

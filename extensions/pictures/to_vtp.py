@@ -150,14 +150,12 @@ def _write(
     for name, values in {**arrays, "TimeValue": np.array([time])}.items():
         array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
         array.SetName(name)
-        where = (
-            data.GetFieldData()
-            if name == "TimeValue"
-            else data.GetCellData()
-            if is_lines
-            else data.GetPointData()
-        )
-        where.AddArray(array)
+        if name == "TimeValue":
+            data.GetFieldData().AddArray(array)
+        elif is_lines:
+            data.GetCellData().AddArray(array)
+        else:
+            data.GetPointData().AddArray(array)
     vtkLogger.SetStderrVerbosity(
         vtkLogger.VERBOSITY_OFF
     )  # errors of the file are told below, with its name

@@ -4,7 +4,7 @@ blocked.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -56,13 +56,14 @@ def small_waves(assembly: Assembly) -> dict[str, Any] | None:
         "length_m": length,
         "travel_time_s": None if speed is None else length / speed,
         "load": [
-            {
-                "frequency_Hz": one,
-                "passes": not (one > highest or any(a < one < b for a, b in inside)),
-            }
-            for one in frequencies
+            {"frequency_Hz": one, "passes": _passes(one, highest, inside)} for one in frequencies
         ],
     }
+
+
+def _passes(frequency: float, highest: float, gaps: Sequence[Sequence[float]]) -> bool:
+    """Return True for a frequency up to the highest, and in none of the gaps."""
+    return not (frequency > highest or any(low < frequency < high for low, high in gaps))
 
 
 def wave_rows(waves: Mapping[str, Any] | None) -> Rows:

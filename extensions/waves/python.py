@@ -73,7 +73,8 @@ def bands(
         The case is invalid, not periodic, unloaded or not rigid.
     """
     if not isinstance(path, str):
-        path = "; ".join(",".join(repr(float(one)) for one in row) for row in np.atleast_2d(path))
+        corners = np.atleast_2d(path).astype(float).tolist()
+        path = "; ".join(",".join(map(repr, corner)) for corner in corners)
     return _solved(
         "bands", source, changes, keys, directory, path=path, points=points, n_bands=n_bands, directions=directions,
         plane=plane, allow_floppy=allow_floppy, slab=slab, force=force,

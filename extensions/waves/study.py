@@ -59,7 +59,7 @@ _SCATTER = 1e-6  # m
 _SEED = 1
 
 
-class Wave(FinishedRun):
+class SmallWaveRun(FinishedRun):
     """A run of a weak impact on a periodic packing, observed along its line."""
 
     @cached_property
@@ -92,11 +92,8 @@ class Wave(FinishedRun):
         assert stage is not None
         load = f"{stage.force:g} N" if stage.force is not None else f"{stage.pressure:.3g} Pa"
         other = " of two materials" if self.case.replace else ""
-        other += (
-            f" of diameters scattered by {1e6 * self.case.packing.diameter_scatter:g} um"
-            if self.scattered
-            else ""
-        )
+        if self.scattered:
+            other += f" of diameters scattered by {1e6 * self.case.packing.diameter_scatter:g} um"
         return f"{kind}{other}, {load}"
 
     def band_at(self, k: float, frequency: float) -> float:
@@ -114,14 +111,14 @@ class Wave(FinishedRun):
         return float(min(known, key=lambda one: abs(one - frequency)))
 
 
-def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
+def select(runs: Sequence[FinishedRun]) -> list[list[SmallWaveRun]]:
     """Chains of one or two kinds of beads and lattices under a static load, with a weak impact
     along the load.
 
     Lattices with layers have periodic sides, and may have scattered diameters; lattices of one
     layer have free sides.
     """
-    found = [run.seen_as(Wave) for run in runs if _fits(run)]
+    found = [run.seen_as(SmallWaveRun) for run in runs if _fits(run)]
     return [found] if found else []
 
 
@@ -129,12 +126,12 @@ def _fits(run: FinishedRun) -> bool:
     if not run.case.load.gives_velocity or not has_bands(run.case, run.assembly):
         return False
     try:
-        return run.seen_as(Wave).structure is not None
+        return run.seen_as(SmallWaveRun).structure is not None
     except GranwaveError:
         return False
 
 
-def rows(runs: Sequence[Wave]) -> Iterator[Row]:
+def rows(runs: Sequence[SmallWaveRun]) -> Iterator[Row]:
     """Edges against closed forms, speeds, and ridges against bands."""
     for run in runs:
         yield from _closed_forms(run)
@@ -164,7 +161,7 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
         yield from rows_of_scatter(lattice)
 
 
-def _closed_forms(run: Wave) -> Iterator[Row]:
+def _closed_forms(run: SmallWaveRun) -> Iterator[Row]:
     """Return the band edges of chains with one and with two masses."""
     network = run.structure.state.network
     edges = run.structure.edges
@@ -204,13 +201,13 @@ def _closed_forms(run: Wave) -> Iterator[Row]:
         )
 
 
-def _speed(run: Wave) -> float:
+def _speed(run: SmallWaveRun) -> float:
     """Speed of long waves by the crests of the layers, m/s."""
     with Result(run.directory) as result:
         return speed_along_layers(result, line_of(run.case, sphere_contact(run.case)))
 
 
-def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
+def pictures(runs: Sequence[SmallWaveRun]) -> Iterator[Picture]:
     """Transforms and the bands on them, a panel for each run."""
     for number, run in enumerate(runs, start=1):
         drawing = transform_drawing(run.transform, run.structure, run.label_of_kind)

@@ -54,11 +54,8 @@ def modes(options: argparse.Namespace) -> int:
         f"{values['name']}: {values['n_modes']} of {values['n_freedoms']} modes of {values['n_grains']} grains, "
         f"from {_KILO * (values['lowest_frequency_Hz'] or 0):.5g} kHz"
     )
-    line += (
-        f" to {_KILO * values['highest_frequency_Hz']:.5g} kHz"
-        if values["highest_frequency_Hz"]
-        else ""
-    )
+    if values["highest_frequency_Hz"]:
+        line += f" to {_KILO * values['highest_frequency_Hz']:.5g} kHz"
     return _print(options, waves, written, [line])
 
 

@@ -124,7 +124,7 @@ def plain(number: float) -> str:
 
 def _each_word(words_of: Mapping[str, str]) -> dict[str, str]:
     """Return the key of each word, from the words of each key in one text."""
-    keys = {}
+    keys = dict[str, str]()
     for key, words in words_of.items():
         keys |= dict.fromkeys(words.split(), key)
     return keys

@@ -179,7 +179,7 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     cylinders = [row for row, one in enumerate(grains.shape) if one is not None]
     tree = KDTree(grains.position)
     near = tree.query_ball_point(grains.position[cylinders], reach[cylinders] + reach.max() + slack)
-    pairs = set()
+    pairs = set[tuple[int, ...]]()
     for row, others in zip(cylinders, near, strict=True):
         pairs.update(tuple(sorted((row, other))) for other in others)
     ids = 1 + np.array(

@@ -339,7 +339,7 @@ def named_spheres(case: Case, lattice: Lattice) -> dict[int, str]:
         (f"replace.{place}.index", entry.index or ())
         for place, entry in enumerate(case.replace, start=1)
     ]
-    keys = {}
+    keys = dict[int, str]()
     for key, spheres in reversed(names):
         keys |= {sphere: key for sphere in spheres if sphere <= lattice.n_spheres}
     return keys

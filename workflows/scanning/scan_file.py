@@ -422,7 +422,7 @@ def _read_or_note(
 def _replicates(
     header: ScanHeader, values: Mapping[str, Any], reader: _PointReader
 ) -> list[Mapping[str, Any]]:
-    """Return the values of a point with each of its seeds; the values alone if nothing is random."""
+    """Return the values of a point with each of its seeds; the values if nothing is random."""
     if header.replicates <= 1:
         return [values]
     n_seeds = header.replicates

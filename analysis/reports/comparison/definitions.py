@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from granwave.analysis.formatting.numbers import quantity_in
-from granwave.analysis.measures.zone_size import PERIODIC_SIDES, bounds_in_words
+from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import force_at_bottom, static_force_at_bottom
 from granwave.analysis.reports.comparison.subjects import (
     MOST_CURVES,
@@ -92,7 +92,7 @@ def _depths_of_kinds(runs: Sequence[ComparedRun]) -> str:
 
 def _limited_zones(runs: Sequence[ComparedRun]) -> list[str]:
     """Return sentences on plastic zones that a boundary or the end of the run limits."""
-    cut = [run for run in runs if run.run.summary.get("zone_cut")]
+    cut = [run for run in runs if mark_of(run.run.summary) is Mark.CUT]
     growing = [run for run in runs if run.run.summary.get("zone_growing")]
     notes: list[str] = []
     if cut:

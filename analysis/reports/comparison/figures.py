@@ -425,8 +425,10 @@ def draw_dissipation(
         axes.plot(curve.x[shown] * _MILLI, curve.y[shown], **_markers(run, curve.x), **look)
         name = column_name(run.label)
         columns |= {f"{name}_depth_m": curve.x, f"{name}_dissipated_over_input": curve.y}
-    label(axes, "Depth (mm)", "Dissipation of the layer / input", log="y")
-    axes.set_ylim(bottom=max(axes.get_ylim()[0], _DECADES * highest))
+    label(axes, "Depth (mm)", "Dissipation of the layer / input")
+    _log_if_wide(axes)
+    if axes.get_yscale() == "log":
+        axes.set_ylim(bottom=max(axes.get_ylim()[0], _DECADES * highest))
     _legend(figure)
     return Drawing(figure, columns)
 

@@ -37,6 +37,7 @@ _DIAMETER = "diameter"
 _INDEX = "index"  # ... and of their ids
 _OF_MATERIAL = "material."
 _OF_BOUNDARY = "boundary."
+_CLEAR = ("packing.size", "packing.diameter", "load.velocity")  # keys known by their units
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
@@ -272,8 +273,8 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     keys = physical_keys(with_case) if len(with_case) > 1 else []
     if len({run.kind for run in runs}) > 1:
         keys = comparable_keys(keys, with_case)
-    keys = [key for key in keys if not any("\n" in str(run.case.get(key)) for run in runs)]
-    values = {key: [value_text(key, run.case, missing="") for run in runs] for key in keys}
+    keys = [key for key in keys if not _has_table(key, runs)]
+    values = {key: _value_texts(key, runs) for key in keys}
     usual = {key: _usual(of_runs) for key, of_runs in values.items()}
     texts: list[str] = []
     for place, run in enumerate(runs):
@@ -288,12 +289,26 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
     return texts
 
 
+def _has_table(key: str, runs: Sequence[ReportRun]) -> bool:
+    """Return True if the value of a key of any run is a table of several lines."""
+    return any("\n" in str(run.case.get(key)) for run in runs)
+
+
+def _value_texts(key: str, runs: Sequence[ReportRun]) -> list[str]:
+    """Return the value of a key of each run in words; empty where it is missing or zero."""
+    return [
+        "" if is_nothing(run.case.get(key)) else value_text(key, run.case, missing="")
+        for run in runs
+    ]
+
+
 def _with_name(key: str, text: str) -> str:
-    """Return the value of a key in a label; of a boundary, and of a bare number, with the name of
-    the key.
+    """Return the value of a key in a label: of a boundary, a bare number, and a number with a unit
+    that does not tell the key, with the name of the key.
     """
     is_bare = re.fullmatch(r"[-+.\de]+", text) is not None
-    if is_bare or key.startswith(_OF_BOUNDARY):
+    is_unclear = text[:1].isdigit() and key not in _CLEAR
+    if is_bare or is_unclear or key.startswith(_OF_BOUNDARY):
         return f"{key.rpartition('.')[2].replace('_', ' ')} {text}"
     return text
 

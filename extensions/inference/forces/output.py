@@ -179,11 +179,9 @@ class Inferred:
 
 def _tangential(force: Array) -> Array:
     """Tangential forces from components (m, d): with a sign in the plane, magnitudes in space."""
-    return (
-        force[:, 1]
-        if force.shape[1] == 2
-        else np.asarray(np.linalg.norm(force[:, TANGENTIAL], axis=1))
-    )
+    if force.shape[1] == 2:
+        return force[:, 1]
+    return np.asarray(np.linalg.norm(force[:, TANGENTIAL], axis=1))
 
 
 def network(inference: Inference) -> Drawing:

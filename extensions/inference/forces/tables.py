@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.quantities import Quantity
 from granwave.analysis.summary_table import lines
@@ -88,18 +89,15 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
     friction = one.settings.friction_of(one.contacts)
     shear = np.linalg.norm(one.force[:, 1:], axis=1)
     sliding = loaded & (friction > 0) & (shear >= (1 - _SLIDING) * friction * one.force[:, 0])
-    clear = loaded if one.spread is None else one.force[:, 0] > _ERRORS * one.spread[:, 0]
     known = one.spread is not None or one.settings.deviations.complete(one.grains)
+    weighted = known and one.weights != "equal" and one.n_free > 0
     modulus = None if one.grains.modulus is None else float(one.grains.modulus[0]) * one.factor
-    total = float(np.linalg.norm(one.force))
     return {
         "time_s": time,
         "n_grains": len(one.grains),
         "n_contacts": len(one.contacts),
         "n_loaded_contacts": int(np.count_nonzero(loaded)),
-        "n_significant_contacts": None
-        if one.spread is None
-        else int(np.count_nonzero(loaded & clear)),
+        "n_significant_contacts": _n_significant(one, loaded),
         "n_equations": one.equations.n_equations,
         "n_unknowns": one.n_unknowns,
         "condition_number": one.condition,
@@ -107,19 +105,36 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
         "mean_normal_force_N": float(one.force[loaded, 0].mean()) if loaded.any() else 0.0,
         "n_sliding_contacts": int(np.count_nonzero(sliding)),
         "residual_fraction": one.relative_residual,
-        "chi2_per_equation": one.chi2 / one.n_free
-        if known and one.weights != "equal" and one.n_free > 0
-        else None,
-        "standard_error_fraction": (
-            float(np.linalg.norm(one.spread)) / total
-            if one.spread is not None and total > 0
-            else None
-        ),
+        "chi2_per_equation": one.chi2 / one.n_free if weighted else None,
+        "standard_error_fraction": _standard_error(one),
         "youngs_modulus_Pa": modulus,
-        "youngs_modulus_error_Pa": (
-            modulus * one.search.error if one.search is not None and modulus is not None else None
-        ),
+        "youngs_modulus_error_Pa": _modulus_error(one, modulus),
     }
+
+
+def _n_significant(one: Inference, loaded: NDArray[np.bool_]) -> int | None:
+    """Return the number of loaded contacts whose normal force is clearly above its standard error;
+    None without errors.
+    """
+    if one.spread is None:
+        return None
+    clear = one.force[:, 0] > _ERRORS * one.spread[:, 0]
+    return int(np.count_nonzero(loaded & clear))
+
+
+def _standard_error(one: Inference) -> float | None:
+    """Return the standard error of all forces over the forces; None without errors or forces."""
+    total = float(np.linalg.norm(one.force))
+    if one.spread is None or total <= 0:
+        return None
+    return float(np.linalg.norm(one.spread)) / total
+
+
+def _modulus_error(one: Inference, modulus: float | None) -> float | None:
+    """Return the error of the Young's modulus, Pa; None where none was sought."""
+    if one.search is None or modulus is None:
+        return None
+    return modulus * one.search.error
 
 
 def summary_of(
@@ -132,9 +147,10 @@ def summary_of(
 ) -> dict[str, Any]:
     """Return the content of summary.json; values of several instants are lists."""
     each = [instant_summary(one, time) for one, time in zip(found, times, strict=True)]
-    values = {
-        key: each[0][key] if len(each) == 1 else [one[key] for one in each] for key in each[0]
-    }
+    values = dict(each[0])
+    if len(each) > 1:
+        for key in values:
+            values[key] = [one[key] for one in each]
     settings = found[0].settings
     summary = values | {
         "name": name,

@@ -180,11 +180,10 @@ def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) 
     in_newtons = (
         None if options.force_limits is None else tuple(scale * end for end in options.force_limits)
     )
-    in_joules = (
-        tuple(given * end for end in options.dissipation_limits or DISSIPATION_LIMITS)
-        if given
-        else None
-    )
+    in_joules = None
+    if given:
+        fractions = options.dissipation_limits or DISSIPATION_LIMITS
+        in_joules = tuple(given * end for end in fractions)
     wanted: list[tuple[str, str, str, str, tuple[float, ...] | None]] = [
         (
             "contact force",
@@ -560,11 +559,10 @@ def _cuts(
     if own is not None:
         plane = own_plane(own.normal, own.through)
         normals["section of the case"] = tuple(plane.normal)
-        starts["section of the case"] = (
-            0.0
-            if plane.through is None
-            else float(_MILLI * (plane.through - result.origin) @ plane.normal)
-        )
+        starts["section of the case"] = 0.0
+        if plane.through is not None:
+            distance = (plane.through - result.origin) @ plane.normal
+            starts["section of the case"] = float(_MILLI * distance)
     stop = _STOP * _MILLI * result.case.packing.diameter
     towards = np.array(camera[:3]) - np.array(camera[3:6])
     cuts: dict[str, Sequence[float]] = {}

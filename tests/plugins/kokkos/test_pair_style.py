@@ -47,7 +47,7 @@ write_dump      all custom {{name}}.spheres id type x y z vx vy vz fx fy fz omeg
 write_dump      all local {{name}}.contacts index c_contact[*] modify format float %.17g
 """
 RATTLING_STEPS = 10000
-#: Columns of compute gran/hysteretic/atom, and the fraction of the spheres in which they are positive.
+#: Columns of compute gran/hysteretic/atom; least fraction of spheres where they are positive.
 LARGEST_OVERLAP = "c_sphere[3]"
 LOST_BY_FRICTION = "c_sphere[12]"
 LEAST_TOUCHED = 0.3
@@ -80,8 +80,8 @@ def script(
 
 
 def block(cells: int, walls: int = 1, height: int = 4, striker: float = 0.04) -> str:
-    """FCC block of touching brass spheres, hit after 20 us by a steel sphere of this diameter, in the
-    hollow between four spheres.
+    """FCC block of touching brass spheres, hit after 20 us by a steel sphere of this diameter, in
+    the hollow between four spheres.
     """
     above = np.sqrt((0.005 + 0.5 * striker) ** 2 - 0.5 * 0.01**2) + 1e-4
     return f"""

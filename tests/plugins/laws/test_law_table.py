@@ -265,7 +265,7 @@ EXTENSIONS = ("__attribute__", "__builtin_", "vector_size", "target_clones", "im
 
 @pytest.mark.parametrize("folder", ["laws", "kernels", "styles"])
 def test_extensions_of_compilers_are_in_one_header(folder):
-    """Another compiler requires changes of kernel.h and processors.h only; the loader is for Linux."""
+    """Another compiler requires changes of kernel.h and processors.h; the loader is for Linux."""
     for path in sorted((LAWS_FOLDER.parent / folder).glob("*.*")):
         if path.name in ("kernel.h", "processors.h", "granwaveplugin.cpp", "add_styles.cpp"):
             continue
