@@ -271,11 +271,10 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
         of_value = name if name in objectives else name.rpartition("_")[0]
         unit, cells = value_cells(of_value, rows[name].astype(object).tolist())
         is_end = name not in objectives
-        heads.append(
-            TableColumn(name.rpartition("_")[2], unit, numeric=True)
-            if is_end
-            else value_column(name, unit=unit)
-        )
+        if is_end:
+            heads.append(TableColumn(name.rpartition("_")[2], unit, numeric=True))
+        else:
+            heads.append(value_column(name, unit=unit))
         columns.append(cells)
     for name in known:
         unit, cells = value_cells(name, rows[name].astype(object).tolist())
