@@ -207,7 +207,7 @@ def of_contacts(name, contacts):
             f"Difference of impulses at the contacts of the run, {word}, {name}", "%", printed,
             found, f"{SOURCE}, Fig. 3", digits=3,
             remark="The viscoelastic against this linear law. The source's strains are measured "
-            "and not printed: not explained.",
+            "and not printed; half-sines with the printed moduli give the printed size.",
         )  # fmt: skip
 
 

@@ -164,8 +164,8 @@ def picture_of_both(found, none):
                 axes.plot(1e3 * time, force, f"C{k}", linewidth=0.9, label=label)
                 name = f"{'open' if state == OPEN else 'loose'}_{row.n}_sphere_{sensor}"
                 data |= {f"{name}_time_s": time, f"{name}_N": force}
-        axes.set(xlabel="Time (ms)", title=title, xlim=(0, 0.6))
-        axes.legend(fontsize=6)
+        axes.set(xlabel=f"Time (ms), {title}", xlim=(0, 0.6))
+    figure.axes[0].legend(fontsize=6)
     figure.axes[0].set(ylabel="Force (N)", ylim=(0, None))
     caption = "Forces at sphere 6 (before the cylinders) and 21 (behind them), computed, as the source measured them "
     caption += "(thesis Fig. 8.5): with open gaps force and speed fall with the number of cylinders, with loose ones "
