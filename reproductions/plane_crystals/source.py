@@ -63,8 +63,8 @@ def modulus_of_pulse(duration):
 
 
 def impulse_of_pulse(modulus):
-    """Duration, ms, of the pulse with this modulus, and its impulse over that of the linear law, less
-    1, per cent.
+    """Duration, ms, of the pulse with this modulus, and its impulse over that of the linear law,
+    less 1, per cent.
     """
     duration = brentq(lambda trial: modulus_of_pulse(trial) - modulus, 0.1, 1e2)
     time, strain, stress = pulse(duration)
@@ -85,9 +85,10 @@ def impulse_rows():
         yield gw.Row(
             f"Difference of impulses, elastic and viscoelastic, half-sines, {word}", "%", source,
             theory=theory, where=f"{SOURCE}, Fig. 3", digits=3,
-            remark=f"Strains that rise and fall within {times} ms, for the printed moduli of contacts 2 to 4 by the "
-            "linear law that fits each best. Impulses are nearly equal then, as printed, because the stress leads "
-            "while the strain rises and lags while it falls. A pulse with 150 MPa would last longer than the experiment.",
+            remark=f"Strains that rise and fall within {times} ms, for the printed moduli of "
+            "contacts 2 to 4 by the linear law that fits each best. Impulses are nearly equal "
+            "then, as printed, because the stress leads while the strain rises and lags while it "
+            "falls. A pulse with 150 MPa would last longer than the experiment.",
         )  # fmt: skip
 
 
@@ -107,9 +108,9 @@ def rows(runs):
     gained = [impulse_gained(rise_of(modulus)) for modulus in MODULI]
     for word, source, theory in (("least", 1.65, min(gained)), ("most", 2.2, max(gained))):
         quantity = f"Difference of impulses, elastic and viscoelastic, {word}"
-        remark = "Even rises of the strain for the times of the rows above, against the linear law that fits each best. "
-        remark += "The source's strains are measured ones, which it does not print; with pulses that fall again the "
-        remark += "printed size follows, see the next rows."
+        remark = "Even rises of the strain for the times of the rows above, against the linear law "
+        remark += "that fits each best. The source's strains are measured ones, which it does not "
+        remark += "print; with pulses that fall again the printed size follows, see the next rows."
         yield gw.Row(
             quantity, "%", source, theory=theory, where=f"{SOURCE}, Fig. 3", remark=remark, digits=3
         )

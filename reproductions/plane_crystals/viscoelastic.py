@@ -2,10 +2,10 @@
 
 The grains have the instantaneous modulus of equation 7, and it relaxes by its Prony series: with
 the time constants in ms, in seconds as printed, and not at all. Nothing else dissipates but
-friction. The printed attenuation of the hexagonal crystal is compared along its diagonal, since the
-source calls the one along its vertical drastically different. The attenuation, speed and second peak of the source are compared; so are its two laws
-of the force, the viscoelastic and a linear one with an effective modulus, at the contacts of the
-runs.
+friction. The printed attenuation of the hexagonal crystal is compared along its diagonal, since
+the source calls the one along its vertical drastically different. Speed and second peak of the
+source are compared; so are its two laws of the force, the viscoelastic and a linear one with an
+effective modulus, at the contacts of the runs.
 """
 
 from typing import NamedTuple
@@ -131,12 +131,11 @@ def of_decay(name, by_law):
     """Attenuation along the middle line of a wide crystal, where the sides are not felt."""
     rates = {law: decay_of(one) for law, one in by_law.items()}
     along_middle = name == "BCC"  # the printed one
-    source = DECAY[name] if along_middle else None
-    words = (
-        "The source has the higher rate in HCP, ours in BCC: not explained."
-        if along_middle
-        else "The source prints that along the diagonal, see the next row."
-    )
+    source = None
+    words = "The source prints that along the diagonal, see the next row."
+    if along_middle:
+        source = DECAY[name]
+        words = "The source has the higher rate in HCP, ours in BCC: not explained."
     yield gw.Row(
         f"Decay of the peak speed in region 1, {IN_MS}, {name}", "1/m", source, rates[IN_MS],
         f"{SOURCE}, Fig. 7", digits=3,

@@ -103,9 +103,10 @@ def rows(group):
     yield gw.Row(f"Depth of region 1 over the width, {crystal}", "", 1.0, slope, theory=group.law, digits=2,
                  where=f"{SOURCE}, 3, Fig. 6e",
                  remark="Theory: where the signals of both top corners meet on the middle line.")
-    yield gw.Row(f"Decay of the peak speed in region 1, {crystal}{way}", "1/m", decay, along, f"{SOURCE}, Fig. 7",
-                 digits=2, remark="In the wide crystal, by one exponential; plate and loss are not printed: the size "
-                 f"alone tells.{remark}")
+    yield gw.Row(f"Decay of the peak speed in region 1, {crystal}{way}", "1/m", decay, along,
+                 f"{SOURCE}, Fig. 7", digits=2,
+                 remark="In the wide crystal, by one exponential; plate and loss are not printed: "
+                 f"the size alone tells.{remark}")
     for which, word in enumerate(("walls", "free sides")):
         for one in group.pairs[which]:
             if np.isfinite(one.parted) and np.isfinite(trial := TRIAL[crystal][one.count][which]):

@@ -274,8 +274,8 @@ def test_blocks_beside_a_packing(packings: list[gw.Run], blocks: list[gw.Run]) -
 def test_packings_at_high_inputs(
     packings: list[gw.Run], blocks: list[gw.Run], tmp_path: Path
 ) -> None:
-    """Spheres with a tenth of the yield strength lie on the curve of brass; several impacted spheres
-    are compared at equal input.
+    """Spheres with a tenth of the yield strength lie on the curve of brass; several impacted
+    spheres are compared at equal input.
     """
     early = [
         point(tmp_path, "fcc-impact", SMALL, {

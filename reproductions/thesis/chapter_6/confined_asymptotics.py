@@ -96,7 +96,8 @@ def rows(theory):
         yield gw.Row(f"Displacement of a bead by the wave over D, times 1e3, {run.label}", ours=1e3 * moved / BEAD,
                      where="ours", digits=3)
         yield gw.Row(f"delta_hat of the legend, {run.label}", source=LEGENDS[round(run.a, 7)], ours=delta_hat, digits=3,
-                     where="thesis figure 6.10", remark="Some four times, in the ratio of a: the legends are the "
+                     where="thesis figure 6.10",
+                     remark="Some four times, in the ratio of a: the legends are the "
                      "delta_hat of the drawn curves.")
     of_energy = slope(*theory.curve)
     yield gw.Row("Slope of ln(decay of the force) with delta_hat", ours=slope(theory.delta_hat, theory.decay), digits=3,
@@ -106,7 +107,8 @@ def rows(theory):
     yield gw.Row("Slope of ln(decay of the force) with delta_hat, by the source's equations (6.7)", digits=3,
                  ours=slope(theory.delta_hat, decay_by_source(theory)), where="thesis figure 6.11", theory=of_energy,
                  remark="Its soft wall, no contacts in the rings, normals of the start; the equations are solved, and "
-                 "runs of that model agree with them to four digits. What is left depends on the choice of A.")
+                 "runs of that model agree with them to four digits. What is left depends on the "
+                 "choice of A.")
     # fmt: on
 
 
