@@ -186,9 +186,7 @@ MORE = (
         "Chain in a tube: ",
         "confined-legends",
         "legends",
-        (
-            "Slope of ln(decay of the force) with delta_hat, the source's model, against the legends",
-        ),
+        ("Slope of ln(decay of the force) with delta_hat, the source's model, against",),
     ),
     (
         "Chain in a tube: ",
