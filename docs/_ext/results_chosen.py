@@ -130,12 +130,6 @@ MORE = (
         ("Speed over c0, force added 129 times 1 N",),
     ),
     (
-        "Chain in gravity: ",
-        "benchmarks",
-        "chains_gravity",
-        ("Power of the speed with the depth, beads 60 to 180",),
-    ),
-    (
         "Sphere on a plane: ",
         "benchmarks",
         "impacts_oblique",
@@ -147,7 +141,6 @@ MORE = (
         "impacts_plane",
         ("Test 5, spin of finite elements at incidence 2.28, partial slip",),
     ),
-    ("", "benchmarks", "impacts_plastic", ("Power of restitution, 1 to 10 m/s, thornton",)),
     (
         "Homogeneous chain: ",
         "composite-chains",
@@ -183,6 +176,18 @@ MORE = (
         "thesis-5",
         "packings",
         ("Dissipated fraction, impact on 7 spheres / on one",),
+    ),
+    (
+        "FCC packing and block: ",
+        "thesis-5-high",
+        "high_inputs",
+        ("Largest difference of the volumes with the same dissipated share, spheres at 3.6 J",),
+    ),
+    (
+        "Chain in a tube: ",
+        "confined-legends",
+        "legends",
+        ("Slope of ln(decay of the force) with delta_hat, the source's model, against",),
     ),
     (
         "Chain in a tube: ",

@@ -47,6 +47,51 @@ def impulse_gained(rise):
     return 100 * (np.trapezoid(stress, time) / np.trapezoid(fitted * strain, time) - 1)
 
 
+def pulse(duration):
+    """Instants, ms, strain and stress, MPa, of a half-sine of the strain; forces do not pull."""
+    time = np.linspace(0.0, duration, INSTANTS)
+    terms = [(size * MEGA, tau / MILLI) for size, tau in TERMS]
+    strain = STRAIN * np.sin(np.pi * time / duration)
+    stress = gw.stress_history(time / MILLI, strain, LONG * MEGA, terms) / MEGA
+    return time, strain, np.maximum(stress, 0.0)
+
+
+def modulus_of_pulse(duration):
+    """Modulus, MPa, of the linear law that fits a pulse best, by least squares."""
+    _, strain, stress = pulse(duration)
+    return (stress * strain).sum() / (strain**2).sum()
+
+
+def impulse_of_pulse(modulus):
+    """Duration, ms, of the pulse with this modulus, and its impulse over that of the linear law,
+    less 1, per cent.
+    """
+    duration = brentq(lambda trial: modulus_of_pulse(trial) - modulus, 0.1, 1e2)
+    time, strain, stress = pulse(duration)
+    gained = np.trapezoid(stress, time) / np.trapezoid(modulus * strain, time) - 1
+    return duration, 100 * gained
+
+
+def impulse_rows():
+    """Rows of the difference of impulses, by pulses that rise and fall."""
+    found = [impulse_of_pulse(modulus) for modulus in MODULI]
+    short = [(duration, abs(gained)) for duration, gained in found if duration <= EVENT]
+    times = " to ".join(f"{duration:.2g}" for duration in (min(short)[0], max(short)[0]))
+    differences = [gained for _, gained in short]
+    for word, source, theory in (
+        ("least", 1.65, min(differences)),
+        ("most", 2.2, max(differences)),
+    ):
+        yield gw.Row(
+            f"Difference of impulses, elastic and viscoelastic, half-sines, {word}", "%", source,
+            theory=theory, where=f"{SOURCE}, Fig. 3", digits=3,
+            remark=f"Strains that rise and fall within {times} ms, for the printed moduli of "
+            "contacts 2 to 4 by the linear law that fits each best. Impulses are nearly equal "
+            "then, as printed, because the stress leads while the strain rises and lags while it "
+            "falls. A pulse with 150 MPa would last longer than the experiment.",
+        )  # fmt: skip
+
+
 def rows(runs):
     slow = secant(EVENT, MILLI)
     for contact, modulus in enumerate(MODULI, start=1):
@@ -74,12 +119,13 @@ def rows(runs):
             "with the linear law that fits each best. "
         )
         remark += (
-            "The difference is not explained. The strains of the source are measured and "
-            "not printed."
+            "The strains of the source are measured and not printed. Pulses that fall again give "
+            "the printed size (next rows)."
         )
         yield gw.Row(
             quantity, "%", source, theory=theory, where=f"{SOURCE}, Fig. 3", remark=remark, digits=3
         )
+    yield from impulse_rows()
     law = Chain(runs[0]).law_between(1, 2)
     mass = runs[0].spheres["mass"].iloc[0] / 2
     for speed, expected in ((1.0, 0.7468), (6.0, 0.7141)):

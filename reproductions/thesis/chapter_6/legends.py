@@ -104,27 +104,32 @@ def of_speeds(runs):
     most = TO_30_MM * max(speeds) / VELOCITY
     return gw.Row(
         "Largest speed over the smallest: n = 9, a = 0.0019 over n = 6, a = 0, at most",
-        source=AXIS[1] / AXIS[0], ours=max(speeds) / min(speeds), where="thesis figure 6.4", digits=3, bound=True,
-        remark="Ratio of the ends of the axis. In no unit of speed do all rows fit: in that of the printed v, which is "
-        f"of beads of 30 mm, the smallest is {least:.4f} and the largest {most:.4f}. Diameter, modulus and density do "
+        source=AXIS[1] / AXIS[0], ours=max(speeds) / min(speeds), where="thesis figure 6.4",
+        digits=3, bound=True,
+        remark="Ratio of the ends of the axis. In no unit of speed do all rows fit: in that of "
+        "the printed v, which is "
+        f"of beads of 30 mm, the smallest is {least:.4f} and the largest {most:.4f}. Diameter, "
+        "modulus and density do "
         "not change the ratio.",
     )  # fmt: skip
 
 
 def of_velocities(legends):
     """Rows of the largest velocities of the small spheres, the legends taken as delta_hat."""
-    waves = {"printed": legends.printed()[0], "corrected": legends.corrected()[0]}
-    for words, wave in waves.items():
-        for (way, end), largest in zip(ENDS.items(), wave.largest, strict=True):
-            yield gw.Row(
-                f"Largest {way} first-order velocity, delta_hat = {LEGENDS[0]:g}, {words} equations, at most",
-                source=end, ours=largest, bound=True, digits=3, where="thesis figure 6.10",
-                remark="By the end of the axis. (6.13) and (6.17) as they are printed, or by their errata.",
-            )  # fmt: skip
+    printed = legends.printed()[0].largest
+    corrected = legends.corrected()[0].largest
+    for (way, end), largest, other in zip(ENDS.items(), printed, corrected, strict=True):
+        yield gw.Row(
+            f"Largest {way} first-order velocity, delta_hat = {LEGENDS[0]:g}, at most",
+            source=end, ours=largest, bound=True, digits=3, where="thesis figure 6.10",
+            remark="By the end of the axis. (6.13) and (6.17) as they are printed; with their "
+            f"errata {other:.3g}.",
+        )  # fmt: skip
     delta_hat = legends.by_displacement[0]
     axial, _ = Travelling(legends.limit, delta_hat).largest
     yield gw.Row(
-        f"Largest axial first-order velocity, delta_hat = {delta_hat:.3g} of the run, over the end of the axis",
+        f"Largest axial first-order velocity, delta_hat = {delta_hat:.3g} of the run, over the "
+        "end of the axis",
         ours=axial / ENDS["axial"], digits=2, where="thesis figure 6.10",
         remark="With the delta_hat of the wave at this a, the curves would fill half of the axis.",
     )  # fmt: skip
@@ -139,15 +144,18 @@ def of_slopes(legends):
     for words, delta_hat in choices.items():
         yield gw.Row(
             f"{SLOPE}, the source's model, {words}", ours=slope(delta_hat, legends.decay),
-            theory=slope(delta_hat, energy_decays(legends.limit, delta_hat)), where=FIGURE, digits=3,
-            remark="Theory: decay of the energy by (6.18). The source calls the slopes equal. With one choice of A the "
+            theory=slope(delta_hat, energy_decays(legends.limit, delta_hat)), where=FIGURE,
+            digits=3,
+            remark="Theory: decay of the energy by (6.18). The source calls the slopes equal. "
+            "With one choice of A the "
             "force falls less steeply than the energy, with the other more steeply.",
         )  # fmt: skip
     energy = np.array([wave.printed_decay for wave in legends.printed()])
     yield gw.Row(
         f"{SLOPE}, the source's model, against the legends", ours=slope(LEGENDS, legends.decay),
         theory=slope(LEGENDS, energy), where=FIGURE, digits=3,
-        remark="Theory: (6.13) to (6.18) as they are printed. On the source's own scale the slopes are not equal.",
+        remark="Theory: (6.13) to (6.18) as they are printed. On the source's own scale the "
+        "slopes are not equal.",
     )  # fmt: skip
     yield of_lighter(legends)
 
@@ -163,8 +171,11 @@ def of_lighter(legends):
     delta_hat = delta_hat_by_force(lighter, legends.pressed, force[:, CONTACT - 1])
     return gw.Row(
         f"{SLOPE}, by (6.7), A by the peak force, small spheres of {LIGHTER:g} times the density",
-        ours=slope(delta_hat, decay), theory=slope(delta_hat, energy_decays(lighter, delta_hat)), where=FIGURE,
-        digits=3, remark="Theory is for light small spheres, but lighter ones do not bring the slopes together. Below "
+        ours=slope(delta_hat, decay), theory=slope(delta_hat, energy_decays(lighter, delta_hat)),
+        where=FIGURE,
+        digits=3,
+        remark="Theory is for light small spheres, but lighter ones do not bring the slopes "
+        "together. Below "
         "0.9 the decay at a = 0.0019 is too small to measure.",
     )  # fmt: skip
 
@@ -184,6 +195,7 @@ def pictures(legends):
             )
             data |= {f"time_{delta_hat:g}": wave.time[near], f"{way}_{delta_hat:g}": velocity[near]}
     panels[1].legend(title=r"$\hat\delta$", fontsize=7)
-    caption = "Velocities of the small spheres in first order by the equations as they are printed, the legends of "
+    caption = "Velocities of the small spheres in first order by the equations as they are "
+    caption += "printed, the legends of "
     caption += "thesis figure 6.10 taken as delta_hat, on its axes"
     yield gw.Picture("confined_legends", caption, figure, data)

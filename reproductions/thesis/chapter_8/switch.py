@@ -85,25 +85,49 @@ def both_sensors(found, none):
     times, forces = np.array(first).T
     steps = len(NUMBERS)
     name = f"open gaps, friction {FRICTION:g}"
-    # fmt: off
-    for what, ours in (("falls", np.sum(np.diff(forces) < 0)), ("is later", np.sum(np.diff(times) > 0))):
-        yield gw.Row(f"Steps of two cylinders with which the first peak at sphere 21 {what}, {name}", source=steps,
-                     ours=float(ours), where="thesis 8.2.2, Fig. 8.5a",
-                     remark="According to the source, force and speed decrease with the number.")
-    yield gw.Row("First peak at sphere 6, no cylinders, at most", "N", INPUT_AXIS, none.first_peak_at(SENSORS[0])[1],
-                 "thesis Fig. 8.5b", "The bound is the end of the axis; the curves are measured.", bound=True)
+    changes = {
+        "falls": np.sum(np.diff(forces) < 0),
+        "is later": np.sum(np.diff(times) > 0),
+    }
+    for what, ours in changes.items():
+        yield gw.Row(
+            f"Steps of two cylinders with which the first peak at sphere 21 {what}, {name}",
+            source=steps,
+            ours=float(ours),
+            where="thesis 8.2.2, Fig. 8.5a",
+            remark="According to the source, force and speed decrease with the number.",
+        )
+    yield gw.Row(
+        "First peak at sphere 6, no cylinders, at most",
+        "N",
+        INPUT_AXIS,
+        none.first_peak_at(SENSORS[0])[1],
+        "thesis Fig. 8.5b",
+        "The bound is the end of the axis; the curves are measured.",
+        bound=True,
+    )
     for state, friction, length, figure in WINDOWS:
         row = found[state, friction][-1]
         apart = 1e6 * (row.first[0] - row.first_peak_at(SENSORS[0])[0])
-        yield gw.Row(f"Time between the first peaks of both sensors, {row.name}, at most", "us", length, apart,
-                     f"thesis Fig. {figure}", "The bound is the length of the axis; the curves are measured.", bound=True)
+        yield gw.Row(
+            f"Time between the first peaks of both sensors, {row.name}, at most",
+            "us",
+            length,
+            apart,
+            f"thesis Fig. {figure}",
+            "The bound is the length of the axis; the curves are measured.",
+            bound=True,
+        )
     for state in (UPSTREAM, DOWNSTREAM):
         row = found[state, FRICTION][-1]
-        yield gw.Row(f"First peak at sphere 21 relative to that without cylinders, {row.name}",
-                     ours=row.first[1] / none.first[1], where="thesis 8.2.2, Fig. 8.5b", digits=3,
-                     remark="According to the source the decay is very small. The source does not state where loose "
-                     "cylinders rest when the wave arrives.")
-    # fmt: on
+        yield gw.Row(
+            f"First peak at sphere 21 relative to that without cylinders, {row.name}",
+            ours=row.first[1] / none.first[1],
+            where="thesis 8.2.2, Fig. 8.5b",
+            digits=3,
+            remark="According to the source the decay is very small. The source does not state "
+            "where loose cylinders rest when the wave arrives.",
+        )
 
 
 def verdict(measured):
@@ -175,10 +199,10 @@ def picture_of_both(found, none):
                 axes.plot(1e3 * time, force, f"C{k}", linewidth=0.9, label=label)
                 name = f"{'open' if state == OPEN else 'loose'}_{row.n}_sphere_{sensor}"
                 data |= {f"{name}_time_s": time, f"{name}_N": force}
-        axes.set(xlabel="Time (ms)", title=title, xlim=(0, 0.6))
-        axes.legend(fontsize=6)
+        axes.set(xlabel=f"Time (ms), {title}", xlim=(0, 0.6))
+    figure.axes[0].legend(fontsize=6)
     figure.axes[0].set(ylabel="Force (N)", ylim=(0, None))
-    caption = "Computed forces at sphere 6 (before the cylinders) and 21 (behind them), which the source measured "
-    caption += "(thesis Fig. 8.5). With open gaps, force and speed decrease with the number of cylinders; loose "
-    caption += "cylinders downstream have no effect"
+    caption = "Computed forces at sphere 6 (before the cylinders) and 21 (behind them), which the "
+    caption += "source measured (thesis Fig. 8.5). With open gaps, force and speed decrease with "
+    caption += "the number of cylinders; loose cylinders downstream have no effect"
     return gw.Picture("switch_both_sensors", caption, figure, data)
