@@ -463,7 +463,7 @@ def _point(
     expected = kind.cost(assembled, ranks, header.figures)
     resolved = case.to_dict()
     stamp = {name: versions()[name] for name in kind.versions}
-    key = json.dumps([{**resolved, "name": ""}, stamp], sort_keys=True).encode()
+    key = json.dumps([_without_remarks(resolved), stamp], sort_keys=True).encode()
     labels = {}
     for one in varied:
         found: Any = resolved
@@ -480,6 +480,15 @@ def _point(
         ranks,
         size,
     )
+
+
+def _without_remarks(case: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a case without keys that change no result: name and packing.source."""
+    packing = case.get("packing")
+    tables = {**case, "name": ""}
+    if isinstance(packing, Mapping):
+        tables["packing"] = {key: value for key, value in packing.items() if key != "source"}
+    return tables
 
 
 def _labelled(points: Sequence[ScanPoint], varied: Sequence[str], folder: Path) -> list[ScanPoint]:
