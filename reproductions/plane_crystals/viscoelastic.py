@@ -135,12 +135,14 @@ def of_decay(name, by_law):
     words = "The source prints the rate along the diagonal (next row)."
     if along_middle:
         source = DECAY[name]
-        words = "In the source the rate is higher in HCP, in our runs in BCC; this is not explained."
+        words = "In the source the rate is higher in HCP, in our runs in BCC; this is "
+        words += "not explained."
     yield gw.Row(
         f"Decay of the peak speed in region 1, {IN_MS}, {name}", "1/m", source, rates[IN_MS],
         f"{SOURCE}, Fig. 7", digits=3,
         remark="The decay is fitted by one exponential in a crystal of 24 grains per row; plate "
-               f"and friction are not printed. Without relaxation it is {rates[ELASTIC]:.2g}. {words}",
+               f"and friction are not printed. Without relaxation it is {rates[ELASTIC]:.2g}. "
+               f"{words}",
     )  # fmt: skip
     if not along_middle:
         diagonal = {law: decay_along_diagonal(one) for law, one in by_law.items()}
