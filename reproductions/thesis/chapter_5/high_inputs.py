@@ -1,11 +1,12 @@
-"""Packings at high inputs, and volumes of packings and blocks that dissipate.
+"""Packings at high energy inputs, and dissipating volumes of packings and blocks.
 
-The axes of Figs 5.5 and 5.7 go on to a normalised input of 1e10, where spheres of brass would
-overlap by far more than the contact law allows. At equal normalised velocity the overlap relative
-to the radius goes with the square of the yield strength over the modulus: spheres with a tenth of
-the strength of brass reach 9.5e9 within the law, on the same curve (5.6 to 5.13). Blocks of brass
-are hit by a punch of 0.1 kg; volumes are normalised by pi D^3/6, D = 10 mm. Packings have 24 x 24 x
-12 spheres, whose bounds raise the dissipated share by less than 1 %.
+The axes of Figs 5.5 and 5.7 end at a normalised input of 1e10. At this input, overlaps of brass
+spheres would exceed the range of the contact law by far. At a given normalised velocity, the
+overlap relative to the radius is proportional to the square of the ratio of yield strength to
+modulus. Spheres with a tenth of the yield strength of brass therefore reach 9.5e9 within the range
+of the law, on the same curve (5.6 to 5.13). Blocks of brass are hit by a punch of 0.1 kg. Volumes
+are normalised by pi D^3/6, with D = 10 mm. Packings have 24 × 24 × 12 spheres; their boundaries
+raise the dissipated fraction by less than 1 %.
 """
 
 import math
@@ -71,11 +72,10 @@ def rows(impacts):
     most = single[-1]
     overlap = max(run["peak_overlap_m"] / (run.case.packing.diameter / 4) for run in single)
     yield gw.Row(
-        f"Dissipated share of a packing, input {most['energy_input_normalised']:.2g} F_y alpha_y",
+        f"Dissipated fraction of a packing, input {most['energy_input_normalised']:.2g} F_y alpha_y",
         ours=most["dissipated_fraction"], where="thesis Figs 5.5 to 5.7", digits=4,
-        remark=f"Overlaps reach {overlap:.2g} R*; the contact law ends at 0.2 R*. The axes of the "
-        "source end at 1e10 times "
-        "15/16 F_y alpha_y.",
+        remark=f"Overlaps reach {overlap:.2g} R*; the contact law is valid up to 0.2 R*. The axes "
+        "of the source end at 1e10 × 15/16 F_y alpha_y.",
     )  # fmt: skip
     yield from constants(single)
     yield from shares_on_axis(impacts)
@@ -84,14 +84,14 @@ def rows(impacts):
     for run in impacts.brass:
         of_packing = np.interp(share, *volumes(run))
         yield gw.Row(
-            "Largest difference of the volumes with the same dissipated share, spheres at "
-            f"{run['energy_input_J']:.3g} J "
-            f"and blocks at {energies[0]:.3g} to {energies[-1]:.3g} J",
+            "Largest difference of the volumes with the same dissipated fraction, spheres at "
+            f"{run['energy_input_J']:.3g} J and blocks at {energies[0]:.3g} to "
+            f"{energies[-1]:.3g} J",
             source=0.0, ours=np.abs(of_packing - volume).max(), where="thesis 5.5, Fig. 5.14",
             digits=2,
-            remark=f"The source: very close, on an axis to 20. Shares {share[0]:.2f} to "
-            f"{share[-1]:.2f}. Whole spheres "
-            "count, though contacts alone yield.",
+            remark="According to the source the volumes are very close, on an axis that ends at 20. "
+            f"Fractions from {share[0]:.2f} to {share[-1]:.2f} are compared. Whole spheres are "
+            "counted, although only their contacts yield.",
         )  # fmt: skip
 
 
@@ -106,11 +106,10 @@ def loading_areas(early):
         differences.append(abs(run["dissipated_fraction"] - of_one))
         inputs.append(run["energy_input_normalised"])
     yield gw.Row(
-        "Largest difference of the dissipated share between 1, 3 and 7 struck spheres, inputs of "
-        f"{min(inputs):.2g} to "
-        f"{max(inputs):.2g} F_y alpha_y",
+        "Largest difference of the dissipated fraction between 1, 3 and 7 impacted spheres, inputs "
+        f"of {min(inputs):.2g} to {max(inputs):.2g} F_y alpha_y",
         source=0.0, ours=max(differences), where="thesis Fig. 5.7", digits=2,
-        remark="The source: its curves overlap.",
+        remark="According to the source the curves overlap.",
     )  # fmt: skip
 
 
@@ -125,16 +124,15 @@ def constants(single):
     ):
         yield gw.Row(
             f"{name} of the quadratic law, where the input is v0²/2, normalised velocities from "
-            f"{velocity[0]:.3g} to "
-            f"{velocity[-1]:.3g}",
+            f"{velocity[0]:.3g} to {velocity[-1]:.3g}",
             ours=ours, where="thesis 5.17, Fig. 5.6a", digits=3,
-            remark=f"± {deviation:.2g} (standard deviation). The axis of the source goes from 1 "
+            remark=f"The standard deviation is {deviation:.2g}. The axis of the source goes from 1 "
             "to 1e4.",
         )  # fmt: skip
 
 
 def on_axis(impacts):
-    """Inputs over sigma_y^2 D^3/E of brass and dissipated shares, of packings and of blocks."""
+    """Inputs over sigma_y^2 D^3/E of brass, and dissipated fractions, for packings and blocks."""
     unit = unit_of(impacts.brass[0]) / unit_of(impacts.blocks[0])
     packing = [unit * run["energy_input_normalised"] for run in impacts.early[1]]
     block = [run["energy_input_normalised"] for run in impacts.blocks]
@@ -151,17 +149,17 @@ def shares_on_axis(impacts):
     """Rows of packing and block on one axis of the input."""
     packing, of_packing, block, of_block = on_axis(impacts)
     yield gw.Row(
-        "Dissipated share of a packing, input 100 sigma_y^2 D^3/E, at most", source=0.9, bound=True,
+        "Dissipated fraction of a packing, input 100 sigma_y^2 D^3/E, at most", source=0.9, bound=True,
         digits=3,
         ours=np.interp(np.log(AXIS), np.log(packing), of_packing), where="thesis Fig. 5.13",
-        remark="By the ends of both axes. At equal normalised input, since brass would leave the "
-        "contact law.",
+        remark="The bounds are the ends of both axes. The normalised inputs are equal; brass "
+        "spheres would exceed the range of the contact law.",
     )  # fmt: skip
     yield gw.Row(
-        f"Dissipated share of a packing over that of a block, input {block[-1]:.3g} sigma_y^2 "
-        "D^3/E", digits=3,
+        "Dissipated fraction of a packing divided by the fraction of a block, input "
+        f"{block[-1]:.3g} sigma_y^2 D^3/E", digits=3,
         ours=np.interp(np.log(block[-1]), np.log(packing), of_packing) / of_block[-1],
-        where="thesis Fig. 5.13", remark="The source: much larger in a packing.",
+        where="thesis Fig. 5.13", remark="According to the source it is much larger in a packing.",
     )  # fmt: skip
 
 
@@ -181,11 +179,9 @@ def master_curve(early):
         data |= {f"input_{count}": energy, f"share_{count}": share}
     axes.set(xlabel="Energy input (thesis 5.15)", ylabel="Dissipated fraction", ylim=(0.8, 1))
     axes.legend()
-    caption = "Dissipated fraction of packings with 1, 3 or 7 impacted spheres, over the inputs "
-    caption += "of thesis Figs 5.5b "
-    caption += "and 5.7 from 6e3 on. Spheres have a tenth of the yield strength of brass, which "
-    caption += "keeps them within the "
-    caption += "contact law"
+    caption = "Dissipated fraction of packings with 1, 3 or 7 impacted spheres against the energy "
+    caption += "input of thesis Figs 5.5b and 5.7, from 6e3. The spheres have a tenth of the yield "
+    caption += "strength of brass, which keeps them within the range of the contact law"
     return gw.Picture("packings_master_curve", caption, axes.figure, data)
 
 
@@ -217,9 +213,7 @@ def packing_and_block(impacts):
     )
     for axes in (left, right):
         axes.legend(fontsize=7)
-    caption = "Left: dissipated fraction of packings and of blocks of brass on one axis, which in "
-    caption += "thesis Fig. 5.13 ends "
-    caption += "at the line; packings by their normalised input. Right: volume that dissipates a "
-    caption += "fraction of the input, "
-    caption += "spheres in descending order, and blocks (Fig. 5.14)"
+    caption = "Left: dissipated fraction of packings and of blocks of brass against the normalised "
+    caption += "input; the axis of thesis Fig. 5.13 ends at the line. Right: volume that dissipates "
+    caption += "a fraction of the input, for spheres in descending order and for blocks (Fig. 5.14)"
     return gw.Picture("packing_and_block", caption, figure, data)

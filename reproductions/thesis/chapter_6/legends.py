@@ -1,11 +1,12 @@
 """Scales of figures 6.4, 6.10 and 6.11.
 
-Rows by the source's own model: a soft wall, no contacts in the rings, directions that do not turn.
-No unit of speed brings them all within the axis of figure 6.4. The legends of figure 6.10 (0.09,
-0.22, 0.36) are values of delta_hat: the equations as they are printed then stay within both of its
-axes. They are in the ratio of the precompressions a = 4.8e-4, 1.2e-3, 1.9e-3, but a quarter of the
-delta_hat = 2 delta tan(theta)/A that waves in rows of these a have. So the equality of the slopes
-in figure 6.11 depends on the scale of delta_hat and on the choice of A; three choices are compared.
+The chains follow the model of the source: a soft wall, no contacts in the rings, and fixed contact
+normals. No unit of speed brings all their speeds within the axis of figure 6.4. The legends of
+figure 6.10 (0.09, 0.22, 0.36) are values of delta_hat, since the printed equations then stay within
+both axes. Their ratios are those of the precompressions a = 4.8e-4, 1.2e-3 and 1.9e-3, but they are
+a quarter of delta_hat = 2 delta tan(theta)/A of the waves in these chains. The equality of the
+slopes in figure 6.11 therefore depends on the scale of delta_hat and on the choice of A. Three
+choices are compared.
 """
 
 import numpy as np
@@ -103,14 +104,13 @@ def of_speeds(runs):
     least = TO_30_MM * min(speeds) / VELOCITY
     most = TO_30_MM * max(speeds) / VELOCITY
     return gw.Row(
-        "Largest speed over the smallest: n = 9, a = 0.0019 over n = 6, a = 0, at most",
+        "Ratio of the largest speed (n = 9, a = 0.0019) to the smallest (n = 6, a = 0), at most",
         source=AXIS[1] / AXIS[0], ours=max(speeds) / min(speeds), where="thesis figure 6.4",
         digits=3, bound=True,
-        remark="Ratio of the ends of the axis. In no unit of speed do all rows fit: in that of "
-        "the printed v, which is "
-        f"of beads of 30 mm, the smallest is {least:.4f} and the largest {most:.4f}. Diameter, "
-        "modulus and density do "
-        "not change the ratio.",
+        remark="The bound is the ratio of the ends of the axis. No unit of speed fits all chains. "
+        "In the unit of the printed v, which belongs to beads of 30 mm, the smallest speed is "
+        f"{least:.4f} and the largest {most:.4f}. Diameter, modulus and density do not change the "
+        "ratio.",
     )  # fmt: skip
 
 
@@ -122,16 +122,16 @@ def of_velocities(legends):
         yield gw.Row(
             f"Largest {way} first-order velocity, delta_hat = {LEGENDS[0]:g}, at most",
             source=end, ours=largest, bound=True, digits=3, where="thesis figure 6.10",
-            remark="By the end of the axis. (6.13) and (6.17) as they are printed; with their "
-            f"errata {other:.3g}.",
+            remark="The bound is the end of the axis. Our value uses (6.13) and (6.17) as printed; "
+            f"with their corrections it is {other:.3g}.",
         )  # fmt: skip
     delta_hat = legends.by_displacement[0]
     axial, _ = Travelling(legends.limit, delta_hat).largest
     yield gw.Row(
-        f"Largest axial first-order velocity, delta_hat = {delta_hat:.3g} of the run, over the "
-        "end of the axis",
+        f"Largest axial first-order velocity, delta_hat = {delta_hat:.3g} of the run, relative to "
+        "the end of the axis",
         ours=axial / ENDS["axial"], digits=2, where="thesis figure 6.10",
-        remark="With the delta_hat of the wave at this a, the curves would fill half of the axis.",
+        remark="With the delta_hat of the wave at this a the curves fill half of the axis.",
     )  # fmt: skip
 
 
@@ -143,19 +143,19 @@ def of_slopes(legends):
     }
     for words, delta_hat in choices.items():
         yield gw.Row(
-            f"{SLOPE}, the source's model, {words}", ours=slope(delta_hat, legends.decay),
+            f"{SLOPE}, model of the source, {words}", ours=slope(delta_hat, legends.decay),
             theory=slope(delta_hat, energy_decays(legends.limit, delta_hat)), where=FIGURE,
             digits=3,
-            remark="Theory: decay of the energy by (6.18). The source calls the slopes equal. "
-            "With one choice of A the "
-            "force falls less steeply than the energy, with the other more steeply.",
+            remark="Theory: decay of the energy by (6.18). According to the source the slopes are "
+            "equal. With A from the displacement the force falls less steeply than the energy, with "
+            "A from the force more steeply.",
         )  # fmt: skip
     energy = np.array([wave.printed_decay for wave in legends.printed()])
     yield gw.Row(
-        f"{SLOPE}, the source's model, against the legends", ours=slope(LEGENDS, legends.decay),
+        f"{SLOPE}, model of the source, on the scale of the legends", ours=slope(LEGENDS, legends.decay),
         theory=slope(LEGENDS, energy), where=FIGURE, digits=3,
-        remark="Theory: (6.13) to (6.18) as they are printed. On the source's own scale the "
-        "slopes are not equal.",
+        remark="Theory: (6.13) to (6.18) as printed. On the scale of the source the slopes are "
+        "not equal.",
     )  # fmt: skip
     yield of_lighter(legends)
 
@@ -174,9 +174,8 @@ def of_lighter(legends):
         ours=slope(delta_hat, decay), theory=slope(delta_hat, energy_decays(lighter, delta_hat)),
         where=FIGURE,
         digits=3,
-        remark="Theory is for light small spheres, but lighter ones do not bring the slopes "
-        "together. Below "
-        "0.9 the decay at a = 0.0019 is too small to measure.",
+        remark="The theory is for light small spheres, but with lighter spheres the slopes differ "
+        "more. Below 0.9 the decay at a = 0.0019 is too small to measure.",
     )  # fmt: skip
 
 
@@ -195,7 +194,6 @@ def pictures(legends):
             )
             data |= {f"time_{delta_hat:g}": wave.time[near], f"{way}_{delta_hat:g}": velocity[near]}
     panels[1].legend(title=r"$\hat\delta$", fontsize=7)
-    caption = "Velocities of the small spheres in first order by the equations as they are "
-    caption += "printed, the legends of "
-    caption += "thesis figure 6.10 taken as delta_hat, on its axes"
+    caption = "First-order velocities of the small spheres by the printed equations, with the "
+    caption += "legends of thesis figure 6.10 as delta_hat, on the axes of the figure"
     yield gw.Picture("confined_legends", caption, figure, data)
