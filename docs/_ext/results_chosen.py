@@ -181,13 +181,13 @@ MORE = (
         "FCC packing and block: ",
         "thesis-5-high",
         "high_inputs",
-        ("Largest difference of the volumes with the same dissipated share, spheres at 3.6 J",),
+        ("Largest difference of the volumes with the same dissipated fraction, spheres at 3.6 J",),
     ),
     (
         "Chain in a tube: ",
         "confined-legends",
         "legends",
-        ("Slope of ln(decay of the force) with delta_hat, the source's model, against",),
+        ("Slope of ln(decay of the force) with delta_hat, model of the source, on the scale",),
     ),
     (
         "Chain in a tube: ",

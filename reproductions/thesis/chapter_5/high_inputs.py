@@ -72,7 +72,8 @@ def rows(impacts):
     most = single[-1]
     overlap = max(run["peak_overlap_m"] / (run.case.packing.diameter / 4) for run in single)
     yield gw.Row(
-        f"Dissipated fraction of a packing, input {most['energy_input_normalised']:.2g} F_y alpha_y",
+        "Dissipated fraction of a packing, input "
+        f"{most['energy_input_normalised']:.2g} F_y alpha_y",
         ours=most["dissipated_fraction"], where="thesis Figs 5.5 to 5.7", digits=4,
         remark=f"Overlaps reach {overlap:.2g} R*; the contact law is valid up to 0.2 R*. The axes "
         "of the source end at 1e10 × 15/16 F_y alpha_y.",
@@ -89,8 +90,8 @@ def rows(impacts):
             f"{energies[-1]:.3g} J",
             source=0.0, ours=np.abs(of_packing - volume).max(), where="thesis 5.5, Fig. 5.14",
             digits=2,
-            remark="According to the source the volumes are very close, on an axis that ends at 20. "
-            f"Fractions from {share[0]:.2f} to {share[-1]:.2f} are compared. Whole spheres are "
+            remark="According to the source the volumes are very close, on an axis that ends at "
+            f"20. Fractions from {share[0]:.2f} to {share[-1]:.2f} are compared. Whole spheres are "
             "counted, although only their contacts yield.",
         )  # fmt: skip
 
@@ -149,8 +150,8 @@ def shares_on_axis(impacts):
     """Rows of packing and block on one axis of the input."""
     packing, of_packing, block, of_block = on_axis(impacts)
     yield gw.Row(
-        "Dissipated fraction of a packing, input 100 sigma_y^2 D^3/E, at most", source=0.9, bound=True,
-        digits=3,
+        "Dissipated fraction of a packing, input 100 sigma_y^2 D^3/E, at most",
+        source=0.9, bound=True, digits=3,
         ours=np.interp(np.log(AXIS), np.log(packing), of_packing), where="thesis Fig. 5.13",
         remark="The bounds are the ends of both axes. The normalised inputs are equal; brass "
         "spheres would exceed the range of the contact law.",
@@ -214,6 +215,8 @@ def packing_and_block(impacts):
     for axes in (left, right):
         axes.legend(fontsize=7)
     caption = "Left: dissipated fraction of packings and of blocks of brass against the normalised "
-    caption += "input; the axis of thesis Fig. 5.13 ends at the line. Right: volume that dissipates "
+    caption += (
+        "input; the axis of thesis Fig. 5.13 ends at the line. Right: volume that dissipates "
+    )
     caption += "a fraction of the input, for spheres in descending order and for blocks (Fig. 5.14)"
     return gw.Picture("packing_and_block", caption, figure, data)

@@ -147,12 +147,13 @@ def of_slopes(legends):
             theory=slope(delta_hat, energy_decays(legends.limit, delta_hat)), where=FIGURE,
             digits=3,
             remark="Theory: decay of the energy by (6.18). According to the source the slopes are "
-            "equal. With A from the displacement the force falls less steeply than the energy, with "
-            "A from the force more steeply.",
+            "equal. With A from the displacement the force falls less steeply than the energy, "
+            "with A from the force more steeply.",
         )  # fmt: skip
     energy = np.array([wave.printed_decay for wave in legends.printed()])
     yield gw.Row(
-        f"{SLOPE}, model of the source, on the scale of the legends", ours=slope(LEGENDS, legends.decay),
+        f"{SLOPE}, model of the source, on the scale of the legends",
+        ours=slope(LEGENDS, legends.decay),
         theory=slope(LEGENDS, energy), where=FIGURE, digits=3,
         remark="Theory: (6.13) to (6.18) as printed. On the scale of the source the slopes are "
         "not equal.",
