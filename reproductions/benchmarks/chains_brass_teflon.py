@@ -57,7 +57,7 @@ def rows(runs):
     for v, ours in zip(velocity, brass / ptfe, strict=True):
         needed = (source / ours) ** -2.5
         remark = (
-            f"The measured ratio is {source:.2f} ± {margin:.2f}. For the impact at {{v:g}} m/s it "
+            f"The measured ratio is {source:.2f} ± {margin:.2f}. For the impact at {v:g} m/s it "
             f"requires a PTFE modulus of {needed:.2f} times ours."
         )
         yield gw.Row(f"Speed in brass over speed in PTFE, impact at {v:g} m/s", "", source, ours, WHERE, remark,

@@ -38,7 +38,7 @@ def words(run):
     packing = run.case.packing
     count = run["n_spheres"]
     if packing.kind == "fcc":
-        parts = ["FCC packing of {' × '.join(map(str, packing.size))} spheres"]
+        parts = [f"FCC packing of {' × '.join(map(str, packing.size))} spheres"]
     else:
         gap = np.diff(np.sort(run.spheres.position_z)).max() - packing.diameter
         parts = [

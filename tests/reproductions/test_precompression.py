@@ -164,5 +164,5 @@ def test_the_table_of_dents_has_a_line_for_each_pair(
     assert len(table.rows) == len(ROWS)
     loose = next(row for row in table.rows if "gaps of 0.1 mm" in row[0].text)
     assert loose[-1].text.startswith("-")
-    assert "part with 0.561 of it, and would with 0.735" in note.text
-    assert "Row of 5" in study.verdict[0] and "pressed before" in study.verdict[1]
+    assert "separate with 0.561 of this speed, and would separate with 0.735" in note.text
+    assert "Chain of 5" in study.verdict[0] and "preconditioned contacts" in study.verdict[1]

@@ -166,7 +166,7 @@ def test_sizes():
     assert size_of("slide") == (1920, 1080) and size_of("640x480") == (640, 480)
     for text in ("slid", "640x481", "20x20", "640", "wide"):
         with pytest.raises(
-            InputError, match=f"--size: found {text}, expected slide, page, or width x height"
+            InputError, match=f"--size: found {text}, expected slide, page, or width × height"
         ):
             size_of(text)
 

@@ -343,7 +343,7 @@ def test_what_makes_steps_short_is_told(changes: dict[str, Any], cause: str, rem
 
 def test_too_many_steps_name_their_cause() -> None:
     with pytest.raises(
-        InputError, match=r"are more than 2e\+09 steps; .* load\.duration = 1e-11 s sets"
+        InputError, match=r"are more than 2e\+09 steps; .* load\.duration = 1e-11 s limits"
     ):
         plan(make((6, 6, 4), run={"end_time": 1e-3}, load=TINY | {"duration": 1e-11}))
 

@@ -196,6 +196,16 @@ def test_unlike_materials_of_one_name_are_told_apart(load: Load) -> None:
 # ---------------------------------------------------------------------- ids and labels
 
 
+def test_the_source_of_a_packing_is_no_part_of_an_id(load: Load, tmp_path: Path) -> None:
+    """The key is a remark: points of scans from before it are found again."""
+    (tmp_path / "beads.csv").write_text("x,y,z,radius\n0,0,0.005,0.005\n0,0,0.015,0.005\n")
+    case = 'name = "two"\nmaterial = "brass"\n[packing]\nkind = "file"\nfile = "beads.csv"\n'
+    (tmp_path / "plain.toml").write_text(case)
+    (tmp_path / "named.toml").write_text(case + 'source = "two beads"\n')
+    plain, named = (f'case = "{name}.toml"\n' for name in ("plain", "named"))
+    assert ids(load(plain + VELOCITIES)) == ids(load(named + VELOCITIES))
+
+
 def test_equal_points_have_one_id_and_are_one_run(load: Load) -> None:
     scan = load(SMALL + "[grid]\nload.velocity = [1, 2, 1.0]\n[[points]]\nload.velocity = 2\n")
     assert len(scan.points) == 4 and len(scan.distinct) == 2
