@@ -298,17 +298,11 @@ def test_packings_at_high_inputs(
     runs = [*packings[:4], *early, *blocks[2:4]]
     study = study_of("thesis/chapter_5/high_inputs.py", runs)
     one, *several = (run["dissipated_fraction"] for run in early[1:4])
-    areas = row(study, "Largest difference of the dissipated share between 1, 3 and 7")
+    areas = row(study, "Largest difference of the dissipated fraction between 1, 3 and 7")
     assert areas.ours == max(abs(share - one) for share in several) > 0
     assert row(study, "D2").ours == pytest.approx(0.5, abs=0.05)
-    assert (
-        len(
-            [
-                one
-                for one in study.rows
-                if one.quantity.startswith("Largest difference of the volumes")
-            ]
-        )
-        == 4
-    )
+    volumes = [
+        row for row in study.rows if row.quantity.startswith("Largest difference of the vol")
+    ]
+    assert len(volumes) == 4
     assert len(study.pictures) == 2

@@ -128,7 +128,7 @@ MOVING = TRIMER.replace("clump\n", "clump,vx\n").replace(",4\n", ",4,1\n")
         ({"absorb": [{"index": [1], "rate": 1e4}]}, "absorb.1.index: absorbs waves of grain 1"),
         (
             {"precompression": {"kind": "gravity", "acceleration": 9.81}},
-            'precompression.kind: found "gravity" with clumps, but the minimiser does not move clumps',
+            'precompression.kind: found "gravity" with clumps, but the minimiser does not move',
         ),
         (
             {"boundary": {"bottom": "fixed"}},
