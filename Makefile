@@ -164,11 +164,13 @@ kokkos: $(READY)
 	$(BIN)/cmake --build build/kokkos --target granwavestyles granwaveplugin columns_plain columns_kokkos
 	GRANWAVE_KOKKOS_BUILD=build/kokkos $(BIN)/python -m pytest tests/plugins/kokkos
 
-# LAMMPS: its sources; a copy is built with the package GRANULAR only, without MPI
+# LAMMPS: its sources; a copy is built with the package GRANULAR only, without MPI. Errors of sources before 2025 take no index of an argument.
 submodel: $(READY)
 	mkdir -p $(SUBMODEL)/sources
 	cp -ru $(or $(LAMMPS),$(error LAMMPS=DIR names no folder, expected the sources of LAMMPS))/src $(LAMMPS)/cmake $(SUBMODEL)/sources
-	cp -u plugins/upstream/src/GRANULAR/* $(SUBMODEL)/sources/src/GRANULAR
+	cp plugins/upstream/src/GRANULAR/* $(SUBMODEL)/sources/src/GRANULAR
+	grep -q NOLASTLINE $(SUBMODEL)/sources/src/error.h || \
+	  sed -i -E 's/error->all\(FLERR, (Error::NOLASTLINE|iarg),/error->all(FLERR,/' $(SUBMODEL)/sources/src/GRANULAR/*dissipation*.cpp
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/cmake -S $(SUBMODEL)/sources/cmake -B $(SUBMODEL)/build -G Ninja -DPKG_GRANULAR=ON \
 	  -DBUILD_MPI=OFF -DBUILD_OMP=OFF -DWITH_JPEG=OFF -DWITH_PNG=OFF -DWITH_CURL=OFF -DCMAKE_BUILD_TYPE=Release >/dev/null
 	$(BIN)/cmake --build $(SUBMODEL)/build --target lmp
