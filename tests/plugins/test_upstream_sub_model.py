@@ -1,6 +1,6 @@
-"""The normal sub-model in plugins/upstream, compiled with LAMMPS: `make submodel LAMMPS=DIR` builds an
-executable with the sources in DIR and runs these tests. Forces are compared with the law of
-granwave, collisions and a chain with pair style gran/hysteretic.
+"""The normal sub-model in plugins/upstream, compiled with LAMMPS: `make submodel LAMMPS=DIR`
+builds an executable with the sources in DIR and runs these tests. Forces are compared with the law
+of granwave, collisions and a chain with pair style gran/hysteretic.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def printed(program: Path, script: str, folder: Path) -> np.ndarray:
     done = complete(program, script, folder)
     assert done.returncode == 0, done.stdout[-1000:] + done.stderr
     lines = re.findall(r"^@(.*)$", done.stdout, re.MULTILINE)
-    return np.array([[float(word) for word in line.split()] for line in lines])
+    return np.array([np.fromstring(line, sep=" ") for line in lines])
 
 
 def complete(executable: Path, script: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -104,7 +104,8 @@ void GranSubModNormalHysteretic::coeffs_to_local()
 
   pressure_yield = 2.0 / 3.0 * yield_factor;
   if (yield_factor <= 0.0 || pressure_yield >= PRESSURE_LIMIT)
-    error->all(FLERR, "Yield factor {} of hysteretic normal model must be positive and below {:.4g}",
+    error->all(FLERR,
+               "Yield factor {} of hysteretic normal model must be positive and below {:.4g}",
                yield_factor, 1.5 * PRESSURE_LIMIT);
 
   // a wall is of the material of the particles
