@@ -14,6 +14,7 @@
 # make coverage  which lines the tests run
 # make compat    the tests of plugin and runs with the stable LAMMPS before, built in .venv-2024
 # make kokkos KOKKOS=DIR    the plugin with pair style gran/hysteretic/kk, and its tests; DIR: installed Kokkos, or its sources
+# make submodel LAMMPS=DIR  a LAMMPS with the normal sub-model of plugins/upstream, and its tests; DIR: the sources of LAMMPS
 # make compare-headers LAMMPS=DIR    what the styles use of LAMMPS, compared with the headers in DIR
 # Everything is installed into .venv; PYTHON chooses the interpreter that makes it. Without `make setup` before, and in CI, the others
 # install the package as a user's is.
@@ -35,10 +36,11 @@ TOOLS := .venv-release
 # after `make setup` the linked package, built anew where C++ changed; else the installed one
 READY := $(if $(CI),$(VENV)/installed,$(if $(wildcard $(VENV)/linked),plugin,$(VENV)/installed))
 BUILD := build/linked
+SUBMODEL := build/submodel
 TYPED := build/typed
 REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
-.PHONY: law setup plugin package demo test validate validate-one docs docs-links gallery results wheel wheels release-check compat kokkos compare-headers lint format coverage clean
+.PHONY: law setup plugin package demo test validate validate-one docs docs-links gallery results wheel wheels release-check compat kokkos submodel compare-headers lint format coverage clean
 
 setup: $(if $(CI),$(VENV)/installed,$(VENV)/linked)
 
@@ -173,6 +175,19 @@ kokkos: $(READY)
 	  -DPython_EXECUTABLE=$(abspath $(BIN))/python -Dpybind11_DIR=$$($(BIN)/python -m pybind11 --cmakedir) >/dev/null
 	$(BIN)/cmake --build build/kokkos --target granwavestyles granwaveplugin columns_plain columns_kokkos
 	GRANWAVE_KOKKOS_BUILD=build/kokkos $(BIN)/python -m pytest tests/plugins/kokkos
+
+# LAMMPS: its sources; a copy is built with the package GRANULAR only, without MPI. Errors of sources before 2025 take no index of an argument.
+submodel: $(READY)
+	mkdir -p $(SUBMODEL)/sources
+	cp -ru $(or $(LAMMPS),$(error LAMMPS=DIR names no folder, expected the sources of LAMMPS))/src $(LAMMPS)/cmake $(SUBMODEL)/sources
+	cp plugins/upstream/src/GRANULAR/* $(SUBMODEL)/sources/src/GRANULAR
+	grep -q NOLASTLINE $(SUBMODEL)/sources/src/error.h || \
+	  sed -i -E 's/error->all\(FLERR, (Error::NOLASTLINE|iarg),/error->all(FLERR,/' $(SUBMODEL)/sources/src/GRANULAR/*dissipation*.cpp
+	PATH=$(abspath $(BIN)):$$PATH $(BIN)/cmake -S $(SUBMODEL)/sources/cmake -B $(SUBMODEL)/build -G Ninja -DPKG_GRANULAR=ON \
+	  -DBUILD_MPI=OFF -DBUILD_OMP=OFF -DWITH_JPEG=OFF -DWITH_PNG=OFF -DWITH_CURL=OFF -DCMAKE_BUILD_TYPE=Release >/dev/null
+	$(BIN)/cmake --build $(SUBMODEL)/build --target lmp
+	GRANWAVE_SUBMODEL_LAMMPS=$(SUBMODEL)/build/lmp GRANWAVE_LAMMPS_SOURCES=$(abspath $(SUBMODEL))/sources/src \
+	  $(BIN)/python -m pytest tests/plugins/test_upstream_sub_model.py
 
 # what the styles use of LAMMPS, compared with other headers, and a compilation with them
 compare-headers: $(READY)

@@ -13,7 +13,10 @@ from pathlib import Path
 import pytest
 
 UPSTREAM = Path(__file__).parents[2] / "plugins" / "upstream"
-SOURCES = [UPSTREAM / "plugin" / "plugin.cpp", *sorted((UPSTREAM / "src").rglob("*.cpp"))]
+SOURCES = [
+    UPSTREAM / "plugin" / "plugin.cpp",
+    *sorted((UPSTREAM / "src").rglob("*dissipation*.cpp")),
+]
 UNIT_TEST = UPSTREAM / "unittest" / "python" / "python-pair-dissipation.py"
 EXAMPLE = UPSTREAM / "examples" / "granular" / "dissipation" / "in.dissipation"
 KINETIC = ("translation", "rotation")
