@@ -16,6 +16,7 @@ from tests.helpers.made_up.export_inputs import write_chain_run, write_walled_ru
 
 TIME = synthetic.TIMESTEP
 
+NEEDS = pytest.mark.needs_extension("pictures")
 pytestmark = pytest.mark.xdist_group("export_selection")  # its fixtures are made once
 
 
@@ -125,6 +126,7 @@ def test_netcdf_has_selected_rows(run, tmp_path):
         assert np.array_equal(data["frame_displacement"].values[1], expected)
 
 
+@NEEDS
 def test_paraview_has_selected_spheres(run, tmp_path):
     io = pytest.importorskip("vtkmodules.vtkIOXML", reason="VTK is not installed")
     placed = export(run, "vtp", tmp_path, selected=selection(spheres=[3, 20], time=(0, 0)))
@@ -147,7 +149,7 @@ def test_paraview_has_selected_spheres(run, tmp_path):
         ({"time": (5.0, 6.0)}, "expected times between 0 and"),
         ({"region": "ball 0 0 0 1"}, "arguments of the LAMMPS region command"),
         ({"only": "energy", "layers": 1}, "layers: does not apply to energy, only to spheres"),
-        ({"to": "ovito", "layers": 1}, "exports a run as a whole"),
+        pytest.param({"to": "ovito", "layers": 1}, "exports a run as a whole", marks=NEEDS),
     ],
 )
 def test_wrong_selections(run, tmp_path, words, message):

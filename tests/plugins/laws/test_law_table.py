@@ -22,6 +22,7 @@ from granwave.workflows.cli.main import main
 from tests.helpers.bodies.two_spheres import R, collide, value
 
 LAWS_FOLDER = Path(__file__).resolve().parents[3] / "plugins" / "laws"
+KERNELS = LAWS_FOLDER.parent / "kernels"
 MANUAL = LAWS_FOLDER.parent / "doc" / "pair_gran_hysteretic.md"
 SPHERES = {"packing": {"kind": "chain", "size": 2, "diameter": 2 * R}, "material": "brass"}
 OPTIONS = {
@@ -102,8 +103,10 @@ FLAGS = [
     "-fno-trapping-math",
     "-ffp-contract=off",
 ]  # of plugins/CMakeLists.txt
+BATCHES = ("contact_batch", "touching_pairs")
 PROGRAM = r"""
-#include "elastic_contact.h"
+#include "line_batch.h"
+#include "contact_batch.h"
 #include "touching_pairs.h"
 #include <cstdio>
 #include <cstring>
@@ -230,8 +233,8 @@ int main()
 def compiled_batches(folder: Path, source: Path, definition: str) -> Path:
     """Return the program of batches, compiled with a definition as well as those of the build."""
     program = folder / f"batches{definition}"
-    files = [source, LAWS_FOLDER / "contact_batch.cpp", LAWS_FOLDER / "touching_pairs.cpp"]
-    options = [*FLAGS, f"-D{definition}", "-Wno-psabi", "-I", LAWS_FOLDER]
+    files = [source, *(KERNELS / f"{name}.cpp" for name in BATCHES)]
+    options = [*FLAGS, f"-D{definition}", "-Wno-psabi", "-I", KERNELS, "-I", LAWS_FOLDER]
     command = ["c++", *options, *files, "-o", program]
     subprocess.run(command, check=True, timeout=120)
     return program
