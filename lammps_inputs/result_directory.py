@@ -158,8 +158,8 @@ class ResultDirectory(OwnFiles):
         self.refuse_other_kind(kind)
         if resume and self.result_names() and (as_run := self.tables_as_run()) is not None:
             self.check_case()
-            there = _without_remarks(read(as_run))
-            wanted = _without_remarks(case)
+            there = without_remarks(read(as_run))
+            wanted = without_remarks(case)
             keys = {*there, *wanted}
             different = sorted(key for key in keys if there.get(key) != wanted.get(key))
             if different:
@@ -478,7 +478,7 @@ def _locked(path: Path) -> int:
         os.close(lock)
 
 
-def _without_remarks(tables: Mapping[str, Any]) -> dict[str, Any]:
+def without_remarks(tables: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a case without keys that change no result."""
     return {name: _without(_REMARKS.get(name), table) for name, table in tables.items()}
 

@@ -17,7 +17,8 @@ pytestmark = pytest.mark.validation
 ROOT = Path(__file__).parents[2]
 BIN = Path(sys.prefix) / "bin"
 OURS = re.compile(
-    r"granwave(plugin|styles)\.so|_contact_laws\.|_number_reader\.|plugins/(styles|laws|kernels|bindings)/"
+    r"granwave(plugin|styles)\.so|_contact_laws\.|_number_reader\."
+    r"|plugins/(styles|laws|kernels|bindings)/"
 )
 # LAMMPS itself does not delete a command that ends in an error
 COMMAND = "create<LAMMPS_NS::Command"

@@ -28,6 +28,7 @@ from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
 from granwave.lammps_inputs.errors import InputError, InputFault, fault_of
 from granwave.lammps_inputs.files import read_toml, with_short_paths
 from granwave.lammps_inputs.packing.disorder import is_random
+from granwave.lammps_inputs.result_directory import without_remarks
 from granwave.workflows import library
 from granwave.workflows.run.progress import Progress, each_warning_once
 from granwave.workflows.run.record import versions
@@ -463,7 +464,7 @@ def _point(
     expected = kind.cost(assembled, ranks, header.figures)
     resolved = case.to_dict()
     stamp = {name: versions()[name] for name in kind.versions}
-    key = json.dumps([_without_remarks(resolved), stamp], sort_keys=True).encode()
+    key = json.dumps([without_remarks({**resolved, "name": ""}), stamp], sort_keys=True).encode()
     labels = {}
     for one in varied:
         found: Any = resolved
@@ -480,15 +481,6 @@ def _point(
         ranks,
         size,
     )
-
-
-def _without_remarks(case: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of a case without keys that change no result: name and packing.source."""
-    packing = case.get("packing")
-    tables = {**case, "name": ""}
-    if isinstance(packing, Mapping):
-        tables["packing"] = {key: value for key, value in packing.items() if key != "source"}
-    return tables
 
 
 def _labelled(points: Sequence[ScanPoint], varied: Sequence[str], folder: Path) -> list[ScanPoint]:
