@@ -57,7 +57,7 @@ from granwave.analysis.reports.studies import (
     verdicts,
 )
 from granwave.analysis.studies.study import Study
-from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
+from granwave.lammps_inputs.case.contact.contact import ALL_LAWS, LINE
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 

@@ -18,10 +18,10 @@ from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.packing_values import Enclosure
+from granwave.lammps_inputs.case.packing.grains import Grains
+from granwave.lammps_inputs.case.packing.packing import PackingSection
+from granwave.lammps_inputs.case.packing.values import Enclosure
 from granwave.lammps_inputs.lattices import FILE, Lattice, kind_of, lattice_kinds
 from granwave.lammps_inputs.packing.cylinders import distances, extents, nearest_image, reaches
 from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
