@@ -25,8 +25,8 @@ SHIFT = -1 / 24  # relative change of the frequency, for an amplitude of the sta
 
 
 class Shaken:
-    """A run of a driven bead; frequencies over the frequency of small vibrations, amplitudes over
-    the static overlap.
+    """A run of a driven bead; frequencies divided by the frequency of small vibrations, amplitudes
+    by the static overlap.
     """
 
     def __init__(self, run):
@@ -50,8 +50,8 @@ class Shaken:
 
 
 def measured(runs):
-    """Beads under a steady load by force, each in rising order of frequency; and beads under a
-    rising and falling load.
+    """Runs under a steady load by its force, in rising order of frequency; and runs under a load
+    that rises and falls.
     """
     beads = sorted(map(Shaken, runs), key=lambda one: (one.force, one.hertz))
     steady = [one for one in beads if not one.sweep]

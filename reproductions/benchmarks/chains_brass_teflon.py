@@ -28,14 +28,14 @@ def ball(chain):
 
 
 def stiffness(chain):
-    """Effective modulus over density, m^2/s^2: speeds far above the static force are proportional
-    to its power 2/5.
+    """Effective modulus divided by density, m^2/s^2; speeds far above the static force are
+    proportional to its power 2/5.
     """
     return chain.law.effective_modulus / chain.case.material.density
 
 
 def measured(runs):
-    """Impact velocities and speeds by material, and modulus over density of each."""
+    """Impact velocities and speeds by material, and the ratio of modulus to density of each."""
     found = {}
     chains = sorted(map(Chain, runs), key=lambda chain: (ball(chain), chain.load.velocity))
     for key, alike in groupby(chains, key=ball):

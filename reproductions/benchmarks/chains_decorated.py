@@ -26,8 +26,8 @@ def handed_on(diameters):
 
 
 def measured(runs):
-    """Small over large diameter, energy of the last bead over the input, the same for hard spheres,
-    and for large beads only.
+    """Ratio of small to large diameter, energy of the last bead divided by the input, and this
+    fraction for hard spheres and for large beads only.
     """
     found = []
     for chain in map(Chain, runs):

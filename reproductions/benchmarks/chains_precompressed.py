@@ -25,7 +25,7 @@ LEAST = 0.01  # fraction of the pulse's largest velocity at its ends
 
 
 def measured(runs):
-    """Largest and static force, speed over c0, and speed over the speed without a static force, of
+    """Largest and static force, and speed divided by c0 and by the speed without a static force, of
     each precompressed chain.
     """
     found = []
@@ -42,8 +42,8 @@ def measured(runs):
 
 
 def faster(added):
-    """Speed over the speed without a static force for the same added force, in static forces:
-    travelling waves.
+    """Speed of a travelling wave divided by its speed without a static force, for the same dynamic
+    force, in units of the static force.
     """
     weakest = 1e6  # far above the static force
     alone = float(lattice_speed(np.array(weakest))) * (added / weakest) ** (1 / 6)
@@ -51,7 +51,7 @@ def faster(added):
 
 
 def pulse(runs):
-    """Length of the pulse under the smallest static force over the length of the chain."""
+    """Length of the pulse under the smallest static force, divided by the length of the chain."""
     chain = min(
         map(Chain, runs), key=lambda one: (one.case.precompression.force, -one.load.velocity)
     )

@@ -21,7 +21,7 @@ ORDERS |= {
 
 
 def order(case):
-    """S for steel, P for PTFE, from the struck end on."""
+    """S for steel, P for PTFE, from the impacted end."""
     beads = ["S"] * case.packing.size[0]
     for one in case.replace:
         for bead in one.index:

@@ -1,4 +1,4 @@
-"""Composite chains: the output pulse against the section's length, and waves in and behind the
+"""Composite chains: output pulse against the length of the section, and waves in and behind the
 section.
 """
 

@@ -26,7 +26,9 @@ def series(runs):
 
 
 def taken(section):
-    """Friction times weight times the path of every bead, from its recorded velocity, J."""
+    """Coefficient of friction times weight and path, summed over all beads, from their recorded
+    velocities, J.
+    """
     paths = np.trapezoid(np.abs(section.chain.velocity), section.time, axis=0)
     masses = section.run.spheres.mass.loc[section.chain.array("chain/id")].to_numpy()
     return friction_of(section) * GRAVITY * (masses * paths).sum()

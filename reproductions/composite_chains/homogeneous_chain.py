@@ -1,4 +1,4 @@
-"""Homogeneous chain of the composite-chain source.
+"""Homogeneous chain from the paper on composite chains.
 
 The chain has 15 elastic spheres of 4.76 mm; the first sphere has an initial velocity of 0.626 m/s.
 The speed is 5 diameters divided by the time between the peaks at contacts 5 and 10; the force is
@@ -51,7 +51,7 @@ class Wave:
         self.radius = chain.law.contact_radius(chain.scales.overlap(np.array([self.force])))[0]
 
     def discrete(self, force):
-        """Speed of the discrete chain's wave of this force, m/s."""
+        """Speed of the wave with this force in the discrete chain, m/s."""
         return discrete_speed() * self.chain.scales.nesterenko(force)
 
     def errors(self, force, speed):

@@ -1,8 +1,8 @@
 """A chain of steel with a section of lighter beads, between two sensors that read the mean force of
 a bead's contacts.
 
-V is the distance of the sensors over the time between the first peaks there, lambda the ratio of
-these peaks, output over incident.
+V is the distance of the sensors divided by the time between their first peaks; lambda is the ratio
+of the output peak to the incident peak.
 """
 
 import math
@@ -90,7 +90,7 @@ def sections(runs):
 
 
 def by(found, key):
-    """Groups of sections in the order of their first members, by the value of a function."""
+    """Groups of sections with equal values of a function, in the order of their first members."""
     groups = {}
     for section in found:
         groups.setdefault(key(section), []).append(section)

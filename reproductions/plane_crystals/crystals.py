@@ -40,11 +40,11 @@ def measured(runs):
 
 
 def long_waves(stiffness, friction):
-    """Speed of long waves in BCC over that in HCP.
+    """Ratio of the speeds of long waves in BCC and in HCP.
 
-    Rows approach each other without moving sideways. Contacts lie 45 degrees (BCC) and 30 degrees
-    (HCP) off the way of the wave; where they stick, tangential over normal force is the ratio of
-    stiffnesses, tangential over normal, times the tangent of that angle.
+    Layers approach each other without sideways motion. Contacts are at 45 degrees (BCC) and 30
+    degrees (HCP) to the direction of the wave; if they stick, the ratio of tangential to normal
+    force is the ratio of tangential to normal stiffness times the tangent of this angle.
     """
 
     def speed(angle):
@@ -121,8 +121,8 @@ def rows(runs):
 
 
 def further(one, motion):
-    """Quantity, unit, our values, values of a program that is not kept (BCC, HCP), digits, and
-    remark.
+    """Quantity, unit, our values, values of an earlier program that is no longer available (BCC,
+    HCP), digits, and remark.
     """
     line = one.down
     decay = one.decay

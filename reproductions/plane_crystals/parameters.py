@@ -53,8 +53,8 @@ def values(one):
 
 
 def measured(runs):
-    """Values and crystals by the changed parameter and the name of the crystal; and the crystals
-    impacted by a cylinder.
+    """Values and crystals by the changed parameter and the name of the crystal; and crystals that a
+    cylinder impacts.
     """
     crystals = [Crystal(run) for run in runs if not is_of_equation(run.case)]
     series = {}
@@ -123,7 +123,7 @@ def rows(runs):
 
 
 def of_modulus(points, which, name):
-    """The printed speed at printed moduli, and the modulus that gives it."""
+    """Rows of the speed at the printed moduli, and of the modulus that gives the printed speed."""
     moduli, speeds = np.array([(value, one.down.front_speed) for value, one in points]).T
     gives = np.exp(np.interp(np.log(SPEED), np.log(speeds), np.log(moduli))) / 1e6
     alone = {"where": OURS}

@@ -14,7 +14,7 @@ DENSITY = 1200.0  # kg/m3, of polycarbonate
 
 
 def select(runs):
-    """Both crystals of polycarbonate, by name; nothing without them."""
+    """Both crystals of polycarbonate, by name; empty if the runs do not contain them."""
     crystals = {one.name: one for one in map(Crystal, runs) if one.case.material.density == DENSITY}
     return [crystals] if len(crystals) == 2 else []
 

@@ -2,12 +2,12 @@
 
 Crystals with 4 to 16 grains per row are compared with a crystal of 40, at the same mass of the
 plate per width, with side walls and with free sides. The peak speed of the first pulse down the
-middle line is divided by the peak speed in the wide crystal; the crystals part at the depth where
-the two differ by 3 %. According to the source reflected waves compress the upper part laterally
-(region 1), to a depth equal to the width. The front and the signals of the top corners run down
-together along the close-packed lines. They meet on the middle line at W/2 (45 degrees) and
-sqrt(3)/2 W (30 degrees). Above, no signal of the sides has arrived, and crystals with free sides
-part at the same depth.
+middle line is divided by the peak speed in the wide crystal; the curves separate at the depth where
+the two speeds differ by 3 %. According to the source reflected waves compress the upper part
+laterally (region 1), to a depth equal to the width. The front and the signals of the top corners
+travel down together along the close-packed lines. They meet on the middle line at W/2 (45 degrees)
+and sqrt(3)/2 W (30 degrees). Above that depth no signal of the sides has arrived; the curves of
+crystals with free sides separate at the same depth.
 """
 
 import numpy as np
@@ -48,7 +48,7 @@ class Widths:
     """Crystals of one kind by width, with walls and with free sides, each with its depth of
     deviation from the wide crystal.
 
-    The depth is NaN if they do not part.
+    The depth is NaN if the curves do not separate.
     """
 
     def __init__(self, name, crystals):

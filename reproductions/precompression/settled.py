@@ -25,7 +25,7 @@ COLOURS = {
 
 
 def state(run):
-    """Preparation of a packing in words."""
+    """Description of the preparation of a packing."""
     stage = run.case.precompression
     if stage is None:
         return "as placed" if run.case.packing.diameter_scatter else "like spheres, as placed"
@@ -49,7 +49,9 @@ def transmitted(runs):
 
 
 def contacts(run):
-    """Loaded contacts of two spheres at the start, over the number of spheres; 0 as placed."""
+    """Number of loaded contacts of two spheres at the start, divided by the number of spheres; 0 as
+    placed.
+    """
     return (
         float(run.result["prestage/contacts"][-1]) / run["n_spheres"]
         if run.case.precompression

@@ -1,8 +1,9 @@
 """Precompressed chain: small pulses.
 
 An impact on the first bead of a precompressed chain keeps F_m/F0 below 1.05, at six static forces.
-Such a pulse spreads, and its crest is slower than long waves. c0 therefore follows from the times
-of the crests from bead 10 on, which are known for a linear chain. The source prints the formula.
+Such a pulse spreads, and its crest is slower than long waves. Therefore c0 follows from the times
+of the crests from bead 10 on, whose delay in a linear chain is known. The source prints the
+formula.
 """
 
 import numpy as np

@@ -45,7 +45,9 @@ class Rubbing(Packing):
         return contacts.friction_energy[at].sum() / contacts.friction_energy.sum()
 
     def floor_work(self):
-        """Coefficient of the floor times weight and path of every sphere, over the input."""
+        """Coefficient of friction of the floor times weight and path, summed over all spheres,
+        divided by the input.
+        """
         places = self.run.fields.displacement.values[:, : self.size[0] * self.size[1], :2]
         way = np.linalg.norm(np.diff(places, axis=0), axis=2).sum()
         weight = self.case.sphere_mass * self.case.precompression.acceleration
@@ -53,8 +55,8 @@ class Rubbing(Packing):
 
 
 def measured(runs):
-    """Packings with friction in rising order of friction, and the losses of their largest velocity,
-    %: (n_runs, n_places).
+    """Packings in rising order of friction, and the decreases of their peak velocities, %: (n_runs,
+    n_places).
     """
     smooth, *found = sorted(map(Rubbing, runs), key=lambda one: one.frictions)
     return found, np.array([100 * (1 - one.largest / smooth.largest) for one in found])

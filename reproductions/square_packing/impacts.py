@@ -1,7 +1,7 @@
 """Square packing, elastic impacts.
 
-20 × 20 elastic spheres, struck through a sphere at rest: two at an edge in the plane at 0.29 m/s,
-or four in the middle from above at 0.65 m/s.
+An impact on 20 × 20 elastic spheres is transmitted by a sphere at rest, which touches two at an
+edge in the plane at 0.29 m/s, or four in the middle from above at 0.65 m/s.
 """
 
 import numpy as np
@@ -51,7 +51,9 @@ def text(one):
 
 
 def last_length(found):
-    """Last sphere of a chain, from 0, where the wall does not affect the length of the pulse."""
+    """Last sphere of a chain, counted from 0, at which the wall does not affect the length of the
+    pulse.
+    """
     return np.flatnonzero(np.isfinite(found[MEASURES[3]][:-2]))[-1]
 
 

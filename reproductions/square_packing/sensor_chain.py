@@ -21,8 +21,8 @@ SETUP = {"where": "square packing, Experimental Setup"}
 
 
 def measured(runs):
-    """Mass of the sphere over the others', reflected fraction (%), record and force there, by
-    rising mass.
+    """Mass of the sphere relative to the others, reflected fraction (%), and the recorded times and
+    forces, in order of rising mass.
     """
     found = []
     for run in runs:

@@ -22,7 +22,7 @@ TIME = r"Time $t/\tau$"
 
 
 def pair(runs):
-    """The elastic chain, and the elasto-plastic one under the same pulse."""
+    """The elastic chain, and the elasto-plastic chain under the same pulse."""
     return next(PlasticWave(run) for run in runs if run.case.contact.law == "hertz"), usual(
         groups(runs)[0]
     )

@@ -30,13 +30,13 @@ BEYOND = 1.2  # end of a drawn profile over the contact radius
 
 
 def pressure(overlap):
-    """Mean pressure over the yield strength by 2.8."""
+    """Mean pressure divided by the yield strength, by 2.8."""
     limit, start, rate = PRESSURE
     return limit - (limit - start) * np.exp(-rate * (overlap - 1))
 
 
 def area(overlap):
-    """Area of the contact over the area at first yield by 2.10."""
+    """Area of the contact divided by the area at first yield, by 2.10."""
     slope, offset = AREA_LINE
     return np.where(overlap < AREA_SWITCH, overlap**AREA_POWER, slope * overlap - offset)
 
@@ -49,7 +49,9 @@ def residual(overlap):
 
 @dataclasses.dataclass(frozen=True)
 class Profile:
-    """Pressure over the yield strength, and radius over R*, at an overlap over R*."""
+    """Pressure divided by the yield strength, and radius divided by R*, at an overlap in units of
+    R*.
+    """
 
     overlap: float
     radius: np.ndarray
@@ -91,7 +93,7 @@ class Contact:
 
 
 def select(runs):
-    """The contacts by rising yield strength; none without all eight."""
+    """The contacts in order of rising yield strength; empty unless there are all eight."""
     contacts = sorted(map(Contact, runs), key=lambda one: one.gamma)
     return [contacts] if len(contacts) == RATIOS else []
 

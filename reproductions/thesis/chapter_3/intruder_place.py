@@ -21,8 +21,8 @@ INTRUDERS = ("aluminium", "steel")
 
 
 def measured(runs):
-    """Chains of one material by its name; positions, and energies and peaks there by the intruder's
-    name.
+    """Chains of one material, by its name; and positions of the intruder with energies and peak
+    forces, by the name of its material.
     """
     chains = sorted(map(OddBead, runs), key=lambda chain: chain.place)
     alike = {chain.base.name: chain for chain in chains if chain.alike}

@@ -29,8 +29,8 @@ REMARKS = (
 
 
 class Contact:
-    """Two spheres on loading: overlap over the overlap at first yield and over R*, finite elements
-    over the law, minus 1.
+    """Loading of two spheres: overlap divided by the overlap at first yield and by R*; force of the
+    finite elements divided by the force of the law, minus 1.
     """
 
     def __init__(self, run):
@@ -67,12 +67,12 @@ class Contact:
         self.force = force / (FIRST_YIELD * min(self.strengths) * math.pi * area)
 
     def near(self, place, along, values):
-        """Mean of values about a place along one of the scales."""
+        """Mean of the values near a point of one of the overlap scales."""
         return values[np.abs(np.log(along / place)) < SMOOTH].mean()
 
     @property
     def identical(self):
-        """True of two spheres of one material and radius, to which the figures of 2.1.2 belong."""
+        """True for two spheres of one material and radius, as in the figures of 2.1.2."""
         return self.like and self.ratio == 1
 
     @property
@@ -90,7 +90,7 @@ class Contact:
 
 
 def of_loading(one):
-    """Differences from the law at two overlaps, and over two ranges of it."""
+    """Rows of the differences from the law at two overlaps, and over two ranges of the overlap."""
     for spot in SPOTS:
         yield gw.Row(f"Finite elements over the law at {spot:g} alpha_y, {one.name}", "%", theory=0.0, digits=2,
                      ours=100 * one.near(spot, one.scaled, one.over_law), where="thesis Fig. 2.8")  # fmt: skip
@@ -106,7 +106,7 @@ def of_loading(one):
 
 
 def of_pressure(one):
-    """Pressure, area of the contact and force over the values of Thornton's law."""
+    """Rows of pressure, contact area and force divided by the values of Thornton's law."""
     largest = max(np.median(values[values > 0]) for values in one.pressures) / min(one.strengths)
     area, force, over = (
         one.near(DEEP, one.depth, values) for values in (one.area, one.force, one.over_law)

@@ -25,8 +25,8 @@ def power(one):
 
 
 def instants(one):
-    """Rows of the record, bead velocities there (m/s), the front, and I/m divided by the number of
-    moving beads.
+    """Indices of the recorded times, bead velocities at these times (m/s), the front, and I/m
+    divided by the number of moving beads.
     """
     for phase in FRONTS:
         row = np.abs(one.far.rate * one.far.time - phase).argmin()

@@ -3,8 +3,7 @@
 A constant force acts on the first of 200 elastic beads, with impulses of 0.1 mN s to 0.4 N s. The
 value is the peak force of the leading wave, at the last contact that it has passed at the end of
 the run. The two largest impulses in the figure of the source would cause overlaps of more than R*,
-where no contact law holds. Smaller impulses are equivalent, since the elastic chain has no scale of
-its own.
+where no contact law holds. Smaller impulses are equivalent, since the elastic chain has no scale.
 """
 
 import numpy as np

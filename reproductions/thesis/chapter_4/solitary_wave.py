@@ -26,7 +26,7 @@ DISCRETE = {
 
 
 class Wave:
-    """The wave of a struck bead, far down the chain, in the chain's own units."""
+    """The wave of an impact on the first bead, far along the chain, in the units of the chain."""
 
     def __init__(self, run):
         chain = Chain(run)

@@ -17,8 +17,8 @@ OF_AXIS = "The bound is the end of the axis."
 
 
 def measured(runs):
-    """Blocks of brass by mass of the punch, each by rising energy; other blocks; the fastest sphere
-    on a packing.
+    """Blocks of brass by the mass of the punch, in order of rising energy; other blocks; and the
+    fastest impact on a packing.
     """
     brass = {}
     others = []

@@ -37,7 +37,7 @@ class Impacts(NamedTuple):
 
 
 def select(runs):
-    """The impacts; none for a single scan."""
+    """The impacts; empty for a single scan."""
     runs = sorted(runs, key=lambda run: run["energy_input_J"])
     blocks = [run for run in runs if "punch.velocity" in run.labels]
     packings = [run for run in runs if "load.spheres" in run.labels]
@@ -52,8 +52,8 @@ def select(runs):
 
 
 def volumes(run):
-    """Dissipated fraction and normalised volume of the spheres of a packing, in descending order,
-    from none on.
+    """Cumulative dissipated fraction and normalised volume of the spheres of a packing in
+    descending order of dissipation, from zero.
     """
     spheres = gw.measures.spheres_involved(run.result, run["energy_input_J"])
     return np.append(0.0, spheres.fraction), np.append(0.0, spheres.volume / VOLUME)
@@ -97,7 +97,7 @@ def rows(impacts):
 
 
 def loading_areas(early):
-    """Row of 3 and 7 impacted spheres, compared with one at equal input."""
+    """Row that compares impacts on 3 and 7 spheres with impacts on one sphere at equal input."""
     single = {run["energy_input_J"]: run["dissipated_fraction"] for run in early[1]}
     differences = []
     inputs = []

@@ -20,8 +20,8 @@ SHOWN = (4, 10, 40)  # m/s
 
 
 def directions(run):
-    """Layers, from the first on, whose largest force is on a preferred direction; force below over
-    the force there.
+    """Number of layers, from the first, whose largest force is on a preferred direction; and the
+    force straight below divided by the force in that direction.
     """
     result = run.result
     ways = gw.measures.rays(run.result).directions

@@ -21,8 +21,8 @@ COLOURS_END = {0.0: 7.0, 8e-4: 9.0}  # 1e-3 a contact, of Fig. 7.2, by a
 
 
 def select(runs):
-    """Decay, 1e-3, and name by gamma and a, in rising order; none for a single scan, which has only
-    some of them.
+    """Decay, 1e-3, and name by gamma and a, in rising order; empty for a single scan, which has
+    only some of the runs.
     """
     found = {(row.gamma, row.a): (KILO * row.decay(), row.name) for row in map(FilterRow, runs)}
     return (

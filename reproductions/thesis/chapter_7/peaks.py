@@ -41,7 +41,7 @@ FOOT = 0.01
 
 
 def select(runs):
-    """All rows of the figure by density, gamma and a; none for a single scan, which has only some
+    """All rows of the figure by density, gamma and a; empty for a single scan, which has only some
     of them.
     """
     found = {row.key: row for row in map(FilterRow, runs)}

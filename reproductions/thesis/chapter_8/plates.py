@@ -17,7 +17,7 @@ TOUCHING = (SPHERE + CYLINDER) / 2  # m: distance of the centres
 
 
 def difference(row):
-    """Difference from the other rows; empty for the reference."""
+    """Text of the difference from the other rows; empty for the reference."""
     length = row.case.packing.grains.shape[-1].length
     parts = []
     if not math.isclose(length, SPHERE):
@@ -30,7 +30,7 @@ def difference(row):
 
 
 def select(runs):
-    """Rows with cylinders; none for a single scan, whose cylinders all open the gaps or are all
+    """Rows with cylinders; empty for a single scan, whose cylinders all open the gaps or are all
     loose.
     """
     found = [row for row in map(SwitchRow, runs) if row.n]

@@ -37,8 +37,8 @@ WINDOWS = ((OPEN, FRICTION, 600.0, "8.5a"), (DOWNSTREAM, 0.0, 500.0, "8.5b"))  #
 
 
 def select(runs):
-    """Rows by state and friction, by the number of cylinders, and the row without them; none for a
-    single scan.
+    """Rows by state and friction, in order of the number of cylinders, and the row without
+    cylinders; empty for a single scan.
     """
     found = {(row.state, row.friction, row.n): row for row in map(SwitchRow, runs)
              if len(row.ids) == SPHERES and row.speed == SPEED}  # fmt: skip
@@ -80,7 +80,7 @@ def rows(measured):
 
 
 def both_sensors(found, none):
-    """Rows of the signals of both sensors (Fig. 8.5), by the axes and the text."""
+    """Rows of the signals of both sensors (Fig. 8.5), compared with the axes and the text."""
     first = [row.first for row in (none, *found[OPEN, FRICTION])]
     times, forces = np.array(first).T
     steps = len(NUMBERS)
