@@ -132,23 +132,23 @@ def rows(runs):
     found = measured(runs)
     # fmt: off
     for side, (least, *_) in found.items():
-        yield gw.Row(f"Light bead {side}, {least.amplitude:g} m: power through over the square of the amplitude",
+        yield gw.Row(f"Light bead {side}, {least.amplitude:g} m: transmitted power / square of the amplitude",
                      "W/m^2", ours=least.through / least.amplitude**2, theory=least.small, verification=True,
                      where="last half of the run")
-        yield gw.Row(f"Light bead {side}: frequency of the drive over that of its mode", where="modes of the static "
+        yield gw.Row(f"Light bead {side}: drive frequency / frequency of its mode", where="modes of the static "
                      "state", ours=least.frequency / least.mode,
                      remark=f"The mode is at {least.mode:.0f} Hz, the cut-off of the chain at {least.static[1]:.0f} "
                             "Hz.")
     for side, same in found.items():
         if between := switch(same):
-            yield gw.Row(f"Light bead {side}: amplitude of the drive at which the row opens", "m", digits=2,
+            yield gw.Row(f"Light bead {side}: drive amplitude at which transmission starts", "m", digits=2,
                          ours=math.sqrt(math.prod(between)), remark="Between {:g} and {:g} m; static overlap {:.3g} "
                          "m.".format(*between, same[0].static[0]))
     near = found[SIDES[0]]
     ratio = ratios(found)
     best = ratio.argmax()
     for place, which in ((0, "smallest amplitude"), (best, "amplitude where it is largest")):
-        yield gw.Row(f"Power through, light bead near the drive over at the far end, {which}", ours=ratio[place],
+        yield gw.Row(f"Transmitted power, light bead near the drive / at the far end, {which}", ours=ratio[place],
                      remark=f"At {near[place].amplitude:g} m.", digits=3)
     for side, same in found.items():
         yield gw.Row(f"Light bead {side}, {near[best].amplitude:g} m: share of the last bead's motion below the row's "

@@ -89,11 +89,11 @@ def rows(runs):
         )  # fmt: skip
     if steady:
         yield gw.Row(
-            "Bead on a plane: shift of the resonance over the square of the amplitude", theory=SHIFT, verification=True,
-            ours=np.polyfit(found[:, 2] ** 2, found[:, 1] - 1, 1)[0], where="amplitudes over the static overlap",
+            "Bead on a plane: shift of the resonance / square of the amplitude", theory=SHIFT, verification=True,
+            ours=np.polyfit(found[:, 2] ** 2, found[:, 1] - 1, 1)[0], where="amplitudes divided by the static overlap",
         )  # fmt: skip
     for one in swept:
-        quantity = f"Bead on a plane, shaken at {one.frequency:.3f} of its frequency: hysteresis of its amplitude"
+        quantity = f"Bead on a plane, driven at {one.frequency:.3f} of its frequency: hysteresis of its amplitude"
         yield gw.Row(
             quantity,
             ours=one.sweep.apart,

@@ -144,7 +144,7 @@ def rows(runs):
             bound=True,
         )
         yield gw.Row(
-            f"Width of the gap over its middle, cylinders of 0.5 D, a = 0: {name}",
+            f"Width of the gap / its mid-frequency, cylinders of 0.5 D, a = 0: {name}",
             digits=3,
             where=FIGURE,
             ours=2 * (high - low) / (high + low),
@@ -169,7 +169,7 @@ def single_cylinder():
         if cylinders == 1:
             remark += " The static state follows from equation 7.5, which has two cylinders."
         yield gw.Row(
-            f"Width of the gap over its middle, a = 0: {words}",
+            f"Width of the gap / its mid-frequency, a = 0: {words}",
             "%",
             ours=200 * (high - low) / (high + low),
             where="thesis 7.12",

@@ -60,7 +60,7 @@ def rows(runs):
             f"The measured ratio is {source:.2f} ± {margin:.2f}. For the impact at {v:g} m/s it "
             f"requires a PTFE modulus of {needed:.2f} times ours."
         )
-        yield gw.Row(f"Speed in brass over speed in PTFE, impact at {v:g} m/s", "", source, ours, WHERE, remark,
+        yield gw.Row(f"Speed in brass / speed in PTFE, impact at {v:g} m/s", "", source, ours, WHERE, remark,
                      theory=strong, digits=4)  # fmt: skip
     yield gw.Row("Speed in brass at the impact that gives the measured speed in PTFE", "m/s", MEASURED["brass"],
                  MEASURED["ptfe"] * strong, WHERE, "The measured value is ± 40 m/s. Our value is "

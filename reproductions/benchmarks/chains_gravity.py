@@ -42,7 +42,7 @@ def rows(runs):
             ("largest velocity", "speed"), fits, (VELOCITY, SPEED), strict=True
         ):
             yield gw.Row(
-                f"Power of the {what} with the depth, {at}",
+                f"Exponent of the {what} against the depth, {at}",
                 "",
                 printed,
                 fit.exponent,

@@ -64,7 +64,7 @@ def rows(runs):
     # fmt: off
     added, static, speed, gain = measured(runs)
     for f, force, ours in zip(added, static, speed, strict=True):
-        yield gw.Row(f"Speed over c0, force added {f:.3g} times {force:g} N", "", ours=ours, where=COSTE, digits=4,
+        yield gw.Row(f"Speed / c0, dynamic force {f:.3g} times {force:g} N", "", ours=ours, where=COSTE, digits=4,
                      theory=float(lattice_speed(np.array(1 + f))), remark=CURVE if f > 2 else CURVE + SPREADS)
     yield gw.Row("Length of the pulse / length of the chain", "", 0.1, pulse(runs), COSTE,
         "The source states typically a tenth. In our chain of 51 beads the pulse is measured "
@@ -91,8 +91,8 @@ def pictures(runs):
         left.semilogx(added[same], speed[same], mark, markersize=4, label=f"{force:g} N")
         right.loglog(added[same], gain[same], mark, markersize=4)
     right.axhline(2, color="k", linewidth=0.6, linestyle=":")
-    left.set(xlabel="Added force / static force", ylabel="Speed over $c_0$")
-    right.set(xlabel="Added force / static force", ylabel="Speed over that without static force")
+    left.set(xlabel="Dynamic force / static force", ylabel="Speed / $c_0$")
+    right.set(xlabel="Dynamic force / static force", ylabel="Speed / speed without static force")
     left.legend(fontsize=6)
     caption = (
         "Speed of waves under four static forces against their height, divided by c0 and by the "

@@ -48,7 +48,7 @@ def rows(runs):
     best = min(forces, key=forces.get)
     soft_first = forces["PPPPPPSSSSSS"] / forces["SSSSSSPPPPPP"]
     yield gw.Row(
-        "Soft beads at the striker over soft beads at the wall: largest force",
+        "Largest force, soft beads at the striker / at the wall",
         "",
         ours=soft_first,
         digits=4,

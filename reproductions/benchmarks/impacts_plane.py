@@ -165,5 +165,7 @@ def pictures(runs):
             *axes.get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=8
         )
         caption = f"Test {test}: a sphere on a plane, {'sliding' if test == 5 else 'spinning'}. Incidence and rebound "
-        caption += "are tangents of the surface" + (", over friction" if test == 5 else "")
+        caption += "are tangents of the surface" + (
+            ", divided by the friction" if test == 5 else ""
+        )
         yield gw.Picture("sliding" if test == 5 else "spinning", caption, figure, data)

@@ -108,14 +108,14 @@ def rows(runs):
                      theory=own.johnson()[at], where=JOHNSON, remark=SOFTER)
     sensitivity = max(run.case.material.rate_sensitivity or 0.0 for run in runs)
     for at in (8, 10, 12):
-        yield gw.Row(f"Restitution at {own.velocity[at]:.3g} m/s with a rate of yielding, over that without",
+        yield gw.Row(f"Restitution at {own.velocity[at]:.3g} m/s with / without rate-dependent yielding",
                      ours=fast.restitution[at] / own.restitution[at],
                      theory=own.stronger(sensitivity)[at] ** 0.625, where=f"{JOHNSON}, similarity",
                      remark="The contact comes to rest before it unloads, while its pressure "
                             "still rises.")
     for first, last in ((1, 10), (10, 100)):
         for one in (own, thesis, thornton, fast):
-            yield gw.Row(f"Power of restitution, {first} to {last} m/s, {one.law}", ours=one.slope(first, last),
+            yield gw.Row(f"Exponent of restitution against velocity, {first} to {last} m/s, {one.law}", ours=one.slope(first, last),
                          theory=-0.25, where=f"{JOHNSON}, similarity", remark=DEEP if one in (own, fast) else "")
     # fmt: on
 

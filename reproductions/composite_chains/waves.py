@@ -12,10 +12,10 @@ from granwave.measures import maxima
 LEAST = 0.005  # fraction of the largest force at a contact: smaller maxima are not distinguished
 NAMES = {
     "incident": "Incident pulse",
-    "BRW": "Back reflection (BRW)",
-    "FRW": "Forth reflection (FRW)",
-    "DFRW": "Delayed forth reflection (DFRW)",
-    "end": "Pulse back from the chain's end",
+    "BRW": "Backward reflection (BRW)",
+    "FRW": "Forward reflection (FRW)",
+    "DFRW": "Delayed forward reflection (DFRW)",
+    "end": "Pulse reflected from the end of the chain",
 }
 
 

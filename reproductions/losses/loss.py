@@ -84,7 +84,7 @@ def rows(runs):
             yield gw.Row(f"Restitution at {speed:g} m/s, {kind}", ours=ours, theory=theory, where=by, **verified)
         if kind.startswith("restitution"):
             (ours,) = pairs[pairs[:, 0] == 1.0, 1]
-            yield gw.Row("Restitution at 1 m/s, that was asked for", ours=ours, theory=0.9, where="case", **verified)
+            yield gw.Row("Restitution at 1 m/s, specified", ours=ours, theory=0.9, where="case", **verified)
         if dashpot:
             yield gw.Row(f"Restitution at the largest / smallest velocity, {kind}",
                          ours=pairs[-1, 1] / pairs[0, 1], theory=1.0, where="similarity", **verified)

@@ -84,8 +84,8 @@ def impulse_rows():
     times = " to ".join(f"{duration:.2g}" for duration in (min(short)[0], max(short)[0]))
     differences = [gained for _, gained in short]
     for word, source, theory in (
-        ("least", 1.65, min(differences)),
-        ("most", 2.2, max(differences)),
+        ("smallest", 1.65, min(differences)),
+        ("largest", 2.2, max(differences)),
     ):
         yield gw.Row(
             f"Difference of impulses, elastic and viscoelastic, half-sines, {word}", "%", source,
@@ -114,10 +114,10 @@ def rows(runs):
             remark += " This rise is longer than the experiment."
         yield gw.Row(f"Effective modulus at contact {contact}", "MPa", modulus, theory=secant(rise), digits=3,
                      where=f"{SOURCE}, 3", remark=remark)  # fmt: skip
-        yield gw.Row(f"Stress over strain of the stress history, even rise of {rise:g} ms", "MPa", theory=secant(rise),
+        yield gw.Row(f"Stress / strain from the stress history, uniform rise within {rise:g} ms", "MPa", theory=secant(rise),
                      ours=secant_of_history(rise), where="equation 7, integrated", verification=True)  # fmt: skip
     gained = [impulse_gained(rise_of(modulus)) for modulus in MODULI]
-    for word, source, theory in (("least", 1.65, min(gained)), ("most", 2.2, max(gained))):
+    for word, source, theory in (("smallest", 1.65, min(gained)), ("largest", 2.2, max(gained))):
         quantity = f"Difference of impulses, elastic and viscoelastic, {word}"
         remark = (
             "Theory: uniform rises of the strain in the times of the rows above, compared "
@@ -135,7 +135,7 @@ def rows(runs):
     mass = runs[0].spheres["mass"].iloc[0] / 2
     for speed, expected in ((1.0, 0.7468), (6.0, 0.7141)):
         found = law.collide(mass, speed, loss_time=runs[0].case.contact.loss.time, steps=4000)
-        yield gw.Row(f"Restitution of two grains at {speed:g} m/s, loss time 12 us", ours=found["restitution"],
+        yield gw.Row(f"Restitution of two grains at {speed:g} m/s, relaxation time 12 us", ours=found["restitution"],
                      where=OURS, digits=4, remark=not_kept(expected,
                          "According to the source a spring with a dashpot has the same "
                          "restitution at all speeds."))  # fmt: skip

@@ -194,7 +194,7 @@ def of_waves(name, by_law):
 def of_contacts(name, contacts):
     """Effective moduli and differences of impulses at the contacts of a crystal."""
     for word, printed, found in zip(
-        ("least", "largest"), MODULI, np.percentile(contacts.modulus, (0, 100)), strict=True
+        ("smallest", "largest"), MODULI, np.percentile(contacts.modulus, (0, 100)), strict=True
     ):
         yield gw.Row(
             f"Effective modulus at the contacts of the run, {word}, {name}", "MPa", printed, found,
@@ -206,7 +206,10 @@ def of_contacts(name, contacts):
                    "MPa.",
         )  # fmt: skip
     for word, printed, found in zip(
-        ("least", "median"), IMPULSES, np.percentile(np.abs(contacts.impulse), (0, 50)), strict=True
+        ("smallest", "median"),
+        IMPULSES,
+        np.percentile(np.abs(contacts.impulse), (0, 50)),
+        strict=True,
     ):
         yield gw.Row(
             f"Difference of impulses at the contacts of the run, {word}, {name}", "%", printed,

@@ -34,7 +34,7 @@ def before(run):
 
 
 def title(series):
-    return f"Hit {len(series)} times"
+    return f"{len(series)} impacts on a packing"
 
 
 def columns(series):

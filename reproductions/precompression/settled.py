@@ -16,7 +16,7 @@ import granwave as gw
 from granwave.measures import differ_significantly, estimate
 
 COLOURS = {
-    "like spheres, as placed": "k",
+    "identical spheres, as placed": "k",
     "as placed": "C0",
     "settled under gravity": "C1",
     "settled under 10 kPa on top": "C4",
@@ -28,7 +28,7 @@ def state(run):
     """Description of the preparation of a packing."""
     stage = run.case.precompression
     if stage is None:
-        return "as placed" if run.case.packing.diameter_scatter else "like spheres, as placed"
+        return "as placed" if run.case.packing.diameter_scatter else "identical spheres, as placed"
     return "settled under " + (
         "gravity" if stage.kind == "gravity" else f"{1e-3 * stage.pressure:g} kPa on top"
     )

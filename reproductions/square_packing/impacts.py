@@ -17,7 +17,7 @@ WAVES = {"in-plane": 4, "out-of-plane": 8}
 SHOWN = (0.15e-3, 0.30e-3)
 ENERGIES = {
     "in-plane": {"central chains": 71.5, "edge chains": 24.5},
-    "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "struck spheres": 47.7},
+    "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "impacted spheres": 47.7},
 }  # % of the input
 SETTLED = 0.02  # fraction of its last length by which a settled pulse may differ
 REBOUND = "The source calls this the remaining energy, which is 4.0 % by its numbers."
@@ -74,7 +74,7 @@ def rows(one):
         yield gw.Row(f"Energy in {region}, {way}", percent, source, ours[region], **paths)
     if way == "in-plane":
         yield gw.Row(f"Energy in strikers and impacted spheres, {way}", percent,
-                     ours=ours["strikers"] + ours["struck spheres"], remark=REBOUND, **paths)
+                     ours=ours["strikers"] + ours["impacted spheres"], remark=REBOUND, **paths)
     yield gw.Row(f"Chains with a wave, {way}", source=WAVES[way], ours=carrying, **paths)
     yield gw.Row(f"Largest energy in other spheres, {way}", percent,
         ours=100 * one.energies["other spheres"].max(),

@@ -15,7 +15,7 @@ from granwave.theory import solitary_lengths
 
 MEASURES = tuple(solitary_lengths())  # measures of the length of a pulse
 COLOURS = {
-    "central chains": "C0", "edge chains": "C9", "struck spheres": "C1", "strikers": "C4", "other spheres": "black",
+    "central chains": "C0", "edge chains": "C9", "impacted spheres": "C1", "strikers": "C4", "other spheres": "black",
     "walls": "0.5", "dissipated": "C2",
 }  # fmt: skip
 
@@ -93,7 +93,7 @@ class Packing:
         chains = self.chains.items()
         regions = {group: np.concatenate([ids[1:] for ids in members]) for group, members in chains}
         return energy_by_region(
-            self.run.result, regions | {"struck spheres": self.struck, "strikers": [n + 1, n + 2]}
+            self.run.result, regions | {"impacted spheres": self.struck, "strikers": [n + 1, n + 2]}
         )
 
     @cached_property
@@ -104,10 +104,10 @@ class Packing:
         The rebound is complete when the energy of the impacted spheres, after its minimum, has its
         next maximum.
         """
-        struck = self.energies["struck spheres"]
+        struck = self.energies["impacted spheres"]
         least = struck[struck.argmax() :].argmin() + struck.argmax()
         rebounded = least + struck[least:].argmax()
-        at = {"struck spheres": rebounded, "strikers": rebounded}
+        at = {"impacted spheres": rebounded, "strikers": rebounded}
         return {
             name: share.max() if name in self.chains else share[at.get(name, -1)]
             for name, share in self.energies.items()

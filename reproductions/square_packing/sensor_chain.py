@@ -64,7 +64,7 @@ def pictures(runs):
     figure = Figure((7, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     left.plot(100 * ratios, shares, "o-", markersize=3, label="simulation")
-    left.plot(100 * SENSOR / SOLID, LIMIT, "v", color="0.5", label="source: less than this")
+    left.plot(100 * SENSOR / SOLID, LIMIT, "v", color="0.5", label="upper bound of the source")
     left.set(
         xlabel="Mass of the sphere (% of other spheres)",
         ylabel="Reflection (% of the wave)",

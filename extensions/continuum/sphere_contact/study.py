@@ -165,7 +165,7 @@ def _measured(run: SphereContactRun) -> SphereLoading:
     if ratio != 1:
         name += f", radii {ratio:g} to 1"
     elif identical:
-        name += ", like radii"
+        name += ", equal radii"
     return SphereLoading(
         run,
         name,

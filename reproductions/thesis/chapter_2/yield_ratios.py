@@ -100,8 +100,8 @@ def select(runs):
 
 def rows(contacts):
     curves = (
-        ("Mean pressure over the yield strength", "pressure", pressure, "thesis Fig. 2.4, 2.8"),
-        ("Contact area over the area at first yield", "area", area, "thesis Fig. 2.5, 2.10"),
+        ("Mean pressure / yield strength", "pressure", pressure, "thesis Fig. 2.4, 2.8"),
+        ("Contact area / area at first yield", "area", area, "thesis Fig. 2.5, 2.10"),
     )
     for words, name, formula, where in curves:
         for place in PLACES:
@@ -110,7 +110,7 @@ def rows(contacts):
             ]
             spread = 100 * np.ptp(values) / np.mean(values)
             yield gw.Row(
-                f"{words} at {place:g} overlaps at yield", source=float(formula(place)),
+                f"{words} at {place:g} alpha_y", source=float(formula(place)),
                 ours=np.mean(values), where=where,
                 remark=f"The source value is its fit. Our value is the mean of {len(values)} "
                        f"ratios, with a spread of {spread:.1f} %.",
@@ -119,7 +119,7 @@ def rows(contacts):
     for one in contacts:
         largest = one.peak[-1]
         yield gw.Row(
-            f"Residual over largest overlap, unloaded from {largest:.0f} overlaps at yield",
+            f"Residual / largest overlap, unloaded from {largest:.0f} alpha_y",
             source=float(residual(largest)) / largest, ours=one.residual[-1] / largest,
             where="thesis Fig. 2.7, 2.13", remark=f"gamma is {one.gamma:.2e}. The source value is "
                                                   "its fit.",
@@ -136,7 +136,7 @@ def rows(contacts):
         )  # fmt: skip
     deepest = contacts[0].profiles[-1]
     yield gw.Row(
-        f"Largest pressure over the yield strength at {deepest.overlap:.2f} R*", source=2.5,
+        f"Largest pressure / yield strength at {deepest.overlap:.2f} R*", source=2.5,
         ours=np.median(deepest.pressure[deepest.pressure > 0]), where="thesis Fig. 2.3",
         remark="The value is the median over the contact.", digits=3,
     )  # fmt: skip

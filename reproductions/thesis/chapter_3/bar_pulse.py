@@ -113,9 +113,9 @@ def closed_forms(one, of, edge=""):
     for what, unit, ours, theory, remark in (
         ("Speed", "m/s", one.speed, one.c, lasts),
         ("Impedance", "N s/m", one.measured_impedance, one.impedance, ""),
-        ("Peak at a section over that which entered", "", one.overshoot, 1.0, edge),
+        ("Peak at a section / incoming peak", "", one.overshoot, 1.0, edge),
         ("Largest deviation from the pulse's shape", "of its peak", one.deviation, 0.0, edge),
-        ("Energy over the integral of F²/Z", "", one.energy, 1.0, ""),
+        ("Energy / integral of F²/Z", "", one.energy, 1.0, ""),
     ):
         yield gw.Row(f"{what}, {of}", unit, ours=ours, theory=theory, where="closed form", remark=remark,
                      verification=True)

@@ -40,7 +40,7 @@ def rows(runs):
     last = pulses[-1]
     # fmt: off
     for one in pulses:
-        yield gw.Row(f"Power of the peak force with distance, contacts from {FIRST} on, beta {one.beta:g} (4.35)",
+        yield gw.Row(f"Exponent of the peak force against distance, contacts from {FIRST} on, beta {one.beta:g} (4.35)",
                      source=-(1 + one.beta) / 2, ours=power(one).exponent, theory=-1.0, where="thesis 4.2.1", digits=2,
                      remark="The power of the source follows from an energy balance. Beads of the "
                             "same velocity conserve the momentum I only if the power is -1, which "

@@ -34,7 +34,7 @@ def rows(runs):
     yield gw.Row("Short pulses: F_peak/I^(6/5), normalised", ours=y[short].mean(), theory=DISCRETE_LIMIT,
                  where="thesis Fig. 4.3", remark=f"The value is the mean for A/I^(6/5) > {8 * CROSSING:.2g}. "
                                                  f"Theory: the discrete chain; (4.5) gives {IMPULSE_LIMIT:.4f}.")
-    yield gw.Row("Long pulses: peak force of one of 40 N", "N", PEAK, LOAD * (y / x)[long].mean(), where="thesis 4.1.3",
+    yield gw.Row("Long pulses: peak force at a load of 40 N", "N", PEAK, LOAD * (y / x)[long].mean(), where="thesis 4.1.3",
                  remark=f"The value is the mean for A/I^(6/5) < {CROSSING / 8:.2g}, where the "
                         "force only sets the scale.")
     yield gw.Row("Largest spread of F_peak/I^(6/5) between impulses at equal A/I^(6/5)", "%", ours=100 * spread,

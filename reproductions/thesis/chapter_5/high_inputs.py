@@ -196,7 +196,7 @@ def packing_and_block(impacts):
     left.semilogx(block, of_block, "ks", markersize=4, label="block")
     left.axvline(AXIS, color="0.7", linewidth=0.8)
     left.set(
-        xlabel=r"Input over $\sigma_y^2 D^3/E$, $D$ = 10 mm",
+        xlabel=r"Input / ($\sigma_y^2 D^3/E$), $D$ = 10 mm",
         ylabel="Dissipated fraction",
         ylim=(0, 1),
     )
@@ -210,7 +210,7 @@ def packing_and_block(impacts):
         right.plot(fraction, of_spheres, label=f"packing, {name} J")
         data |= {f"share_at_{name}_J": fraction, f"volume_at_{name}_J": of_spheres}
     right.set(
-        xlabel="Dissipated fraction", ylabel=r"Volume over $\pi D^3/6$", xlim=(0, 0.9), ylim=(0, 20)
+        xlabel="Dissipated fraction", ylabel=r"Volume / ($\pi D^3/6$)", xlim=(0, 0.9), ylim=(0, 20)
     )
     for axes in (left, right):
         axes.legend(fontsize=7)

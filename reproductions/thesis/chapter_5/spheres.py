@@ -104,7 +104,7 @@ def pictures(runs):
         axes.loglog(1 + np.arange(len(values)), values, style, label=f"{velocity} m/s")
         data[f"dissipation_at_{velocity}_m_s"] = values
     axes.set(
-        xlabel="Sphere, the one that dissipated most first", ylabel="Dissipation (thesis 5.15)"
+        xlabel="Sphere, in order of decreasing dissipation", ylabel="Dissipation (thesis 5.15)"
     )
     axes.legend()
     caption = (

@@ -121,7 +121,7 @@ def pictures(maps):
         maps.gammas, maps.etas, maps.ratio.T, levels, cmap="RdBu_r", extend="both"
     )
     figure.colorbar(drawn, ax=panels[-1], label="Ratio of the decays")
-    panels[-1].set(title="pressed over touching")
+    panels[-1].set(title="pressed / touching")
     for axes in panels:
         axes.set(xlabel=r"$\gamma$")
     panels[0].set(ylabel=r"$\eta$")
@@ -131,7 +131,9 @@ def pictures(maps):
         f"decay_{'pressed' if a else 'touching'}": 1e-3 * decay.ravel()
         for a, decay in maps.decay.items()
     }
-    caption = "Decay of the peak force per contact over diameter (gamma) and length (eta) of the "
+    caption = (
+        "Decay of the peak force per contact against diameter (gamma) and length (eta) of the "
+    )
     caption += "cylinders, and its "
-    caption += "ratio: the maps of thesis Figs 7.2 and 7.3, over the same axes and colours"
+    caption += "ratio: the maps of thesis Figs 7.2 and 7.3, with the same axes and colours"
     yield gw.Picture("filter_map", caption, figure, data)

@@ -61,7 +61,7 @@ def rows(measured):
                          remark=remark, **checked)
             if state != OPEN:
                 continue
-            yield gw.Row(f"Its time, {row.name}", "us", ours=1e6 * time, theory=1e6 * theory["sphere_21_first_s"],
+            yield gw.Row(f"Time of the first peak at sphere 21, {row.name}", "us", ours=1e6 * time, theory=1e6 * theory["sphere_21_first_s"],
                          remark=SOLVER, **checked)
             if friction:
                 yield gw.Row(f"Largest force at sphere 21, {row.name}", "N", ours=row.sensor(SENSORS[1])[1].max(),
@@ -121,7 +121,7 @@ def both_sensors(found, none):
     for state in (UPSTREAM, DOWNSTREAM):
         row = found[state, FRICTION][-1]
         yield gw.Row(
-            f"First peak at sphere 21 relative to that without cylinders, {row.name}",
+            f"First peak at sphere 21 relative to the chain without cylinders, {row.name}",
             ours=row.first[1] / none.first[1],
             where="thesis 8.2.2, Fig. 8.5b",
             digits=3,
