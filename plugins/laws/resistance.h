@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Resistance of a contact to rolling and to twisting: springs with a dashpot and a slider each (Luding 2008, Granular Matter 10,
-   235; type C of Ai, Chen, Rotter and Ooi 2011), as `rolling sds`, `twisting sds` and `twisting marshall` of LAMMPS's pair style
-   granular. No LAMMPS types.
+/* Resistance of a contact to rolling and to twisting: springs, each with a dashpot and a slider, (Luding 2008, Granular
+   Matter 10, 235; type C of Ai, Chen, Rotter and Ooi 2011), as `rolling sds`, `twisting sds` and `twisting marshall` of
+   LAMMPS's pair style granular. No LAMMPS types.
 
    n is the unit normal towards the first body, w its angular velocity relative to the second, A the effective radius.
 
@@ -122,7 +122,7 @@ struct ResistanceHistory {
 
   void advance(const ResistanceModel &model, const RollingContact &c, double dt)
   {
-    const double (&n)[3] = c.normal, (&w)[3] = c.spin;
+    const double(&n)[3] = c.normal, (&w)[3] = c.spin;
     const SliderModel &roll = model.rolling, &twist = model.twisting;
     if (const double k = roll.stiffness > 0.0 ? roll.stiffness : c.stiffness; roll && k > 0.0) {
       for (auto *vector : {&rolling.spring, &rolling.dashpot}) turn_into_plane(*vector, n);
