@@ -83,7 +83,7 @@ template <int N> class SlipCells {
     const double per_length = c.stiffness / c.circle;
     turn(c.normal);
     follow(c.circle, c.effective_radius);
-    const double(&n)[3] = c.normal;
+    const double (&n)[3] = c.normal;
     const double u[3] = {doubles_[AXIS], doubles_[AXIS + 1], doubles_[AXIS + 2]}, circle = doubles_[CIRCLE];
     const double v[3] = {n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]};
     const double slip[2] = {dot(c.slip, u), dot(c.slip, v)};

@@ -122,7 +122,7 @@ struct ResistanceHistory {
 
   void advance(const ResistanceModel &model, const RollingContact &c, double dt)
   {
-    const double(&n)[3] = c.normal, (&w)[3] = c.spin;
+    const double (&n)[3] = c.normal, (&w)[3] = c.spin;
     const SliderModel &roll = model.rolling, &twist = model.twisting;
     if (const double k = roll.stiffness > 0.0 ? roll.stiffness : c.stiffness; roll && k > 0.0) {
       for (auto *vector : {&rolling.spring, &rolling.dashpot}) turn_into_plane(*vector, n);
