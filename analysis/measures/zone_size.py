@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 
 Zone = dict[str, NDArray]  # columns of spheres, see `packing_zone`
 
-LAW_LIMIT = 0.2  # largest overlap over R* in the fit of the elasto-plastic law
+LAW_LIMIT = 0.2  # largest overlap / R* in the fit of the elasto-plastic law
 HALF_LAW_LIMIT = 0.1  # half of this limit
 # boundaries that a zone, or a wave, may reach
 BOTTOM = "bottom"

@@ -31,7 +31,7 @@ LEFT = (
 
 
 class Tapered:
-    """Taper, energy of the last bead at the end over the input, and the decrease of the front from
+    """Taper, energy of the last bead at the end / input, and the decrease of the front from
     bead to bead.
     """
 

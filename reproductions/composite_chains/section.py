@@ -15,8 +15,8 @@ from granwave.measures import Chain, first_peak
 SPEEDS = {"brass-composite": {3: 469.0, 24: 424.0}, "ptfe": {}}
 FROM_END = {"brass-composite": 1.25, "ptfe": 1.85}
 STRESSES = {"brass-composite": (1200.0, 1110.0), "ptfe": (35.0, 20.0)}
-# constants of the contact law, mean pressures over the yield strength: far beyond yield, at yield
-# (2/3 of 1.6), and the factor of their approach, over the overlap at yield
+# constants of the contact law, mean pressures / yield strength: far beyond yield, at yield
+# (2/3 of 1.6), and the factor of their approach / overlap at yield
 DEEP_PRESSURE = 2.48
 YIELD_PRESSURE = 16 / 15
 PRESSURE_RATE = 0.098

@@ -15,7 +15,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number
 
 BENCH_PARTS = ("styles", "lists", "sizes", "ranks", "study")
-# largest overlap over the overlap at first yield; the size of spheres limits it to about 1e4
+# largest overlap / overlap at first yield; the size of spheres limits it to about 1e4
 _LARGEST_OVERLAP = 1e6
 _SHORTEST, _LONGEST = POSSIBLE["m"]
 

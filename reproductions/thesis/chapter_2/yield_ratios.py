@@ -26,7 +26,7 @@ EXPONENTS = {"Smallest": 1.30, "Largest": 1.42}
 PLACES = (50.0, 150.0, 300.0)
 SAMPLES = 1000  # points of a drawn formula
 NEAR = 0.02  # half-width of the mean about a place, in the logarithm of the overlap
-BEYOND = 1.2  # end of a drawn profile over the contact radius
+BEYOND = 1.2  # end of a drawn profile / contact radius
 
 
 def pressure(overlap):

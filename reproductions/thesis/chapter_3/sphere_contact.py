@@ -17,7 +17,7 @@ import granwave as gw
 # alpha_y: overlap with the largest deviation of the law, and start of its plateau
 SPOTS = 3.0, 10.0
 DEEP = 0.19  # R*: nearly the end of Fig. 2.10, and of the law's fit
-# mean pressures over the yield strength: Thornton's, and the largest of the law
+# mean pressures / yield strength: Thornton's, and the largest of the law
 FIRST_YIELD = 16 / 15
 PLATEAU = 2.48
 SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap

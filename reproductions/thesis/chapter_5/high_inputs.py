@@ -20,7 +20,7 @@ import granwave as gw
 BRASS = 5.5e8  # Pa, yield strength
 SAME = 1e-4  # relative difference of inputs that are meant to be equal
 FASTEST = 1e4  # end of the axis of Fig. 5.6a, normalised velocity
-UNIT = 16 / 15  # F_y alpha_y over the unit of energy of thesis 5.15
+UNIT = 16 / 15  # F_y alpha_y / unit of energy of thesis 5.15
 AXIS = 100.0  # end of Fig. 5.13
 VOLUME = math.pi * 0.01**3 / 6
 STRIKES = (1, 3, 7)  # impacted spheres
