@@ -45,7 +45,7 @@ _MOST_STEPS = 1_000_000  # most steps of a damped run
 # steps times grains up to which `QUIET` is required under gravity, and its bounds in steps
 _STRICT_WORK = 30_000_000
 _STRICT_STEPS = (10_000, 60_000)
-# limits after these steps: sum of the net forces / weight of the bed, and net force / 
+# limits after these steps: sum of the net forces / weight of the bed, and net force /
 # weight of a grain or a clump
 CALM = 3e-4
 HELD = 1.0

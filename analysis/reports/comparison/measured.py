@@ -85,7 +85,7 @@ class Deviation:
     rms
         Root mean square of the difference at the measured points, in the unit of the curve.
     relative_rms
-        That / largest measured value.
+        This root mean square / largest measured value.
     peak_difference
         Largest value of the run / largest measured value, minus 1, in that range.
     n_points
