@@ -54,7 +54,7 @@ class ReportRun:
     Attributes
     ----------
     label
-        Label in the report; it says so where the run was rejected.
+        Label in the report; it contains a note if the run was rejected.
     kind
         Kind of the run, on which the keys of its summary depend.
     status

@@ -59,7 +59,7 @@ class StiffenedBed:
     position
         Centres of all grains: (n, 3), m.
     ratio
-        Modulus of the case over that of the bed.
+        Modulus of the case / modulus of the bed.
     before, after
         Largest overlap in the soft bed and with the material of the case, m.
     moved

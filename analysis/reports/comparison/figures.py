@@ -183,7 +183,7 @@ def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
 def _markers(run: ComparedRun, places: Array) -> dict[str, Any]:
     """Return the markers of the curve of a run; none for many points, which would hide its line.
 
-    Markers are hollow and have different shapes, so that equal curves are told apart.
+    Markers are hollow and have different shapes, so that equal curves can be distinguished.
     """
     if len(places) > _MOST_MARKED:
         return {}

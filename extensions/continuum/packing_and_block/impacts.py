@@ -136,7 +136,7 @@ def not_ideal(run: FinishedRun) -> str:
     reasons = {
         "a chain": case.packing.rule.is_chain,
         "the load is no impact": not case.load.gives_velocity,
-        "the grains are not all alike": not run.assembly.plain,
+        "the grains are not identical": not run.assembly.plain,
         "friction": case.has_friction,
         f"the law is {case.contact.law}": case.contact.law != "elastoplastic",
         "no energy was put in": not run.summary.get("energy_input_J"),
