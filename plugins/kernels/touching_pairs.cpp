@@ -48,6 +48,7 @@ FOR_EACH_PROCESSOR void granwave::compare_blocks(const double *from, int n, int 
 
 FOR_EACH_PROCESSOR bool granwave::all_zero(const double *numbers, int n)
 {
+  if (n > 0 && numbers[0] != 0.0) return false;    // as nearly always where spheres move
   std::uint64_t sum = 0, bits;
   for (int i = 0; i < n; i++) {
     std::memcpy(&bits, numbers + i, sizeof(bits));
