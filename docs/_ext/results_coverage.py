@@ -1,10 +1,10 @@
-"""Coverage of the four sources: the page ``docs/explanation/coverage.md``, made of
-``reproductions/coverage.csv`` and of the stored rows.
+"""Coverage of the four sources: the page ``docs/explanation/coverage.md``, generated from
+``reproductions/coverage.csv`` and the stored rows.
 
     python docs/_ext/results_coverage.py      # the page again; no runs
 
-A line of the table is a system, law, figure or table of a source; it works, is there partly, or is
-missing, and then says why. It names the studies whose rows compare it.
+A line of the table is a system, law, figure or table of a source, which is reproduced, partly
+reproduced, or missing with a reason. It names the studies whose rows compare it.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ class Item:
     studies
         Pairs of a suite and a study whose rows compare it.
     why
-        What is missing; empty where all works.
+        Missing part, with the reason; empty if everything is reproduced.
     differs
-        Differences of more than 10 % that are left where all works, and their reason.
+        Remaining differences of more than 10 % of an item that works, with the reason.
     """
 
     source: str
@@ -83,7 +83,7 @@ def write_page(stored: Mapping[str, Any]) -> None:
 
 
 def page_of(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
-    """Return the page: how many of each source work, and a table for each."""
+    """Return the page: for each source the number of reproduced items, and a table."""
     counts = "\n".join(_count_line(name, _of_source(items, name)) for name in SOURCES)
     parts = [_section(name, _of_source(items, name), stored) for name in SOURCES]
     return f"""# Coverage of the sources
@@ -124,7 +124,7 @@ def _section(name: str, items: Sequence[Item], stored: Mapping[str, Any]) -> str
 
 {_agreement(items, stored)}
 
-| where | what | state | what is missing or differs, and why | results |
+| place | subject | state | missing part or difference, with the reason | results |
 |---|---|---|---|---|
 {lines}
 
@@ -143,7 +143,7 @@ def _escaped(text: str) -> str:
 
 
 def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
-    """Return how far the values of ours lie from those that the source prints."""
+    """Return the deviations of our values from the values that the source prints."""
     named: dict[tuple[str, str], None] = {}
     for item in items:
         named |= dict.fromkeys(item.studies)
@@ -162,7 +162,7 @@ def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
 
 
 def main() -> None:
-    """Write the page of the table and the stored rows as they are."""
+    """Write the page from the table and the stored rows."""
     import results_stored
 
     write_page(results_stored.read_stored())

@@ -20,7 +20,7 @@ FIRST = 6
 LAST = 10
 BACKGROUND = {"where": "square packing, 2-D Background"}
 FCC = "fcc under pressure"
-SQUARE = "square struck in its plane"
+SQUARE = "square packing, in-plane impact"
 
 
 def under_pressure(run):
@@ -63,14 +63,14 @@ def measured(runs):
 
 
 def label(packing, scatter):
-    return f"{packing}, " + (f"scatter {1e6 * scatter:g} µm" if scatter else "like spheres")
+    return f"{packing}, " + (f"scatter {1e6 * scatter:g} µm" if scatter else "identical spheres")
 
 
 def rows(runs):
     for (packing, scatter), (load, speed) in measured(runs).items():
         name = label(packing, scatter)
         unit = "Pa" if packing == FCC else "N"
-        quantity = f"Power of the wave speed with the force, {name}, {load[0]:.3g} to {load[-1]:.3g} {unit}"
+        quantity = f"Exponent of the wave speed against the force, {name}, {load[0]:.3g} to {load[-1]:.3g} {unit}"
         whole = power_law(load, speed).exponent
         local = np.diff(np.log(speed)) / np.diff(np.log(load))
         # fmt: off

@@ -26,8 +26,8 @@ IN_PLANE = 0.1
 
 
 def directions(run):
-    """Layers, from the first on, whose largest force is on a preferred direction; force below over
-    the force there.
+    """Number of layers, from the first, whose largest force is on a preferred direction; and the
+    force straight below divided by the force in that direction.
     """
     result = run.result
     ways = gw.measures.rays(run.result).directions
@@ -133,7 +133,7 @@ def pictures(runs):
         axes.loglog(1 + np.arange(len(values)), values, style, label=f"{velocity} m/s")
         data[f"dissipation_at_{velocity}_m_s"] = values
     axes.set(
-        xlabel="Sphere, the one that dissipated most first", ylabel="Dissipation (thesis 5.15)"
+        xlabel="Sphere, in order of decreasing dissipation", ylabel="Dissipation (thesis 5.15)"
     )
     axes.legend()
     caption = (
