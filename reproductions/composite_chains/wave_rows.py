@@ -100,13 +100,14 @@ def of_pressure(section, source):
                  "source it falls.")
     ratio = hertz_von_mises_yield_factor(section.material.poisson_ratio)
     for name, printed, pressure in (("first", source[0], first), ("last", source[1], last)):
-        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}", "MPa", printed, pressure / ratio,
-                     where, "The source value is read here as the largest von Mises stress of its "
+        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}", "MPa",
+                     printed, pressure / ratio, where, "The source value is read here as the largest von Mises stress of its "
                             "elastic finite elements, below the surface. The source calls it "
                             "compressive and compares it with the yield strength.")
     fallen = source[1] / source[0]
     before = 1e-6 * section.pressure(section.first - 1)
-    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before it, {at}", "",
+    yield gw.Row("Largest pressure, first contact of the section / contact with the steel before "
+                 f"it, {at}", "",
                  fallen, first / before, where,
                  "The source value is the ratio of its two stresses, read here as a change from "
                  "the contact with steel to the contacts within the section. This reading nearly "

@@ -157,7 +157,8 @@ def peak_force_map(run):
         place, force = plane_spheres(run, *vectors)
         reduced = force / yield_force
         circles = EllipseCollection(
-            1, 1, 0, units="xy", offsets=place, offset_transform=axes.transData, array=reduced, cmap="viridis_r",
+            1, 1, 0, units="xy", offsets=place, offset_transform=axes.transData, array=reduced,
+            cmap="viridis_r",
         )  # fmt: skip
         circles.set_norm("log")
         circles.set_clim(1.0, LARGEST_FORCE)
@@ -171,8 +172,8 @@ def peak_force_map(run):
         }
     figure.colorbar(circles, ax=panels, label="Largest contact force of a sphere / $F_y$")
     caption = (
-        f"Largest contact forces of the spheres in two planes through the impact point, {MAPPED} m/s (thesis Fig. "
-        "5.3, whose velocity is not printed). The principal plane OAB contains two preferred "
+        "Largest contact forces of the spheres in two planes through the impact point, "
+        f"{MAPPED} m/s (thesis Fig. 5.3, whose velocity is not printed). The principal plane OAB contains two preferred "
         "directions; OCD contains the third and the direction of the impact. Colours end at the "
         "end of the scale of the source"
     )
