@@ -30,7 +30,7 @@ from granwave.analysis.result.not_a_run import why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.summary_table import SummaryRow, explanation, lines, rows_of, summary_rows
-from granwave.lammps_inputs.case.run import Figures, read_figures
+from granwave.lammps_inputs.case.figures import Figures, read_figures
 from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.run import NO_NORMAL, Figures, figure_names
+from granwave.lammps_inputs.case.figures import NO_NORMAL, Figures, figure_names
 from granwave.lammps_inputs.case.schema import (
     ValidationError,
     declared_fields,

@@ -19,7 +19,7 @@ from granwave.analysis.figures import side_by_side, style
 from granwave.analysis.figures.run_figures import _shares, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.pipeline import analyse
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers.made_up import synthetic
 
