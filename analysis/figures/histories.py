@@ -81,7 +81,7 @@ _LOST_OTHERWISE = {
 }  # fmt: skip
 _ROUNDING = 1e-9  # fraction of the input: yield energy, as a difference, of laws that cannot yield
 _EDGE = 0.3  # width of the lines between areas, points
-_NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
+_NEGLIGIBLE = 1e-3  # negative energy / input that counts as rounding
 _FAR_APART = 10.0  # largest over smallest peak force above which their axis is logarithmic
 _IN_PANEL = 4  # sensors in a panel
 # figure of probes

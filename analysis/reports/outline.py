@@ -21,14 +21,15 @@ from granwave.analysis.document.model import (
     Report,
     TableColumn,
     Tone,
+    cell_in_unit,
     column_table,
     named,
     show,
     significant,
     text_table,
     tidied,
+    units_of_values,
     value_cell,
-    value_cells,
     value_column,
 )
 from granwave.analysis.formatting.numbers import counted, plain
@@ -454,10 +455,16 @@ def _fitted(run: ReportRun) -> bool:
     return law != LINE and (law not in ALL_LAWS or bool(ALL_LAWS[law].fitted))
 
 
-def _energy_column(key: str, runs: Sequence[ReportRun]) -> tuple[TableColumn, list[Cell]]:
-    """Return the column of an energy of runs."""
-    unit, cells = value_cells(key, [run.summary.get(key) for run in runs])
-    return value_column(key, unit=unit), cells
+def _energy_columns(
+    keys: Sequence[str], runs: Sequence[ReportRun]
+) -> list[tuple[TableColumn, list[Cell]]]:
+    """Return the columns of energies of runs, in one unit."""
+    summaries = [run.summary for run in runs]
+    columns: list[tuple[TableColumn, list[Cell]]] = []
+    for key, (unit, size) in units_of_values(keys, summaries).items():
+        cells = [cell_in_unit(summary.get(key), size) for summary in summaries]
+        columns.append((value_column(key, unit=unit), cells))
+    return columns
 
 
 def _table(runs: Sequence[ReportRun]) -> DocumentTable:
@@ -482,7 +489,7 @@ def _table(runs: Sequence[ReportRun]) -> DocumentTable:
     ]
     columns = [
         (TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]),
-        *(_energy_column(key, runs) for key in shown),
+        *_energy_columns(shown, runs),
         (TableColumn("Error / input", numeric=True), errors),
         (TableColumn("Accepted error", numeric=True), [value_cell(run.accepted_error) for run in runs]),
         (TableColumn("Balance"), [Cell(text, text, tone) for text, tone in verdicts]),

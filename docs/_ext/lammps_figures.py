@@ -1,10 +1,10 @@
 """Figures of the examples for LAMMPS: runs `plugins/examples/in.NAME` with plain `lmp` and draws
-what it leaves.
+its output.
 
     python docs/_ext/lammps_figures.py [NAME ...]       # writes docs/lammps/NAME.webp, and the digest of its script
 
 Each script runs in ``build/lammps/NAME``. A test compares the digests in
-``docs/lammps/figures.txt`` with the scripts, so that a figure is never that of an earlier one.
+``docs/lammps/figures.txt`` with the scripts, so that no figure comes from an earlier script.
 """
 
 from __future__ import annotations

@@ -1,12 +1,12 @@
-"""Figures of the pages: runs ``docs/figures/PART/PAGE.py`` and keeps what it draws.
+"""Figures of the pages: runs ``docs/figures/PART/PAGE.py`` and keeps its figures.
 
     python docs/_ext/page_figures.py [PAGE ...]
 
 PART is the folder of the page in ``docs``; PAGE is unique. It writes
 ``docs/figures/PART/PAGE/NAME.webp``, and the digest of the script. Each script runs in
-``build/figures/PAGE``, with granwave as a user has it, and calls `save`. The files of a tutorial or
-how-to (blocks of code with a caption) are in that folder. A test compares the digests in
-``docs/figures/digests.txt`` with the scripts, so that no figure is of an earlier script.
+``build/figures/PAGE``, with granwave as installed by a user, and calls `save`. The files of a
+tutorial or how-to (blocks of code with a caption) are in that folder. A test compares the digests
+in ``docs/figures/digests.txt`` with the scripts, so that no figure comes from an earlier script.
 """
 
 from __future__ import annotations

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _BLOCK = "half-space"
 _PACKING = "fcc-small"
 _NARROWEST = 2.0  # punch diameters: a narrower block is not a half-space
-_WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
+_WITHIN_LAW = 0.2  # overlap / R* where the contact law ends
 _STRUCK = (1, 3, 7)  # values of load.spheres
 _FEWEST = (4, 4, 2)  # spheres along x, y and z of the packing
 _DIGITS = 12

@@ -13,7 +13,7 @@ from granwave.lammps_inputs.case.schema import ValidationError
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
-#: Largest accepted error of the energy balance over the input, for all runs.
+#: Largest accepted error of the energy balance / input, for all runs.
 BALANCE_TOLERANCE = 1e-5
 LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are about 1e-12 of the input
 AUTO: Literal["auto"] = "auto"

@@ -362,7 +362,7 @@ def _check_parameters(contact: Contact, key: str, errors: ErrorList) -> None:
         errors.add(key, f"{', '.join(names)}: {fault}")
 
 
-# overlap by cohesion over the radius of a sphere, up to which contacts are small
+# overlap by cohesion / radius of a sphere, up to which contacts are small
 _MOST_SUNKEN = 0.05
 
 

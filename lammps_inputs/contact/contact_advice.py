@@ -66,7 +66,7 @@ class ContactAdvice:
     has_springs
         True if the case has their tangential springs.
     relative_overlap
-        Largest overlap over the diameter of the smaller grain of the pair.
+        Largest overlap / diameter of the smaller grain of the pair.
     """
 
     last_place: float

@@ -241,7 +241,7 @@ def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
 
 _STEPS = 2000  # steps of a collision
 _ROUNDING = 1e-6  # rounding error of a restitution without loss
-# relaxation time over the duration of the elastic collision: restitution is below 0.01
+# relaxation time / duration of the elastic collision: restitution is below 0.01
 _MOST_TIME = 20.0
 _MOST_FACTOR = 50.0  # largest factor of a dashpot: restitution is below 0.01
 _ACCURACY = 1e-9  # relative accuracy of the relaxation time or factor

@@ -45,7 +45,7 @@ from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
-_OF_MEAN = 4.0  # largest force of a contact over the mean at the bottom of a bed
+_OF_MEAN = 4.0  # largest force of a contact / mean at the bottom of a bed
 FORCE_TOLERANCE = 1e-4  # relative tolerance of the force of walls that are moved to a force
 _SHELL = (
     3,

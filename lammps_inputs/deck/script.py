@@ -90,7 +90,7 @@ _MOST_STEPS_BETWEEN_CHECKS = 10
 # distance between checks of the list at the highest speed, over the skin
 _TRAVEL_BETWEEN_CHECKS = 0.01
 _STEPS_BETWEEN_BALANCES = 500  # steps between balances of the box between ranks
-_IMBALANCE = 1.1  # work of the busiest rank over the mean, above which the box is divided again
+_IMBALANCE = 1.1  # work of the busiest rank / mean, above which the box is divided again
 
 
 def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> str:

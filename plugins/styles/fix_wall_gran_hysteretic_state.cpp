@@ -13,7 +13,7 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-constexpr double ROUNDING_OF_AXIS = 1e-9, VALID_LINE = 0.1;    // largest overlap of a line contact over the radius
+constexpr double ROUNDING_OF_AXIS = 1e-9, VALID_LINE = 0.1;    // largest overlap of a line contact / radius
 
 FixWallGranHysteretic::~FixWallGranHysteretic()
 {

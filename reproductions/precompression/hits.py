@@ -1,7 +1,8 @@
 """Repeated impacts on a packing.
 
-Each run starts with the spheres in their first places and with the dents of the previous run.
-The runs tell by themselves: contact.initial_overlap of a second hit is the result of the first one.
+Each run starts with the spheres at their initial positions and with the indentations of the
+previous run. The order follows from the runs: contact.initial_overlap of a second impact is the
+result of the first one.
 
     granwave report first second --study reproductions/precompression/hits.py
 """
@@ -15,7 +16,7 @@ import granwave as gw
 
 
 def select(runs):
-    """The runs by hit, in one group."""
+    """The runs in the order of the impacts, in one group."""
     after = {before(run): run for run in runs}
     series = [after.pop(None)]
     while (following := after.get(series[-1].directory.resolve())) is not None:
@@ -24,7 +25,7 @@ def select(runs):
 
 
 def before(run):
-    """Directory of the run that left the dents; None for a first hit."""
+    """Directory of the run that caused the indentations; None for a first impact."""
     left = run.case.contact.initial_overlap
     if not isinstance(left, str):
         return None
@@ -33,7 +34,7 @@ def before(run):
 
 
 def title(series):
-    return f"Hit {len(series)} times"
+    return f"{len(series)} impacts on a packing"
 
 
 def columns(series):

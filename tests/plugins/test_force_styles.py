@@ -174,7 +174,7 @@ def scaled(curve, factor=1.6):
 
 
 def thornton(a, peak):
-    """With C = 1: r is the effective radius of the flattened contact over R*."""
+    """With C = 1: r is the effective radius of the flattened contact / R*."""
     top = peak**1.5 if peak <= 1 else 1.5 * peak - 0.5
     r = ((2 * top + 1) / 3) ** 1.5 / top if peak > 1 else 1.0
     left = peak - (top / r**0.5) ** (2 / 3)

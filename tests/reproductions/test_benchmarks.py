@@ -146,27 +146,23 @@ def test_the_largest_difference_is_beside_the_claim(tmp_path: Path) -> None:
         contact(tmp_path / "alike"), contact(tmp_path / "radii", difference=-0.09, partner=9.52e-3),
         contact(tmp_path / "unlike", material=unlike),
     ])  # fmt: skip
-    assert row(
-        study, "Finite elements over the law at 3 alpha_y, brass, like"
-    ).ours == pytest.approx(15)
-    worst = row(study, "Finite elements over the law from 1 to 10 alpha_y: most, brass, like radii")
+    assert row(study, "Finite elements / law at 3 alpha_y, brass, equal").ours == pytest.approx(15)
+    worst = row(study, "Finite elements / law from 1 to 10 alpha_y: largest, brass, equal radii")
     assert (worst.source, worst.ours) == (6, pytest.approx(15))
-    for name, claim, ours in (("like radii", -6, -5), ("radii 2 to 1", None, -14)):
+    for name, claim, ours in (("equal radii", -6, -5), ("radii 2 to 1", None, -14)):
         least = row(
-            study, f"Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, {name}"
+            study, f"Finite elements / law from 10 alpha_y to 0.2 R*: smallest, brass, {name}"
         )
         assert (least.source, least.ours) == (claim, pytest.approx(ours)), (
             "the source states its error for identical spheres"
         )
     assert (
-        row(
-            study, "Finite elements over the law from 1 to 10 alpha_y: most, brass and steel"
-        ).source
+        row(study, "Finite elements / law from 1 to 10 alpha_y: largest, brass and steel").source
         is None
     )
     deep = row(study, "Finite elements at 0.19 R*, brass, radii 2 to 1")
     assert deep.ours == pytest.approx(100 * (0.86 / 0.95 - 1)) and deep.source is None
-    assert row(study, "Smallest unloading exponent, brass, like radii").source == 1.3
+    assert row(study, "Smallest unloading exponent, brass, equal radii").source == 1.3
     assert row(study, "Smallest unloading exponent, brass, radii 2 to 1").source is None
     assert row(study, "Fraction of the plastic dissipation").ours == pytest.approx(
         0.3 / (0.3 + 2 * 0.1)
@@ -181,7 +177,7 @@ def test_a_force_on_disk_moves_every_row_that_measures_it(tmp_path: Path) -> Non
     measured = [
         pair
         for pair in zip(before, after, strict=True)
-        if pair[0].quantity.startswith("Finite elements over")
+        if pair[0].quantity.startswith("Finite elements /")
     ]
     assert len(measured) == 6
     for first, second in measured:
@@ -190,12 +186,10 @@ def test_a_force_on_disk_moves_every_row_that_measures_it(tmp_path: Path) -> Non
 
 def test_pressure_and_area_are_compared_with_thorntons_law(tmp_path: Path) -> None:
     study = study_of(SCRIPT, [contact(tmp_path / "alike")])
-    assert row(study, "Largest pressure over the yield strength").ours == pytest.approx(
-        1.6 * 16 / 15
-    )
-    assert row(study, "Largest pressure over Thornton's").ours == pytest.approx(1.6)
+    assert row(study, "Largest pressure / yield strength").ours == pytest.approx(1.6 * 16 / 15)
+    assert row(study, "Largest pressure / Thornton's").ours == pytest.approx(1.6)
     assert row(study, "Contact area / Thornton's contact area").ours == pytest.approx(2)
-    force = row(study, "Force over that of Thornton's")
+    force = row(study, "Force / force of Thornton's")
     overlap = 0.19 * RADIUS
     law = 5e9 * overlap**1.2 / (16 / 15 * 550e6 * np.pi * RADIUS * overlap)
     assert (force.source, force.ours, force.theory) == (

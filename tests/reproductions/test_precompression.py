@@ -119,7 +119,7 @@ def test_packing_hit_three_times(tmp_path: Path) -> None:
     study = made("hits.py", *runs[::-1])
     shown = [row[2].value for row in study.tables[0].rows]
     assert shown == pytest.approx([100 * one for one in (first, second, third)])
-    assert study.title == "Hit 3 times" and study.pictures
+    assert study.title == "3 impacts on a packing" and study.pictures
 
 
 @pytest.fixture(scope="module")

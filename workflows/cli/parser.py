@@ -54,6 +54,7 @@ from granwave.workflows.cluster.schedulers import SCHEDULERS
 from granwave.workflows.file_kinds import file_kinds
 
 WRONG_INPUT = 2  # exit status
+_NEGATIVE_NUMBER = re.compile(r"-(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$", re.IGNORECASE)
 _COMMAND = "COMMAND"  # stands for the name of a command in the help
 _HELP = "help"
 
@@ -349,7 +350,13 @@ def _add_options(verb: argparse.ArgumentParser, command: Command) -> None:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Parser that reports errors in one line, like other errors."""
+    """Parser that reports errors in one line, like other errors, and accepts values such as
+    ``-12e-6``, which argparse takes for options.
+    """
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._negative_number_matcher = _NEGATIVE_NUMBER
 
     def format_help(self) -> str:
         """Return the help, with emphasised titles on a terminal."""

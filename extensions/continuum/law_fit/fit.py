@@ -67,7 +67,7 @@ RANGES = (
     50.0,
     177.6,
     math.inf,
-)  # ranges of overlap over the overlap at first yield, for misfits
+)  # ranges of overlap / overlap at first yield, for misfits
 
 _LOG = logging.getLogger("granwave")
 _LEAST_LOADING = 1e-3  # smallest scale of residuals / largest force

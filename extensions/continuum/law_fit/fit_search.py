@@ -46,7 +46,7 @@ class Search:
     loading
         True for residuals on loading, (n_rows,).
     largest
-        Largest overlap of the curve over that at first yield.
+        Largest overlap of the curve / overlap at first yield.
 
     Attributes
     ----------

@@ -383,7 +383,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable]:
             rows.append(
                 (velocity, _MILLI * float(weak.iloc[0]) if len(weak) else None, *uniformity)
             )
-        caption = "The front: mean over largest peak force of a layer, within the cone of the preferred directions"
+        caption = "The front: mean / largest peak force of a layer, within the cone of the preferred directions"
         yield table_of(caption, (*numeric("Normalised velocity", key=True), *numbers), rows)
 
 

@@ -273,9 +273,9 @@ def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
     Parameters
     ----------
     noise
-        Noise over the root mean square: (n,).
+        Noise / root mean square: (n,).
     error, spread
-        Errors of the forces over the forces, means of the repetitions, and their standard
+        Errors of the forces / forces, means of the repetitions, and their standard
         deviations: (n,).
     """
     figure, axes = one_panel(

@@ -3,7 +3,7 @@
     first, second       ids of two spheres, or a wall (bottom, tube, xlo, xhi, ylo, yhi) and the
                         id of a sphere
     fx, fy, fz          force on the first sphere, or on the sphere at a wall, N
-    compliance          displacement over force of the spring, m/N
+    compliance          displacement / force of the spring, m/N
 
 A bed that is supported by friction, and returns to equilibrium, starts with them.
 """
@@ -40,7 +40,7 @@ class ContactSpring:
     force
         Force on the first sphere, or on the sphere at a wall: (3,), N.
     compliance
-        Displacement over force, m/N.
+        Displacement / force, m/N.
     """
 
     first: int | str

@@ -31,10 +31,10 @@ def rows(runs):
     for what, unit, ours, remark in (
         ("Peak force, incident", "kN", 1e-3 * incident.peak, ""),
         ("Peak force, transmitted", "kN", 1e-3 * force, ASSUMED),
-        ("Force, transmitted over incident", "", force / incident.peak, ASSUMED),
-        ("Energy, transmitted over incident", "", run["energy_bar_J"] / entered, ASSUMED),
-        ("Energy, reflected over incident", "", run["energy_incident_bar_J"] / entered, REFLECTED),
-        ("Energy, dissipated over incident", "", run["energy_dissipated_J"] / entered, ""),
+        ("Force, transmitted / incident", "", force / incident.peak, ASSUMED),
+        ("Energy, transmitted / incident", "", run["energy_bar_J"] / entered, ASSUMED),
+        ("Energy, reflected / incident", "", run["energy_incident_bar_J"] / entered, REFLECTED),
+        ("Energy, dissipated / incident", "", run["energy_dissipated_J"] / entered, ""),
     ):
         yield gw.Row(f"{what}, split-hopkinson", unit, ours=ours, where="thesis 3.2.2, Fig. 3.5", remark=remark)
     # fmt: on

@@ -38,7 +38,7 @@ from tests.helpers.made_up import synthetic
 
 def dissipation_mismatch(result: Result) -> float:
     """Largest difference of a sphere's dissipation between the last snapshot and ``/contacts``,
-    over the input.
+    / input.
     """
     from_contacts = result["spheres/dissipated_energy"] - result["spheres/dissipated_energy_wall"]
     from_snapshot = result.frame(result.n_frames - 1, "dissipated_energy")

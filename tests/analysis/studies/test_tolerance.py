@@ -348,7 +348,7 @@ def test_differences_are_finite_elements_over_the_law(tmp_path: Path) -> None:
     )
     (study,) = make_studies({"sphere-contact": runs})
     found = differences(study)
-    assert list(found) == ["brass, like radii", "brass, radii 2 to 1"]
+    assert list(found) == ["brass, equal radii", "brass, radii 2 to 1"]
     alike, unlike = found.values()
     assert (alike["At 3 alpha_y"], alike["Most, 1 to 10 alpha_y"]) == (
         pytest.approx(0.15),

@@ -13,7 +13,7 @@ import dataclasses
 
 import numpy as np
 
-# Stiffness over E* at P = 0.01 E* R, of two grains and on a plane: that of a tangential spring that
+# Stiffness / E* at P = 0.01 E* R, of two grains and on a plane: that of a tangential spring that
 # stays the same.
 _TYPICAL = 0.539
 _TYPICAL_ON_PLANE = 1.078

@@ -148,8 +148,8 @@ def test_no_cycle_gives_energy(name, kind):
 
 
 def head_on(lammps, text: str, speed: float, step=1e-8, gap=1e-7, time=2e-4):
-    """Two spheres that fly at each other; returns LAMMPS and the largest error of the ledger over
-    the input.
+    """Two spheres that approach each other; returns LAMMPS and the largest error of the ledger /
+    input.
     """
     lmp = lammps(
         rubbing(

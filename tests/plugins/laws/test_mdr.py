@@ -19,7 +19,7 @@ RADIUS = 0.005
 EFFECTIVE = RADIUS / 2
 SPHERES = [{"shape": "sphere", "diameter": 2 * RADIUS, "material": "brass"}] * 2
 OURS = "elastoplastic-fe"
-LARGEST = 0.048  # overlap over R*
+LARGEST = 0.048  # overlap / R*
 STEPS = 800
 
 

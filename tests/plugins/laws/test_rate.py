@@ -82,7 +82,7 @@ def test_loading_at_one_velocity_is_the_law_of_the_stronger_material(name):
     for at in (40, 300, 3000):
         factor = float(law.rate_factor(overlap[at], 10.0))
         assert found["rate_factor"][at] == pytest.approx(factor, rel=1e-12) and factor > 1.05
-        plastic = factor * 0.02 / 0.98  # hardening modulus over E, which grows by the same factor
+        plastic = factor * 0.02 / 0.98  # hardening modulus / E, which grows by the same factor
         harder = {"hardening": plastic / (1 + plastic)} if hardening else {}
         same_law = contact(name, yield_strength=factor * 792e6, rate_sensitivity=0.0, **harder)
         assert found["force"][at] == pytest.approx(

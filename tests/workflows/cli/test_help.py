@@ -23,6 +23,7 @@ from granwave.workflows import library
 from granwave.workflows.cli import package
 from granwave.workflows.cli.keys import reference
 from granwave.workflows.cli.main import FAILED, main
+from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.cli.terminal import BOLD, SHELLS, SWITCH_ON, coloured
 from granwave.workflows.file_kinds import CASE_FILE, file_kinds
 from granwave.workflows.run.lammps_engine import Engine
@@ -354,3 +355,9 @@ def test_usual_magnitudes_are_those_that_messages_name():
         found["youngs_modulus"]
         == "usual: 1e6 to 1e12 Pa; below, and above 1e14 Pa, a warning is given"
     )
+
+
+@pytest.mark.parametrize("text", ["-12e-6", "-1.5E3", "-.5", "-3"])
+def test_negative_numbers_with_exponents_are_values_of_options(text):
+    words = ["compare", "a", "b", "--shift", text]
+    assert make_parser(words).parse_args(words).shift == float(text)

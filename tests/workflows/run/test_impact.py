@@ -43,7 +43,7 @@ def deck(directory: Path, *overrides: str):
 
 
 def misses(directory: Path) -> float:
-    """Largest error of the energy balance over the input."""
+    """Largest error of the energy balance / input."""
     e = read_energy(directory)
     return np.abs(e["kinetic"] + e["elastic"] + e["dissipated"] - e["input"]).max() / e["input"][0]
 

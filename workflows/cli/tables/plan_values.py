@@ -24,7 +24,7 @@ from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.cli.tables.grain_file_values import grain_file_values
 
-_LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
+_LARGEST_OF_LAW = 0.2  # overlap / R* where the contact law ends
 
 
 def _size(assembly: Assembly) -> dict[str, Any]:

@@ -54,7 +54,7 @@ def ran(case: Case, directory: Path, **options: Any) -> Result:
 
 
 def errors_of_balance(result: Result) -> np.ndarray:
-    """Errors of the energy balance in time, over the input."""
+    """Errors of the energy balance in time / input."""
     energy = sum(result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
     return np.abs(energy / result["energy/input"] - 1)
 
