@@ -296,7 +296,9 @@ HOSTILE = [
 
 @pytest.mark.parametrize("name", HOSTILE)
 def test_any_name_in_one_line_is_read_again(name: str, tmp_path: Path) -> None:
-    """Names of materials and groups, in a table of grains, in [[grains]] and [[hold]], and in the stored case of a run."""
+    """Names of materials and groups, in a table of grains, in [[grains]] and [[hold]], and in the
+    stored case of a run.
+    """
     soft = {"youngs_modulus": 70e9, "poisson_ratio": 0.3, "density": 2700.0, "yield_strength": 3e8}
     quoted = '"' + name.replace('"', '""') + '"'
     (tmp_path / "a.csv").write_text(
