@@ -27,10 +27,10 @@ from granwave.analysis.figures.series import (
 )
 from granwave.analysis.figures.style import (
     BLUE,
-    BOTH_SIDES_MAP,
     FORCE_MAP,
     GREY,
     ORANGE,
+    WAVE_MAP,
     Drawing,
     legend_above,
 )
@@ -91,7 +91,7 @@ def force_map(result: Result) -> Drawing | None:
     norm: Normalize = LogNorm(10**-_DECADES * largest, largest)
     if small:
         norm = SymLogNorm(largest / _LINEAR, vmin=-largest, vmax=largest)
-    colours = result.figure_options.colour_map or (BOTH_SIDES_MAP if small else FORCE_MAP)
+    colours = result.figure_options.colour_map or (WAVE_MAP if small else FORCE_MAP)
     widths = [1.0 if name == "chain" else 0.7 for name, _, _ in parts]
     width = 3.4 if len(parts) == 1 else 6.6
     figure, *row = panels(3.2, len(parts), width=width, sharey=True, width_ratios=widths)

@@ -34,6 +34,7 @@ from granwave.analysis.figures.style import (
     WIDTH,
     Drawing,
     new_figure,
+    trim_height,
 )
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures.geometry import Plane, SpheresOnPlane, own_plane, planes, section
@@ -132,6 +133,7 @@ def wave_front(result: Result) -> Drawing | None:
     figure.supxlabel(across_title(cut.plane), fontsize=8)
     figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     colour_bar(figure, list(axes.flat), colouring, np.concatenate(forces), location="top")
+    trim_height(figure, list(axes.flat))
     repeat = len(chosen)
     columns = {
         "time_s": np.repeat(times, len(cut.index)),

@@ -17,7 +17,13 @@ from typing import Any, ClassVar
 from granwave.analysis.document.model import Report, is_number
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.quantities import Quantity, quantity, report_columns
-from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, no_results, resumed
+from granwave.analysis.result.not_a_run import (
+    OF_A_RUN,
+    UNFINISHED,
+    no_results,
+    resumed,
+    where_stopped,
+)
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.runs import AnyRun, read_run
@@ -207,11 +213,9 @@ class ReportKind:
             expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
             raise InputError(no_results(path, names, "neither a run nor a scan", expected))
         if SUMMARY_FILE not in names:
-            state = (read_json(path / RECORD_FILE) or {}).get("state")
-            if state in UNFINISHED:
+            if stop := where_stopped(path):
                 raise UnfinishedRunError(
-                    f"{path}: the run is not finished (state {state}), so there is no "
-                    f"{SUMMARY_FILE}; resume with  {resumed(path)}"
+                    f"{path}: {stop}, so there is no {SUMMARY_FILE}; resume with  {resumed(path)}"
                 )
             raise InputError(
                 f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}"

@@ -14,7 +14,7 @@ from pygments.lexers.special import TextLexer
 from reference_parts import MANUAL, MARK, part_of
 from sphinx.application import Sphinx
 
-from granwave.workflows.cli.json_schema import schema_of
+from granwave.workflows.cli.keys.json_schema import schema_of
 from granwave.workflows.file_kinds import file_kinds
 
 

@@ -27,7 +27,7 @@ from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import lattice_kinds
 from granwave.workflows import library
-from granwave.workflows.cli.keys import Key, KeyTable, state, tables
+from granwave.workflows.cli.keys.reference import Key, KeyTable, state, tables
 from granwave.workflows.cli.parser import make_parser as command_line
 from granwave.workflows.file_kinds import CASE_FILE
 
@@ -226,7 +226,7 @@ def _figure(title: str, first: str, drawn: str, runs: Mapping[str, Mapping[str, 
     if not drawn:
         return f"| `{title}` | {text} | - |"
     entry = runs[drawn]
-    picture = f"![{_escape(caption)}](../figures/figures/{drawn}.webp)"
+    picture = f"![{_escape(caption)}](../figures/reference/figures/{drawn}.webp)"
     return f"| `{title}` | {text} *In {entry['runs']}; here `{entry['case']}`.* | {picture} |"
 
 

@@ -57,12 +57,12 @@ CHOSEN = (
     ),
     ("Bilinear chain, long load: ", "thesis-4", "bilinear_long_load", ("F2, force",)),
     (
-        "Composite chain, steel with 3 or 24 brass beads: wave speed in the brass beads",
+        "Composite chain, steel with 3 or 24 brass beads: wave speed between two sensors",
         "composite-chains",
-        "contact_losses",
+        "measured_speeds",
         (
-            "V, N2 = 3, brass-composite, restitution 0.97",
-            "V, N2 = 24, brass-composite, restitution 0.97",
+            "V, N2 = 3, brass of 103 GPa, Hertz's law",
+            "V, N2 = 24, brass of 103 GPa, Hertz's law",
         ),
     ),
     (
@@ -213,12 +213,12 @@ MEASURED = (
         ("Tangential restitution measured at 20.22 degrees, oxide, partial slip",),
     ),
     (
-        "Composite chain, steel with 3 or 24 brass beads: wave speed in the brass beads",
+        "Composite chain, steel with 3 or 24 brass beads: wave speed between two sensors",
         "composite-chains",
-        "contact_losses",
+        "measured_speeds",
         (
-            "V, N2 = 3, brass-composite, restitution 0.97",
-            "V, N2 = 24, brass-composite, restitution 0.97",
+            "V, N2 = 3, brass of 103 GPa, Hertz's law",
+            "V, N2 = 24, brass of 103 GPa, Hertz's law",
         ),
     ),
     (
@@ -254,7 +254,7 @@ IN_PAPER = (
     (
         "Speed in a brass section of a steel chain, measured",
         "composite-chains",
-        "contact_losses",
+        "measured_speeds",
         MEASURED[1][3][:1],
     ),
 )

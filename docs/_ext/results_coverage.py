@@ -47,6 +47,8 @@ class Item:
         Pairs of a suite and a study whose rows compare it.
     why
         Missing part, with the reason; empty if everything is reproduced.
+    differs
+        Remaining differences of more than 10 % of an item that works, with the reason.
     """
 
     source: str
@@ -55,6 +57,7 @@ class Item:
     state: str
     studies: tuple[tuple[str, str], ...]
     why: str
+    differs: str = ""
 
 
 def read_items(path: Path = TABLE) -> list[Item]:
@@ -68,7 +71,10 @@ def _item(row: Mapping[str, str]) -> Item:
     for name in row["studies"].split():
         suite, _, study = name.partition("/")
         studies.append((suite, study))
-    return Item(row["source"], row["place"], row["what"], row["state"], tuple(studies), row["why"])
+    return Item(
+        row["source"], row["place"], row["what"], row["state"], tuple(studies), row["why"],
+        row["differs"],
+    )  # fmt: skip
 
 
 def write_page(stored: Mapping[str, Any]) -> None:
@@ -85,8 +91,10 @@ def page_of(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
 This page lists which parts of the four sources granwave reproduces: their {len(items)} systems,
 laws, figures and tables, without sketches and photographs. An item *works* if its content is
 computed and compared. It works *partly* if only some of it is, or if the values of the source
-are not available. Otherwise it is *missing*. The [pages of results](results.md) in the last
-column show how well the values agree; the [errata](errata.md) list misprints.
+are not available, or if a difference from its main statement is not explained. Otherwise it is
+*missing*. Items that work can differ from the source; the table then names differences of more
+than 10 %. The [pages of results](results.md) in the last column show how well the values agree; the
+[errata](errata.md) list misprints.
 
 The sources were read as scanned text, which has the captions of figures but no pictures. No
 measured curve could be read off a figure. The comparisons use numbers of the text, ends of axes
@@ -116,7 +124,7 @@ def _section(name: str, items: Sequence[Item], stored: Mapping[str, Any]) -> str
 
 {_agreement(items, stored)}
 
-| place | subject | state | missing part, with the reason | results |
+| place | subject | state | missing part or difference, with the reason | results |
 |---|---|---|---|---|
 {lines}
 
@@ -126,7 +134,7 @@ def _section(name: str, items: Sequence[Item], stored: Mapping[str, Any]) -> str
 def _item_line(item: Item) -> str:
     suites = dict.fromkeys(suite for suite, _ in item.studies)
     links = ", ".join(f"[{suite}](results/{suite}.md)" for suite in suites)
-    cells = map(_escaped, (item.place, item.what, item.state, item.why))
+    cells = map(_escaped, (item.place, item.what, item.state, item.why or item.differs))
     return f"| {' | '.join(cells)} | {links} |"
 
 

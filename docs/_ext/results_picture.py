@@ -33,6 +33,7 @@ _LEAST = 1e-7
 _MOST = 10.0
 _TICKS = {1e-7: "1e-5 %", 1e-5: "0.001 %", 1e-3: "0.1 %", 1e-2: "1 %", 1e-1: "10 %", 1.0: "100 %"}
 _LABEL = 38  # characters in a line of the label of a study
+_LINE_OF_MARKS = 5  # characters in a line of letters, which stay between two panels
 _SPREAD = 0.62  # fraction of a suite's band that its points occupy
 _DESCRIPTION = 0x010E  # ImageDescription of EXIF
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"
@@ -245,6 +246,8 @@ def _letters(panels: Any, suites: Sequence[str], shown: Sequence[Any], far: Sequ
     """Write the letters of large deviations to the right of the points of each suite."""
     for axes, kind in zip(panels, KINDS, strict=True):
         for place, suite in enumerate(suites):
-            marks = " ".join(one.mark for one in far if (one.suite, one.kind) == (suite, kind))
+            own = [one.mark for one in far if (one.suite, one.kind) == (suite, kind)]
+            marks = textwrap.fill(" ".join(own), _LINE_OF_MARKS)
             axes.annotate(marks, (1, place), xycoords=("axes fraction", "data"), xytext=(3, 0),
-                          textcoords="offset points", va="center", fontsize=7, annotation_clip=False)  # fmt: skip
+                          textcoords="offset points", va="center", fontsize=7, linespacing=1.0,
+                          annotation_clip=False)  # fmt: skip

@@ -35,7 +35,7 @@ from granwave.extensions.packings.lammps_grains import (
 )
 from granwave.extensions.packings.settling import SettlingLaw
 from granwave.extensions.packings.sizes import volume
-from granwave.lammps_inputs.case.springs import springs_table
+from granwave.lammps_inputs.case.packing.springs import springs_table
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.restart_file import read_restart
 from granwave.workflows.run import mpi

@@ -31,7 +31,7 @@ from granwave.extensions.packings.lammps_grains import (
     positions_of,
 )
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.springs import springs_table
+from granwave.lammps_inputs.case.packing.springs import springs_table
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.restart_file import read_restart
 from granwave.workflows.run import mpi

@@ -27,7 +27,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.hints import DIAMETER
 from granwave.lammps_inputs.case.ids import INDEX, INDEX_FORM
 from granwave.lammps_inputs.case.material import (
@@ -42,7 +41,12 @@ from granwave.lammps_inputs.case.material import (
     shape_field,
     shape_of,
 )
-from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
+from granwave.lammps_inputs.case.packing.grains import Grains
+from granwave.lammps_inputs.case.packing.packing import (
+    PackingSection,
+    check_memory_of_sites,
+    check_size,
+)
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory

@@ -25,8 +25,7 @@ from granwave.lammps_inputs.case.bodies import (
     Striker,
 )
 from granwave.lammps_inputs.case.boundary import Boundary
-from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
-from granwave.lammps_inputs.case.contact_ways import DAMPED
+from granwave.lammps_inputs.case.contact.contact import RIGID, Contact, Pair
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Load
 from granwave.lammps_inputs.case.loads.registry import load_section
@@ -38,7 +37,8 @@ from granwave.lammps_inputs.case.material import (
     mass_of,
     presets,
 )
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing.contact_ways import DAMPED
+from granwave.lammps_inputs.case.packing.packing import PackingSection
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Precompression
 from granwave.lammps_inputs.case.region_walls import RegionWall
 from granwave.lammps_inputs.case.run import (

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_tables import Dents
+from granwave.lammps_inputs.case.contact.tables import Dents
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.law import law_between

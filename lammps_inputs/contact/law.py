@@ -19,11 +19,11 @@ import numpy as np
 from granwave._contact_laws import ContactLaw, LineContact
 from granwave.lammps_inputs.case.boundary import Backing
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import (
+from granwave.lammps_inputs.case.contact.contact import (
     LAWS,
     Contact,
 )
-from granwave.lammps_inputs.case.contact_tables import PRONY, Cohesion, DashpotRestitution
+from granwave.lammps_inputs.case.contact.tables import PRONY, Cohesion, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice

@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.bodies import MATCHED, Absorb
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.contact.contact import Contact
 from granwave.lammps_inputs.case.precompression import (
     Gravity,
     MovedWalls,

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from itertools import product
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import INITIAL
+from granwave.lammps_inputs.case.contact.contact import INITIAL
 from granwave.lammps_inputs.deck.commands import (
     PARTS,
     command,

@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.packing.cylinders import (
     distances,
     nearest_image,

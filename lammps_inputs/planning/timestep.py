@@ -36,7 +36,7 @@ from collections.abc import Sequence
 
 from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCILLATION
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import Resistance
+from granwave.lammps_inputs.case.contact.contact import Resistance
 from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.contact.law import cohesive_laws

@@ -24,8 +24,8 @@ import logging
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_ways import KEY
-from granwave.lammps_inputs.case.springs import parse_springs
+from granwave.lammps_inputs.case.packing.contact_ways import KEY
+from granwave.lammps_inputs.case.packing.springs import parse_springs
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.statics.bodies import Array, Bodies, NeighbourPairs

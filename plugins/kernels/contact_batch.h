@@ -60,6 +60,9 @@ struct ContactBatch {
     del[2][n] = delz;
     rsq[n] = square;
   }
+  /* Replace the vectors by unit normals times distance, and the squared lengths by the squares of these distances: with the same
+     last bits as of pairs whose distance is not that of their centers. */
+  void multiply_normals();
   /* Compute distance, overlap, Hertzian force and contact circle. Returns true if an overlap is too large or not a number. */
   bool compute_overlap();
   /* Compare the overlaps with the previous peaks: bit m of `raised` is set if that of pair m is larger, of `yielded` if the

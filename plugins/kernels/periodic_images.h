@@ -27,6 +27,31 @@ GRANWAVE_KERNEL ImageShift image_shift(const std::int8_t (&images)[3], const dou
            {0.0, 0.0, along_c * edges[2]}}};
 }
 
+/* Shifts of all ghosts that are at most one image away along each edge. */
+class ShiftTable {
+ public:
+  void set(const double (&edges)[6])
+  {
+    for (int n = 0; n < SIZE; n++) {
+      const std::int8_t images[3] = {static_cast<std::int8_t>(n % 3 - 1), static_cast<std::int8_t>(n / 3 % 3 - 1),
+                                     static_cast<std::int8_t>(n / 9 - 1)};
+      shifts_[n] = image_shift(images, edges);
+    }
+  }
+
+  /* Shift of a ghost, or null if it is further away. */
+  const ImageShift *of(const std::int8_t (&images)[3]) const
+  {
+    for (const std::int8_t along : images)
+      if (along < -1 || along > 1) return nullptr;
+    return shifts_ + (images[0] + 1) + 3 * (images[1] + 1) + 9 * (images[2] + 1);
+  }
+
+ private:
+  static constexpr int SIZE = 27;    // -1, 0 or 1 along each of three edges
+  ImageShift shifts_[SIZE] = {};
+};
+
 /* Difference of a quantity between spheres i and j, one of which is a ghost, from the image shifts of both.
 
    ghost_is_j  true if the ghost is that of j

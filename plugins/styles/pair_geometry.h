@@ -7,6 +7,7 @@
 #ifndef GRANWAVE_PAIR_GEOMETRY_H
 #define GRANWAVE_PAIR_GEOMETRY_H
 
+#include "../kernels/periodic_images.h"
 #include "fix_gran_hysteretic_history.h"
 #include "pair_laws.h"
 
@@ -28,6 +29,9 @@ class PairGeometry {
   /* Begin a force evaluation: a box that is deformed may change velocities at its periodic boundaries. */
   void begin_evaluation();
 
+  /* Compute the shifts of ghosts, for the functions `shifted_` in the same force evaluation. */
+  void set_shifts();
+
   /* True if velocities jump across periodic boundaries. */
   bool flows() const { return flows_; }
   /* Images of a ghost, none for an owned atom. */
@@ -38,6 +42,9 @@ class PairGeometry {
   Vector vector_between(int i, int j) const;
   /* Velocity of sphere i relative to sphere j. */
   Vector relative_velocity(int i, int j) const;
+  /* The same numbers to the last bit, from the shifts that are known. */
+  Vector shifted_vector(int i, int j) const;
+  Vector shifted_velocity(int i, int j) const;
   /* Separation of the bodies of a special pair. */
   CylinderPair::Separation separation(int i, int j) const;
   double distance_squared(int i, int j) const;
@@ -61,6 +68,10 @@ class PairGeometry {
   const LAMMPS_NS::FixGranHystereticHistory *history_ = nullptr;
   int initial_places_ = -1;    // index of the custom array that holds the places at which normals are taken
   bool flows_ = false;
+  ShiftTable shifts_, velocity_shifts_;
+
+  const LAMMPS_NS::FixGranHystereticHistory::Images &images_between(int i, int j) const;
+  Vector velocity_across(int i, int j, const ImageShift &) const;
 };
 
 }    // namespace granwave

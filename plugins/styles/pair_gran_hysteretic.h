@@ -182,7 +182,8 @@ class PairGranHysteretic : public Pair {
   void begin_evaluation();
   void compute_forces(Tally);
   void compute_special(Tally);
-  bool clearly_apart(int i, int j, int k, double radsum) const;
+  void compute_special_batch(Tally);
+  bool add_spheres(int k, int i, int j);
   bool add_special(int r, int k);
   void compute_batch(Tally, bool special = false);
   void set_elastic(Batch &);

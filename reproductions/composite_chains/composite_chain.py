@@ -35,9 +35,8 @@ ROLLED = 0.010
 SLOPE = math.radians(3)
 GRAVITY = 9.81
 OF_SPEED = (
-    "The elastic chain has no dissipation. The finite elements of the source, with the same "
-    "striker, are at most 4.2 % above the measurement, and 3 % too slow in a chain of steel. The "
-    "remaining difference, in the rows of V / speed in steel, is not explained.",
+    "The elastic chain has no dissipation. The study of the measured speeds has the reasons tried "
+    "for the difference.",
     "The yield strength is our choice, since the source gives none.",
 )
 OF_CHANGE = (

@@ -46,11 +46,11 @@ class Section:
         self.incident, self.output = (
             self.chain.sensors[sensor.name] for sensor in (before, behind)
         )
-        (start, incident), (self.arrived, output) = (
+        (self.start, incident), (self.arrived, output) = (
             first_peak(self.time, f) for f in (self.incident, self.output)
         )
         self.speed = (run.spheres.position_z[behind.id] - run.spheres.position_z[before.id]) / (
-            self.arrived - start
+            self.arrived - self.start
         )
         self.ratio = output / incident
 

@@ -85,21 +85,32 @@ def of_pressure(section, source):
     3.3).
     """
     first, last = (1e-6 * section.pressure(bead) for bead in (section.first, section.last - 1))
-    mises = first / hertz_von_mises_yield_factor(section.material.poisson_ratio)
     force = section.peak(section.first) * (source[0] / first) ** 3
     at = f"N2 = {section.n}, elastic"
     where = f"{PLACE}3.3"
     yield gw.Row(f"Largest pressure, first contact of the section, {at}", "MPa", source[0], first, where,
                  "The source value is the largest compressive stress in the contact area, without "
                  "N2 and position. In Hertz's contact that is the largest pressure; the mean "
-                 f"pressure is {2 / 3 * first:.0f} MPa, the largest von Mises stress {mises:.0f} "
-                 f"MPa. An elastic contact with the printed stress would carry {force:.2g} N. "
+                 f"pressure is {2 / 3 * first:.0f} MPa. An elastic contact with the printed stress "
+                 f"would carry {force:.2g} N. "
                  "According to the source the contact yields, which limits the pressure (see the "
                  "rows of yielding chains).")
     yield gw.Row(f"Largest pressure, last contact of the section, {at}", "MPa", source[1], last, where,
                  "Without dissipation the pressure does not change along the section; in the "
                  "source it falls.")
+    ratio = hertz_von_mises_yield_factor(section.material.poisson_ratio)
+    for name, printed, pressure in (("first", source[0], first), ("last", source[1], last)):
+        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}", "MPa", printed, pressure / ratio,
+                     where, "The source value is read here as the largest von Mises stress of its "
+                            "elastic finite elements, below the surface. The source calls it "
+                            "compressive and compares it with the yield strength.")
     fallen = source[1] / source[0]
+    before = 1e-6 * section.pressure(section.first - 1)
+    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before it, {at}", "",
+                 fallen, first / before, where,
+                 "The source value is the ratio of its two stresses, read here as a change from "
+                 "the contact with steel to the contacts within the section. This reading nearly "
+                 "holds for PTFE only.")
     yield gw.Row(f"Last of these pressures / first, {at}", ours=last / first, where=where,
                  remark=f"The two values of the source have the ratio {fallen:.3f}. Any stress "
                         f"grows as the cube root of the force, so that the force falls to {fallen**3:.2f} "

@@ -56,8 +56,8 @@ def test_every_figure_has_a_script_and_a_page(figures):
     shown = shown_pictures()
     missing = [path for path in shown if not path.exists()]
     assert not missing
-    for picture in figures.FOLDER.glob("*/*"):
-        assert picture.parent.name in figures.names()
+    for picture in figures.FOLDER.glob("*/*/*"):
+        assert picture.parent.with_suffix(".py") == figures.scripts()[picture.parent.name]
         assert picture in shown, f"no page shows {picture.relative_to(ROOT)}"
 
 

@@ -19,10 +19,10 @@ from granwave.analysis.quantities import entries
 from granwave.extensions.design.search.design_file import load_problem
 from granwave.extensions.inference.forces.case import read_infer_case
 from granwave.lammps_inputs import load_case, load_materials
-from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, nothing_made
+from granwave.lammps_inputs.case.packing.made_packing import PackingNotMadeError, nothing_made
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import library, load_profile, load_scan
-from granwave.workflows.cli.keys import tables
+from granwave.workflows.cli.keys.reference import tables
 from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.python.api import public_names
 from granwave.workflows.scanning.suite import load_suite

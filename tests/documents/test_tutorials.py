@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.lammps_inputs.case.grains import read_grains
+from granwave.lammps_inputs.case.packing.grains import read_grains
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.readers.source import GrainSource

@@ -22,7 +22,7 @@ import granwave as gw
 from granwave.analysis import Result
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import FORMAT, MARKER
-from granwave.workflows.cli.keys import tables
+from granwave.workflows.cli.keys.reference import tables
 from granwave.workflows.cli.main import main
 from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.run.directory import RunDirectory

@@ -34,7 +34,7 @@ from granwave.extensions.waves.small_waves import FIGURES as SPECTRA_FIGURES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.case.run import figure_names
 from granwave.workflows import library
-from granwave.workflows.cli.keys import tables
+from granwave.workflows.cli.keys.reference import tables
 from granwave.workflows.cli.parser import make_parser
 
 NAMES = Path(__file__).parent / "names.toml"

@@ -23,7 +23,7 @@ from typing import Any
 
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs import write_deck
-from granwave.lammps_inputs.case.made_packing import packing_makers
+from granwave.lammps_inputs.case.packing.made_packing import packing_makers
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCRIPT_FILE, SUMMARY_FILE

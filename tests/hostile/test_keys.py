@@ -27,16 +27,15 @@ from granwave.lammps_inputs.case import (
     added_grains,
     bodies,
     boundary,
-    contact,
-    contact_tables,
-    packing,
     precompression,
     run,
     schema,
 )
 from granwave.lammps_inputs.case.added_grains import AddedGrains, Repeat, Ring
+from granwave.lammps_inputs.case.contact import contact, tables
 from granwave.lammps_inputs.case.loads.registry import load_section
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.packing import packing
 from granwave.workflows.cluster.profile import Profile, SlurmProfile
 from granwave.workflows.scanning.header import ScanHeader
 from tests.hostile.rows import entries_of, faults_in, run_here, shown_answer
@@ -64,10 +63,10 @@ COMMANDS = {
     SLURM: "scan scan.toml --plan --executor slurm --profile profile.toml",
 }
 OF_CONTACT: list[tuple[str, type, dict[str, Any]]] = [
-    ("rolling", contact_tables.Resistance, {"coefficient": 0.1, "stiffness": 1e6}),
-    ("twisting", contact_tables.Resistance, {"coefficient": 1e-5, "stiffness": 1e-2}),
-    ("loss", contact_tables.Loss, {"time": 1e-7}),
-    ("cohesion", contact_tables.Cohesion, {"kind": "dmt", "energy": 0.1}),
+    ("rolling", tables.Resistance, {"coefficient": 0.1, "stiffness": 1e6}),
+    ("twisting", tables.Resistance, {"coefficient": 1e-5, "stiffness": 1e-2}),
+    ("loss", tables.Loss, {"time": 1e-7}),
+    ("cohesion", tables.Cohesion, {"kind": "dmt", "energy": 0.1}),
 ]
 #: All tables: file, dotted name of the table, dataclass of its keys, and a valid file.
 TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
@@ -93,9 +92,9 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "pair.1", contact.Pair, PAIRED),
     *((CASE, f"contact.{name}", section, SPHERES | {"contact": {"law": "hertz", name: table}})
       for name, section, table in OF_CONTACT),
-    (CASE, "contact.initial_overlap.1", contact_tables.Dents,
+    (CASE, "contact.initial_overlap.1", tables.Dents,
         SPHERES | {"contact": {"initial_overlap": [{"overlap": 1e-7}]}}),
-    (CASE, "contact.loss.dashpot", contact_tables.DashpotRestitution,
+    (CASE, "contact.loss.dashpot", tables.DashpotRestitution,
         SPHERES | {"contact": {"loss": {"dashpot": {"restitution": 0.9}}}}),
     (CASE, "boundary.sides_touch", boundary.Touched,
         SPHERES | {"boundary": {"x": "wall", "sides_touch": {"material": ["m"]}},
@@ -252,7 +251,7 @@ def test_key(
 
 def test_the_tables_are_all_that_there_are() -> None:
     known = {section for _, _, section, _ in TABLES}
-    for module in (added_grains, bodies, boundary, contact, contact_tables, run):
+    for module in (added_grains, bodies, boundary, contact, tables, run):
         for name, value in vars(module).items():
             if dataclasses.is_dataclass(value) and value.__module__ == module.__name__:
                 fields = dataclasses.fields(value)

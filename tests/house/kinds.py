@@ -22,8 +22,8 @@ FOLDERS = ("analysis/", "lammps_inputs/", "workflows/")
 # Files and folders of the classes themselves, which read the texts of case files.
 OWN = (
     "lammps_inputs/lattices.py",
-    "lammps_inputs/case/packing.py",
-    "lammps_inputs/case/packing_reading.py",
+    "lammps_inputs/case/packing/packing.py",
+    "lammps_inputs/case/packing/reading.py",
     "lammps_inputs/case/load.py",
     "lammps_inputs/case/loads/",
     "lammps_inputs/case/boundary.py",

@@ -17,7 +17,7 @@ import pytest
 from granwave.extensions.continuum.punch import ContinuumCase
 from granwave.extensions.continuum.sphere_contact import SphereContactCase
 from granwave.lammps_inputs import files, make_schedule, plan
-from granwave.lammps_inputs.case import added_grains, case, packing
+from granwave.lammps_inputs.case import added_grains, case
 from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.hints import (
     _KEY_OF_WORD,
@@ -28,6 +28,7 @@ from granwave.lammps_inputs.case.hints import (
     unusual,
 )
 from granwave.lammps_inputs.case.material import Material, presets
+from granwave.lammps_inputs.case.packing import packing
 from granwave.lammps_inputs.case.schema import info_of
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml

@@ -18,7 +18,7 @@ from granwave.analysis.figures.style import write_csv
 from granwave.extensions.continuum.terminal import fit
 from granwave.lammps_inputs import flat_contact, pair_contact, write_deck
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
+from granwave.lammps_inputs.case.contact.contact import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.material import load_materials, material, presets
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE as TOLERANCE
 from granwave.lammps_inputs.contact.law import contact_of, sphere_contact

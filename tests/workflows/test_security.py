@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.workflows.cli import selftest
+from granwave.workflows.cli.installation import selftest
 from granwave.workflows.cli.main import main
 from tests.documents.pages import ROOT
 from tests.helpers.made_up.synthetic_scan import grid, write_scan

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granwave.lammps_inputs.case.contact import LAWS
+from granwave.lammps_inputs.case.contact.contact import LAWS
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.single import contact_between_bodies
 from granwave.lammps_inputs.errors import InputError

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_ways import DAMPED, KEEP, KEY, RELAX, RELAXATION
+from granwave.lammps_inputs.case.packing.contact_ways import DAMPED, KEEP, KEY, RELAX, RELAXATION
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.contact.static_load import (
     FORCE_TOLERANCE,

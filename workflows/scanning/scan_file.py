@@ -22,7 +22,11 @@ from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.scans.result import SEED, Scalar
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.case import Case, case_keys
-from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, PackingToMake, is_made
+from granwave.lammps_inputs.case.packing.made_packing import (
+    PackingNotMadeError,
+    PackingToMake,
+    is_made,
+)
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
 from granwave.lammps_inputs.errors import InputError, InputFault, fault_of

@@ -16,7 +16,7 @@ from typing import Any
 
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, PackingToMake
+from granwave.lammps_inputs.case.packing.made_packing import PackingNotMadeError, PackingToMake
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, Mismatch, fault_of

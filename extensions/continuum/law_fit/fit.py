@@ -39,7 +39,7 @@ from granwave.extensions.continuum.law_fit.zero import (
     touching,
     zero_range,
 )
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.errors import InputError

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS as PUBLISHED
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS as PUBLISHED
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]

@@ -33,7 +33,7 @@ from granwave.extensions.continuum.law_fit.fit import (
 )
 from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw, place_of_softer
 from granwave.extensions.continuum.law_fit.rebounds import Rebounds
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.errors import InputError

@@ -82,14 +82,15 @@ def rows(runs):
         )
     for wave in waves:
         yield gw.Row(
-            f"Start of the second regime, contact, {wave.tag}",
-            source=SWITCH,
+            f"Start of the second regime, contact, {wave.tag}, at most",
+            source=SWITCHES[1],
             ours=wave.merger,
             where="thesis 2.2.3, 2.2.4",
+            bound=True,
             remark="In the source the second regime starts where a trailing wave merges with the "
-            f"leading wave: about {SWITCH}, from {SWITCHES[0]} to {SWITCHES[1]}, or {MERGER} "
-            "for the smallest impulse elsewhere. Our value is the contact where the "
-            "leading peak stops falling.",
+            f"leading wave: from {SWITCHES[0]} to {SWITCHES[1]}, about {SWITCH}, or {MERGER} for "
+            "the smallest impulse in another place. Our value is the contact where the leading "
+            "peak stops falling.",
         )
         yield gw.Row(
             f"First contact with a larger force in a later wave, {wave.tag}",

@@ -211,12 +211,14 @@ def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsy
     killed = tmp_path / "killed"
     killed.mkdir()
     (killed / "case.toml").write_bytes((place / "fcc" / "case.toml").read_bytes())
-    (killed / "run.json").write_text('{"state": "running"}')
+    (killed / "run.json").write_text('{"state": "running", "end_time_s": 0.0015}')
     output = tmp_path / "page.html"
     words = [str(place / "fcc"), str(killed), str(place / "hcp"), "-o", str(output)]
     assert main(["compare", *words]) == 0
     shown = capsys.readouterr().out
-    assert "Left out: " in shown and "the run is not finished (state running)" in shown
+    assert (
+        "Left out: " in shown and "reached 1.5 ms; the run is not finished (state running)" in shown
+    )
     assert "Left out: " in output.read_text()
     assert len(gw.compare([place / "fcc", killed, place / "hcp"]).runs) == 2
     assert main(["compare", str(place / "fcc"), str(killed), "-o", str(output)]) == 2

@@ -16,7 +16,8 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import read_run
 from granwave.lammps_inputs import files as input_files
 from granwave.lammps_inputs import load_case
-from granwave.lammps_inputs.case import added_grains, packing
+from granwave.lammps_inputs.case import added_grains
+from granwave.lammps_inputs.case.packing import packing
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, stored_case
 from granwave.lammps_inputs.run_directory import RESULT_FILE

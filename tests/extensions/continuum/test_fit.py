@@ -23,7 +23,7 @@ from granwave.extensions.continuum.law_fit.fit import fit_law
 from granwave.extensions.continuum.law_fit.fit_output import fit_toml
 from granwave.extensions.continuum.law_fit.fitted_law import YIELD
 from granwave.extensions.continuum.terminal import fit
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError

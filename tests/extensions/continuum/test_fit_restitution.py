@@ -24,7 +24,7 @@ from granwave.extensions.continuum.law_fit.restitution_fit import (
     restitution_at,
 )
 from granwave.extensions.continuum.terminal import fit
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import material
 from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError

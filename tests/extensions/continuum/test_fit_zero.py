@@ -15,7 +15,7 @@ from granwave.analysis.figures.style import write_csv
 from granwave.extensions.continuum.law_fit.fit import fit_law
 from granwave.extensions.continuum.law_fit.zero import ZERO, estimated_zero, shifted
 from granwave.extensions.continuum.terminal import fit
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.errors import InputError
 from tests.extensions.continuum.test_fit import BRASS, R, options, sampled

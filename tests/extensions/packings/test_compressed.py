@@ -14,7 +14,7 @@ from granwave.extensions.packings.compressed import CompressedMaker
 from granwave.extensions.packings.compression import PRESSURE_TOLERANCE
 from granwave.extensions.packings.insertion import nearest_image
 from granwave.extensions.packings.recipe import bed_of
-from granwave.lammps_inputs.case.made_packing import (
+from granwave.lammps_inputs.case.packing.made_packing import (
     PackingNotMadeError,
     maker_input,
     nothing_made,

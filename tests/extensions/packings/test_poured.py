@@ -18,12 +18,12 @@ from granwave.extensions.packings.poured import PouredMaker
 from granwave.extensions.packings.recipe import bed_of
 from granwave.extensions.packings.settling import SettlingLaw
 from granwave.extensions.packings.sizes import SizeDistribution
-from granwave.lammps_inputs.case.made_packing import (
+from granwave.lammps_inputs.case.material import presets
+from granwave.lammps_inputs.case.packing.made_packing import (
     PackingNotMadeError,
     maker_input,
     nothing_made,
 )
-from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict

@@ -282,3 +282,20 @@ def test_a_tube_is_drawn_as_rims_and_lines(tmp_path):
     assert len(lines) == 6
     for line in lines:
         assert np.hypot(*line.T[:2]) == pytest.approx(np.full(len(line), 14.0), rel=1e-5)
+
+
+def test_numbers_along_a_chain_do_not_cover_its_name(tmp_path):
+    tables = {
+        "name": "row", "material": "steel", "packing": {"kind": "chain", "size": 15, "diameter": 4.76e-3},
+        "run": {"end_time": 2e-6, "frames": 2},
+    }  # fmt: skip
+    run_case(case_from_dict(tables), tmp_path, figures=False)
+    with Result(tmp_path) as result:
+        place = 1e3 * (result["spheres/position"] - result.origin)
+        labels = scene._depths_of_chain(result, place)
+    *numbers, name = labels
+    assert [one.text for one in numbers] == ["0", "20", "40", "60"]
+    assert name.text == "depth (mm)"
+    assert [one.position[2] for one in numbers] == pytest.approx([0, 20, 40, 60])
+    below = {one.position[0] for one in numbers}
+    assert max(below) < place[:, 0].min() - 2.3 and name.position[0] > place[:, 0].max() + 2.3

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs import flat_contact, write_deck
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, Contact
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS, Contact
 from granwave.lammps_inputs.case.schema import info_of
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from granwave.lammps_inputs import plan
-from granwave.lammps_inputs.case.contact_ways import CONTACT_WAYS
-from granwave.lammps_inputs.case.grains import Grains, parse_grains
+from granwave.lammps_inputs.case.packing.contact_ways import CONTACT_WAYS
+from granwave.lammps_inputs.case.packing.grains import Grains, parse_grains
 from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice

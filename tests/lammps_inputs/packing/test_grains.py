@@ -14,7 +14,7 @@ import pytest
 
 from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs import build_packing, plan
-from granwave.lammps_inputs.case.grains import parse_grains
+from granwave.lammps_inputs.case.packing.grains import parse_grains
 from granwave.lammps_inputs.contact.initial_dents import contacts_at_start
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice

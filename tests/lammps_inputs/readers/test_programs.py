@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.case.grains import Grains, read_grains
+from granwave.lammps_inputs.case.packing.grains import Grains, read_grains
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
 from tests.lammps_inputs.readers import writers
 

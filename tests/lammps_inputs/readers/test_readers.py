@@ -11,7 +11,12 @@ import ase.io
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.case.grains import GrainChoices, Grains, parse_grains, read_grains
+from granwave.lammps_inputs.case.packing.grains import (
+    GrainChoices,
+    Grains,
+    parse_grains,
+    read_grains,
+)
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.readers.registry import READERS, reader_of

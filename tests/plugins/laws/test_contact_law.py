@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from granwave._contact_laws import ContactLaw, exponential, power
 from granwave.extensions.continuum.sphere_contact.law_fit import bars, errors, measured
-from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
+from granwave.lammps_inputs.case.contact.contact import hertz_von_mises_yield_factor
 from tests.conftest import script_of
 from tests.helpers.bodies.rubbing import state
 from tests.helpers.twins.twin import LawTwin, scales

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from granwave import plugins
-from granwave.workflows.cli import doctor
+from granwave.workflows.cli.installation import doctor
 from tests.conftest import PLAIN
 
 PATHS = ("LD_LIBRARY_PATH", "LD_PRELOAD")

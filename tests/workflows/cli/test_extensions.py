@@ -19,8 +19,8 @@ from granwave.lammps_inputs import extensions as registry
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import Extension, extensions, with_added
 from granwave.workflows import library
-from granwave.workflows.cli import doctor
 from granwave.workflows.cli.commands import LOOK, Command, option
+from granwave.workflows.cli.installation import doctor
 from granwave.workflows.cli.main import main
 from granwave.workflows.cli.parser import commands, make_parser
 from granwave.workflows.file_kinds import file_kinds

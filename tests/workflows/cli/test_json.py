@@ -11,9 +11,9 @@ import pytest
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.workflows import load_case, run_case
-from granwave.workflows.cli import doctor
-from granwave.workflows.cli.doctor import Finding
-from granwave.workflows.cli.keys import tables
+from granwave.workflows.cli.installation import doctor
+from granwave.workflows.cli.installation.doctor import Finding
+from granwave.workflows.cli.keys.reference import tables
 from granwave.workflows.cli.main import main
 from granwave.workflows.cli.tables.scan_outcome import outcome_values
 from granwave.workflows.cli.terminal import print_json

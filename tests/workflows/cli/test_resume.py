@@ -16,6 +16,9 @@ import h5py
 import numpy as np
 import pytest
 
+import granwave as gw
+from granwave.workflows.run import driver
+from granwave.workflows.run.directory import RunDirectory
 from tests.conftest import PLAIN
 from tests.helpers.made_up.run_files import summary, without_clock
 from tests.helpers.programs.processes import wait_for
@@ -219,3 +222,25 @@ def test_ctrl_c_while_python_clears_up_is_not_lost():
         [sys.executable, "-c", LOST], capture_output=True, text=True, timeout=15, env=PLAIN
     )
     assert (done.returncode, done.stderr) == (130, "granwave: stopped\n")
+
+
+def test_the_record_shows_the_time_reached_while_a_run_advances(tmp_path, monkeypatch):
+    monkeypatch.setattr(driver, "_NOTED", -1.0)
+    monkeypatch.setattr(driver, "_PIECE", 1e-3)
+    ends = []
+    write = RunDirectory.write_record
+
+    def noting(directory, content):
+        write(directory, content)
+        stored = json.loads((directory.path / "run.json").read_text())
+        if stored["state"] == "running":
+            ends.append(stored["end_time_s"])
+            assert (
+                stored["wall_time_s"] == 0.0
+            )  # counted up to checkpoints, of which there are none
+
+    monkeypatch.setattr(RunDirectory, "write_record", noting)
+    changes = {"packing.size": [6, 6, 4], "run.end_time": 1e-4}
+    run = gw.run("fcc-small", changes, directory=tmp_path / "run", figures=False)
+    assert len(ends) > 5
+    assert np.all(np.diff(ends) > 0) and 0 < ends[-1] < run.summary["end_time_s"]

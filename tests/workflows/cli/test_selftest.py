@@ -10,7 +10,7 @@ import os
 import pytest
 
 from granwave.lammps_inputs.errors import RunError
-from granwave.workflows.cli import selftest
+from granwave.workflows.cli.installation import selftest
 from granwave.workflows.cli.main import main
 
 # computed apart from the package: Hertz and Thornton for two brass spheres of 10 mm, 1 m/s

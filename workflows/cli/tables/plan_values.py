@@ -11,7 +11,7 @@ import numpy as np
 
 from granwave.analysis.measures.target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.contact.contact import Contact
 from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.contact.law import ContactLoss, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly

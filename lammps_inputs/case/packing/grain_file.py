@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.grains import GrainChoices, Grains, read_grains
+from granwave.lammps_inputs.case.packing.grains import GrainChoices, Grains, read_grains
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.message_words import show
 from granwave.lammps_inputs.readers.columns import QUANTITIES

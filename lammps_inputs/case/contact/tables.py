@@ -6,8 +6,8 @@ import dataclasses
 from typing import TYPE_CHECKING, Any, Final
 
 from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.contact.law_parameters import OF_LOSS, with_parameters
 from granwave.lammps_inputs.case.hints import POSSIBLE, VELOCITY
-from granwave.lammps_inputs.case.law_parameters import OF_LOSS, with_parameters
 from granwave.lammps_inputs.case.schema import (
     NumberType,
     TableType,

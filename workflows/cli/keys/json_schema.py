@@ -15,9 +15,9 @@ from typing import Any
 
 from granwave import __version__
 from granwave.lammps_inputs.case.case import OPTIONAL, RECORD
-from granwave.lammps_inputs.case.made_packing import packing_makers
 from granwave.lammps_inputs.case.material import MATERIAL, MATERIALS
-from granwave.workflows.cli.keys import Key, KeyTable, tables
+from granwave.lammps_inputs.case.packing.made_packing import packing_makers
+from granwave.workflows.cli.keys.reference import Key, KeyTable, tables
 from granwave.workflows.file_kinds import CASE_FILE, FileKind, file_kinds
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"

@@ -11,7 +11,13 @@ import numpy as np
 
 from granwave import _contact_laws
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.contact_tables import (
+from granwave.lammps_inputs.case.contact.law_parameters import (
+    OF_CONTACT,
+    PARAMETERS,
+    value_of,
+    with_parameters,
+)
+from granwave.lammps_inputs.case.contact.tables import (
     COHESION,
     DENTS,
     LOSS,
@@ -23,12 +29,6 @@ from granwave.lammps_inputs.case.contact_tables import (
     Resistance,
 )
 from granwave.lammps_inputs.case.hints import FRICTION
-from granwave.lammps_inputs.case.law_parameters import (
-    OF_CONTACT,
-    PARAMETERS,
-    value_of,
-    with_parameters,
-)
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,

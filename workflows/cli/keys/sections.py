@@ -6,8 +6,8 @@ A description that is empty is the first line of the dataclass.
 from __future__ import annotations
 
 from granwave.lammps_inputs.case.case import CaseHead, case_tables
-from granwave.lammps_inputs.case.contact import Pair
-from granwave.lammps_inputs.case.made_packing import packing_makers
+from granwave.lammps_inputs.case.contact.contact import Pair
+from granwave.lammps_inputs.case.packing.made_packing import packing_makers
 from granwave.workflows.cluster.profile import Profile, SlurmProfile
 from granwave.workflows.scanning.header import RanksBySize, ScanHeader
 from granwave.workflows.scanning.suite import SuiteFile

@@ -35,7 +35,7 @@ from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, RESULT_FILE
-from granwave.workflows.cli.doctor import examine
+from granwave.workflows.cli.installation.doctor import examine
 from granwave.workflows.cli.terminal import BOLD, GREEN, RED, coloured, in_shell, print_json
 from granwave.workflows.cluster.profile import load_profile
 from granwave.workflows.run import mpi, record

@@ -30,7 +30,7 @@ from granwave.lammps_inputs.case.schema import (
 )
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import extensions, load
-from granwave.workflows.cli.key_sections import CONTACT, PAIR, case_sections
+from granwave.workflows.cli.keys.sections import CONTACT, PAIR, case_sections
 from granwave.workflows.cli.terminal import BOLD, coloured
 from granwave.workflows.file_kinds import file_kinds
 
@@ -276,7 +276,7 @@ def _first_line(section: type) -> str:
 def _examples() -> dict[str, dict[str, dict[str, Any]]]:
     """Return the examples by kind of file, table and key, with those of extensions."""
     # the package is always unpacked on disk: it holds a shared library
-    folders = [Path(str(resources.files("granwave.workflows.cli")))]
+    folders = [Path(str(resources.files("granwave.workflows.cli.keys")))]
     folders += [one.folder for one in extensions() if one.folder is not None]
     examples: dict[str, dict[str, dict[str, Any]]] = {}
     for folder in reversed(folders):

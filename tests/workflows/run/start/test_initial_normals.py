@@ -15,7 +15,7 @@ from granwave.workflows.run.driver import run_case
 from tests.conftest import refuses, script_of
 from tests.helpers.made_up.small_cases import case_of
 
-TABLE = Path(__file__).parents[3] / "reproductions/thesis/chapter_5/second_solver.csv"
+TABLE = Path(__file__).parents[4] / "reproductions/thesis/chapter_5/second_solver.csv"
 FIXED = {
     "contact.normals": "initial",
     "packing.size": [12, 12, 8],

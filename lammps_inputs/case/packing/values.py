@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.grains import Grains, parse_grains
+from granwave.lammps_inputs.case.packing.grains import Grains, parse_grains
 from granwave.lammps_inputs.case.schema import ValidationError
 
 LARGEST_ID = schema.LARGEST_COUNT

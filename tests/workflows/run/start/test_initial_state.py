@@ -93,7 +93,7 @@ def test_on_three_ranks(tmp_path):
     ]
     done = subprocess.run(
         words,
-        cwd=Path(__file__).parents[3],
+        cwd=Path(__file__).parents[4],
         env=PLAIN,
         capture_output=True,
         text=True,

@@ -12,25 +12,25 @@ from typing import Any
 import numpy as np
 
 from granwave.lammps_inputs.case import hints, schema
-from granwave.lammps_inputs.case.contact_ways import (
+from granwave.lammps_inputs.case.hints import DIAMETER
+from granwave.lammps_inputs.case.material import (
+    check_shape,
+)
+from granwave.lammps_inputs.case.packing.contact_ways import (
     CONTACTS,
     KEEP,
     SPRINGS,
 )
-from granwave.lammps_inputs.case.grain_file import (
+from granwave.lammps_inputs.case.packing.grain_file import (
     FILE_FIELDS,
     FORM_OF_FILE,
     TYPES,
     GrainFileSection,
     read_grain_file,
 )
-from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.case.hints import DIAMETER
-from granwave.lammps_inputs.case.made_packing import NOT_MADE
-from granwave.lammps_inputs.case.material import (
-    check_shape,
-)
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing.grains import Grains
+from granwave.lammps_inputs.case.packing.made_packing import NOT_MADE
+from granwave.lammps_inputs.case.packing.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.lattices import (

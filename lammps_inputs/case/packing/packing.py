@@ -6,20 +6,6 @@ import dataclasses
 from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case import hints, schema
-from granwave.lammps_inputs.case.contact_ways import (
-    CONTACT_WAYS,
-    CONTACTS,
-    RELAXATION,
-    RELAXATIONS,
-    SPRINGS,
-    TOLERANCE,
-    ContactWay,
-    described_ways,
-)
-from granwave.lammps_inputs.case.grain_file import (
-    FILE_FIELDS,
-)
-from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual
 from granwave.lammps_inputs.case.material import (
     Shape,
@@ -29,7 +15,22 @@ from granwave.lammps_inputs.case.material import (
     shape_field,
     shape_of,
 )
-from granwave.lammps_inputs.case.packing_values import (
+from granwave.lammps_inputs.case.packing.contact_ways import (
+    CONTACT_WAYS,
+    CONTACTS,
+    RELAXATION,
+    RELAXATIONS,
+    SPRINGS,
+    TOLERANCE,
+    ContactWay,
+    described_ways,
+)
+from granwave.lammps_inputs.case.packing.grain_file import (
+    FILE_FIELDS,
+)
+from granwave.lammps_inputs.case.packing.grains import Grains
+from granwave.lammps_inputs.case.packing.springs import SpringsType
+from granwave.lammps_inputs.case.packing.values import (
     CELL,
     ENCLOSURE_FORM,
     GAPS,
@@ -41,7 +42,6 @@ from granwave.lammps_inputs.case.packing_values import (
     GrainsType,
 )
 from granwave.lammps_inputs.case.schema import ErrorList, show
-from granwave.lammps_inputs.case.springs import SpringsType
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import (
