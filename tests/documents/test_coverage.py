@@ -62,7 +62,10 @@ def test_every_study_that_compares_with_a_source_belongs_to_an_item(source):
     [
         ({"state": "partly", "why": "No value is printed."}, "| partly | No value is printed. |"),
         ({"what": "a*b"}, r"| a\*b |"),
-        ({"state": "works", "why": "", "differs": "12 % too large."}, "| works | 12 % too large. |"),
+        (
+            {"state": "works", "why": "", "differs": "12 % too large."},
+            "| works | 12 % too large. |",
+        ),
     ],
 )
 def test_a_changed_item_changes_the_page(change, says):
