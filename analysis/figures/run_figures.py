@@ -255,7 +255,7 @@ def draw_figures(
         There is no figure of that name.
     InputError
         The environment does not give a number of processes, or ``[figures]`` of the case.toml there
-        is wrong.
+        is invalid.
     """
     folder = FigureFolder(directory)
     with Result(directory, assembly=assembly) as result:

@@ -288,7 +288,7 @@ class Run(Values):
         Raises
         ------
         InputError
-            A value is wrong, nothing is selected, or a selection does not apply to the table.
+            A value is invalid, nothing is selected, or a selection does not apply to the table.
         MissingDataError
             The run has no such table.
         """
@@ -481,7 +481,7 @@ class Run(Values):
             There is no figure of this name, or it does not apply to this run, or it has no curves
             to be overlaid.
         InputError
-            The axes do not suit the panels, or plane or depths are wrong.
+            The axes do not suit the panels, or plane or depths are invalid.
         """
         from granwave.analysis.figures.run_figures import FIXED_PLANES, run_figures
         from granwave.analysis.figures.series import draw_axes, no_figure

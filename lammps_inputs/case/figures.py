@@ -253,7 +253,7 @@ def read_figures(table: Any, source: str) -> Figures:
     Raises
     ------
     InputError
-        A key is wrong; the message lists all faults.
+        A key is invalid; the message lists all faults.
     """
     errors = ErrorList(source)
     found = read_table(Figures, table, "figures", errors)

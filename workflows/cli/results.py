@@ -142,7 +142,7 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
     Raises
     ------
     InputError
-        A value is wrong; the message lists all faults.
+        A value is invalid; the message lists all faults.
     """
     types = {name: info_of(field).type for name, field in declared_fields(Figures).items()}
     changes = {}
