@@ -27,6 +27,8 @@ from granwave.analysis.quantities import entries, quantity
 from granwave.analysis.summary_table import meaning_of
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
+_ENERGY = "J"  # unit of the values that have one unit in a table
+
 Tone = Literal["", "lead", "good", "note", "bad"]
 _COLUMN = 4.3  # inches: a column of a journal, and a quarter
 Model = TypeVar("Model")
@@ -325,6 +327,33 @@ def value_column(key: str, called: str = SPHERES, unit: str | None = None) -> Ta
     shown = unit_of_value(key) if unit is None else unit
     meaning = meaning_in(key, called)
     return TableColumn(label_of(key, called), shown, numeric=True, meaning=meaning)
+
+
+def units_of_values(
+    keys: Iterable[str], summaries: Sequence[Mapping[str, Any]]
+) -> dict[str, tuple[str, float]]:
+    """Return by key the unit in which values of summaries are read best in one table, and its size
+    in the SI unit; all energies of the table have one unit.
+    """
+    values = {key: [summary.get(key) for summary in summaries] for key in keys}
+    return shared_units({key: (unit_of_value(key), values[key]) for key in values})
+
+
+def shared_units(
+    rows: Mapping[str, tuple[str, Sequence[object]]],
+) -> dict[str, tuple[str, float]]:
+    """Return by name the unit of the rows of a table, and its size in the SI unit, from their SI
+    units and values; all energies have one unit.
+    """
+    energies: list[object] = []
+    for unit, values in rows.values():
+        if unit == _ENERGY:
+            energies += values
+    common = column_unit(_ENERGY, energies)
+    return {
+        name: common if unit == _ENERGY else column_unit(unit, values)
+        for name, (unit, values) in rows.items()
+    }
 
 
 def value_cells(key: str, values: Sequence[Any]) -> tuple[str, list[Cell]]:

@@ -44,6 +44,7 @@ logger = logging.getLogger(__name__)
 
 WIDTH = 3.4  # inches, one column of a journal
 _INCH = 0.0254  # m
+_PASSES = 2  # adjustments of the height of a figure to its panels
 RESOLUTION = 300  # dots per inch
 # compression of PNG files by runs of equal pixels, which are frequent in figures; the default
 # settings take twice as long
@@ -67,7 +68,8 @@ SKY = "#56B4E9"
 GREY = "#767676"
 YELLOW = "#F0C000"  # for areas, too pale for lines
 FORCE_MAP = "viridis"
-BOTH_SIDES_MAP = "RdBu_r"  # colour map of values above and below zero
+BOTH_SIDES_MAP = "RdBu_r"  # discs with values above and below zero; lower values are marked
+WAVE_MAP = "cividis"  # maps of values above and below zero, whose ends differ in grey prints
 DISSIPATION_MAP = "inferno"
 DENT_MAP = "cividis"
 BLANK = "#dcdcdc"  # spheres without a value
@@ -198,6 +200,29 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
     figure = Figure(figsize=(scale * width, scale * height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
+
+
+def trim_height(figure: Figure, panels: Sequence[Axes]) -> None:
+    """Reduce the height of a figure by the gaps above and below panels of equal scales, which are
+    lower than their places in the layout.
+
+    Figures of the user keep their size.
+    """
+    if user_figure() is not None:
+        return
+    engine = figure.get_layout_engine()
+    for _ in range(_PASSES):
+        assert engine is not None
+        engine.execute(figure)
+        gaps: dict[int, float] = {}
+        for axes in panels:
+            place = axes.get_subplotspec()
+            assert place is not None
+            gap = axes.get_position(original=True).height - axes.get_position().height
+            row = place.rowspan.start
+            gaps[row] = min(gaps.get(row, gap), gap)
+        width, height = figure.get_size_inches()
+        figure.set_size_inches(width, height * (1 - sum(gaps.values())))
 
 
 def legend_above(axes: Axes, ncols: int, **options: Any) -> None:

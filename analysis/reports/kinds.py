@@ -17,7 +17,13 @@ from typing import Any, ClassVar
 from granwave.analysis.document.model import Report, is_number
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.quantities import Quantity, quantity, report_columns
-from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, no_results, resumed
+from granwave.analysis.result.not_a_run import (
+    OF_A_RUN,
+    UNFINISHED,
+    no_results,
+    resumed,
+    where_stopped,
+)
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.runs import AnyRun, read_run
@@ -54,7 +60,7 @@ class ReportRun:
     Attributes
     ----------
     label
-        Label in the report; it says so where the run was rejected.
+        Label in the report; it contains a note if the run was rejected.
     kind
         Kind of the run, on which the keys of its summary depend.
     status
@@ -150,7 +156,7 @@ class ReportKind:
         True for results integrated in time, which have energies: it is shown by the tables and
         sentences of runs. Else those of the kind are shown.
     accepted_error
-        Largest error of the energy balance, over the input, of runs that record none; None:
+        Largest error of the energy balance / input, of runs that record none; None:
         ``run.energy_tolerance`` of the case.
     energies
         Values of the summary that are parts of the energy at the end, besides those of all runs.
@@ -207,11 +213,9 @@ class ReportKind:
             expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
             raise InputError(no_results(path, names, "neither a run nor a scan", expected))
         if SUMMARY_FILE not in names:
-            state = (read_json(path / RECORD_FILE) or {}).get("state")
-            if state in UNFINISHED:
+            if stop := where_stopped(path):
                 raise UnfinishedRunError(
-                    f"{path}: the run is not finished (state {state}), so there is no "
-                    f"{SUMMARY_FILE}; resume with  {resumed(path)}"
+                    f"{path}: {stop}, so there is no {SUMMARY_FILE}; resume with  {resumed(path)}"
                 )
             raise InputError(
                 f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}"

@@ -21,14 +21,15 @@ from granwave.analysis.document.model import (
     Report,
     TableColumn,
     Tone,
+    cell_in_unit,
     column_table,
     named,
     show,
     significant,
     text_table,
     tidied,
+    units_of_values,
     value_cell,
-    value_cells,
     value_column,
 )
 from granwave.analysis.formatting.numbers import counted, plain
@@ -49,15 +50,16 @@ from granwave.analysis.reports.results import SLUG as RESULTS
 from granwave.analysis.reports.results import failures_section, results_section, status_cell
 from granwave.analysis.reports.setting import first_line, setting_of, settings_blocks, symbols_note
 from granwave.analysis.reports.studies import (
+    ReportStudies,
     comparison_section,
     leads,
     main_picture,
-    studies_of,
+    report_studies,
     studies_section,
     verdicts,
 )
 from granwave.analysis.studies.study import Study
-from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
+from granwave.lammps_inputs.case.contact.contact import ALL_LAWS, LINE
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
@@ -102,16 +104,21 @@ _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissip
 
 
 def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
-    """Build the report of runs and scans.
+    """Make the studies of runs and scans, and build their report.
 
     Parameters
     ----------
     named
         Names of studies of all runs, in addition to those that the scans name.
     """
+    return report_with_studies(inputs, report_studies(inputs, named))
+
+
+def report_with_studies(inputs: ReportInputs, made: ReportStudies) -> Report:
+    """Build the report of runs and scans whose studies are made already."""
     labels = [inputs.suite] if inputs.suite else [item.label for item in inputs.items]
     failures = failures_section(inputs)
-    studies = studies_of(inputs, named)
+    studies = made.of_scans
     above = {picture.name for picture in chain.from_iterable(one.pictures for one in studies)}
     picture = main_picture(studies, inputs)
     heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
@@ -122,7 +129,7 @@ def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
         _answer(inputs, failures.slug, studies, picture),
         DocumentSection("Verdict", "verdict", verdicts(studies)),
         studies_section(inputs, studies),
-        comparison_section(inputs),
+        comparison_section(inputs, made.compared),
         figures_section(inputs, above, main_figures(inputs, picture)),
         failures,
         results_section(inputs),
@@ -448,10 +455,16 @@ def _fitted(run: ReportRun) -> bool:
     return law != LINE and (law not in ALL_LAWS or bool(ALL_LAWS[law].fitted))
 
 
-def _energy_column(key: str, runs: Sequence[ReportRun]) -> tuple[TableColumn, list[Cell]]:
-    """Return the column of an energy of runs."""
-    unit, cells = value_cells(key, [run.summary.get(key) for run in runs])
-    return value_column(key, unit=unit), cells
+def _energy_columns(
+    keys: Sequence[str], runs: Sequence[ReportRun]
+) -> list[tuple[TableColumn, list[Cell]]]:
+    """Return the columns of energies of runs, in one unit."""
+    summaries = [run.summary for run in runs]
+    columns: list[tuple[TableColumn, list[Cell]]] = []
+    for key, (unit, size) in units_of_values(keys, summaries).items():
+        cells = [cell_in_unit(summary.get(key), size) for summary in summaries]
+        columns.append((value_column(key, unit=unit), cells))
+    return columns
 
 
 def _table(runs: Sequence[ReportRun]) -> DocumentTable:
@@ -476,7 +489,7 @@ def _table(runs: Sequence[ReportRun]) -> DocumentTable:
     ]
     columns = [
         (TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]),
-        *(_energy_column(key, runs) for key in shown),
+        *_energy_columns(shown, runs),
         (TableColumn("Error / input", numeric=True), errors),
         (TableColumn("Accepted error", numeric=True), [value_cell(run.accepted_error) for run in runs]),
         (TableColumn("Balance"), [Cell(text, text, tone) for text, tone in verdicts]),

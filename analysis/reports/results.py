@@ -29,6 +29,7 @@ from granwave.analysis.document.model import (
     percent,
     spread_cell,
     unit_of_value,
+    units_of_values,
     value_cell,
     value_column,
 )
@@ -49,7 +50,7 @@ from granwave.analysis.scans.table import (
     SEED,
     scan_statistics,
 )
-from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
+from granwave.lammps_inputs.case.contact.contact import ALL_LAWS, LINE
 
 Columns = list[tuple[TableColumn, list[Cell]]]
 
@@ -164,11 +165,10 @@ def value_rows(run: ReportRun) -> DocumentTable:
         left_out |= set() if told else set(keys)
     called = grains_called_in([summary])
     rows = []
-    for key in [*first, *(key for key in _worth_showing([summary]) if key not in left_out)][
-        :MOST_ROWS
-    ]:
+    shown = [*first, *(key for key in _worth_showing([summary]) if key not in left_out)]
+    units = units_of_values(shown[:MOST_ROWS], [summary])
+    for key, (unit, size) in units.items():
         label = label_of(key, called)
-        unit, size = column_unit(unit_of_value(key), [summary.get(key)])
         name = Cell(label, label, meaning=meaning_in(key, called))
         rows.append((name, _result_cell(key, summary, size), Cell(unit)))
     columns = (
@@ -288,9 +288,8 @@ def _results(results: Sequence[tuple[str, Mapping[str, Any]]], shown: Iterable[s
     """Return columns of the status and of values, of the status and the summary of each row."""
     called = grains_called_in(summary for _, summary in results)
     columns: Columns = [(TableColumn(_STATUS), [status_cell(status) for status, _ in results])]
-    for key in shown:
-        summaries = [summary for _, summary in results]
-        unit, size = _unit_of(key, summaries)
+    summaries = [summary for _, summary in results]
+    for key, (unit, size) in units_of_values(shown, summaries).items():
         cells = [_result_cell(key, summary, size) for summary in summaries]
         columns.append((value_column(key, called, unit), cells))
     return columns
@@ -309,13 +308,6 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
         if any(summary.get(key) is not None for summary in summaries)
     )
     return [key for key in there if key not in left_out]
-
-
-def _unit_of(key: str, summaries: Sequence[Mapping[str, Any]]) -> tuple[str, float]:
-    """Return the unit in which values of summaries are most readable, and its size in
-    the SI unit.
-    """
-    return column_unit(unit_of_value(key), [summary.get(key) for summary in summaries])
 
 
 def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cell:
@@ -347,8 +339,7 @@ def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
     ]
     rows = []
     called = grains_called_in([run.summary for run in runs])
-    for key in keys:
-        unit, size = _unit_of(key, [run.summary for run in runs])
+    for key, (unit, size) in units_of_values(keys, [run.summary for run in runs]).items():
         cells = [_result_cell(key, run.summary, size) for run in runs]
         label = runs[0].kind.label(runs[0], key) or label_of(key, called)
         row = [

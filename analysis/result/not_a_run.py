@@ -14,6 +14,7 @@ from pathlib import Path
 
 import h5py
 
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.files import read_json
@@ -57,10 +58,20 @@ def why_no_run(path: Path) -> str:
         return no_results(path, found, "no run", expected)
     if files.CASE_FILE not in found:
         return f"{path}: {files.CASE_FILE} is missing, so the run there cannot be read; run the case again with force=True"
-    state = (read_json(path / files.RECORD_FILE) or {}).get("state")
-    if state in UNFINISHED:
-        return f"{path}: the run is not finished (state {state}); resume with  {resumed(path)}"
+    if stop := where_stopped(path):
+        return f"{path}: {stop}; resume with  {resumed(path)}"
     return f"{path / files.RESULT_FILE} is missing: make it with  granwave analyse {path}"
+
+
+def where_stopped(path: Path) -> str:
+    """Describe where an unfinished run stopped; empty for a run that is finished."""
+    record = read_json(path / files.RECORD_FILE) or {}
+    state = record.get("state")
+    if state not in UNFINISHED:
+        return ""
+    time = record.get("end_time_s")
+    reached = f"reached {quantity_in(time, 's')}; " if time else ""
+    return f"{reached}the run is not finished (state {state})"
 
 
 def resumed(path: Path) -> str:

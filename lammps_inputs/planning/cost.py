@@ -426,7 +426,7 @@ def _seconds(assembly: Assembly, loaded: float, *, has_friction: bool) -> float:
     return _STEP + _PARTICLE * assembly.n_particles + a_pair * assembly.n_neighbours
 
 
-_LEAST = 3.0  # energy input over F_y alpha_y below which the zone is negligible
+_LEAST = 3.0  # energy input / F_y alpha_y below which the zone is negligible
 
 
 @dataclasses.dataclass(frozen=True)

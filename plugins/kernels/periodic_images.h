@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Vectors between two spheres across a periodic boundary, from the coordinates of one of them and of a ghost of the other. LAMMPS rounds
-   the coordinates of ghosts, x_i - s and x_j + s with the shift s of the image, so that the vectors to them differ in their last bits.
-   Both ghosts are known in either case, since a coordinate that is there can be shifted as LAMMPS does it: the vector is computed from
-   the two ghosts, as (x_i - s) - (x_j + s) + s. No LAMMPS types. */
+/* Vectors between two spheres across a periodic boundary, from the coordinates of one sphere and of a ghost of the other.
+   LAMMPS rounds the coordinates of ghosts, x_i - s and x_j + s with the shift s of the image, so that the vectors to them
+   differ in their last bits. Both ghosts are known in either case, since a coordinate that is there can be shifted as
+   LAMMPS does it: the vector is computed from the two ghosts, as (x_i - s) - (x_j + s) + s. No LAMMPS types. */
 
 #ifndef GRANWAVE_PERIODIC_IMAGES_H
 #define GRANWAVE_PERIODIC_IMAGES_H
@@ -52,7 +52,7 @@ class ShiftTable {
   ImageShift shifts_[SIZE] = {};
 };
 
-/* Difference of two quantities of spheres i and j, of which one is that of a ghost, from those of the ghosts of both.
+/* Difference of a quantity between spheres i and j, one of which is a ghost, from the image shifts of both.
 
    ghost_is_j  true if the ghost is that of j
    shifted     _i, _j: whether the quantities of i and j are shifted with their ghosts */

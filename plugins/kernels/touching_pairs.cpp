@@ -17,7 +17,7 @@ inline void load(Numbers &numbers, const double *from) { std::memcpy(&numbers, f
 
 inline std::uint64_t any(const Bits &bits) { return static_cast<std::uint64_t>((bits[0] | bits[1]) | (bits[2] | bits[3])); }
 
-/* Copy n coordinates from triples to arrays of their own. Returns true if any of them has changed. */
+/* Copy n coordinates from triples to an array for each direction. Returns true if any of them has changed. */
 template <bool COPY>
 ALWAYS_INLINE bool differs(const double *__restrict from, int n, double *__restrict x, double *__restrict y,
                            double *__restrict z)
@@ -113,8 +113,8 @@ inline void TouchingPairs::compare()
   *before = touching;
 }
 
-/* Search a group of one row, and return the number of pairs then in the batch, of which there were n. A pair is written to the
-   batch whether it touches or not, and the next one takes its place if it does not. */
+/* Search a group of one row; `n` pairs are in the batch before, and the number of pairs after it is returned. A pair is
+   written to the batch whether it touches or not, and the next one takes its place if it does not. */
 template <bool UNIFORM> ALWAYS_INLINE int TouchingPairs::search_row(ContactBatch &batch, int n)
 {
   const RowGroup &g = *group;

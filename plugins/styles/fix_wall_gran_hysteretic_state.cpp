@@ -16,7 +16,7 @@ using namespace LAMMPS_NS;
 using namespace granwave;
 
 constexpr int N_NEW = 1;    // numbers in a restart file of a sphere that has not touched a wall
-constexpr double ROUNDING_OF_AXIS = 1e-9, VALID_LINE = 0.1;    // largest overlap of a line contact over the radius
+constexpr double ROUNDING_OF_AXIS = 1e-9, VALID_LINE = 0.1;    // largest overlap of a line contact / radius
 
 FixWallGranHysteretic::~FixWallGranHysteretic()
 {

@@ -23,8 +23,8 @@ class PairGeometry {
 
   PairGeometry(LAMMPS_NS::LAMMPS *lmp, const PairLaws &laws) : lmp_(lmp), laws_(laws) {}
 
-  /* Begin a run, with the fix that knows the images of ghosts. Normals are those of the places in a custom array, or of the present
-     ones if its index is below 0. */
+  /* Begin a run, with the fix that stores the images of ghosts. Normals are those of the places in a custom array, or of
+     the present ones if its index is below 0. */
   void begin_run(const LAMMPS_NS::FixGranHystereticHistory *, int initial_places);
   /* Begin a force evaluation: a box that is deformed may change velocities at its periodic boundaries. */
   void begin_evaluation();
@@ -48,14 +48,15 @@ class PairGeometry {
   /* Separation of the bodies of a special pair. */
   CylinderPair::Separation separation(int i, int j) const;
   double distance_squared(int i, int j) const;
-  /* The same from the coordinates of both as they are, across a periodic boundary with other last bits. */
+  /* The same from the stored coordinates of both; across a periodic boundary the last bits differ. */
   double rounded_distance_squared(int i, int j) const
   {
     const double *const xi = lmp_->atom->x[i], *const xj = lmp_->atom->x[j];
     const double delx = xi[0] - xj[0], dely = xi[1] - xj[1], delz = xi[2] - xj[2];
     return delx * delx + dely * dely + delz * delz;
   }
-  /* Distance that the overlap is counted from, from the squared one of the centers. Beyond the end of a cylinder it is that. */
+  /* Distance from which the overlap is measured, from the squared distance of the centers. Beyond the end of a cylinder
+     it is the distance of the centers. */
   double distance(int i, int j, double rsq) const;
   double distance(int i, int j) const { return distance(i, j, distance_squared(i, j)); }
   /* Unit vector along which the surface of sphere j presses sphere i. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: ghosts, what is sent to them, and pairs across a periodic boundary (pair_geometry.h). */
+/* Pair style gran/hysteretic: ghosts, the data sent to them, and pairs across a periodic boundary (pair_geometry.h). */
 
 #include "pair_gran_hysteretic.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: special pairs, which are those of cylinders, those with cohesion, those whose force is a power of the
-   overlap, those across a periodic boundary, and all with initial normals.
+/* Pair style gran/hysteretic: special pairs, which are pairs of cylinders, pairs with cohesion, pairs whose force is a
+   power of the overlap, those across a periodic boundary, and all with initial normals.
 
    They have rows of their own behind those of all other pairs, and are found one by one; forces, history and friction are
    those of any batch, with the vector between the centers replaced by its part along the normal. */
@@ -75,7 +75,7 @@ double PairGranHysteretic::init_shape(int i, int j)
   return shapes.center_distance(radsum + gap);
 }
 
-/* Overwrite the forces of contacts that are elastic with another law than Hertz's. */
+/* Overwrite the forces of elastic contacts with a law other than Hertz's. */
 void PairGranHysteretic::set_elastic(Batch &batch)
 {
   static_assert(LineBatch::CAPACITY >= Batch::CAPACITY);

@@ -40,7 +40,7 @@ void PairRows::add_rows(const std::vector<std::pair<int, int>> &pairs, const tag
 {
   const auto precedes = [tag](int i, int j) { return tag[i] < tag[j]; };
   const auto in_order = [&](const std::pair<int, int> &pair) { return std::minmax(pair.first, pair.second, precedes); };
-  std::vector<int> place(nall, 0);    // number of pairs of a row, then where the next one goes
+  std::vector<int> place(nall, 0);    // number of pairs of a row, then the position of the next one
   for (const auto &pair : pairs) place[in_order(pair).first]++;
   const auto first_row = static_cast<std::ptrdiff_t>(row.size());
   const auto more = nall - std::count(place.begin(), place.end(), 0);
@@ -164,7 +164,7 @@ bool CommonPairs::search_rows(const PairRows &before, int first, int last, const
   return true;
 }
 
-/* Append a pair to the last run, or begin a new one. */
+/* Append a pair to the last run, or begin a new run. */
 void CommonPairs::add(int from, int to)
 {
   if (!runs_.empty()) {

@@ -75,6 +75,7 @@ logger = logging.getLogger(__name__)
 MOST_ATTEMPTS = 4  # timesteps tried if the balance does not close, each half of the previous one
 _FIRST_ENDS = 1.0  # s until other ranks end all ranks if the first has not
 _PIECE = 1.0  # s of wall time between checks of the balance
+_NOTED = 5.0  # s of wall time between records of the time reached
 
 
 @dataclasses.dataclass(frozen=True)
@@ -497,8 +498,8 @@ class _Run:
             done=engine.step,
             at_most=blocks > 0,
         )
-        begin = last_checkpoint = time.monotonic()
-        before = self.record.wall_time_s
+        begin = last_checkpoint = noted = time.monotonic()
+        before = at_checkpoint = self.record.wall_time_s
         # pieces end at a common multiple of all possible timesteps
         unit = schedule.longest_step
         fresh = True
@@ -535,8 +536,12 @@ class _Run:
                 full = free <= self.reserve  # LAMMPS does not report failed writes
                 if due or full or self.state == record.INTERRUPTED:
                     self._checkpoint(engine)
-                    last_checkpoint = time.monotonic()
+                    last_checkpoint = noted = time.monotonic()
+                    at_checkpoint = self.record.wall_time_s
                     fresh = True
+                elif now - noted > _NOTED:
+                    self._note_progress(at_checkpoint)
+                    noted = now
                 if full and self.state == record.RUNNING:
                     message = disk_space_message(
                         "a snapshot and a checkpoint", self.reserve, 0.0, free
@@ -591,6 +596,17 @@ class _Run:
         self.record = dataclasses.replace(self.record, **changes)
         if self.comm.rank == 0:
             self.results.write_record(self.record)
+
+    def _note_progress(self, wall_time: float) -> None:
+        """Record the time reached, for a run that may be killed.
+
+        Parameters
+        ----------
+        wall_time
+            At the last checkpoint, s: the integration that is lost after it does not count.
+        """
+        if self.comm.rank == 0:
+            self.results.write_record(dataclasses.replace(self.record, wall_time_s=wall_time))
 
     def _log(self, text: str) -> None:
         if self.comm.rank == 0:

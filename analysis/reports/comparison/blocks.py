@@ -18,10 +18,11 @@ from granwave.analysis.document.model import (
     TableColumn,
     cell_in_unit,
     percent,
+    shared_units,
     text_table,
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
-from granwave.analysis.formatting.numbers import column_unit, quantity_in
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.figures import FIGURES
@@ -86,15 +87,20 @@ def value_table(comparison: Comparison) -> DocumentTable:
     if len(comparison.runs) > MOST_SIDE_BY_SIDE:
         return _ranges(comparison.runs, values)
     heads = [TableColumn(run.name, numeric=True) for run in comparison.runs]
-    rows = [_value_row(value) for value in values]
+    units = _units(values)
+    rows = [_value_row(value, *units[value.name]) for value in values]
     ratio = TableColumn(_ratio_name(comparison.runs), numeric=True)
     columns = (_QUANTITY, _UNIT, *heads, ratio)
     return DocumentTable(_OF_VALUES, columns, tuple(rows), by_row=True)
 
 
-def _value_row(value: ComparedValue) -> tuple[Cell, ...]:
-    """Return label, unit, values and ratio, in the unit in which the values are read best."""
-    unit, size = column_unit(value.unit, value.values)
+def _units(values: Sequence[ComparedValue]) -> dict[str, tuple[str, float]]:
+    """Return by name the unit in which values are read best, and its size in the SI unit."""
+    return shared_units({value.name: (value.unit, value.values) for value in values})
+
+
+def _value_row(value: ComparedValue, unit: str, size: float) -> tuple[Cell, ...]:
+    """Return label, unit, values and ratio, in a unit of a size."""
     cells = [cell_in_unit(number, size) for number in value.values]
     return (Cell(value.label, value.label), Cell(unit), *cells, _ratio(value))
 
@@ -102,6 +108,7 @@ def _value_row(value: ComparedValue) -> tuple[Cell, ...]:
 def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> DocumentTable:
     """Return smallest and largest value of all runs, with the runs that have them."""
     names = names_with_cases(runs)
+    units = _units(values)
     rows: list[tuple[Cell, ...]] = []
     for value in values:
         named = [
@@ -113,7 +120,7 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
             continue
         least = min(named)
         most = max(named)
-        unit, size = column_unit(value.unit, value.numbers)
+        unit, size = units[value.name]
         smallest = cell_in_unit(least[0], size)
         largest = cell_in_unit(most[0], size)
         ends = (smallest, Cell(least[1]), largest, Cell(most[1]))

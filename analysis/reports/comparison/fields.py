@@ -20,7 +20,14 @@ from granwave.analysis.figures.colouring import Colouring, colour_bar, decades_u
 from granwave.analysis.figures.grain_discs import disc_radii, draw_discs, sticks_of
 from granwave.analysis.figures.sections import cut_of, frame_axes, window_around
 from granwave.analysis.figures.series import column_name
-from granwave.analysis.figures.style import BOTH_SIDES_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
+from granwave.analysis.figures.style import (
+    BOTH_SIDES_MAP,
+    FORCE_MAP,
+    WIDTH,
+    Drawing,
+    new_figure,
+    trim_height,
+)
 from granwave.analysis.measures.dynamic_force import dynamic_peak_forces, has_static_forces
 from granwave.analysis.measures.geometry import SpheresOnPlane
 from granwave.analysis.measures.signals import Array
@@ -45,6 +52,11 @@ _DECADE = (
 _TICKS = 2  # powers of ten on each side of zero
 _DISC = 0.96  # ratio of drawn to actual diameter
 _NO_EDGE = 0.2  # width of edges, points
+_MARKED = 0.1  # fraction of the linear part from which on a lower force is marked
+_MARK = 0.3  # diameter of the dot in a grain whose force is lower, grain diameters
+_DARK = 0.5  # brightness of a disc below which its dot is white
+_BRIGHTNESS = np.array([0.299, 0.587, 0.114])  # weights of red, green and blue
+_MARKS_ON_BAR = 5  # dots on the lower half of the colour bar
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +137,7 @@ def draw_fields(fields: Mapping[ComparedRun, ForceField]) -> Drawing:
         columns |= _columns(run, field, "peak_force_N", field.force)
     forces = np.concatenate([fields[run].force for run in runs])
     colour_bar(figure, panels, colouring, forces, location="top")
+    trim_height(figure, panels)
     return Drawing(figure, columns)
 
 
@@ -179,9 +192,13 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
         columns |= _columns(run, first, "peak_force_difference_N", change)
     mappable = ScalarMappable(norm, colormaps[BOTH_SIDES_MAP])
     bar = figure.colorbar(mappable, ax=panels, location="top", aspect=28, shrink=0.9)
-    bar.set_label(f"Peak force minus {reference.label} (N)")
+    is_dynamic = first.has_static or any(fields[run].has_static for run in changes)
+    force = "Peak dynamic force" if is_dynamic else "Peak force"
+    bar.set_label(f"{force} minus {reference.name} (N); dots: lower")
     bar.set_ticks(_ticks(largest))
     bar.minorticks_off()
+    _mark_lower_half(bar.ax, norm)
+    trim_height(figure, panels)
     return Drawing(figure, columns)
 
 
@@ -202,7 +219,7 @@ def difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
     unlike = [run.name for run in others if not corresponding(fields[reference], fields[run])]
     if not unlike:
         return ""
-    return f"Without {', '.join(unlike)}: other grains than {reference.name}."
+    return f"Without {', '.join(unlike)}: the grains differ from those of {reference.name}."
 
 
 def _draw_changes(axes: Axes, field: ForceField, change: Array, norm: SymLogNorm) -> None:
@@ -222,6 +239,34 @@ def _draw_changes(axes: Axes, field: ForceField, change: Array, norm: SymLogNorm
         linewidths=_NO_EDGE,
     )
     axes.add_collection(discs)
+    lower = change < -_MARKED * norm.linthresh
+    dots = EllipseCollection(
+        _MARK * size[lower],
+        _MARK * size[lower],
+        np.zeros(np.count_nonzero(lower)),
+        units="xy",
+        offsets=centres[lower],
+        offset_transform=axes.transData,
+        facecolors=_colours_of_marks(colours[lower]),
+        linewidths=0,
+    )
+    axes.add_collection(dots)
+
+
+def _colours_of_marks(colours: Array) -> list[str]:
+    """Return black for marks on bright colours (n, 4), white for marks on dark ones."""
+    brightness = colours[:, :3] @ _BRIGHTNESS
+    return ["white" if dark else "black" for dark in brightness < _DARK]
+
+
+def _mark_lower_half(axes: Axes, norm: SymLogNorm) -> None:
+    """Draw the dots of lower forces on the colour bar, so that grey prints show the sign."""
+    zero = float(norm(-_MARKED * norm.linthresh))
+    places = (np.arange(_MARKS_ON_BAR) + 0.5) / _MARKS_ON_BAR * zero
+    colours = _colours_of_marks(colormaps[BOTH_SIDES_MAP](places))
+    axes.scatter(
+        places, np.full(_MARKS_ON_BAR, 0.5), s=4, c=colours, lw=0, transform=axes.transAxes
+    )
 
 
 def _depth_label(fields: Sequence[ForceField]) -> str:

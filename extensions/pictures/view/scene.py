@@ -24,6 +24,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, to_rgb
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.colouring import DISSIPATION_LIMITS, decades_up_to, force_scale
@@ -240,6 +241,7 @@ _FIELD_OF_VIEW = 40.0  # degrees
 _SECONDS = 8.0  # duration of the animation, s
 _DOTS = 2  # pixels of a colour bar over those on the screen
 _SIDES = 32  # sides of a cylinder
+_MOST_DEPTHS = 6  # intervals of the numbers along a chain
 _BAR_COLOUR = 0x8C9AA8
 _WALL_COLOUR = 0x9AA5B1
 _INK = 0x222222
@@ -277,11 +279,15 @@ def plot_of(
         axes_helper=0.0,
         grid_auto_fit=False,  # otherwise numbers along the axes start at any millimetre
         grid=round_grid(place, _MILLI * result.case.packing.diameter / 2).tolist(),
+        grid_visible=not result.case.packing.rule.is_chain,
         name=result.case.name,
         antialias=1,
     )
     for one in (*_spheres(result, instants, rows, found, place), *_walls(result), *_bars(result)):
         plot += one
+    if result.case.packing.rule.is_chain:
+        for label in _depths_of_chain(result, place):
+            plot += label
     text = partial(k3d.text2d, is_html=True, label_box=False)
     for field in found:
         of_field = {
@@ -484,6 +490,27 @@ def _colour_bar(field: Field) -> str:
     encoded = base64.b64encode(stream.getvalue()).decode("ascii")
     width = round(96 * figure.get_figwidth() * 1.15)
     return f'<img alt="{html.escape(field.label)}" width="{width}" src="data:image/png;base64,{encoded}">'
+
+
+def _depths_of_chain(result: Result, place: NDArray[np.float64]) -> list[k3d.objects.Text]:
+    """Return numbers below a chain, and the name of the axis above its end: the labels of k3d
+    around packings that are so thin cover each other.
+    """
+    import k3d  # imports the notebook widgets
+
+    text = partial(k3d.text, is_html=True, label_box=False, size=1.0, color=_INK, on_top=True)
+    radius = _MILLI * result.case.packing.diameter / 2
+    low = place.min(axis=0) - 2 * radius
+    high = place.max(axis=0) + 2 * radius
+    numbers = MaxNLocator(_MOST_DEPTHS, steps=[1, 2, 5, 10])
+    depths = numbers.tick_values(float(place[:, 2].min()), float(place[:, 2].max()))
+    labels = [
+        text(f"{depth:g}", position=[low[0], 0.0, depth], reference_point="ct")
+        for depth in depths
+        if low[2] <= depth <= high[2]
+    ]
+    end = [high[0], 0.0, high[2] - radius]
+    return [*labels, text("depth (mm)", position=end, reference_point="rb")]
 
 
 def round_grid(place: NDArray[np.float64], margin: float) -> NDArray[np.float64]:

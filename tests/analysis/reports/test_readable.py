@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from granwave.analysis.document.model import cell_in_unit
+from granwave.analysis.document.model import cell_in_unit, shared_units, units_of_values
 from granwave.analysis.formatting.numbers import column_unit
 from granwave.analysis.reports.comparison.subjects import compared_runs, value_text
 from granwave.analysis.reports.setting import differing, setting_of
@@ -100,7 +100,7 @@ def test_keys_without_effect_do_not_differ():
 
 
 def test_an_unfinished_run_is_not_ranked(tmp_path):
-    """Its zone is small because it has hardly begun; a badge says that it is not finished."""
+    """The zone is small because the run has hardly started; a badge marks the run as unfinished."""
     paths = []
     for name, depth in (("a", 0.02), ("b", 0.03), ("c", 0.001)):
         values = {"zone_depth_90_interpolated_m": depth, "end_time_s": 1e-4}
@@ -111,3 +111,23 @@ def test_an_unfinished_run_is_not_ranked(tmp_path):
     texts = [str(dataclasses.asdict(section)) for section in report.sections]
     assert "a has the shallower plastic zone" in texts[0]
     assert "not finished: 1 of 3" in [badge.text for badge in report.badges]
+
+
+def test_energies_of_a_table_have_one_unit():
+    rows = {
+        "input": ("J", [0.0556, 5.6e-6]),
+        "kinetic": ("J", [1e-7, None]),
+        "depth": ("m", [0.02]),
+        "force": ("N", [10.0, 2e4]),
+    }
+    assert shared_units(rows) == {
+        "input": ("mJ", 1e-3),
+        "kinetic": ("mJ", 1e-3),
+        "depth": ("mm", 1e-3),
+        "force": ("kN", 1e3),
+    }
+    assert shared_units({"input": ("J", [0.0])}) == {"input": ("J", 1.0)}
+    keys = ("energy_elastic_J", "energy_input_J", "peak_force_N")
+    summaries = [{"energy_elastic_J": 1e-9, "energy_input_J": 2.0}]
+    units = units_of_values(keys, summaries)
+    assert [units[key] for key in keys] == [("J", 1.0), ("J", 1.0), ("N", 1.0)]

@@ -1,6 +1,4 @@
-"""Page of a run: what is on it, that it asks the network for nothing, and its controls in a
-browser.
-"""
+"""Page of a run: its content, no network requests, and its controls in a browser."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ from granwave.analysis import write_result
 from granwave.analysis.result.reader import Result
 from granwave.extensions.pictures.view import page, scene
 from granwave.extensions.pictures.view.scene import LEVELS, fields, instants_of
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
@@ -113,7 +111,7 @@ def test_walls_cuts_and_texts(run, tmp_path):
 
 @pytest.mark.parametrize(("kind", "size"), [("chain", 12), ("square", (5, 5))])
 def test_other_packings(tmp_path, kind, size):
-    """Chains and layers hide nothing: they open uncut."""
+    """Chains and layers have no hidden spheres, and are shown uncut."""
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(kind, size)))
     made = page.write_view(tmp_path)
     assert made.path == tmp_path / "view.html"
@@ -150,7 +148,7 @@ def test_a_chain_has_its_history():
 
 
 def test_fewer_spheres_and_snapshots(run, tmp_path, monkeypatch):
-    """The spheres nearest to the struck one stay, and the page says so."""
+    """The spheres nearest to the impacted sphere are kept, and the page states this."""
     made = page.write_view(run, tmp_path / "a.html", spheres=20, frames=3)
     assert (made.n_spheres, made.n_frames) == (20, 3)
     assert "the 20 spheres nearest to the impacted sphere, of 144, 3 of 4 snapshots" in made.note
@@ -181,7 +179,7 @@ def test_colours_and_limits_of_the_case(run):
 
 
 def test_only_data_is_loaded(run, tmp_path):
-    """The page forbids itself whatever is not in it."""
+    """The page forbids all external content."""
     text = page.write_view(run, tmp_path / "a.html").path.read_text(encoding="utf-8")
     (policy,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]+)"', text)
     assert policy.startswith("default-src 'none'") and "http" not in policy and "*" not in policy
@@ -284,3 +282,20 @@ def test_a_tube_is_drawn_as_rims_and_lines(tmp_path):
     assert len(lines) == 6
     for line in lines:
         assert np.hypot(*line.T[:2]) == pytest.approx(np.full(len(line), 14.0), rel=1e-5)
+
+
+def test_numbers_along_a_chain_do_not_cover_its_name(tmp_path):
+    tables = {
+        "name": "row", "material": "steel", "packing": {"kind": "chain", "size": 15, "diameter": 4.76e-3},
+        "run": {"end_time": 2e-6, "frames": 2},
+    }  # fmt: skip
+    run_case(case_from_dict(tables), tmp_path, figures=False)
+    with Result(tmp_path) as result:
+        place = 1e3 * (result["spheres/position"] - result.origin)
+        labels = scene._depths_of_chain(result, place)
+    *numbers, name = labels
+    assert [one.text for one in numbers] == ["0", "20", "40", "60"]
+    assert name.text == "depth (mm)"
+    assert [one.position[2] for one in numbers] == pytest.approx([0, 20, 40, 60])
+    below = {one.position[0] for one in numbers}
+    assert max(below) < place[:, 0].min() - 2.3 and name.position[0] > place[:, 0].max() + 2.3

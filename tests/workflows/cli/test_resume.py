@@ -1,7 +1,7 @@
-"""Runs that are killed or stopped and resumed, from the point of view of a user: their results are
-those of a run left alone.
+"""Runs that are killed or stopped and resumed, from the point of view of a user: their results
+equal those of an uninterrupted run.
 
-The sums of the energy ledger agree to rounding: a restart changes the order of their terms.
+The sums of the energy record agree to rounding: a restart changes the order of their terms.
 """
 
 from __future__ import annotations
@@ -16,6 +16,9 @@ import h5py
 import numpy as np
 import pytest
 
+import granwave as gw
+from granwave.workflows.run import driver
+from granwave.workflows.run.directory import RunDirectory
 from tests.conftest import PLAIN
 from tests.helpers.made_up.run_files import summary, without_clock
 from tests.helpers.programs.processes import wait_for
@@ -45,7 +48,7 @@ ROUNDING = 1e-14  # of sums, over their largest value
 
 
 def start(directory, *arguments, case=LONG):
-    """Start a run of a case and settings in a process of its own."""
+    """Start a run of a case and settings in a separate process."""
     words = [
         "run",
         case[0],
@@ -67,7 +70,7 @@ def finish(process: subprocess.Popen[str]) -> None:
 
 
 def ledger_of(directory: Path, size: int) -> bool:
-    """True if the energy ledger has more than these bytes."""
+    """True if the energy record has more than these bytes."""
     path = directory / "dumps" / "energy.txt"
     return path.exists() and path.stat().st_size > size
 
@@ -173,7 +176,9 @@ def test_automatic_end_is_the_same_after_a_stop(tmp_path):
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_ctrl_c_ends_a_static_stage_that_does_not(tmp_path, ranks):
-    """Dents that are forgotten at once keep the packing from balance for many minutes."""
+    """If indentations are forgotten immediately, the packing does not reach equilibrium for many
+    minutes.
+    """
     process = start(
         tmp_path / "run", f"--np={ranks}", case=["preconditioned-fcc", "boundary.forget_gap=1e-9"]
     )
@@ -217,3 +222,25 @@ def test_ctrl_c_while_python_clears_up_is_not_lost():
         [sys.executable, "-c", LOST], capture_output=True, text=True, timeout=15, env=PLAIN
     )
     assert (done.returncode, done.stderr) == (130, "granwave: stopped\n")
+
+
+def test_the_record_shows_the_time_reached_while_a_run_advances(tmp_path, monkeypatch):
+    monkeypatch.setattr(driver, "_NOTED", -1.0)
+    monkeypatch.setattr(driver, "_PIECE", 1e-3)
+    ends = []
+    write = RunDirectory.write_record
+
+    def noting(directory, content):
+        write(directory, content)
+        stored = json.loads((directory.path / "run.json").read_text())
+        if stored["state"] == "running":
+            ends.append(stored["end_time_s"])
+            assert (
+                stored["wall_time_s"] == 0.0
+            )  # counted up to checkpoints, of which there are none
+
+    monkeypatch.setattr(RunDirectory, "write_record", noting)
+    changes = {"packing.size": [6, 6, 4], "run.end_time": 1e-4}
+    run = gw.run("fcc-small", changes, directory=tmp_path / "run", figures=False)
+    assert len(ends) > 5
+    assert np.all(np.diff(ends) > 0) and 0 < ends[-1] < run.summary["end_time_s"]

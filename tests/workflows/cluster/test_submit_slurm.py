@@ -1,5 +1,5 @@
 """Runs that are submitted to a Slurm cluster of two virtual nodes: ranks on both nodes, a chain of
-jobs, jobs that are in the queue.
+jobs, jobs in the queue.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def test_a_run_on_two_nodes(submit, tmp_path):
 
 @pytest.mark.validation
 def test_a_chain_goes_on_from_checkpoints(submit, tmp_path):
-    """The first job is stopped as before its time limit; the third has nothing to do."""
+    """The first job is stopped as if before its time limit; the third has nothing to do."""
     done = submit(*LONG, "--chain", "3", "--json")
     assert done.returncode == 0, done.stderr
     jobs = json.loads(done.stdout)["jobs"]
