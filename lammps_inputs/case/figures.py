@@ -182,7 +182,8 @@ class Figures:
     )
     colour_map: str | None = schema.typed(
         "colour map of sections, cut packings, maps, animations and pages; default: viridis for "
-        "forces and velocities, inferno for dissipation, cividis for plastic indentations",
+        "forces and velocities, inferno for dissipation, cividis for plastic indentations "
+        "and small waves",
         _COLOUR_MAP,
         default=None,
     )
@@ -253,7 +254,7 @@ def read_figures(table: Any, source: str) -> Figures:
     Raises
     ------
     InputError
-        A key is wrong; the message lists all faults.
+        A key is invalid; the message lists all faults.
     """
     errors = ErrorList(source)
     found = read_table(Figures, table, "figures", errors)

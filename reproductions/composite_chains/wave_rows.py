@@ -160,7 +160,7 @@ def waves_and_energy(waves):
     for bead in (shown.first - 1, shown.last):
         left.axvline(place[chain.contact_between(bead)], color="k", linewidth=0.6, linestyle="--")
     left.axvline(place[k], color="0.6", linewidth=0.6, linestyle=":")
-    left.set(xlabel="Place (mm)", ylabel="Time (µs)")
+    left.set(xlabel="Position (mm)", ylabel="Time (µs)")
     figure.colorbar(mesh, ax=left, location="top", label="Force (N), negative in backward waves")
     right.semilogx(np.maximum(force, 1e-9 * force.max()), time)
     for name, wave in shown.reflections.items():

@@ -1,4 +1,4 @@
-"""The page on coverage of the sources: made of the table and of the stored rows."""
+"""The page on coverage of the sources is generated from the table and the stored rows."""
 
 from __future__ import annotations
 

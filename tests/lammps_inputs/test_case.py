@@ -1,4 +1,4 @@
-"""Case files: overrides, the way through a file, warnings, and the table [figures]."""
+"""Case files: overrides, writing and reading again, warnings, and the table [figures]."""
 
 from __future__ import annotations
 
@@ -145,7 +145,9 @@ def test_every_third_sphere() -> None:
 
 
 def test_figures() -> None:
-    """Names are those of the figures that are drawn; values; a case without the table has none."""
+    """Names are the names of drawn figures; values are checked; a case without the table has no
+    settings.
+    """
     assert tuple(run_figures()) == figure_names()
     assert (
         "figures" not in (plain := case_from_dict(changed())).to_dict()

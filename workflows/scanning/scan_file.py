@@ -180,7 +180,7 @@ def load_scan(
     Raises
     ------
     InputError
-        The file, an override or any point is wrong; the message has a line for each invalid point.
+        The file, an override or any point is invalid; the message has a line for each invalid point.
     """
     changes = parse_overrides(overrides)
     path = find_scan(scan)
@@ -373,7 +373,7 @@ def _points_of(
     Raises
     ------
     InputError
-        Points are wrong; the message has a line for each of them.
+        Points are invalid; the message has a line for each of them.
     PackingNotMadeError
         Packings of points are not made, and this is within `nothing_made`.
     """

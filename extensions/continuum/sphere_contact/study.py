@@ -49,8 +49,8 @@ class SphereLoading:
     over_law
         Force of finite elements divided by the force of the law, minus 1: (n_entries,).
     softer
-        Fraction of the energy of yielding that the sphere of the smaller yield strength takes;
-        None of equal strengths.
+        Fraction of the plastic dissipation in the sphere with the smaller yield strength; None for
+        equal strengths.
     """
 
     run: SphereContactRun

@@ -42,7 +42,9 @@ TAIL = 30.0
 
 
 class LightSpheres:
-    """A row in the limit of light small spheres, by its numbers (6.8), with the wall of the thesis."""
+    """A row in the limit of light small spheres, by its parameters (6.8), with the wall of the
+    thesis.
+    """
 
     def __init__(self, rows):
         self.n, self.eps, self.eta, self.tangent = (
@@ -145,7 +147,7 @@ class Travelling:
         return found[:3], found[3]
 
     def _drive(self):
-        """Follow the small spheres, as oscillators of unit mass, by velocity Verlet."""
+        """Integrate the small spheres, as oscillators of unit mass, by velocity Verlet."""
         limit = self.limit
         c = self.speed
         self.time = np.linspace(-(REACH - 1) / c, (REACH - 1 + TAIL) / c, INSTANTS)

@@ -1,4 +1,6 @@
-"""Figures drawn by several processes: the same files, order, errors and warnings as by one."""
+"""Figures drawn by several processes: the same files, order, errors and warnings as with one
+process.
+"""
 
 from __future__ import annotations
 
@@ -82,7 +84,9 @@ def damage(directory, change):
 
 @pytest.mark.needs_extension("pictures")
 def test_files_are_those_of_one_process(run, several, monkeypatch):
-    """In the order asked for, the two of a share among them; settings of matplotlib change nothing."""
+    """Figures are in the requested order, including two that share their work; settings of
+    matplotlib have no effect.
+    """
     names = ("energies", "packing_3d", "probes", "packing_3d_dissipation", "bottom_force")
     before = drawn_by_one(run, monkeypatch, names)
     seen = []
@@ -112,7 +116,7 @@ def test_helpers_draw(run, before, several, monkeypatch):
 
 
 def test_figures_that_no_longer_apply_are_removed(run, several):
-    """Names that are no figure, and a directory without results, are errors."""
+    """Unknown names of figures, and a directory without results, are errors."""
     draw_figures(run, names=("energies", "impactor_velocity"))
     damage(
         run,
@@ -129,7 +133,7 @@ def test_figures_that_no_longer_apply_are_removed(run, several):
 
 
 def test_an_error_comes_at_its_place(run, several):
-    """The figures before it have been written, and those after it not."""
+    """The figures before the failing one have been written, the figures after it have not."""
     damage(run, lambda file: file.__delitem__("energy/struck_velocity"))
     seen = []
     with pytest.raises(MissingDataError, match="struck_velocity"):
@@ -236,7 +240,9 @@ def test_analysis_starts_helpers(tmp_path, monkeypatch, several):
 
 @pytest.mark.needs_extension("pictures")
 def test_shares_hold_every_figure_once():
-    """The long ones first, and the two that share their work together; others in their order."""
+    """Slow figures come first, and two figures that share their work stay together; the others keep
+    their order.
+    """
     names = tuple(run_figures())
     shares = _shares(names)
     assert sorted(number for share in shares for number in share) == list(range(len(names)))

@@ -1,4 +1,6 @@
-"""Products that cannot be made here are said before the run, and cost no result after it."""
+"""Products that cannot be made on this machine are reported before the run, and do not affect its
+results.
+"""
 
 from __future__ import annotations
 
