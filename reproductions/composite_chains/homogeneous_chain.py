@@ -171,7 +171,7 @@ def pictures(runs):
     for n, what in enumerate(("force", "speed")):
         table[f"{what}_error_percent"] = [*theirs[n], ours[n]]
     caption = (
-        "Error of the wave speed against that of the peak force, both against the discrete chain: "
+        "Errors of the wave speed and of the peak force relative to the discrete chain: "
         f"finite elements of the source (Tables 2 and 3) and ours, with errors of {ours[0]:.2g} % "
         f"in force and {ours[1]:.2g} % in speed"
     )

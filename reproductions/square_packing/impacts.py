@@ -78,7 +78,7 @@ def rows(one):
     yield gw.Row(f"Chains with a wave, {way}", source=WAVES[way], ours=carrying, **paths)
     yield gw.Row(f"Largest energy in other spheres, {way}", percent,
         ours=100 * one.energies["other spheres"].max(),
-                 theory=0.0, remark="The theory is symmetry.", **paths)
+                 theory=0.0, remark="The theory value follows from symmetry.", **paths)
     for time in SHOWN:
         speeds = one.velocity["central chains"][np.abs(one.time - time).argmin()]
         crest = speeds[1:].argmax() + 2
