@@ -21,7 +21,8 @@ def of_reflections(waves, from_end):
         if key == "BRW" and "FRW" not in found:
             remark += (" No forward reflection above 0.5 % of the largest force follows. The "
                        f"forward wave at {1e3 * waves.second.time:.3g} ms, with "
-                       f"{waves.second.force:.3g} N, is the second wave of the incident train, which enters without a "
+                       f"{waves.second.force:.3g} N, is the second wave of the incident train, "
+                       "which enters without a "
                        "reflection.")
         if key == "FRW" and not wave.forth:
             remark += " A second wave travels back here at the same time, and the forces add up."
