@@ -11,6 +11,7 @@ LABELS = {
     "composite-chains": "Composite chains",
     "losses": "Damping in contacts",
     "lateral": "Plane crystals between walls",
+    "lateral-attenuation": "Plane crystals: scattered diameters",
     "prestress": "Precompression",
     "square-packing-sensors": "Square packings: sensors",
     "square-packing": "Square packings",
@@ -149,6 +150,12 @@ MORE = (
     ),
     ("", "losses", "loss", ("Restitution at 10 m/s, time 0.3 µs",)),
     ("", "lateral", "lateral-width-bcc", ("Decay of the peak speed in region 1",)),
+    (
+        "Plane crystals: ",
+        "lateral-attenuation",
+        "attenuation",
+        ("Decay of HCP / BCC, scatter of 1 %",),
+    ),
     ("Precompressed chain: ", "prestress", "waves", ("Speed of the wave, F_m/F0 = 28.57",)),
     (
         "",

@@ -32,7 +32,7 @@ from granwave.extensions.continuum.sphere_contact.figures import FIGURES as CONT
 from granwave.extensions.inference.forces.output import FIGURES as INFERENCE_FIGURES
 from granwave.extensions.waves.small_waves import FIGURES as SPECTRA_FIGURES
 from granwave.lammps_inputs import presets
-from granwave.lammps_inputs.case.run import figure_names
+from granwave.lammps_inputs.case.figures import figure_names
 from granwave.workflows import library
 from granwave.workflows.cli.keys.reference import tables
 from granwave.workflows.cli.parser import make_parser

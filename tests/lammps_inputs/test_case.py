@@ -11,9 +11,10 @@ import pytest
 
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.lammps_inputs import make_schedule
+from granwave.lammps_inputs.case.figures import CutPlane, Figures, figure_names
 from granwave.lammps_inputs.case.ids import INDEX
 from granwave.lammps_inputs.case.parse import parse_override
-from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM, CutPlane, Figures, figure_names
+from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case

@@ -192,7 +192,9 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
         columns |= _columns(run, first, "peak_force_difference_N", change)
     mappable = ScalarMappable(norm, colormaps[BOTH_SIDES_MAP])
     bar = figure.colorbar(mappable, ax=panels, location="top", aspect=28, shrink=0.9)
-    bar.set_label(f"Peak force minus {reference.label} (N); dots: lower")
+    is_dynamic = first.has_static or any(fields[run].has_static for run in changes)
+    force = "Peak dynamic force" if is_dynamic else "Peak force"
+    bar.set_label(f"{force} minus {reference.name} (N); dots: lower")
     bar.set_ticks(_ticks(largest))
     bar.minorticks_off()
     _mark_lower_half(bar.ax, norm)

@@ -16,7 +16,7 @@ from granwave.analysis.figures import contacts
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.measures.contact_forces import exponential_tail
-from granwave.lammps_inputs.case.run import Figures, usual_figure_names
+from granwave.lammps_inputs.case.figures import Figures, usual_figure_names
 from tests.helpers.made_up import synthetic
 
 DIAMETER = synthetic.DIAMETER

@@ -9,7 +9,7 @@ import pytest
 
 from granwave.analysis import Result, write_result
 from granwave.analysis.figures.run_figures import chosen_figures, run_figures
-from granwave.lammps_inputs.case.run import (
+from granwave.lammps_inputs.case.figures import (
     FIGURES_BY_DEFAULT,
     Figures,
     figure_names,

@@ -23,7 +23,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.scans import figures as scan_figures
 from granwave.analysis.studies import study as studies
 from granwave.analysis.studies.study import Picture, Row
-from granwave.lammps_inputs.case.run import CutPlane, Figures
+from granwave.lammps_inputs.case.figures import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.main import main
 from tests.helpers.made_up import synthetic

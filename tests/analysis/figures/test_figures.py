@@ -16,7 +16,7 @@ from granwave.analysis.figures.grain_discs import draw_discs
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.measures.target import unprotected
 from granwave.lammps_inputs import struck_spheres
-from granwave.lammps_inputs.case.run import (
+from granwave.lammps_inputs.case.figures import (
     FIGURES_AFTER_ADDED,
     FIGURES_BEFORE_ADDED,
     usual_figure_names,

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import logging
 import os
+import shutil
 import sys
+from pathlib import Path
 
 import h5py
 import matplotlib
@@ -19,19 +21,37 @@ from granwave.analysis.figures import side_by_side, style
 from granwave.analysis.figures.run_figures import _shares, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.pipeline import analyse
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers.made_up import synthetic
 
 NAMES = ("energies", "probes", "impactor_velocity", "bottom_force")
 
 
-@pytest.fixture
-def run(tmp_path):
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
     """Finished run of a packing, without figures."""
-    directory = synthetic.write_run(tmp_path / "run", synthetic.make_case("fcc", (6, 6, 4)))
+    folder = tmp_path_factory.mktemp("finished") / "run"
+    directory = synthetic.write_run(folder, synthetic.make_case("fcc", (6, 6, 4)))
     write_result(directory)
     return directory
+
+
+@pytest.fixture(scope="module")
+def before(finished, tmp_path_factory):
+    """Figures of the run, drawn by one process."""
+    directory = tmp_path_factory.mktemp("drawn") / "run"
+    shutil.copytree(finished, directory)
+    with pytest.MonkeyPatch.context() as alone:
+        alone.setenv(PROCESSES, "1")
+        draw_figures(directory, names=NAMES)
+    return files(directory)
+
+
+@pytest.fixture
+def run(finished, tmp_path):
+    """Copy of the finished run."""
+    return Path(shutil.copytree(finished, tmp_path / "run"))
 
 
 @pytest.fixture
@@ -85,8 +105,7 @@ def test_files_are_those_of_one_process(run, several, monkeypatch):
     assert {name.split(".")[0] for name in before} == set(names) - {"probes"}
 
 
-def test_helpers_draw(run, several, monkeypatch):
-    before = drawn_by_one(run, monkeypatch)
+def test_helpers_draw(run, before, several, monkeypatch):
     with side_by_side.helpers(len(NAMES)) as others, style.style():
         monkeypatch.setattr(others, "_take", lambda _: ())
         outcomes = list(others.draw(NAMES, never, (run, NAMES, Figures())))
@@ -144,8 +163,7 @@ def test_a_file_of_others_is_left_alone(run, several, caplog):
 
 
 @pytest.mark.parametrize("moment", ["before", "after"])
-def test_helpers_that_die(run, several, monkeypatch, moment):
-    before = drawn_by_one(run, monkeypatch)
+def test_helpers_that_die(run, before, several, monkeypatch, moment):
     with side_by_side.helpers(len(NAMES)) as others:
         processes = others._processes
         take = others._take
@@ -164,8 +182,7 @@ def test_helpers_that_die(run, several, monkeypatch, moment):
     assert files(run) == before
 
 
-def test_no_python_for_helpers(run, several, monkeypatch):
-    before = drawn_by_one(run, monkeypatch)
+def test_no_python_for_helpers(run, before, several, monkeypatch):
     monkeypatch.setattr(sys, "executable", "/nowhere/python")
     draw_figures(run, names=NAMES)
     assert files(run) == before

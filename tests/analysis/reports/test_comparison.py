@@ -207,6 +207,16 @@ def test_a_value_that_is_zero_everywhere_is_no_answer(tmp_path):
     assert "10 N (soft) and 25 N (hard), a ratio of 2.5" in sentence(values, subjects)
 
 
+def test_results_that_hardly_differ_have_no_ratio_of_one(tmp_path):
+    runs = [
+        write_run(tmp_path / name, figures=False, dissipated_fraction=0.5, peak_force_N=force)
+        for name, force in (("one", 10.0), ("other", 10.0001))
+    ]
+    subjects = compared_runs(read_inputs(runs, tmp_path).runs)
+    text = sentence(compared_values(subjects), subjects)
+    assert text == "Results differ by at most 0.001 % (peak contact force, excluding walls)."
+
+
 def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsys):
     killed = tmp_path / "killed"
     killed.mkdir()

@@ -21,7 +21,7 @@ from granwave.analysis.figures.style import style
 from granwave.analysis.result.reader import Result
 from granwave.extensions.pictures import films, terminal
 from granwave.extensions.pictures.films import scene, size_of, write_film
-from granwave.lammps_inputs.case.run import CutPlane, Figures
+from granwave.lammps_inputs.case.figures import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
 from granwave.workflows.cli.main import main

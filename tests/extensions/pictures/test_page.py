@@ -18,7 +18,7 @@ from granwave.analysis import write_result
 from granwave.analysis.result.reader import Result
 from granwave.extensions.pictures.view import page, scene
 from granwave.extensions.pictures.view.scene import LEVELS, fields, instants_of
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case

@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 
 from granwave.analysis import pipeline
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.checks import products
 from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.extensions import WITHOUT

@@ -10,7 +10,7 @@ import pytest
 from granwave.analysis import write_result
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.run import usual_figure_names
+from granwave.lammps_inputs.case.figures import usual_figure_names
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
 from tests.helpers.made_up import synthetic

@@ -97,6 +97,27 @@ def test_a_chain_goes_on_from_checkpoints(submit, tmp_path):
     assert "granwave" not in (tmp_path / "out.job" / f"{jobs[2]}.log").read_text()
 
 
+@pytest.mark.validation
+def test_a_chain_goes_on_after_the_time_limit(submit, tmp_path):
+    """Slurm signals the first job before its limit of two minutes; the second one continues."""
+    (tmp_path / "profile.toml").write_text(PROFILE.replace("time = 10", "time = 2"))
+    done = submit(*LONG, "--set", "run.end_time=1e-1", "--np", "2", "--chain", "2", "--json")
+    assert done.returncode == 0, done.stderr
+    first, second = json.loads(done.stdout)["jobs"]
+    wait_for(lambda: first not in states(), 240)
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert record["state"] == "interrupted", logs_in(tmp_path / "out.job")
+    reached = record["checkpoint"]["step"]
+    assert reached > 0
+    log = tmp_path / "out" / "log.lammps"
+    wait_for(lambda: "read_restart" in log.read_text(), 120)
+    subprocess.run(["scancel", "--signal=TERM", second], check=True)
+    wait_for(lambda: not states(), 60)
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert record["state"] == "interrupted"
+    assert record["checkpoint"]["step"] > reached
+
+
 def test_a_job_that_slurm_does_not_take(submit, tmp_path):
     (tmp_path / "profile.toml").write_text(PROFILE.replace('"main"', '"nix"'))
     done = submit(*SHORT)
