@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 CONFIDENCE = 0.95
 _MOST_SEEDS = 1_000_000
-_ROUNDING = 1e-12  # deviation over the mean that counts as rounding
+_ROUNDING = 1e-12  # deviation / mean that counts as rounding
 
 
 @dataclasses.dataclass(frozen=True)

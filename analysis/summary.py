@@ -477,7 +477,7 @@ def _peak_reduction(target: Reached | None, bare: Reached | None) -> float | Non
 
 
 def _reduction(bare_peak: float | None, force: Array | None) -> float | None:
-    """Return a peak force without the packing over the largest dynamic force with it; None if there
+    """Return peak force without the packing / largest dynamic force with it; None if there
     is no such force.
     """
     if force is None or not bare_peak:

@@ -1,7 +1,7 @@
 """LAMMPS input from case files: case -> packing -> input script and data file. Needs no LAMMPS."""
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
+from granwave.lammps_inputs.case.contact.contact import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.material import Material, load_materials, material, presets
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.deck.deck import Deck

@@ -71,8 +71,9 @@ class Extension:
     lattices
         Reference: mapping of names to `granwave.lammps_inputs.packing_kind.PackingKind`.
     packings
-        Reference: sequence of `granwave.lammps_inputs.case.made_packing.PackingMaker`: kinds of
-        packings whose grains are made before the case is read.
+        Reference: sequence of subclasses of
+        `granwave.lammps_inputs.case.packing.made_packing.PackingMaker`: packings whose grains are
+        made before the case is read.
     loads
         Reference: sequence of subclasses of `granwave.lammps_inputs.case.loads.load.Load`.
     result_kinds

@@ -259,6 +259,14 @@ class Lattice:
         """Ids of the spheres of the impacted layer, in rising order."""
         return self.layer(0)
 
+    @cached_property
+    def middle_of_top(self) -> int:
+        """Id of the sphere of the top layer nearest to the centroid of this layer, see
+        `middle_of`.
+        """
+        ids = self.top_layer
+        return middle_of(ids, self.positions(1, len(ids)), self.diameter)
+
     @property
     def last_layer(self) -> NDArray[np.int64]:
         """Ids of the spheres of the last layer, in rising order."""
@@ -435,6 +443,23 @@ class Lattice:
         layer = (k + self._start) % self.rule.layer_period
         row = j % self.rule.row_period
         return offsets_of(self.rule, row, layer, tuple(n > 1 for n in self.shape))
+
+
+def middle_of(ids: NDArray[np.int64], centres: NDArray[np.float64], diameter: float) -> int:
+    """Return the id of the sphere nearest to the centroid of a layer; of equal distances, within
+    1e-6 D, the lowest id.
+
+    Parameters
+    ----------
+    ids
+        Ids of the spheres of the layer in rising order: (n,).
+    centres
+        (n, 3), m.
+    """
+    level = centres[:, :2]
+    distance = np.linalg.norm(level - level.mean(axis=0), axis=1)
+    nearest = distance <= distance.min() + TOUCHING * diameter
+    return int(ids[nearest][0])
 
 
 def _ends(n: int, period: int) -> NDArray[np.int64]:

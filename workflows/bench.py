@@ -44,7 +44,7 @@ _MOST_RUNS = 3  # most runs of the reference study; each takes half a minute
 # m/s, below first yield of two brass spheres; until contacts have formed
 _RATTLE = 0.02
 _RATTLE_STEPS = 200
-_ROUNDING = 1e-9  # overlap of spheres at rest over the diameter
+_ROUNDING = 1e-9  # overlap of spheres at rest / diameter
 _BYTES_OF_GHOST = 24  # a position; friction adds velocity and spin, 48
 _STATE = ("x", "v", "omega")
 _TITLES = {"struck": "impact", "rattling": "rattling"}  # of the states in which styles are timed

@@ -71,24 +71,26 @@ def is_scan(tables: Mapping[str, Any]) -> bool:
 CASE_FILE = FileKind(
     GRANULAR.file_kind,
     "Case files (granwave run)",
-    "granwave.workflows.cli.key_sections:case_sections",
+    "granwave.workflows.cli.keys.sections:case_sections",
 )
 SCAN_FILE = FileKind(
     "scan",
     "Scan files (granwave scan)",
-    "granwave.workflows.cli.key_sections:scan_sections",
+    "granwave.workflows.cli.keys.sections:scan_sections",
     recognises=is_scan,
     noun="a scan",
     command=SCAN,
     may_be_missing=("ranks",),
 )
 SUITE_FILE = FileKind(
-    "suite", "Suites of scans (granwave scan)", "granwave.workflows.cli.key_sections:suite_sections"
+    "suite",
+    "Suites of scans (granwave scan)",
+    "granwave.workflows.cli.keys.sections:suite_sections",
 )
 PROFILE_FILE = FileKind(
     "profile",
     "Profiles of a cluster (granwave run --submit)",
-    "granwave.workflows.cli.key_sections:profile_sections",
+    "granwave.workflows.cli.keys.sections:profile_sections",
     may_be_missing=("cluster", "slurm"),
 )
 _CORE = (CASE_FILE, SCAN_FILE, SUITE_FILE, PROFILE_FILE)

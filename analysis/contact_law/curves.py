@@ -34,18 +34,18 @@ from granwave.lammps_inputs.errors import InputError, first_errors
 from granwave.lammps_inputs.files import read_number
 
 _LOG = logging.getLogger("granwave")
-_TURNS = (0.25, 0.5, 0.75, 1.0)  # overlap at the start of unloading over the largest overlap
+_TURNS = (0.25, 0.5, 0.75, 1.0)  # overlap at the start of unloading / largest overlap
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
 _POINTS = 400
 _COLUMNS_ABOVE = 2  # columns of the legend
 _JUMP = 0.2  # step of a measured overlap over its range beyond which rows may be out of order,
 _FAR = 20.0  # if it is so many times the median step, too
 _MAX_OVERLAP = 200.0
-_UNIT_WITHOUT_YIELD = 1e-4  # unit of overlaps over R* for laws without alpha_y
+_UNIT_WITHOUT_YIELD = 1e-4  # unit of overlaps / R* for laws without alpha_y
 _MICRO = 1e6  # micrometres in a metre
 _LINES = ((BLUE, "-"), (ORANGE, "--"), (GREEN, ":"), (PURPLE, "-."))
 _STEPS = 2000  # steps of a collision with a yield strength that depends on the rate
-_SLOWEST = 0.3  # overlap of the slowest impact over the overlap at first yield
+_SLOWEST = 0.3  # overlap of the slowest impact / overlap at first yield
 
 Table = dict[str, NDArray]
 
@@ -248,7 +248,7 @@ def restitution(
     mass
         Effective mass of the two bodies, kg.
     max_overlap
-        Overlap of the fastest impact over the overlap at first yield; for the elasto-plastic law at
+        Overlap of the fastest impact / overlap at first yield; for the elasto-plastic law at
         most 0.2 R*, the limit of its fit.
     """
     check_forces(law)
@@ -340,7 +340,7 @@ _EXPECTED = {
 BRANCH = "branch"
 LOADING = "loading"
 _BRANCHES = re.compile(r"loading|(?:un|re)loading(?:_?\w+)?")
-_TURN = 0.01  # reversal over the largest overlap; smaller ones are noise
+_TURN = 0.01  # reversal / largest overlap; smaller ones are noise
 
 Array = NDArray[np.float64]
 

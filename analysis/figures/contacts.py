@@ -221,10 +221,10 @@ _LINES = {STATIC: ":", INSTANT: "-.", PEAK: "--"}  # line styles of the mean of 
 _FEWEST = 10  # fewest contacts of a distribution
 _FEWEST_BINS = 5
 _MOST_BINS = 60
-_TAIL_FROM = 1.0  # start of the fitted tail over the mean force
+_TAIL_FROM = 1.0  # start of the fitted tail / mean force
 _WIDE = 20.0  # largest force / mean above which the axis of the forces is logarithmic
 _ALIKE = 0.06  # standard deviation / mean of nearly equal forces, which have no distribution
-_NOT_SMALL = 0.5  # smallest force over the mean, above which bins begin with it
+_NOT_SMALL = 0.5  # smallest force / mean, above which bins begin with it
 _CURVE = 200  # points of a fitted tail
 _BEYOND = 3.0  # ratio of the limits of the axis to the densities
 

@@ -52,7 +52,7 @@ from granwave.lammps_inputs.packing.cylinders import CYLINDERS
 
 _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second
-_RANGE = 1e-10  # smallest over largest dissipation in the ranked figure
+_RANGE = 1e-10  # smallest / largest dissipation in the ranked figure
 _POINTS_OF_FIT = 50
 _ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipation
 

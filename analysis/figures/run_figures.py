@@ -20,7 +20,7 @@ from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.run import Figures, figure_names
+from granwave.lammps_inputs.case.figures import Figures, figure_names
 from granwave.lammps_inputs.extensions import added_by_name, load
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -292,7 +292,7 @@ def draw_figures(
         There is no figure of that name.
     InputError
         The environment does not give a number of processes, or ``[figures]`` of the case.toml there
-        is wrong.
+        is invalid.
     """
     folder = FigureFolder(directory)
     with Result(directory, assembly=assembly) as result:

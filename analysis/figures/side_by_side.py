@@ -21,7 +21,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from queue import SimpleQueue
 from typing import Any
 
-from granwave.lammps_inputs.case.run import Figures, figure_names
+from granwave.lammps_inputs.case.figures import Figures, figure_names
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import available_memory
 
@@ -157,7 +157,7 @@ class Helpers:
             yield outcome if succeeded else draw(name)
 
     def _take(self, waiting: dict[Future[Any], Sequence[int]]) -> Sequence[int]:
-        """Take a batch that no helper has begun; empty if there is none."""
+        """Take a batch that no helper has started; empty if there is none."""
         return next((waiting.pop(future) for future in list(waiting) if future.cancel()), ())
 
 

@@ -83,7 +83,7 @@ def read_table(directory: str | Path, name: str) -> Table:
         ``contact_I_J_force`` in N.
     prestage.txt
         Record of the static stage of a precompressed run, one row: ``residual`` (largest net force
-        over the largest contact force), ``largest_force`` N, ``contacts``, ``yielded``, ``stored``
+        / largest contact force), ``largest_force`` N, ``contacts``, ``yielded``, ``stored``
         (elastic energy) J, ``displacement`` m, ``iterations``.
     """
     path = Path(directory) / files.DUMPS / name

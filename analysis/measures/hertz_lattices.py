@@ -265,7 +265,7 @@ class PrecompressedLine:
     force, overlap
         Force and overlap of each loaded contact, N and m.
     spacing
-        Of beads or layers before they were loaded, m: speeds are those over the positions that the
+        Of beads or layers before they were loaded, m: speeds refer to the positions that the
         spheres had then.
     frequency
         omega = sqrt(K/m), rad/s.

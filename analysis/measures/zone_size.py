@@ -19,7 +19,7 @@ away, and straight lines connect its values at the distances of the parts. The i
 where these lines reach the fraction: between the size above and the next smaller distance of a
 part. Both agree if the parts are small.
 
-The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times beyond. A zone
+The outermost yielded part (``plastic_zone_depth_m``) may be many times farther away. A zone
 is marked if it reaches a boundary, or if a reflected wave returned to it: it differs from the zone
 in an infinite packing.
 
@@ -32,7 +32,7 @@ Friction, dampers and strikers do not count: strikers are not part of the packin
 dissipation is excluded.
 
 A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it
-was loaded at all (bilinear); with hertz none yields. A dent from before the run must have grown in
+was loaded (bilinear); with hertz no contact yields. A dent from before the run must have grown in
 it. A contact just beyond first yield keeps a dent and may dissipate nothing: the default
 elasto-plastic law, continuous, unloads up to 1.083 alpha_y without dissipation. More spheres
 therefore yield than dissipate.
@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 
 Zone = dict[str, NDArray]  # columns of spheres, see `packing_zone`
 
-LAW_LIMIT = 0.2  # largest overlap over R* in the fit of the elasto-plastic law
+LAW_LIMIT = 0.2  # largest overlap / R* in the fit of the elasto-plastic law
 HALF_LAW_LIMIT = 0.1  # half of this limit
 # boundaries that a zone, or a wave, may reach
 BOTTOM = "bottom"

@@ -60,7 +60,7 @@ class ReportRun:
     Attributes
     ----------
     label
-        Label in the report; it says so where the run was rejected.
+        Label in the report; it contains a note if the run was rejected.
     kind
         Kind of the run, on which the keys of its summary depend.
     status
@@ -156,7 +156,7 @@ class ReportKind:
         True for results integrated in time, which have energies: it is shown by the tables and
         sentences of runs. Else those of the kind are shown.
     accepted_error
-        Largest error of the energy balance, over the input, of runs that record none; None:
+        Largest error of the energy balance / input, of runs that record none; None:
         ``run.energy_tolerance`` of the case.
     energies
         Values of the summary that are parts of the energy at the end, besides those of all runs.

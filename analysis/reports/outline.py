@@ -50,15 +50,16 @@ from granwave.analysis.reports.results import SLUG as RESULTS
 from granwave.analysis.reports.results import failures_section, results_section, status_cell
 from granwave.analysis.reports.setting import first_line, setting_of, settings_blocks, symbols_note
 from granwave.analysis.reports.studies import (
+    ReportStudies,
     comparison_section,
     leads,
     main_picture,
-    studies_of,
+    report_studies,
     studies_section,
     verdicts,
 )
 from granwave.analysis.studies.study import Study
-from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
+from granwave.lammps_inputs.case.contact.contact import ALL_LAWS, LINE
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
@@ -103,16 +104,21 @@ _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissip
 
 
 def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
-    """Build the report of runs and scans.
+    """Make the studies of runs and scans, and build their report.
 
     Parameters
     ----------
     named
         Names of studies of all runs, in addition to those that the scans name.
     """
+    return report_with_studies(inputs, report_studies(inputs, named))
+
+
+def report_with_studies(inputs: ReportInputs, made: ReportStudies) -> Report:
+    """Build the report of runs and scans whose studies are made already."""
     labels = [inputs.suite] if inputs.suite else [item.label for item in inputs.items]
     failures = failures_section(inputs)
-    studies = studies_of(inputs, named)
+    studies = made.of_scans
     above = {picture.name for picture in chain.from_iterable(one.pictures for one in studies)}
     picture = main_picture(studies, inputs)
     heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
@@ -123,7 +129,7 @@ def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
         _answer(inputs, failures.slug, studies, picture),
         DocumentSection("Verdict", "verdict", verdicts(studies)),
         studies_section(inputs, studies),
-        comparison_section(inputs),
+        comparison_section(inputs, made.compared),
         figures_section(inputs, above, main_figures(inputs, picture)),
         failures,
         results_section(inputs),

@@ -26,9 +26,10 @@ from markupsafe import Markup, escape
 from granwave.analysis.document.model import DocumentTable, Figure, Report, cleaned
 from granwave.analysis.document.symbols import with_symbols
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.inputs import ReportInputs, read_inputs
 from granwave.analysis.reports.kinds import report_kinds
-from granwave.analysis.reports.outline import build_report
+from granwave.analysis.reports.outline import build_report, report_with_studies
+from granwave.analysis.reports.studies import ReportStudies
 from granwave.analysis.studies.registry import find_studies
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, InputFault, RunError
@@ -309,6 +310,22 @@ def write_report(
             raise InputError(str(error)) from None
     write_page(report, output)
     return output
+
+
+def write_scan_report(inputs: ReportInputs, made: ReportStudies, output: Path) -> None:
+    """Write the report of a scan or suite whose studies are made already.
+
+    Raises
+    ------
+    InputError
+        The report cannot be written; nothing was written.
+    RunError
+        Writing failed, on a full disk for instance; an older report remains.
+    """
+    errors = output_faults(output)
+    if errors:
+        raise InputError(errors)
+    write_page(report_with_studies(inputs, made), output)
 
 
 def write_page(report: Report, output: Path) -> None:

@@ -50,7 +50,7 @@ from granwave.analysis.scans.table import (
     SEED,
     scan_statistics,
 )
-from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
+from granwave.lammps_inputs.case.contact.contact import ALL_LAWS, LINE
 
 Columns = list[tuple[TableColumn, list[Cell]]]
 

@@ -40,6 +40,35 @@ from granwave.analysis.studies.study import Kind, Row, Study, make_studies
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "studies"
+
+
+@dataclasses.dataclass(frozen=True)
+class ReportStudies:
+    """Studies of a report.
+
+    Attributes
+    ----------
+    of_scans
+        Studies that the scans or the caller name.
+    compared
+        Comparisons of the runs with each other.
+    """
+
+    of_scans: Sequence[Study]
+    compared: Sequence[Study]
+
+
+def report_studies(inputs: ReportInputs, named: Sequence[str] = ()) -> ReportStudies:
+    """Make the studies of a report.
+
+    Parameters
+    ----------
+    named
+        Names of studies of all runs, in addition to those that the scans name.
+    """
+    return ReportStudies(studies_of(inputs, named), comparison_of(inputs))
+
+
 _CLOSE = (0.02, 0.1)  # largest difference from the source that is counted
 _MOST_VERDICTS = 3  # most verdicts whose first sentences begin a report
 #: End of the caption of the rows of each kind, and the heading of the theory's column.
@@ -288,14 +317,18 @@ _COMPARISON = "comparison"
 _DISSIPATION = "Dissipation and plastic zones"  # title of the section
 
 
-def comparison_section(inputs: ReportInputs) -> DocumentSection:
+def comparison_section(inputs: ReportInputs, compared: Sequence[Study]) -> DocumentSection:
     """The section of the report; without blocks if there is nothing to compare.
 
     Omitted runs are named with the reason.
+
+    Parameters
+    ----------
+    compared
+        Comparisons of the runs, from `comparison_of`.
     """
     blocks: list[Block] = []
-    runs = _whole_runs(inputs)
-    for study in _comparisons(runs):
+    for study in compared:
         if study.pictures or study.failed:
             with style():
                 pictures = pictures_of(study, inputs, _COMPARISON)
@@ -308,6 +341,7 @@ def comparison_section(inputs: ReportInputs) -> DocumentSection:
             )
         )
     if blocks:
+        runs = _whole_runs(inputs)
         for path in COMPARISON.values():
             blocks += importlib.import_module(path).remarks(runs)
     return DocumentSection(_DISSIPATION, _COMPARISON, tuple(blocks))
@@ -315,10 +349,7 @@ def comparison_section(inputs: ReportInputs) -> DocumentSection:
 
 def comparison_of(inputs: ReportInputs) -> list[Study]:
     """Comparisons of a report's runs; empty if none can be compared."""
-    return _comparisons(_whole_runs(inputs))
-
-
-def _comparisons(runs: Sequence[AnyRun[Any]]) -> list[Study]:
+    runs = _whole_runs(inputs)
     compared = {
         name: runs
         for name, path in COMPARISON.items()

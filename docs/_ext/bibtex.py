@@ -28,7 +28,7 @@ def bibtex(citation: str) -> str:
     Raises
     ------
     ValueError
-        A work is of a type that has no kind of entry here.
+        The type of a work has no corresponding kind of entry.
     """
     program = yaml.safe_load(citation)
     return "\n\n".join(map(_entry, [program, *program.get("references", [])]))
@@ -69,7 +69,7 @@ def _author(author: Work) -> str:
 
 
 def _name(work: Work) -> str:
-    """Return the name of an entry: the program's, or the first author's with the year."""
+    """Return the name of an entry: the name of the program, or first author and year."""
     if work["type"] == "software":
         return str(work["title"]).partition(":")[0]
     return re.sub(r"\W", "", work["authors"][0]["family-names"].lower()) + str(work["year"])

@@ -1,4 +1,5 @@
-"""Parts of the site that are generated from the code's own tables, so that they cannot part from it.
+"""Parts of the site that are generated from the tables of the code, so that they always agree with
+it.
 
 Marks of pages are replaced by the parts of `reference_parts.py`, together with the plain Markdown that
 is kept below them. The manual pages of the LAMMPS styles are copied from plugins/doc.
@@ -13,12 +14,12 @@ from pygments.lexers.special import TextLexer
 from reference_parts import MANUAL, MARK, part_of
 from sphinx.application import Sphinx
 
-from granwave.workflows.cli.json_schema import schema_of
+from granwave.workflows.cli.keys.json_schema import schema_of
 from granwave.workflows.file_kinds import file_kinds
 
 
 def fill_in(_: Sphinx, __: str, source: list[str]) -> None:
-    """Replace the marks of a page by what they stand for."""
+    """Replace the marks of a page by the parts that they name."""
 
     source[0] = MARK.sub(part_of, source[0])
 

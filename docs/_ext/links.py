@@ -1,5 +1,5 @@
-"""Check of the links of the built site: every file and every anchor that a page names must be
-there.
+"""Check of the links of the built site: every file and every anchor to which a page refers must
+exist.
 
     python docs/_ext/links.py build/docs
 
@@ -24,7 +24,7 @@ class Page(HTMLParser):
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Note the links and the anchor of a tag."""
+        """Record the links and the anchor of a tag."""
         for name, value in attrs:
             if name in ("href", "src") and value:
                 self.links.append(value)
@@ -33,7 +33,7 @@ class Page(HTMLParser):
 
 
 def broken(site: Path) -> list[str]:
-    """Return a line for each link that leads nowhere."""
+    """Return a line for each broken link."""
     pages = {path: Page(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
     found = []
     for path, page in pages.items():

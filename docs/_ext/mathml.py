@@ -26,13 +26,13 @@ def mathml_of(formula: str, display: str) -> str:
 
 
 def visit_inline(writer: HTML5Translator, node: nodes.math) -> None:
-    """Write a formula in a line."""
+    """Write an inline formula."""
     writer.body.append(mathml_of(node.astext(), "inline"))
     raise nodes.SkipNode
 
 
 def visit_display(writer: HTML5Translator, node: nodes.math_block) -> None:
-    """Write a formula of its own."""
+    """Write a displayed formula."""
     anchor = "".join(f' id="{html.escape(name)}"' for name in node["ids"][:1])
     writer.body.append(f'<div class="math"{anchor}>{mathml_of(node.astext(), "block")}</div>\n')
     raise nodes.SkipNode

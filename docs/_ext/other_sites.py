@@ -2,9 +2,9 @@
 
     python docs/_ext/other_sites.py docs build/docs-links
 
-Links to the site itself are checked by `links.py`. Exit status 1 if another site says that a page
-is not there; sites that cannot be reached, or do not let programs in, are named, and are no fault
-of the page: without a network it passes.
+Links to the site itself are checked by `links.py`. The exit status is 1 if another site reports
+that a page does not exist. Sites that cannot be reached, or that reject programs, are listed and
+are no error: without a network the check passes.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def sorted_out(links: Iterable[Mapping[str, str]]) -> tuple[list[str], list[str]
 
 
 def main(source: str, output: str) -> int:
-    """Run linkcheck, print what it found, and return the exit status."""
+    """Run linkcheck, print its findings, and return the exit status."""
     found = Path(output, "output.json")
     found.unlink(missing_ok=True)
     options = [

@@ -1,11 +1,12 @@
-"""Figures of the pages: runs ``docs/figures/PAGE.py`` and keeps what it draws.
+"""Figures of the pages: runs ``docs/figures/PART/PAGE.py`` and keeps its figures.
 
     python docs/_ext/page_figures.py [PAGE ...]
 
-It writes ``docs/figures/PAGE/NAME.webp``, and the digest of the script. Each script runs in
-``build/figures/PAGE``, with granwave as a user has it, and calls `save`. The files of a tutorial or
-how-to (blocks of code with a caption) are in that folder. A test compares the digests in
-``docs/figures/digests.txt`` with the scripts, so that no figure is of an earlier script.
+PART is the folder of the page in ``docs``; PAGE is unique. It writes
+``docs/figures/PART/PAGE/NAME.webp``, and the digest of the script. Each script runs in
+``build/figures/PAGE``, with granwave as installed by a user, and calls `save`. The files of a
+tutorial or how-to (blocks of code with a caption) are in that folder. A test compares the digests
+in ``docs/figures/digests.txt`` with the scripts, so that no figure comes from an earlier script.
 """
 
 from __future__ import annotations
@@ -37,14 +38,14 @@ TASKS = ("tutorials", "howto")
 
 
 def save(figure: Axes | list[Axes] | str | Path, name: str) -> None:
-    """Keep the figure of some axes, or a PNG of a run, as ``docs/figures/PAGE/NAME.webp``.
+    """Keep the figure of some axes, or a PNG of a run, as ``docs/figures/PART/PAGE/NAME.webp``.
 
     Parameters
     ----------
     figure : axes of a Matplotlib figure, as `run.figure` returns them, or the path of a PNG
     name : name of the figure on its page
     """
-    folder = FOLDER / Path(sys.argv[0]).stem
+    folder = Path(sys.argv[0]).with_suffix("")
     folder.mkdir(exist_ok=True)
     path = folder / f"{name}.webp"
     if isinstance(figure, str | Path):
@@ -62,14 +63,19 @@ def save(figure: Axes | list[Axes] | str | Path, name: str) -> None:
     small.save(path, quality=QUALITY, method=6)
 
 
+def scripts() -> dict[str, Path]:
+    """Return the scripts by their page, in order."""
+    return {path.stem: path for path in sorted(FOLDER.glob("*/*.py"), key=lambda path: path.stem)}
+
+
 def names() -> list[str]:
     """Return the pages that have a script, in order."""
-    return sorted(path.stem for path in FOLDER.glob("*.py"))
+    return list(scripts())
 
 
 def digest(page: str) -> str:
     """Return the digest of a page's script."""
-    return hashlib.sha256((FOLDER / f"{page}.py").read_bytes()).hexdigest()[:16]
+    return hashlib.sha256(scripts()[page].read_bytes()).hexdigest()[:16]
 
 
 def stored_digests() -> dict[str, str]:
@@ -81,10 +87,11 @@ def stored_digests() -> dict[str, str]:
 
 def draw(page: str) -> None:
     """Run the script of a page in an empty folder, and keep its figures."""
+    script = scripts()[page]
     folder = RUNS / page
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    shutil.rmtree(FOLDER / page, ignore_errors=True)
+    shutil.rmtree(script.with_suffix(""), ignore_errors=True)
     for part in TASKS:
         text = ROOT / "docs" / part / f"{page}.md"
         if text.exists():
@@ -92,7 +99,7 @@ def draw(page: str) -> None:
     search_path = os.pathsep.join((str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")))
     programs = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", "")))
     environment = os.environ | {"PYTHONPATH": search_path, "PATH": programs}
-    command = [sys.executable, str(FOLDER / f"{page}.py")]
+    command = [sys.executable, str(script)]
     subprocess.run(command, cwd=folder, env=environment, check=True)
 
 

@@ -1,10 +1,10 @@
-"""Pages of the reference with tables that are made from the code, kept as plain Markdown.
+"""Pages of the reference whose tables are generated from the code, kept as plain Markdown.
 
     python docs/_ext/reference_pages.py      # writes the tables of all pages again
 
-A table stands between ``<!-- NAME: ARGUMENT -->`` and ``<!-- /NAME -->`` of its page, for those who
-read the pages in the repository; the site shows the same with links. A test compares the pages with
-the code.
+A table stands between ``<!-- NAME: ARGUMENT -->`` and ``<!-- /NAME -->`` of its page, for readers
+of the repository; the site shows the same table with links. A test compares the pages with the
+code.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def plain(text: str) -> str:
 
 
 def filled(text: str) -> str:
-    """Return the text of a page with all its tables as the code has them now."""
+    """Return the text of a page with all its tables generated anew from the code."""
 
     def block(mark: re.Match[str]) -> str:
         if not is_kept(mark):
@@ -45,7 +45,7 @@ def filled(text: str) -> str:
 
 
 def is_kept(mark: re.Match[str]) -> bool:
-    """Return True for the mark of a table that stands in the page itself."""
+    """Return True for the mark of a table that is kept in the page itself."""
     return mark["name"] in PARTS and mark["name"] not in _OF_THE_BUILD
 
 

@@ -1,4 +1,4 @@
-"""Parts of the reference that are made from the code's own tables, as Markdown of MyST.
+"""Parts of the reference that are generated from the tables of the code, as MyST Markdown.
 
 A page contains a mark such as ``<!-- keys: case -->``; `code_tables.py` puts the part there when
 the site is built, and `reference_pages.py` keeps it below the mark for readers of the repository.
@@ -27,7 +27,7 @@ from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import lattice_kinds
 from granwave.workflows import library
-from granwave.workflows.cli.keys import Key, KeyTable, state, tables
+from granwave.workflows.cli.keys.reference import Key, KeyTable, state, tables
 from granwave.workflows.cli.parser import make_parser as command_line
 from granwave.workflows.file_kinds import CASE_FILE
 
@@ -92,7 +92,7 @@ def _sentence(text: str) -> str:
 
 
 def _escape(text: str) -> str:
-    """Escape what Markdown would take for its own."""
+    """Escape characters with a meaning in Markdown."""
     return re.sub(r"([\[\]{}*_<>|$`])", r"\\\1", text)
 
 
@@ -107,7 +107,7 @@ def _table_of(shown: Sequence[Quantity]) -> str:
     for entry in shown:
         what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
         rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
-    return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
+    return "\n".join(["| value | unit | meaning |", "|---|---|---|", *rows])
 
 
 def commands() -> str:
@@ -146,7 +146,7 @@ def studies_of(kind: str) -> Callable[[], str]:
 
     def table() -> str:
         rows = [f"| `{name}` | {_escape(library.title(name))} |" for name in library.names(kind)]
-        return "\n".join(["| name | what |", "|---|---|", *rows])
+        return "\n".join(["| name | content |", "|---|---|", *rows])
 
     return table
 
@@ -191,7 +191,7 @@ def lattices() -> str:
 
 
 def figures() -> str:
-    """Return the list of the figures of a run: name, picture, what it shows, which runs have it."""
+    """Return the list of the figures of a run: name, picture, content, and the runs that have it."""
     table = tomllib.loads((FIGURES / "figures.toml").read_text(encoding="utf-8"))
     runs = {}
     for entry in table["run"]:
@@ -199,7 +199,7 @@ def figures() -> str:
     planes: dict[str, list[str]] = {}
     for name in run_figures():
         planes.setdefault(_PLANE.sub("_*", name), []).append(name)
-    lines = ["| figure | what it shows | picture |", "|---|---|---|"]
+    lines = ["| figure | content | picture |", "|---|---|---|"]
     for title, names in planes.items():
         drawn = [name for name in names if name in runs]
         lines.append(_figure(title, names[0], drawn[0] if drawn else "", runs))
@@ -226,13 +226,13 @@ def _figure(title: str, first: str, drawn: str, runs: Mapping[str, Mapping[str, 
     if not drawn:
         return f"| `{title}` | {text} | - |"
     entry = runs[drawn]
-    picture = f"![{_escape(caption)}](../figures/figures/{drawn}.webp)"
+    picture = f"![{_escape(caption)}](../figures/reference/figures/{drawn}.webp)"
     return f"| `{title}` | {text} *In {entry['runs']}; here `{entry['case']}`.* | {picture} |"
 
 
 def law_parameters() -> str:
     """Return the table of the parameters of the contact laws."""
-    head = "| law | key | values | default | what |"
+    head = "| law | key | values | default | meaning |"
     rows = []
     for law, entry in LAWS.items():
         for parameter in entry.parameters.values():
@@ -301,7 +301,7 @@ for _kind in report_kinds():
 
 
 def part_of(mark: re.Match[str]) -> str:
-    """Return the part of a mark as Markdown of MyST; the mark itself if it is not ours."""
+    """Return the part that a mark names as MyST Markdown; an unknown mark is returned unchanged."""
     name = mark["name"]
     argument = mark["argument"]
     if name not in PARTS:

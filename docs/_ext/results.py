@@ -1,13 +1,13 @@
-"""Comparison with the literature: runs suites, and makes the page, the JSON file and the README's
-table of them.
+"""Comparison with the literature: runs suites, and writes the pages, the JSON file and the table in
+the README from them.
 
     python docs/_ext/results.py [SUITE ...] [--runs DIR] [--no-run] [--check]
 
-Suites are those of the package and of ``reproductions``. Those that are not named are run if their
-rows are stale: made by a version with other numbers, or of scans, cases or studies that have
-changed since. Runs are kept in DIR (``build/results``), and a second call goes on with what is
-there. With ``--no-run`` all runs that are there are collected, and none is made; with ``--check``
-stale rows are named, and nothing is written.
+The suites are the suites of the package and of ``reproductions``. Without names, suites with stale
+rows are run: rows from a version with different numbers, or from scans, cases or studies that have
+changed since. Runs are kept in DIR (``build/results``), and a second call continues from the
+existing runs. With ``--no-run`` all existing runs are collected and no run is made; with
+``--check`` stale suites are listed and nothing is written.
 """
 
 from __future__ import annotations
@@ -54,12 +54,12 @@ SAME_NUMBERS_SINCE = "1.0.0"
 
 @dataclasses.dataclass(frozen=True)
 class Suite:
-    """Runs of a part of the page.
+    """Runs of a section of the page.
 
     Attributes
     ----------
     title
-        Of its part of the page.
+        Title of its section of the page.
     command
         Subcommand of granwave.
     names
@@ -78,8 +78,8 @@ class Suite:
 
 
 def reproductions() -> dict[str, Suite]:
-    """Suites of the folder ``reproductions``: each file's name, with its first line, a comment, as
-    title.
+    """Suites of the folder ``reproductions``: the name of each file, with its first line, a
+    comment, as title.
     """
     files = [
         path
@@ -108,7 +108,7 @@ SUITES = {
 
 
 def run(suite: Suite, runs: Path) -> bool:
-    """Run what is not yet done; True if all is."""
+    """Run the points that are not finished; True if all are finished."""
     command = [sys.executable, "-m", "granwave.workflows", suite.command]
     done = [
         subprocess.run(
@@ -132,13 +132,13 @@ def _is_path(name: str) -> bool:
 
 
 def _study_files(suite: Suite) -> list[Path]:
-    """Return the scripts beside the files of a suite."""
+    """Return the scripts next to the files of a suite."""
     folders = [(results_stored.ROOT / name).parent for name in suite.names if _is_path(name)]
     return [path for folder in folders for path in sorted(folder.glob("*.py"))]
 
 
 def _solver_tables(suite: Suite) -> list[Path]:
-    """Return the tables of second solvers beside the scripts of a suite."""
+    """Return the tables of second solvers next to the scripts of a suite."""
     folders = sorted({path.parent for path in _study_files(suite)})
     tables: list[Path] = []
     for folder in folders:
@@ -147,7 +147,7 @@ def _solver_tables(suite: Suite) -> list[Path]:
 
 
 def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
-    """Results of a suite as they are stored; None if nothing of it was run."""
+    """Results of a suite in the form in which they are stored; None if no part of it was run."""
     folders = [runs / folder for folder in _folders(suite)]
     if not all(folder.is_dir() for folder in folders):
         return None
@@ -178,7 +178,7 @@ def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
 
 
 def _complete(suite: Suite, inputs: ReportInputs) -> bool:
-    """Return True if every point that the scans have at present is done, and every single run."""
+    """Return True if every present point of the scans and every single run is finished."""
     if suite.command != library.SCAN:
         return all(run.status == "done" for run in inputs.runs)
     done = set()
@@ -196,9 +196,7 @@ def _complete(suite: Suite, inputs: ReportInputs) -> bool:
 
 
 def digests(suite: Suite) -> dict[str, str]:
-    """Digests of what a suite's runs are made of, scans and cases, and of the studies that make
-    rows of them.
-    """
+    """Digests of the scans and cases of a suite, and of the studies that make rows from its runs."""
     tables = list(_tables(suite))
     names = studies_named(suite)
     modules = [module for name, module in (STUDIES | COMPARISON).items() if name in names]
@@ -235,7 +233,7 @@ def _files_of(module: str) -> set[Path]:
 
 
 def _scripts(suite: Suite, names: set[str]) -> list[Path]:
-    """Return the scripts that a suite names, and those of their folder that they import."""
+    """Return the scripts that a suite names, and the scripts of their folder that they import."""
     beside = {path.stem: path for path in _study_files(suite)}
     found: dict[str, Path] = {}
     stems = [Path(name).stem for name in names if name.endswith(".py")]
@@ -285,10 +283,10 @@ def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
 
 
 def _code(file: Path) -> list[str]:
-    """Return the definitions of a module, as far as they make rows.
+    """Return the definitions of a module that affect rows.
 
-    Left out are imports, comments, docstrings, the layout of the text, and the functions
-    `pictures` and `tables` of a report.
+    Imports, comments, docstrings, the layout of the text, and the functions `pictures` and `tables`
+    are left out.
     """
     return [ast.unparse(node) for node in _definitions(file)]
 
@@ -310,9 +308,10 @@ def _definitions(file: Path) -> list[ast.stmt]:
 
 
 def _code_of_scripts(files: Sequence[Path]) -> list[str]:
-    """Return the definitions of scripts that the functions which make rows reach, by their names.
+    """Return the definitions of scripts that are reached, by name, from the functions that make
+    rows.
 
-    Others, such as a table of words that only a figure needs, make no row stale.
+    Other definitions, such as a table of words for a figure, make no row stale.
     """
     definitions: list[ast.stmt] = []
     for file in files:
@@ -342,9 +341,7 @@ def _digest(content: Any) -> str:
 
 
 def stale(stored: Mapping[str, Any], names: Sequence[str] = tuple(SUITES)) -> dict[str, str]:
-    """Return why stored rows are no longer those of the code, and what to run, by suite; without
-    those that are.
-    """
+    """Return the reason why stored rows are stale, and the command to run, for each stale suite."""
     found = {}
     for name in names:
         suite = stored["suites"].get(name)
@@ -372,7 +369,7 @@ def stale(stored: Mapping[str, Any], names: Sequence[str] = tuple(SUITES)) -> di
 
 
 def _same_numbers(version: str) -> bool:
-    """Return True if runs of a version have the numbers of this one."""
+    """Return True if runs of a version have the same numbers as runs of this version."""
     since, made, now = (Version(one) for one in (SAME_NUMBERS_SINCE, version, granwave.__version__))
     return since <= made <= now
 

@@ -11,6 +11,7 @@ LABELS = {
     "composite-chains": "Composite chains",
     "losses": "Damping in contacts",
     "lateral": "Plane crystals between walls",
+    "lateral-attenuation": "Plane crystals: scattered diameters",
     "prestress": "Precompression",
     "square-packing-sensors": "Square packings: sensors",
     "square-packing": "Square packings",
@@ -45,8 +46,8 @@ CHOSEN = (
         "sphere-contacts",
         "sphere_contact",
         (
-            "Finite elements over the law from 1 to 10 alpha_y: most, brass, like",
-            "Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, like",
+            "Finite elements / law from 1 to 10 alpha_y: largest, brass, equal",
+            "Finite elements / law from 10 alpha_y to 0.2 R*: smallest, brass, equal",
         ),
     ),
     (
@@ -57,12 +58,12 @@ CHOSEN = (
     ),
     ("Bilinear chain, long load: ", "thesis-4", "bilinear_long_load", ("F2, force",)),
     (
-        "Composite chain, steel with 3 or 24 brass beads: wave speed in the brass beads",
+        "Composite chain, steel with 3 or 24 brass beads: wave speed between two sensors",
         "composite-chains",
-        "contact_losses",
+        "measured_speeds",
         (
-            "V, N2 = 3, brass-composite, restitution 0.97",
-            "V, N2 = 24, brass-composite, restitution 0.97",
+            "V, N2 = 3, brass of 103 GPa, Hertz's law",
+            "V, N2 = 24, brass of 103 GPa, Hertz's law",
         ),
     ),
     (
@@ -83,9 +84,9 @@ CHOSEN = (
         "benchmarks",
         "chains_brass_teflon",
         (
-            "Speed in brass over speed in PTFE, impact at 0.1 m/s",
-            "Speed in brass over speed in PTFE, impact at 0.3 m/s",
-            "Speed in brass over speed in PTFE, impact at 1 m/s",
+            "Speed in brass / speed in PTFE, impact at 0.1 m/s",
+            "Speed in brass / speed in PTFE, impact at 0.3 m/s",
+            "Speed in brass / speed in PTFE, impact at 1 m/s",
         ),
     ),
     (
@@ -107,13 +108,13 @@ MORE = (
         "Square packing, out-of-plane: energy in central chains, strikers, impacted spheres",
         "square-packing",
         "square-out-of-plane",
-        ("Energy in central chains", "Energy in strikers", "Energy in struck spheres"),
+        ("Energy in central chains", "Energy in strikers", "Energy in impacted spheres"),
     ),
     (
         "Chain with gaps: ",
         "thesis-8",
         "no_cylinders",
-        ("Displacement of sphere 10 in a long chain, at rest again",),
+        ("Displacement of sphere 10 in a long chain, after the wave",),
     ),
     ("FCC packing: ", *_FCC_SPEED),
     (
@@ -127,7 +128,7 @@ MORE = (
         "Chain under a static force: ",
         "benchmarks",
         "chains_precompressed",
-        ("Speed over c0, force added 129 times 1 N",),
+        ("Speed / c0, dynamic force 129 times 1 N",),
     ),
     (
         "Sphere on a plane: ",
@@ -149,18 +150,24 @@ MORE = (
     ),
     ("", "losses", "loss", ("Restitution at 10 m/s, time 0.3 µs",)),
     ("", "lateral", "lateral-width-bcc", ("Decay of the peak speed in region 1",)),
+    (
+        "Plane crystals: ",
+        "lateral-attenuation",
+        "attenuation",
+        ("Decay of HCP / BCC, scatter of 1 %",),
+    ),
     ("Precompressed chain: ", "prestress", "waves", ("Speed of the wave, F_m/F0 = 28.57",)),
     (
         "",
         "square-packing-sensors",
         "defects",
-        ("Power of the wave speed with the force, square struck in its plane, scatter",),
+        ("Exponent of the wave speed against the force, square packing, in-plane impact, scatter",),
     ),
     (
         "Elasto-plastic chain: ",
         "thesis-2",
         "elastoplastic_decay",
-        ("Power of the peak force with distance, contacts 15",),
+        ("Exponent of the peak force against distance, contacts 15",),
     ),
     ("", "sphere-contacts", "sphere_contact", ("Contact area / Thornton's contact area",)),
     ("Elastic bar: ", "thesis-3", "split_hopkinson", ("Speed, split-hopkinson",)),
@@ -213,19 +220,19 @@ MEASURED = (
         ("Tangential restitution measured at 20.22 degrees, oxide, partial slip",),
     ),
     (
-        "Composite chain, steel with 3 or 24 brass beads: wave speed in the brass beads",
+        "Composite chain, steel with 3 or 24 brass beads: wave speed between two sensors",
         "composite-chains",
-        "contact_losses",
+        "measured_speeds",
         (
-            "V, N2 = 3, brass-composite, restitution 0.97",
-            "V, N2 = 24, brass-composite, restitution 0.97",
+            "V, N2 = 3, brass of 103 GPa, Hertz's law",
+            "V, N2 = 24, brass of 103 GPa, Hertz's law",
         ),
     ),
     (
         "Wave speed in a chain of brass beads divided by the speed in PTFE",
         "benchmarks",
         "chains_brass_teflon",
-        ("Speed in brass over speed in PTFE, impact at 1 m/s",),
+        ("Speed in brass / speed in PTFE, impact at 1 m/s",),
     ),
 )
 #: Rows of the paper, with the names of their quantities there; few columns, as its page is narrow.
@@ -248,13 +255,13 @@ IN_PAPER = (
         "Wave speed divided by sound speed, precompressed chain",
         "benchmarks",
         "chains_precompressed",
-        ("Speed over c0, force added 129",),
+        ("Speed / c0, dynamic force 129",),
     ),
     ("Tangential restitution at 20.22 degrees, measured", *MEASURED[0][1:]),
     (
         "Speed in a brass section of a steel chain, measured",
         "composite-chains",
-        "contact_losses",
+        "measured_speeds",
         MEASURED[1][3][:1],
     ),
 )

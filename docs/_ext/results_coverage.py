@@ -1,10 +1,10 @@
-"""Coverage of the four sources: the page ``docs/explanation/coverage.md``, made of
-``reproductions/coverage.csv`` and of the stored rows.
+"""Coverage of the four sources: the page ``docs/explanation/coverage.md``, generated from
+``reproductions/coverage.csv`` and the stored rows.
 
     python docs/_ext/results_coverage.py      # the page again; no runs
 
-A line of the table is a system, law, figure or table of a source; it works, is there partly, or is
-missing, and then says why. It names the studies whose rows compare it.
+A line of the table is a system, law, figure or table of a source, which is reproduced, partly
+reproduced, or missing with a reason. It names the studies whose rows compare it.
 """
 
 from __future__ import annotations
@@ -46,7 +46,9 @@ class Item:
     studies
         Pairs of a suite and a study whose rows compare it.
     why
-        What is missing; empty where all works.
+        Missing part, with the reason; empty if everything is reproduced.
+    differs
+        Remaining differences of more than 10 % of an item that works, with the reason.
     """
 
     source: str
@@ -55,6 +57,7 @@ class Item:
     state: str
     studies: tuple[tuple[str, str], ...]
     why: str
+    differs: str = ""
 
 
 def read_items(path: Path = TABLE) -> list[Item]:
@@ -68,7 +71,10 @@ def _item(row: Mapping[str, str]) -> Item:
     for name in row["studies"].split():
         suite, _, study = name.partition("/")
         studies.append((suite, study))
-    return Item(row["source"], row["place"], row["what"], row["state"], tuple(studies), row["why"])
+    return Item(
+        row["source"], row["place"], row["what"], row["state"], tuple(studies), row["why"],
+        row["differs"],
+    )  # fmt: skip
 
 
 def write_page(stored: Mapping[str, Any]) -> None:
@@ -77,7 +83,7 @@ def write_page(stored: Mapping[str, Any]) -> None:
 
 
 def page_of(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
-    """Return the page: how many of each source work, and a table for each."""
+    """Return the page: for each source the number of reproduced items, and a table."""
     counts = "\n".join(_count_line(name, _of_source(items, name)) for name in SOURCES)
     parts = [_section(name, _of_source(items, name), stored) for name in SOURCES]
     return f"""# Coverage of the sources
@@ -85,8 +91,10 @@ def page_of(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
 This page lists which parts of the four sources granwave reproduces: their {len(items)} systems,
 laws, figures and tables, without sketches and photographs. An item *works* if its content is
 computed and compared. It works *partly* if only some of it is, or if the values of the source
-are not available. Otherwise it is *missing*. The [pages of results](results.md) in the last
-column show how well the values agree; the [errata](errata.md) list misprints.
+are not available, or if a difference from its main statement is not explained. Otherwise it is
+*missing*. Items that work can differ from the source; the table then names differences of more
+than 10 %. The [pages of results](results.md) in the last column show how well the values agree; the
+[errata](errata.md) list misprints.
 
 The sources were read as scanned text, which has the captions of figures but no pictures. No
 measured curve could be read off a figure. The comparisons use numbers of the text, ends of axes
@@ -116,7 +124,7 @@ def _section(name: str, items: Sequence[Item], stored: Mapping[str, Any]) -> str
 
 {_agreement(items, stored)}
 
-| where | what | state | what is missing, and why | results |
+| place | subject | state | missing part or difference, with the reason | results |
 |---|---|---|---|---|
 {lines}
 
@@ -126,7 +134,7 @@ def _section(name: str, items: Sequence[Item], stored: Mapping[str, Any]) -> str
 def _item_line(item: Item) -> str:
     suites = dict.fromkeys(suite for suite, _ in item.studies)
     links = ", ".join(f"[{suite}](results/{suite}.md)" for suite in suites)
-    cells = map(_escaped, (item.place, item.what, item.state, item.why))
+    cells = map(_escaped, (item.place, item.what, item.state, item.why or item.differs))
     return f"| {' | '.join(cells)} | {links} |"
 
 
@@ -135,7 +143,7 @@ def _escaped(text: str) -> str:
 
 
 def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
-    """Return how far the values of ours lie from those that the source prints."""
+    """Return the deviations of our values from the values that the source prints."""
     named: dict[tuple[str, str], None] = {}
     for item in items:
         named |= dict.fromkeys(item.studies)
@@ -154,7 +162,7 @@ def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
 
 
 def main() -> None:
-    """Write the page of the table and the stored rows as they are."""
+    """Write the page from the table and the stored rows."""
     import results_stored
 
     write_page(results_stored.read_stored())

@@ -1,7 +1,8 @@
-"""Picture of all agreements: how far each stored value of ours lies from what it is compared with,
-by suite and kind.
+"""Picture of all comparisons: the deviation of each stored value of ours from its reference, by
+suite and kind.
 
-The picture holds a digest of the points that it shows, so that a test can tell an old one.
+The picture contains a digest of the points that it shows, so that a test detects an outdated
+picture.
 """
 
 from __future__ import annotations
@@ -40,18 +41,19 @@ _LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 @dataclasses.dataclass(frozen=True)
 class Far:
-    """Values of a study that lie further than `FAR` from what they are compared with.
+    """Values of a study whose deviation from their reference exceeds `FAR`.
 
     Attributes
     ----------
     mark
         Letter in the picture.
     least, most
-        Of their deviations.
+        Smallest and largest deviation.
     number, total
-        Of such values, and of all of that kind in the study.
+        Number of these values, and of all values of this kind in the study.
     why
-        Remark on the one that lies furthest; what the study is where none has a remark.
+        Remark on the value with the largest deviation; the title of the study if there is no
+        remark.
     """
 
     mark: str
@@ -67,8 +69,8 @@ class Far:
 
 
 def deviation(row: Mapping[str, Any]) -> float | None:
-    """Return ours over what it is compared with, less 1; None where nothing is compared, or only a
-    bound.
+    """Return the ratio of our value to its reference, minus 1; None without a reference, or if it
+    is only a bound.
     """
     against = row["theory"] if row["source"] is None else row["source"]
     return (
@@ -79,7 +81,7 @@ def deviation(row: Mapping[str, Any]) -> float | None:
 
 
 def points(stored: Mapping[str, Any]) -> list[tuple[str, str, str, float]]:
-    """Suite, study, kind and deviation of all values that are compared."""
+    """Suite, study, kind and deviation of all values with a reference."""
     return [
         (suite, study, row["kind"], off)
         for suite, found in stored["suites"].items()
@@ -90,7 +92,7 @@ def points(stored: Mapping[str, Any]) -> list[tuple[str, str, str, float]]:
 
 
 def far_off(stored: Mapping[str, Any]) -> list[Far]:
-    """Return the studies with values that are far off, marked in the order of suites and kinds."""
+    """Return the studies with large deviations, marked in the order of suites and kinds."""
     found = []
     for suite, content in stored["suites"].items():
         for study, one in content["studies"].items():
@@ -129,7 +131,7 @@ def _mark(number: int) -> str:
 
 
 def digest(stored: Mapping[str, Any], labels: Mapping[str, str]) -> str:
-    """Return a digest of what the picture shows."""
+    """Return a digest of the points of the picture."""
     shown = [
         (labels.get(suite, suite), study, kind, f"{off:.3e}")
         for suite, study, kind, off in points(stored)
@@ -138,12 +140,12 @@ def digest(stored: Mapping[str, Any], labels: Mapping[str, str]) -> str:
 
 
 def digest_of(path: Path) -> str:
-    """Return the digest of the points that a picture was drawn of; empty if it tells none."""
+    """Return the digest that a picture contains; empty if it contains none."""
     return str(Image.open(path).getexif().get(_DESCRIPTION, ""))
 
 
 def by_study(suite: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the stored results of a suite, each study as a suite of its own, and their labels."""
+    """Return the stored results of a suite, with each study as a separate suite, and their labels."""
     stored = {}
     labels = {}
     for name, study in suite["studies"].items():
@@ -157,12 +159,12 @@ def by_study(suite: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
 def draw(
     stored: Mapping[str, Any], labels: Mapping[str, str], path: Path, *, letters: bool = True
 ) -> None:
-    """Draw the picture, as WebP or as the end of its name says.
+    """Draw the picture, as WebP or in the format given by the suffix of its name.
 
     Parameters
     ----------
     letters
-        Mark values that are far off by the letters of `far_off`.
+        Mark values with large deviations by the letters of `far_off`.
     """
     shown = points(stored)
     suites = list(dict.fromkeys(suite for suite, *_ in shown))
@@ -214,9 +216,7 @@ def _at(off: np.ndarray | float) -> Any:
 
 
 def _heights(place: int, number: int) -> np.ndarray:
-    """Return where the points of a suite lie, one below the other, so that they do not cover each
-    other.
-    """
+    """Return vertical positions of the points of a suite such that they do not cover each other."""
     return place + (
         _SPREAD * (np.arange(number) / (number - 1) - 0.5) if number > 1 else np.zeros(number)
     )
@@ -243,7 +243,7 @@ def _points(axes: Any, place: int, offs: Sequence[float], colour: str) -> None:
 
 
 def _letters(panels: Any, suites: Sequence[str], shown: Sequence[Any], far: Sequence[Far]) -> None:
-    """Write the letters of what is far off to the right of each suite's points."""
+    """Write the letters of large deviations to the right of the points of each suite."""
     for axes, kind in zip(panels, KINDS, strict=True):
         for place, suite in enumerate(suites):
             own = [one.mark for one in far if (one.suite, one.kind) == (suite, kind)]

@@ -30,10 +30,10 @@ KINDS = {
 
 
 def beyond(row: Row) -> float:
-    """Return by how much of a bound a value of ours lies outside it; 0 if it does not.
+    """Return by which fraction of a bound our value exceeds it; 0 within the bound.
 
-    A bound is an upper one of the size, unless the quantity or the remark says that it is the
-    least.
+    A bound is an upper bound of the magnitude, unless the quantity or the remark calls it a lower
+    bound.
     """
     if not row.bound or row.ours is None or not row.source:
         return 0.0
@@ -43,7 +43,7 @@ def beyond(row: Row) -> float:
 
 
 def flagged(row: Row) -> Row:
-    """Return a row that says if it lies beyond its bound."""
+    """Return a row whose remark states whether the value exceeds its bound."""
     over = beyond(row)
     if not over:
         return row
@@ -55,25 +55,27 @@ def excess(over: float) -> str:
 
 
 def difference(row: Row) -> str:
-    """Return how far ours lies off, rounding left out."""
+    """Return the deviation of our value as text; differences by rounding only are omitted."""
     off = row.deviation
     return "-" if off is None else percent(100 * off if abs(off) > _ROUNDING else 0)
 
 
 def factor(off: float) -> str:
-    """Return a very large ratio of ours to the other."""
+    """Return the text of a very large ratio of our value to the other value."""
     return f"times {significant(off + 1, 2)}"
 
 
 def escaped(text: str) -> str:
-    """Escape what Markdown would take for its own within a table."""
+    """Escape characters with a meaning in tables of Markdown."""
     return re.sub(r"([\\`*_\[\]|~#$<>])", r"\\\1", text)
 
 
 def chosen_rows(
     stored: Mapping[str, Any], chosen: Sequence[tuple[str, str, str, tuple[str, ...]]] = CHOSEN
 ) -> Iterator[tuple[str, list[Row]]]:
-    """Name and rows of each line of a table; no rows if the stored results lack one of them."""
+    """Name and rows of each line of a table; no rows if one of them is missing in the stored
+    results.
+    """
     for before, suite, study, starts in chosen:
         records = stored["suites"].get(suite, {}).get("studies", {}).get(study, {}).get("rows", ())
         first_rows = [_first_row(records, start) for start in starts]
@@ -98,7 +100,7 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
     Parameters
     ----------
     links
-        Page of each line, to which its quantity leads.
+        Page to which the quantity of each line is linked.
     """
     heads = ("quantity", "compared with", "value", "granwave", "difference")
     text = [f"| {' | '.join(heads)} |", "|" + "---|" * len(heads)]
@@ -124,7 +126,7 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
 
 
 def _remark(rows: Sequence[Row]) -> str:
-    """Return the remarks of some rows as one, each sentence once."""
+    """Return the remarks of several rows as one remark that contains each sentence once."""
     sentences: list[str] = []
     for row in rows:
         if row.remark:

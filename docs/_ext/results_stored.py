@@ -1,5 +1,5 @@
-"""The stored results of all suites, ``docs/explanation/results.json``: reading, and studies as they
-are stored.
+"""The stored results of all suites, ``docs/explanation/results.json``: reading, and the stored form
+of studies.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ STORED = ROOT / "docs" / "explanation" / "results.json"
 
 
 def read_stored(path: Path = STORED) -> dict[str, Any]:
-    """Read the stored results; those of no suite if there is no file."""
+    """Read the stored results; without a file, there are none."""
     if not path.is_file():
         return {"suites": {}}
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
@@ -29,7 +29,7 @@ def read_stored(path: Path = STORED) -> dict[str, Any]:
 
 
 def as_stored(study: Study) -> dict[str, Any]:
-    """Return a study for the JSON file: numbers of its rows in full, its own tables as text."""
+    """Return a study for the JSON file: rows with all digits, and its tables as text."""
     return {
         "title": study.title,
         "text": study.text,

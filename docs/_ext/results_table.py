@@ -1,12 +1,12 @@
-"""Results of all suites as they are stored: ``docs/explanation/results.json``, and the pages and
-README made of it.
+"""Stored results of all suites, ``docs/explanation/results.json``, and the pages and tables
+generated from them.
 
     python docs/_ext/results_table.py      # pages, picture, README and first page again from the stored rows; no runs
 
-A suite has its date, versions, and studies; suites without rows are named. A study has its rows,
-each of one kind (a source, theory, a verification of the code, or granwave only), and its own
-tables. The first page has the most telling rows and a picture of all; each suite has a page of its
-own. Nothing of them is typed: all is made from the stored results.
+A suite has its date, versions, and studies; suites without rows are listed by name. A study has its
+rows, each of one kind (a source, theory, a verification of the code, or granwave only), and its own
+tables. The first page has the headline comparisons and a picture of all; each suite has a separate
+page. All of them are generated from the stored results.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def write_all(stored: Mapping[str, Any]) -> None:
 
 
 def write_pages(stored: Mapping[str, Any]) -> None:
-    """Write what is made of the stored results."""
+    """Write all pages that are generated from the stored results."""
     pages = pages_of(stored)
     PAGES.mkdir(exist_ok=True)
     for old in set(PAGES.glob("*.md")) - set(pages):
@@ -116,7 +116,7 @@ def is_stale(picture: Path, stored: Mapping[str, Any], labels: Mapping[str, str]
 
 
 def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
-    """Return the tables of pages that are written by hand."""
+    """Return the tables in pages that are otherwise written by hand."""
     return {
         README: table_of(chosen_rows(stored)),
         FIRST_PAGE: table_of(chosen_rows(stored, MEASURED)),
@@ -125,7 +125,7 @@ def tables_elsewhere(stored: Mapping[str, Any]) -> dict[Path, str]:
 
 
 def _of_paper(stored: Mapping[str, Any]) -> str:
-    """Return the sentence on all rows, and the table, of the paper."""
+    """Return the sentence on all rows and the table of the paper."""
     shown = results_picture.points(stored)
     parts = []
     for kind, (name, _) in results_picture.KINDS.items():
@@ -147,7 +147,7 @@ def _of_paper(stored: Mapping[str, Any]) -> str:
 
 
 def pages_of(stored: Mapping[str, Any]) -> dict[Path, str]:
-    """Return the first page of results, and that of each suite."""
+    """Return the first page of results, and the page of each suite."""
     pages = {
         PAGES / f"{name}.md": _suite_page(name, suite) for name, suite in stored["suites"].items()
     }
@@ -155,8 +155,8 @@ def pages_of(stored: Mapping[str, Any]) -> dict[Path, str]:
 
 
 def _first_page(stored: Mapping[str, Any]) -> str:
-    """Return the page with the most telling rows, the picture of all, what is far off, and the list
-    of the others.
+    """Return the page with the headline comparisons, the picture of all, the large deviations, and
+    the list of the other pages.
     """
     names = [name for name in stored["suites"]]
     lines = sorted(zip((*CHOSEN, *MORE), chosen_rows(stored, (*CHOSEN, *MORE)), strict=True),
@@ -277,7 +277,7 @@ def _link(name: str) -> str:
 
 
 def _counts(suite: Mapping[str, Any]) -> str:
-    """Return how many rows of each kind a suite has."""
+    """Return the number of rows of each kind in a suite."""
     kinds = []
     for study in suite["studies"].values():
         for row in study["rows"]:
@@ -294,7 +294,7 @@ def with_block(text: str, table: str) -> str:
     Raises
     ------
     ValueError
-        It has no such block.
+        The text has no such block.
     """
     if not _BLOCK.search(text):
         raise ValueError("found no block between <!-- results --> and <!-- /results -->")

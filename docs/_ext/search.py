@@ -1,12 +1,12 @@
-"""Check of the search of the built site: words that people use find their page among the first
-results.
+"""Check of the search of the built site: words that users search for must find their page among the
+first results.
 
     python docs/_ext/search.py build/docs          # exit status 1, and a line for each word that does not
     python docs/_ext/search.py build/docs WORD     # the first results of a word
 
 The ranking is that of Sphinx's ``searchtools.js``, on the index that the browser reads: titles,
-entries of the index, Python objects, words of the text. Words that a page does not use get an index
-entry at the place that answers.
+entries of the index, Python objects, words of the text. A word that does not occur on the page gets
+an index entry at the passage with the answer.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def search(
     stem
         Stem of a word, as the index has it.
     stopwords
-        Words that are not looked for.
+        Words that are ignored.
     """
     words = [word for word in re.split(r"[^\w]+", query) if word]
     stems = dict.fromkeys(
@@ -183,7 +183,7 @@ def _objects(index: Index, word: str, words: list[str]) -> Iterator[Result]:
 
 
 def _texts(index: Index, stems: list[str]) -> Iterator[Result]:
-    """Pages that have all words, in their text or a title."""
+    """Pages that contain all words, in their text or a title."""
     scores: dict[int, dict[str, int]] = {}
     for word in stems:
         for table, whole, part in (

@@ -1,8 +1,8 @@
-"""The gallery: runs its scripts, and makes a page of each.
+"""The gallery: runs its scripts, and makes a page from each.
 
 A script of ``docs/gallery`` begins with a docstring (title, blank line, text in Markdown), leaves
 ``picture.png`` and perhaps other pictures in its working directory, and prints a few numbers. It
-runs in ``build/gallery/NAME``, again only if it, or granwave, has changed.
+runs in ``build/gallery/NAME``, and again only if the script or granwave has changed.
 
     python docs/_ext/studies.py [NAME ...]      # runs scripts without building the site
 """
@@ -62,7 +62,7 @@ def run(script: Path, version: str) -> float:
     Raises
     ------
     RuntimeError
-        It failed, took too long, or left no picture.
+        The script failed, took too long, or left no picture.
     """
     folder = RUNS / script.stem
     stamp = hashlib.sha256(script.read_bytes() + version.encode()).hexdigest()
@@ -144,9 +144,7 @@ def card_of(script: Path) -> str:
 
 
 def lines_of(script: Path) -> str:
-    """Return the lines of a script that do the work: no imports, no drawing, nothing that is
-    printed.
-    """
+    """Return the lines of a script without imports, drawing and printing."""
     _, _, code = parts_of(script)
     before = code.partition("\nwith gw.style()")[0].partition("\nprint(")[0]
     kept = [line for line in before.splitlines() if not line.startswith("import ")]
@@ -154,7 +152,9 @@ def lines_of(script: Path) -> str:
 
 
 def card_with_lines(script: Path) -> str:
-    """Return the card of a script on the first page: picture, title, and its lines to unfold."""
+    """Return the card of a script on the first page: picture, title, and its lines in a folded
+    block.
+    """
     title, _, _ = parts_of(script)
     return "\n".join(
         [
@@ -176,7 +176,7 @@ def card_with_lines(script: Path) -> str:
 
 
 def write_pages(app: Sphinx) -> None:
-    """Run the scripts, and write their pages into the site's sources, where git ignores them."""
+    """Run the scripts, and write their pages into the site's sources, in a folder that git ignores."""
     run_all()
     folder = Path(app.srcdir) / "gallery" / "studies"
     folder.mkdir(exist_ok=True)

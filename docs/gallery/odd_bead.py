@@ -27,7 +27,8 @@ with gw.style():
     axes.plot(places, energies, "o-", color="C0", markersize=3, label="aluminium among brass")
     axes.axhline(brass, color="C5", linestyle="--", label="brass alone")
     axes.set(
-        xlabel="place of the aluminium bead, from the struck end", ylabel="energy in the bar (J)"
+        xlabel="position of the aluminium bead, from the impacted end",
+        ylabel="energy in the bar (J)",
     )
     axes.legend()
     figure.savefig("picture.png", dpi=150)

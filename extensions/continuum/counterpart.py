@@ -1,8 +1,8 @@
 """The continuum case that a packing compares with, or the reverse, for ``granwave check``.
 
-Packing and continuum are compared at equal energy over sigma_y^2 D^3/E, with the diameter D of the
-spheres or of the punch. The counterpart has the same material and D, so that equal energies are
-equal inputs.
+Packing and continuum are compared at equal energy divided by sigma_y^2 D^3/E, with the diameter D
+of the spheres or of the punch. The counterpart has the same material and D, so that equal energies
+are equal inputs.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 _BLOCK = "half-space"
 _PACKING = "fcc-small"
 _NARROWEST = 2.0  # punch diameters: a narrower block is not a half-space
-_WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
+_WITHIN_LAW = 0.2  # overlap / R* where the contact law ends
 _STRUCK = (1, 3, 7)  # values of load.spheres
 _FEWEST = (4, 4, 2)  # spheres along x, y and z of the packing
 _DIGITS = 12

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from granwave.extensions.continuum.punch.case import ContinuumCase
 from granwave.extensions.continuum.sphere_contact.case import Partner, SphereContactCase
 from granwave.lammps_inputs.case.case import CaseHead
-from granwave.workflows.cli.key_sections import HEAD, Sections
+from granwave.workflows.cli.keys.sections import HEAD, Sections
 
 
 def _with_head(sections: Mapping[str, type]) -> Sections:

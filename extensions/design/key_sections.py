@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from granwave.extensions.design.search.problem import DESIGN_TABLES
-from granwave.workflows.cli.key_sections import Sections
+from granwave.workflows.cli.keys.sections import Sections
 
 
 def design_sections() -> Sections:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from granwave.extensions.inference.forces.case import InferCase
-from granwave.workflows.cli.key_sections import Sections
+from granwave.workflows.cli.keys.sections import Sections
 
 
 def inference_sections() -> Sections:

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.extensions.packings.insertion import nearest_image
-from granwave.lammps_inputs.case.grains import Grains, parse_grains
+from granwave.lammps_inputs.case.packing.grains import Grains, parse_grains
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 

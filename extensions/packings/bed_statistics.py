@@ -40,8 +40,8 @@ _SMALL_INSIDE = (
     "the part one diameter away from walls and surface is less than one diameter deep or wide"
 )
 _NOBODY_INSIDE = "no grain is one diameter away from walls and surface"
-_PRESSED = 1e-10  # overlap with a wall over the radius, above which it is not rounding
-_CARRIES = 1e-3  # force of a contact over the mean, above which the contact carries load
+_PRESSED = 1e-10  # overlap with a wall / radius, above which it is not rounding
+_CARRIES = 1e-3  # force of a contact / mean, above which the contact carries load
 
 
 def inner_part(recipe: Recipe, bed: Bed) -> tuple[Floats, Floats]:

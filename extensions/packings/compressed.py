@@ -35,8 +35,8 @@ from granwave.extensions.packings.recipe import (
 from granwave.extensions.packings.settling import SettlingLaw
 from granwave.extensions.packings.sizes import volume
 from granwave.lammps_inputs.case.bounds import EndlessBottom, EndlessSides
-from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.case.made_packing import MakerInput
+from granwave.lammps_inputs.case.packing.grains import Grains
+from granwave.lammps_inputs.case.packing.made_packing import MakerInput
 from granwave.lammps_inputs.case.precompression import Overlaps
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.errors import Mismatch

@@ -35,7 +35,7 @@ from granwave.extensions.packings.lammps_grains import (
 )
 from granwave.extensions.packings.settling import SettlingLaw
 from granwave.extensions.packings.sizes import volume
-from granwave.lammps_inputs.case.springs import springs_table
+from granwave.lammps_inputs.case.packing.springs import springs_table
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.restart_file import read_restart
 from granwave.workflows.run import mpi
@@ -66,12 +66,12 @@ _OVERLAP = 1e-3  # diameters; the stiffness of contacts at it gives the timestep
 _FIRE_STEP = 0.03  # timestep at first over sqrt(mass/stiffness)
 _LONGEST_MOVE = 0.02  # largest displacement of a grain in one iteration, diameters
 _MOST_ITERATIONS = 40_000
-_FORCE = 1e-9  # net force at rest over E* D^2
-_OF_PRESSURE = 1e-4  # the same over pressure times D^2
+_FORCE = 1e-9  # net force at rest / E* D^2
+_OF_PRESSURE = 1e-4  # the same / pressure times D^2
 _DRAG = 0.1  # drag over sqrt(mass stiffness), with friction
 _LOOK = 500  # steps between checks of the forces, with friction
 _MOST_LOOKS = 400
-_AT_REST = 1e-2  # net force over the largest one on the way, with friction
+_AT_REST = 1e-2  # net force / largest one on the way, with friction
 _BALANCED = 3e-4  # the same at the end
 _COLUMN_OVERLAP = 0  # column of the array of a wall
 _COLUMN_FORCE = 1
@@ -102,7 +102,7 @@ class CompressedGrains:
     pressure
         A third of the trace of the stress, Pa.
     residual
-        Largest net force on a grain over the largest contact force; 0 without contacts.
+        Largest net force on a grain / largest contact force; 0 without contacts.
     steps
         Number of steps of the compression.
     springs

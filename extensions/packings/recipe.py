@@ -14,14 +14,14 @@ from typing import Any, ClassVar
 from granwave.extensions.packings.bed import FOLDER, Bed, BedFile, digest_of
 from granwave.extensions.packings.lammps_grains import Report
 from granwave.extensions.packings.sizes import SizeDistribution
-from granwave.lammps_inputs.case.made_packing import (
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.packing.made_packing import (
     MakerInput,
     PackingMaker,
     PackingNotMadeError,
     PackingToMake,
     Row,
 )
-from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.precompression import Gravity
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.extensions import extensions

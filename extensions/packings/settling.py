@@ -31,7 +31,7 @@ from granwave.extensions.packings.lammps_grains import (
     positions_of,
 )
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.springs import springs_table
+from granwave.lammps_inputs.case.packing.springs import springs_table
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.restart_file import read_restart
 from granwave.workflows.run import mpi
@@ -50,14 +50,14 @@ WALLS = {
     ("y", 0): "ylo",
     ("y", 1): "yhi",
 }
-_OF_RAYLEIGH = 0.2  # timestep over the time of a Rayleigh wave across the smallest grain
+_OF_RAYLEIGH = 0.2  # timestep / time of a Rayleigh wave across the smallest grain
 _LOOKS = 20  # checks of the motion during the time of the fall
-_DRAG_TIME = 0.02  # time constant of drag over the time of the fall
+_DRAG_TIME = 0.02  # time constant of drag / time of the fall
 _MOST_TIMES = 40  # longest time of falling, and of drag, in times of the fall
-# kinetic energy of a grain over m g D at which drag begins, and at the end
+# kinetic energy of a grain / m g D at which drag begins, and at the end
 _SLOW = 1e-3
 _AT_REST = 1e-9
-_BALANCED = 3e-4  # net force on a grain over the largest force, at the end
+_BALANCED = 3e-4  # net force on a grain / largest force, at the end
 # without friction: kinetic energy at which the search for a minimum begins, and the net force there
 _CREEPING = 1e-6
 _AT_MINIMUM = 1e-8
@@ -79,7 +79,7 @@ class SettlingLaw:
     friction
         Coefficient of friction of grains and walls.
     rolling
-        Coefficient of rolling resistance, over the radius; only with friction.
+        Coefficient of rolling resistance / radius; only with friction.
     restitution
         Coefficient of restitution.
     acceleration
@@ -134,7 +134,7 @@ class Settled:
     normal_force, tangential_force
         Forces of the contacts: (n_contacts,), N.
     residual
-        Largest net force on a grain over the largest contact force.
+        Largest net force on a grain / largest contact force.
     steps
         Number of timesteps.
     springs
@@ -306,7 +306,7 @@ class _Settling:
 
     @property
     def _motion(self) -> float:
-        """Kinetic energy of a grain's translation over m g D."""
+        """Kinetic energy of a grain's translation / m g D."""
         return float(self._engine.lammps.extract_variable("motion")) / self._energy
 
     @property

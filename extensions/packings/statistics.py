@@ -35,7 +35,7 @@ _POINTS_ALONG_AN_EDGE = 64  # points along an edge of the inner part, in `solid_
 LEAST_CONTACTS = 2  # fewest contacts of a grain that carries load, with friction
 LEAST_WITHOUT_FRICTION = 4
 LEAST_UNDER_GRAVITY = 3  # without friction, with the weight as the fourth force
-TAIL_FROM = 1.0  # force over the mean at which the fitted tail begins
+TAIL_FROM = 1.0  # force / mean at which the fitted tail begins
 _BINS = 30
 _CONTACTS_OF_LAYER = 60
 
@@ -103,7 +103,7 @@ def depth_profile(position: Floats, diameter: Floats, area: float, edges: Floats
     """
     radius = diameter[:, None] / 2
     height = np.clip(edges - position[:, 2, None], -radius, radius)
-    # volume of a sphere below a plane at this height over its centre
+    # volume of a sphere below a plane at this height above its centre
     below = math.pi * (2 / 3 * radius**3 + radius**2 * height - height**3 / 3)
     return np.diff(below.sum(axis=0)) / (area * np.diff(edges))
 
@@ -198,7 +198,7 @@ def force_distribution(force: Floats) -> tuple[Floats, Floats]:
     Returns
     -------
     tuple
-        Middles of the bins, forces over the mean, and densities: (n_bins,) each.
+        Middles of the bins, forces / mean, and densities: (n_bins,) each.
     """
     relative = force / force.mean()
     density, edges = np.histogram(relative, bins=_BINS, range=(0.0, relative.max()), density=True)
@@ -215,7 +215,7 @@ def exponential_tail(force: Floats, start: float = TAIL_FROM) -> float:
     force
         Forces of contacts that carry load: (n_contacts,), N.
     start
-        Force over the mean from which on the tail is fitted.
+        Force / mean from which on the tail is fitted.
     """
     relative = force / force.mean()
     excess = relative[relative > start] - start

@@ -7,7 +7,7 @@ import argparse
 from granwave.analysis.summary_table import lines
 from granwave.extensions.packings.makers import MAKERS
 from granwave.extensions.packings.recipe import bed_file, bed_of
-from granwave.lammps_inputs.case.made_packing import maker_input
+from granwave.lammps_inputs.case.packing.made_packing import maker_input
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.errors import InputError

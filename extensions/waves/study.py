@@ -314,7 +314,7 @@ def rows_of_scatter(like: Case) -> Iterator[Row]:
     for name, place in (("transverse", 0), ("longitudinal", -1)):
         yield Row(
             f"Speed of {name} waves along [111] of FCC, 1e+06 Pa from all sides, scatter of 1 um", "m/s", None,
-            float(speeds[1][place]), "like spheres", "", float(speeds[0][place]),
+            float(speeds[1][place]), "identical spheres", "", float(speeds[0][place]),
         )  # fmt: skip
 
 

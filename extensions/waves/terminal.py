@@ -97,7 +97,7 @@ def _source(options: argparse.Namespace, name: str) -> Assembly | Path:
     Raises
     ------
     InputError
-        There is none, or keys are set for a run, whose case is what it was.
+        There is none, or keys are set for a run, whose case cannot be changed.
     """
     path = Path(options.case)
     source = None

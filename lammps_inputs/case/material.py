@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.contact.law_parameters import OF_MATERIAL, with_parameters
 from granwave.lammps_inputs.case.hints import DENSITY, DIAMETER, YIELD_STRENGTH, YOUNGS_MODULUS
-from granwave.lammps_inputs.case.law_parameters import OF_MATERIAL, with_parameters
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,

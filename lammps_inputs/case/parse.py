@@ -26,13 +26,11 @@ from granwave.lammps_inputs.case.case import (
     RECORD,
     case_sections,
 )
-from granwave.lammps_inputs.case.contact import read_pairs
-from granwave.lammps_inputs.case.contact_ways import CONTACTS, RELAXATION, SPRINGS, TOLERANCE
-from granwave.lammps_inputs.case.law_file import with_law_of_file
+from granwave.lammps_inputs.case.contact.contact import read_pairs
+from granwave.lammps_inputs.case.contact.law_file import with_law_of_file
 from granwave.lammps_inputs.case.loads.grains import GrainsLoad
 from granwave.lammps_inputs.case.loads.registry import read_load
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
-from granwave.lammps_inputs.case.made_packing import with_made_grains
 from granwave.lammps_inputs.case.material import (
     MATERIALS,
     Material,
@@ -40,8 +38,15 @@ from granwave.lammps_inputs.case.material import (
     read_materials,
     with_named_materials,
 )
-from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.packing_reading import read_packing
+from granwave.lammps_inputs.case.packing.contact_ways import (
+    CONTACTS,
+    RELAXATION,
+    SPRINGS,
+    TOLERANCE,
+)
+from granwave.lammps_inputs.case.packing.made_packing import with_made_grains
+from granwave.lammps_inputs.case.packing.packing import PackingSection
+from granwave.lammps_inputs.case.packing.reading import read_packing
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, MovedWalls, Precompression
 from granwave.lammps_inputs.case.schema import (
     ErrorList,

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.boundary import Boundary
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.errors import Mismatch
 

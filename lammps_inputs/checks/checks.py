@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from granwave.lammps_inputs.case.case import Case, WrongTable
-from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_size
+from granwave.lammps_inputs.case.packing.packing import check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.checks import (
     boundary,

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_ways import DAMPED, KEEP, KEY, RELAX, RELAXATION
-from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.packing.contact_ways import DAMPED, KEEP, KEY, RELAX, RELAXATION
+from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly

@@ -10,8 +10,8 @@ from itertools import combinations
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import presets
+from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.bed_state import bed_state
 from granwave.lammps_inputs.contact.contact_advice import advice_on

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from granwave.lammps_inputs.case.contact import INITIAL
+from granwave.lammps_inputs.case.contact.contact import INITIAL
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly

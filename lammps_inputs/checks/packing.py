@@ -9,9 +9,9 @@ import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import RIGID, Contact
-from granwave.lammps_inputs.case.contact_tables import MARSHALL, PRONY
-from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with
+from granwave.lammps_inputs.case.contact.contact import RIGID, Contact
+from granwave.lammps_inputs.case.contact.law_parameters import PARAMETERS, laws_with
+from granwave.lammps_inputs.case.contact.tables import MARSHALL, PRONY
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.law import cohesive_laws, error_in_parameters, viscous_loss
@@ -362,7 +362,7 @@ def _check_parameters(contact: Contact, key: str, errors: ErrorList) -> None:
         errors.add(key, f"{', '.join(names)}: {fault}")
 
 
-# overlap by cohesion over the radius of a sphere, up to which contacts are small
+# overlap by cohesion / radius of a sphere, up to which contacts are small
 _MOST_SUNKEN = 0.05
 
 

@@ -22,7 +22,7 @@ from granwave.lammps_inputs.packing.walls import materials_at, walls
 
 # component of an axis along a wall's normal, above which a cylinder stands on its end
 _UPRIGHT = 0.5
-_INCLINED = 2.0  # displacement of a wall over the overlap of a contact inclined by 60 degrees to it
+_INCLINED = 2.0  # displacement of a wall / overlap of a contact inclined by 60 degrees to it
 
 
 def check_precompression(case: Case, errors: ErrorList) -> None:

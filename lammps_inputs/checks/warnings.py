@@ -8,12 +8,15 @@ from collections.abc import Iterator, Sequence
 
 from granwave._contact_laws import FE_RANGE
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
-from granwave.lammps_inputs.case.contact_ways import KEEP, KEY
-from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.case.law_parameters import OF_MATERIAL, RATE, is_set, laws_with
+from granwave.lammps_inputs.case.contact.contact import (
+    FITTED_POISSON_RATIO,
+    hertz_von_mises_yield_factor,
+)
+from granwave.lammps_inputs.case.contact.law_parameters import OF_MATERIAL, RATE, is_set, laws_with
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.packing_values import Enclosure
+from granwave.lammps_inputs.case.packing.contact_ways import KEEP, KEY
+from granwave.lammps_inputs.case.packing.grains import Grains
+from granwave.lammps_inputs.case.packing.values import Enclosure
 from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import echoes

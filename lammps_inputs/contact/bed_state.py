@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.springs import ContactSpring, parse_springs
+from granwave.lammps_inputs.case.packing.springs import ContactSpring, parse_springs
 from granwave.lammps_inputs.errors import InputError, Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_image

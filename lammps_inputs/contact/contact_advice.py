@@ -9,7 +9,7 @@ import dataclasses
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case, WrongTable
-from granwave.lammps_inputs.case.contact_ways import (
+from granwave.lammps_inputs.case.packing.contact_ways import (
     DAMPED,
     KEEP,
     KEY,
@@ -19,7 +19,7 @@ from granwave.lammps_inputs.case.contact_ways import (
     TOLERANCE,
     TOUCH,
 )
-from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.packing.touching import (
     GrainGaps,
@@ -66,7 +66,7 @@ class ContactAdvice:
     has_springs
         True if the case has their tangential springs.
     relative_overlap
-        Largest overlap over the diameter of the smaller grain of the pair.
+        Largest overlap / diameter of the smaller grain of the pair.
     """
 
     last_place: float

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_tables import Dents
+from granwave.lammps_inputs.case.contact.tables import Dents
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.law import law_between
@@ -29,7 +29,7 @@ from granwave.lammps_inputs.packing.places import near_pairs
 from granwave.lammps_inputs.packing.walls import touched_by, walls
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
-LARGEST = 0.2  # largest overlap over R* in the fit of the elasto-plastic law
+LARGEST = 0.2  # largest overlap / R* in the fit of the elasto-plastic law
 KEY = "contact.initial_overlap"
 
 _REACH = 0.1  # diameters; largest gap of a contact with a dent, too small for second neighbours

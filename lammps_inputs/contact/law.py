@@ -19,11 +19,11 @@ import numpy as np
 from granwave._contact_laws import ContactLaw, LineContact
 from granwave.lammps_inputs.case.boundary import Backing
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import (
+from granwave.lammps_inputs.case.contact.contact import (
     LAWS,
     Contact,
 )
-from granwave.lammps_inputs.case.contact_tables import PRONY, Cohesion, DashpotRestitution
+from granwave.lammps_inputs.case.contact.tables import PRONY, Cohesion, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
@@ -241,7 +241,7 @@ def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
 
 _STEPS = 2000  # steps of a collision
 _ROUNDING = 1e-6  # rounding error of a restitution without loss
-# relaxation time over the duration of the elastic collision: restitution is below 0.01
+# relaxation time / duration of the elastic collision: restitution is below 0.01
 _MOST_TIME = 20.0
 _MOST_FACTOR = 50.0  # largest factor of a dashpot: restitution is below 0.01
 _ACCURACY = 1e-9  # relative accuracy of the relaxation time or factor

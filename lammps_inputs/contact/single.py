@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave._contact_laws import ContactLaw, elliptic_radius
-from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE, NO_FORCE, Contact
+from granwave.lammps_inputs.case.contact.contact import ALL_LAWS, LINE, NO_FORCE, Contact
 from granwave.lammps_inputs.case.material import (
     SELECTORS,
     Cylinder,

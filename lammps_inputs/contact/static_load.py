@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.bodies import MATCHED, Absorb
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.contact.contact import Contact
 from granwave.lammps_inputs.case.precompression import (
     Gravity,
     MovedWalls,
@@ -45,7 +45,7 @@ from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
-_OF_MEAN = 4.0  # largest force of a contact over the mean at the bottom of a bed
+_OF_MEAN = 4.0  # largest force of a contact / mean at the bottom of a bed
 FORCE_TOLERANCE = 1e-4  # relative tolerance of the force of walls that are moved to a force
 _SHELL = (
     3,

@@ -9,9 +9,9 @@ from itertools import chain, combinations_with_replacement
 
 import numpy as np
 
-from granwave.lammps_inputs.case.contact import INITIAL, Contact
-from granwave.lammps_inputs.case.contact_tables import MARSHALL, Resistance
-from granwave.lammps_inputs.case.law_parameters import OF_LOSS, is_set, keywords, value_of
+from granwave.lammps_inputs.case.contact.contact import INITIAL, Contact
+from granwave.lammps_inputs.case.contact.law_parameters import OF_LOSS, is_set, keywords, value_of
+from granwave.lammps_inputs.case.contact.tables import MARSHALL, Resistance
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import (
     HERTZ,

@@ -39,17 +39,17 @@ from granwave.lammps_inputs.script_words import joined, num
 
 _DAMPING = "static_damping"  # fix, and prefix of its variables
 _SPIN = "static_spin"  # compute, of angular velocities
-# net force, with the drag on the spin, over the largest contact force, at the end of a damped run
+# net force, with the drag on the spin / largest contact force, at the end of a damped run
 QUIET = 4e-7
 _MOST_STEPS = 1_000_000  # most steps of a damped run
 # steps times grains up to which `QUIET` is required under gravity, and its bounds in steps
 _STRICT_WORK = 30_000_000
 _STRICT_STEPS = (10_000, 60_000)
-# limits after these steps: sum of the net forces over the weight of the bed, and net force over the
+# limits after these steps: sum of the net forces / weight of the bed, and net force /
 # weight of a grain or a clump
 CALM = 3e-4
 HELD = 1.0
-LOOSE = 0.01  # net force over the weight of a grain above which it is named
+LOOSE = 0.01  # net force / weight of a grain above which it is named
 # fraction by which a net force is reduced where it accelerates a sphere in a damped run
 _DAMPED_PART = 0.5
 # drag on spin over sqrt(stiffness mass) times 0.4 radius^2; a third and 2.7 times of it take a
@@ -62,8 +62,8 @@ _NET = "sqrt(fx^2+fy^2+fz^2)"  # net force on a sphere
 # columns of the log: largest force of a contact between grains, and with walls
 LARGEST_OF_PAIRS = "c_static_largest"
 LARGEST_OF_ALL = "v_static_carried"
-UNBALANCED = "static_unbalanced"  # variable: sum of the net forces over the weight of the bed
-LEAST_HELD = "static_worst"  # compute: largest net force over the weight of its grain or clump
+UNBALANCED = "static_unbalanced"  # variable: sum of the net forces / weight of the bed
+LEAST_HELD = "static_worst"  # compute: largest net force / weight of its grain or clump
 ROLLING_GRAINS = "static_rolling"  # compute: number of grains above `LOOSE`
 _BODY = "static_body"  # compute of sums over clumps, and prefix of the others that it needs
 # first columns of it

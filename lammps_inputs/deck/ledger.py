@@ -195,7 +195,7 @@ def _elastic_energies(
 def _dissipated_energies(
     assembly: Assembly, parts: Sequence[EnergyPart], columns: Mapping[str, str]
 ) -> list[str]:
-    """Return the terms of the dissipated energy: contacts, holder, absorbing spheres, support."""
+    """Return the terms of the dissipated energy: contacts, guide, absorbing spheres, support."""
     terms = [EnergyColumn.DISSIPATED.of("c_contact"), *_on_walls(assembly, WallColumn.DISSIPATED)]
     for part in parts:
         if not part.is_stored:

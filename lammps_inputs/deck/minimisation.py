@@ -16,15 +16,15 @@ from granwave.lammps_inputs.run_directory import DUMPS, MOVED_WALLS_FILE
 from granwave.lammps_inputs.script_words import num
 
 MOST_ITERATIONS = 200_000
-# largest contact force over the expected one, below which the grains no longer carry the load
+# largest contact force / expected one, below which the grains no longer carry the load
 LOST_LOAD = 1e-3
 WALL_PREFIX = "static_"  # prefix of the wall fixes of the stage
 
-_TOLERANCE = 1e-9  # net force on a sphere at convergence over the mean contact force
+_TOLERANCE = 1e-9  # net force on a sphere at convergence / mean contact force
 # With disorder or dents it takes tens of thousands of iterations, and single contacts may carry
 # many times the mean:
-_TOLERANCE_OF_DISORDER = 3e-7  # the same over the largest contact force of the first half
-_FIRST_HALF = 1e-5  # the same over the mean contact force, in the first half
+_TOLERANCE_OF_DISORDER = 3e-7  # the same / largest contact force of the first half
+_FIRST_HALF = 1e-5  # the same / mean contact force, in the first half
 _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
 # rounds in which walls move to a force; the secant method doubles the digits in two rounds
 _ROUNDS = 8

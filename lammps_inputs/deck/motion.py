@@ -31,7 +31,7 @@ GRAVITY = 9.81  # gravity on beads in their guide, m/s^2
 _TICK = (
     "# A tick is the unit of the step counter; fix step, below, sets the number of ticks per step."
 )
-_HALF_INERTIA = 0.2  # half the moment of inertia of a sphere over m R^2
+_HALF_INERTIA = 0.2  # half the moment of inertia of a sphere / m R^2
 _OF_CYLINDER = 1.25  # moment of inertia of a cylinder over that of a sphere of this mass and radius
 
 Vector = tuple[float, float, float]

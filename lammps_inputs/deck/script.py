@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from itertools import product
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import INITIAL
+from granwave.lammps_inputs.case.contact.contact import INITIAL
 from granwave.lammps_inputs.deck.commands import (
     PARTS,
     command,
@@ -90,7 +90,7 @@ _MOST_STEPS_BETWEEN_CHECKS = 10
 # distance between checks of the list at the highest speed, over the skin
 _TRAVEL_BETWEEN_CHECKS = 0.01
 _STEPS_BETWEEN_BALANCES = 500  # steps between balances of the box between ranks
-_IMBALANCE = 1.1  # work of the busiest rank over the mean, above which the box is divided again
+_IMBALANCE = 1.1  # work of the busiest rank / mean, above which the box is divided again
 
 
 def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> str:

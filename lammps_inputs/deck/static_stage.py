@@ -121,7 +121,7 @@ _FORCES = (
     f"compute         static_largest all reduce max {SphereColumn.FORCE.of(_SPHERE)}",
 )
 
-# residual: largest net force on a sphere over the largest contact force, or over the load if no
+# residual: largest net force on a sphere / largest contact force, or / load if no
 # force is known
 RECORD = {
     "residual": "$(c_static_net/({largest}+({largest}==0)*v_static_load):%.6g)",
@@ -133,7 +133,7 @@ RECORD = {
     "iterations": "${static_iterations}",
 }
 # for grains that carry their own weight, after a damped run: sum of the net forces over the weight
-# of all, largest net force over the weight of its grain, number of grains that still roll
+# of all, largest net force / weight of its grain, number of grains that still roll
 RECORD_OF_WEIGHT = {
     "unbalanced": f"$(v_{UNBALANCED}:%.6g)",
     "worst": f"$(c_{LEAST_HELD}:%.6g)",

@@ -8,7 +8,7 @@ import dataclasses
 
 import numpy as np
 
-from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing_kind import TOUCHING
 

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import CylinderPair
-from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Cylinder, Shape
+from granwave.lammps_inputs.case.packing.grains import Grains
 
 _NO_AXIS = (0.0, 0.0, 0.0)
 _PARALLEL = 1e-9  # sine of the angle of axes up to which they count as parallel, as in the plugin

@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Replace, Striker
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing.packing import PackingSection
 
 DEFAULT_SEED = 1
 DIAMETERS, VACANCIES, REPLACE, STRIKERS = range(4)  # streams

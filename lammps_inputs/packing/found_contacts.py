@@ -8,7 +8,7 @@ import dataclasses
 from typing import Any
 
 from granwave.lammps_inputs.case.boundary import Boundary
-from granwave.lammps_inputs.case.contact_ways import (
+from granwave.lammps_inputs.case.packing.contact_ways import (
     DAMPED,
     KEEP,
     KEY,
@@ -19,8 +19,8 @@ from granwave.lammps_inputs.case.contact_ways import (
     TOLERANCE,
     TOUCH,
 )
-from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing.grains import Grains
+from granwave.lammps_inputs.case.packing.packing import PackingSection
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Overlaps, Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.errors import Mismatch

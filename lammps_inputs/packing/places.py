@@ -18,11 +18,11 @@ from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.packing_values import Enclosure
-from granwave.lammps_inputs.lattices import FILE, Lattice, kind_of, lattice_kinds
+from granwave.lammps_inputs.case.packing.grains import Grains
+from granwave.lammps_inputs.case.packing.packing import PackingSection
+from granwave.lammps_inputs.case.packing.values import Enclosure
+from granwave.lammps_inputs.lattices import FILE, Lattice, kind_of, lattice_kinds, middle_of
 from granwave.lammps_inputs.packing.cylinders import distances, extents, nearest_image, reaches
 from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
 
@@ -93,6 +93,14 @@ class Places:
         """Ids of the grains with the uppermost centres (the lowest z), in rising order."""
         depth = self.grains.position[:, 2]
         return 1 + np.flatnonzero(depth - depth.min() <= TOUCHING * self.diameter)
+
+    @cached_property
+    def middle_of_top(self) -> int:
+        """Id of the grain of the top layer nearest to the centroid of this layer, see
+        `granwave.lammps_inputs.lattices.middle_of`.
+        """
+        ids = self.top_layer
+        return middle_of(ids, self.grains.position[ids - 1], self.diameter)
 
     def within_reach(self, radius: float) -> int:
         """Return the id of the grain nearest to the middle of the packing on whose top a sphere of
@@ -266,8 +274,7 @@ def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False
 def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     """Return the ids of the loaded spheres; the first one is the impacted sphere.
 
-    The impacted sphere is the sphere of the top layer nearest to the centroid of this layer (ties
-    within 1e-6 D: the lowest id). A ``count`` of 3 adds the two neighbours that rest with it on the
+    The impacted sphere is in the middle of the top layer, see `middle_of_top`. A ``count`` of 3 adds the two neighbours that rest with it on the
     same sphere of the next layer (the pair with the lowest ids if there are several), 7 its six
     neighbours in the layer.
 
@@ -276,18 +283,15 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     ValueError
         The packing has no such neighbours.
     """
-    ids = lattice.top_layer
-    top = lattice.positions(1, int(ids[-1]))[ids - 1, :2]
-    distance = np.linalg.norm(top - top.mean(axis=0), axis=1)
-    centre = int(ids[np.flatnonzero(distance <= distance.min() + TOUCHING * lattice.diameter)[0]])
+    centre = lattice.middle_of_top
     if count == 1:
         return (centre,)
     if not lattice.rule.hexagonal:
         able = " or ".join(name for name, kind in lattice_kinds().items() if kind.hexagonal)
         raise ValueError(f"{count} spheres require hexagonal layers ({able}), found {lattice.kind}")
-    around, below = (
-        [one for one in lattice.neighbours(centre) if lattice.layer_of(one) == k] for k in (0, 1)
-    )
+    neighbours = lattice.neighbours(centre)
+    around = [sphere for sphere in neighbours if lattice.layer_of(sphere) == 0]
+    below = [sphere for sphere in neighbours if lattice.layer_of(sphere) == 1]
     if count == 7:
         if len(around) != 6:
             raise ValueError(
@@ -295,10 +299,11 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
                 "require 6"
             )
         return (centre, *around)
-    resting = [
-        [other for other in lattice.neighbours(support) if other in around] for support in below
-    ]
-    pairs = [pair for pair in resting if len(pair) == 2]
+    pairs = []
+    for support in below:
+        resting = [sphere for sphere in lattice.neighbours(support) if sphere in around]
+        if len(resting) == 2:
+            pairs.append(resting)
     if not pairs:
         raise ValueError(
             "no two neighbours of the impacted sphere rest with it on one sphere below"

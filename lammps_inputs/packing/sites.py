@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, Shape
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing.packing import PackingSection
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.disorder import (
     diameter_losses,

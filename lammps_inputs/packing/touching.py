@@ -17,7 +17,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.case.packing.grains import Grains
 from granwave.lammps_inputs.packing.cylinders import (
     distances,
     nearest_image,
@@ -28,7 +28,7 @@ from granwave.lammps_inputs.packing.places import near_pairs
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
 _DIGITS = 15  # digits of a double that survive a change of its unit
-_OF_GAP = math.sqrt(3) + 1 / 2  # largest error of a gap over the unit of the last place
+_OF_GAP = math.sqrt(3) + 1 / 2  # largest error of a gap / unit of the last place
 _LARGEST_DEFAULT = 1e-2  # diameters: largest tolerance by the digits of a file
 _ROUNDS = 6  # iterations of the fit; each squares the error
 _CLOSED = 1e-13  # diameters: gap of grains that just touch

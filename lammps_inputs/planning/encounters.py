@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.boundary import Backing
-from granwave.lammps_inputs.case.contact import NO_FORCE
+from granwave.lammps_inputs.case.contact.contact import NO_FORCE
 from granwave.lammps_inputs.case.loads.bounds import LARGEST_OVERLAP, work_to_force
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.initial_dents import largest_dent

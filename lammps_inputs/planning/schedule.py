@@ -30,7 +30,7 @@ from granwave.lammps_inputs.planning.timestep import (
 )
 
 BLOCK_TIME = 50e-6  # s, of end_time = "auto"
-BLOCK_THRESHOLD = 1e-4  # dissipation of a block over the input energy, below which it is the last
+BLOCK_THRESHOLD = 1e-4  # dissipation of a block / input energy, below which it is the last
 _TICKS_OF_FIRST = 4  # the timestep can fall to a quarter of what was expected
 # and can rise to 8 times the first one: 232 ns in the reference case, with records of walls at this
 # interval
@@ -46,7 +46,7 @@ MOST_STEPS = 2e9
 _MOST_UNEVEN_FRAMES = 10_000
 _AUTO_FRAME_SPAN = 1e-3  # s, time over which `frames` snapshots are spread if the end is not known
 # for run.frames = "auto": fraction of the snapshots until the wave reaches the bottom, and that
-# time over the expected arrival
+# time / expected arrival
 _DENSE_PART = 2 / 3
 _DENSE_UNTIL = 1.1
 
@@ -80,7 +80,7 @@ class Schedule:
     first_step, longest_step
         Ticks of the first and the longest timestep; both 1 with a fixed timestep.
     energy_tolerance
-        Largest error of the energy balance that the timestep is chosen for, over the input; 0 with
+        Largest error of the energy balance that the timestep is chosen for / input; 0 with
         a fixed timestep.
     """
 

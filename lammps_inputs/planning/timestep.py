@@ -36,7 +36,7 @@ from collections.abc import Sequence
 
 from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCILLATION
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import Resistance
+from granwave.lammps_inputs.case.contact.contact import Resistance
 from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.contact.law import cohesive_laws
@@ -50,7 +50,7 @@ from granwave.lammps_inputs.planning.encounters import (
     some_encounters,
 )
 
-_TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
+_TOLERANCE = 1e-6  # error of the energy balance at any instant / energy input
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
 _OF_ROLLING = 0.2  # timestep over 1/angular frequency of a given stiffness; stable below 2
 _OF_COHESION = 0.5  # surfaces that jump together move fast at first
@@ -65,7 +65,7 @@ _REMEDIES = {
     "bar.length": "a longer bar",
     "incident_bar.length": "a longer bar",
 }
-_OF_LOAD = 0.01  # timestep over the duration or period of a load
+_OF_LOAD = 0.01  # timestep / duration or period of a load
 # same for a load on a bar, whose energy balance has an error of some (pi dt/T)^2
 _OF_LOAD_ON_BAR = 5e-4
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_tables import Dents, Resistance
+from granwave.lammps_inputs.case.contact.tables import Dents, Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.initial_dents import dents_in, regions_of
 from granwave.lammps_inputs.contact.law import law_between

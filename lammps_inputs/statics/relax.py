@@ -65,7 +65,7 @@ class StaticState:
     position, periods
         Positions of the grains, and periods of the cell: (n, 3) and (n_periods, 3), m.
     residual
-        Largest net force on a grain over the largest force of a contact.
+        Largest net force on a grain / largest force of a contact.
     """
 
     bodies: Bodies

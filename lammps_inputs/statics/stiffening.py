@@ -24,8 +24,8 @@ import logging
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_ways import KEY
-from granwave.lammps_inputs.case.springs import parse_springs
+from granwave.lammps_inputs.case.packing.contact_ways import KEY
+from granwave.lammps_inputs.case.packing.springs import parse_springs
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.statics.bodies import Array, Bodies, NeighbourPairs
@@ -34,7 +34,7 @@ from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 _LOG = logging.getLogger("granwave")
 _SOFT = 1 / 3  # ratio of forces below which a bed was settled with a softer material
 _OF_FORCE = 2 / 3  # power of the force with which the overlap grows under Hertz's law
-_SETTLED = 0.01  # largest net force of a settled bed over its largest contact force
+_SETTLED = 0.01  # largest net force of a settled bed / its largest contact force
 _MOST_GRAINS = 1000  # largest number of grains of a bed without friction: these take a minute
 _MANY_GRAINS = 300  # number of grains above which the search is announced
 # what to do with a bed without friction that finds no balance
@@ -44,7 +44,7 @@ _SETTLE_AS_RUN = (
 )
 _ROUNDS = 60  # most iterations of the least squares
 _DAMPING = 0.03  # damping of the least squares: bounds motions that hardly change an overlap
-_CLOSED = 1e-4  # largest error of an overlap over the mean one, at which the iterations end
+_CLOSED = 1e-4  # largest error of an overlap / mean one, at which the iterations end
 _PRECISION = 1e-10  # precision of the least squares
 _MOST_ITERATIONS = 20_000
 _REACH = 4.0  # gap up to which grains may come to touch on the way, largest overlaps
@@ -59,7 +59,7 @@ class StiffenedBed:
     position
         Centres of all grains: (n, 3), m.
     ratio
-        Modulus of the case over that of the bed.
+        Modulus of the case / modulus of the bed.
     before, after
         Largest overlap in the soft bed and with the material of the case, m.
     moved

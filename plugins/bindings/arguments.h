@@ -23,7 +23,7 @@ std::pair<Material, Material> elastic_bodies(Two modulus, Two poisson);
 /* Value of a parameter in Python: a number or a word. */
 pybind11::object as_python(const LawParameter &parameter, double value);
 
-/* Value of a parameter from Python; ValueError if it is out of range, or no word of the parameter. */
+/* Value of a parameter from Python; ValueError if it is out of range, or not a word of the parameter. */
 double from_python(const LawParameter &parameter, pybind11::handle object);
 
 /* Bounds of a range, by their names in the schema of case files. */

@@ -14,10 +14,11 @@ namespace granwave::bindings {
 
 void bind_laws(py::module_ &module)
 {
-  py::class_<LawParameter>(module, "LawParameter", "A parameter of contact laws: a number, or one of some words.")
+  py::class_<LawParameter>(module, "LawParameter", "A parameter of contact laws: a number, or one of a list of words.")
       .def_readonly("name", &LawParameter::name)
       .def_readonly("symbol", &LawParameter::symbol, "of its value")
-      .def_readonly("keyword", &LawParameter::keyword, "in input scripts; those of one keyword follow it together")
+      .def_readonly("keyword", &LawParameter::keyword,
+                    "in input scripts; parameters with the same keyword follow it together")
       .def_readonly("description", &LawParameter::description)
       .def_readonly("unit", &LawParameter::unit, "SI; empty if the description states it, or there is none")
       .def_property_readonly("of_material", &LawParameter::is_of_material,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Head-on collision of two bodies with a contact law and a viscous loss. */
+/* Head-on collision of two bodies with a contact law and viscous damping. */
 
 #ifndef GRANWAVE_BINDINGS_COLLISION_H
 #define GRANWAVE_BINDINGS_COLLISION_H
@@ -11,7 +11,7 @@ namespace granwave::bindings {
 /* Head-on collision of two bodies with a contact law and a viscous loss, by the classical Runge-Kutta method; of viscoelastic
    bodies by velocity Verlet. */
 struct Collision {
-  // speed of separation over speed of approach, 0 without separation, NaN if the bodies are not stopped
+  // speed of separation / speed of approach, 0 without separation, NaN if the bodies are not stopped
   double restitution;
   double duration, peak_force, peak_overlap;
 };

@@ -118,6 +118,15 @@ FOR_AVX2 int write_fours(const ContactBatch &from, TangentialSpring *springs)
 
 }    // namespace
 
+FOR_EACH_PROCESSOR void ContactBatch::multiply_normals()
+{
+  for (int m = 0; m < size; m++) {
+    const double apart = std::sqrt(rsq[m]);
+    for (int d = 0; d < 3; d++) del[d][m] = del[d][m] / apart * apart;
+    rsq[m] = apart * apart;
+  }
+}
+
 FOR_EACH_PROCESSOR bool ContactBatch::compute_overlap()
 {
   int errors = 0;

@@ -60,6 +60,9 @@ struct ContactBatch {
     del[2][n] = delz;
     rsq[n] = square;
   }
+  /* Replace the vectors by unit normals times distance, and the squared lengths by the squares of these distances: with the same
+     last bits as of pairs whose distance is not that of their centers. */
+  void multiply_normals();
   /* Compute distance, overlap, Hertzian force and contact circle. Returns true if an overlap is too large or not a number. */
   bool compute_overlap();
   /* Compare the overlaps with the previous peaks: bit m of `raised` is set if that of pair m is larger, of `yielded` if the
@@ -75,13 +78,14 @@ struct ContactBatch {
   void write(TangentialSpring *springs) const;
   /* Compute forces and torques on the spheres, including friction. */
   void compute_forces_and_torques();
-  /* The same after tangential force, compliance and loss have been advanced by a timestep dt; the force is 0 if the limit is 0. */
+  /* Compute the same forces after tangential force, compliance and loss have been advanced by a timestep dt; the force is
+     0 if the limit is 0. */
   void advance_forces_and_torques(double dt);
   /* Add the normal forces to both spheres if their indices are below `owned`. */
   void add_normal(double *forces, int owned) const;
-  /* Add forces and torques including friction likewise, and meanwhile fetch springs of later pairs. */
+  /* Add forces and torques including friction in the same way, and meanwhile prefetch springs of later pairs. */
   void add_forces_and_torques(double *forces, double *torques, int owned, const TangentialSpring *springs) const;
-  /* Same, with torques of rolling and twisting on sphere i and opposite torques on j. */
+  /* Add them with torques of rolling and twisting on sphere i and opposite torques on j. */
   void add_forces_and_moments(double *forces, double *torques, int owned, const double (*moment)[3]) const;
 
  private:

@@ -123,7 +123,7 @@ class ContactHistory {
     layout_ = wanted;
   }
 
-  /* Copy a block into a zero block of another layout that contains it. */
+  /* Copy a block into a block of zeros of another layout that contains its layout. */
   static void copy_block(const BlockLayout &from, const double *source, const BlockLayout &to, double *target)
   {
     const int n = std::min(from.n_extra, to.n_extra);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* State of contacts in memory, of pairs, walls and cylinders alike: what a contact remembers beyond its largest overlap, where that
-   stands in its block of doubles, and what one timestep makes of it. No LAMMPS types.
+/* State of contacts in memory, of pairs, walls and cylinders alike: the state of a contact in addition to its largest
+   overlap, where that stands in its block of doubles, and what one timestep makes of it. No LAMMPS types.
 
    The block has the doubles of the law in front, and behind them a history of each kind that is in use. They are found from its
    end: the front has room for the law with the most doubles. */
@@ -21,8 +21,8 @@
 
 namespace granwave {
 
-/* Contact as a file has it: its largest overlap, and if `whole` all that it remembers: the spring, on a wall the place of the dent, and
-   the block, which may be empty where it begins anew. */
+/* Contact as stored in a file: its largest overlap, and if `whole` its complete state: the spring, on a wall the place of
+   the dent, and the block, which may be empty where it begins anew. */
 struct KnownContact {
   double peak = 0.0;
   bool whole = false;
@@ -96,8 +96,8 @@ struct ContactMemory {
     return slip ? SlipHistory::energy(block + n - to_slip(), spring) : granwave::tangential_energy(spring);
   }
 
-  /* Turn what a block holds into the start of a run: springs and necks stay, losses are 0. `keeps_law` if the doubles of the law
-     stay, too. */
+  /* Turn the content of a block into the start of a run: springs and necks stay, dissipated energies are set to 0.
+     `keeps_law` if the doubles of the law stay, too. */
   void begin(double *block, bool keeps_law) const
   {
     if (!keeps_law) std::fill_n(block, n - size(), 0.0);
@@ -115,7 +115,7 @@ struct ContactMemory {
     return (friction || !sprung) && (contact.block.empty() || static_cast<int>(contact.block.size()) == n);
   }
 
-  /* Forget the viscous forces of the last step: there are none in a minimization, and behind a contact that is no more. */
+  /* Forget the viscous forces of the last step: there are none in a minimization, and none after the end of a contact. */
   void forget_viscous(double *block) const
   {
     loss_of(block)->forget_state();
@@ -123,7 +123,7 @@ struct ContactMemory {
     if (damping) damping_of(block).release();
   }
 
-  /* End the spring of surfaces that have parted, or that friction does not hold. */
+  /* End the spring of surfaces that have separated, or that friction does not hold. */
   void release_spring(TangentialSpring &spring, double *block) const
   {
     if (damping) damping_of(block).release();

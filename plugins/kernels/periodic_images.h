@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Vectors between two spheres across a periodic boundary, from the coordinates of one of them and of a ghost of the other. LAMMPS rounds
-   the coordinates of ghosts, x_i - s and x_j + s with the shift s of the image, so that the vectors to them differ in their last bits.
-   Both ghosts are known in either case, since a coordinate that is there can be shifted as LAMMPS does it: the vector is computed from
-   the two ghosts, as (x_i - s) - (x_j + s) + s. No LAMMPS types. */
+/* Vectors between two spheres across a periodic boundary, from the coordinates of one sphere and of a ghost of the other.
+   LAMMPS rounds the coordinates of ghosts, x_i - s and x_j + s with the shift s of the image, so that the vectors to them
+   differ in their last bits. Both ghosts are known in either case, since a coordinate that is there can be shifted as
+   LAMMPS does it: the vector is computed from the two ghosts, as (x_i - s) - (x_j + s) + s. No LAMMPS types. */
 
 #ifndef GRANWAVE_PERIODIC_IMAGES_H
 #define GRANWAVE_PERIODIC_IMAGES_H
@@ -27,7 +27,32 @@ GRANWAVE_KERNEL ImageShift image_shift(const std::int8_t (&images)[3], const dou
            {0.0, 0.0, along_c * edges[2]}}};
 }
 
-/* Difference of two quantities of spheres i and j, of which one is that of a ghost, from those of the ghosts of both.
+/* Shifts of all ghosts that are at most one image away along each edge. */
+class ShiftTable {
+ public:
+  void set(const double (&edges)[6])
+  {
+    for (int n = 0; n < SIZE; n++) {
+      const std::int8_t images[3] = {static_cast<std::int8_t>(n % 3 - 1), static_cast<std::int8_t>(n / 3 % 3 - 1),
+                                     static_cast<std::int8_t>(n / 9 - 1)};
+      shifts_[n] = image_shift(images, edges);
+    }
+  }
+
+  /* Shift of a ghost, or null if it is further away. */
+  const ImageShift *of(const std::int8_t (&images)[3]) const
+  {
+    for (const std::int8_t along : images)
+      if (along < -1 || along > 1) return nullptr;
+    return shifts_ + (images[0] + 1) + 3 * (images[1] + 1) + 9 * (images[2] + 1);
+  }
+
+ private:
+  static constexpr int SIZE = 27;    // -1, 0 or 1 along each of three edges
+  ImageShift shifts_[SIZE] = {};
+};
+
+/* Difference of a quantity between spheres i and j, one of which is a ghost, from the image shifts of both.
 
    ghost_is_j  true if the ghost is that of j
    shifted     _i, _j: whether the quantities of i and j are shifted with their ghosts */

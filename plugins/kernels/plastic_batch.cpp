@@ -9,7 +9,7 @@ using namespace granwave;
 
 namespace {
 
-/* The law with powers, for each instruction set; the other laws are simple. */
+/* The elastoplastic law, which needs powers, is compiled for each instruction set; the other laws are simple. */
 FOR_EACH_PROCESSOR void load(const Elastoplastic &of, int n, const double *overlap, double *force, double *area)
 {
   const Elastoplastic law = of;    // a copy, which stores do not change

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Extensions of standard C++: functions compiled for several instruction sets, of which the best available one is selected
+/* Extensions of standard C++: functions compiled for several instruction sets, of which the best available set is selected
    at run time; groups of numbers in one register; prefetching; the lowest bit of a word. Results are bitwise identical with
    and without them, since nothing is contracted or reordered (CMakeLists.txt).
 

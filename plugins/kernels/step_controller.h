@@ -61,7 +61,7 @@ class StepController {
   /* Correct the error of the energy balance by a measured value. */
   void correct(double s, double measured) { left_ += measured - error(s); }
 
-  /* Record an increase of s for another reason than motion, such as atoms that were added or deleted. */
+  /* Record an increase of s that is not due to motion, such as atoms that were added or deleted. */
   void shift(double more) { start_ += more; }
 
   /* Error of the energy balance now. */
@@ -121,7 +121,7 @@ class StepController {
   {
     const std::int64_t longer = 2 * wanted_;
     if (longer <= longest && static_cast<double>(longer) <= bound_ && now % longer == 0 && swing_ <= swing_before_) {
-      // changes that add up are kept small: one waits for a moment at which it takes back what the others left
+      // accumulated errors of changes are kept small: a change waits for a moment at which its error compensates the errors of earlier changes
       const double made = std::fabs(centre(ticks_, s)), then = std::fabs(centre(longer, s));
       const double most = std::max(USED_WHEN_LONGER * (allowed - then), LEAST_USED * allowed);
       if (then <= std::max(made, LEFT * allowed) && square(longer) * swing_ <= most) return want(longer);

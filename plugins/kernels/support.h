@@ -95,7 +95,7 @@ class Support {
     return std::min(of_plane, of_chain);
   }
 
-  /* Mass with which the support resists a contact of a sphere of this mass, of the given stiffness; infinite where the plane is
+  /* Mass with which the support resists a contact of a sphere of this mass, of the given stiffness; infinite if the plane is
      the surface of a body that the ground holds or that has no end. At the frequency w = sqrt(k/m) of the sphere on a plane at
      rest a node counts with M + C/w + K/w^2: a plate with its mass, and as held where its spring or damper hold it. */
   double moved_mass(double sphere, double stiffness) const
@@ -174,7 +174,7 @@ class Support {
     return 0.5 * sum + borne_ * place_.back();
   }
 
-  /* Add force times velocity, and force^2 over mass, of all nodes; forces without the damper. */
+  /* Add force times velocity, and force^2 / mass, of all nodes; forces without the damper. */
   void add_power(double &power, double &force_squared_over_mass) const
   {
     if (massless()) return;

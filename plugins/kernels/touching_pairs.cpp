@@ -17,7 +17,7 @@ inline void load(Numbers &numbers, const double *from) { std::memcpy(&numbers, f
 
 inline std::uint64_t any(const Bits &bits) { return static_cast<std::uint64_t>((bits[0] | bits[1]) | (bits[2] | bits[3])); }
 
-/* Copy n coordinates from triples to arrays of their own. Returns true if any of them has changed. */
+/* Copy n coordinates from triples to an array for each direction. Returns true if any of them has changed. */
 template <bool COPY>
 ALWAYS_INLINE bool differs(const double *__restrict from, int n, double *__restrict x, double *__restrict y,
                            double *__restrict z)
@@ -48,6 +48,7 @@ FOR_EACH_PROCESSOR void granwave::compare_blocks(const double *from, int n, int 
 
 FOR_EACH_PROCESSOR bool granwave::all_zero(const double *numbers, int n)
 {
+  if (n > 0 && numbers[0] != 0.0) return false;    // as nearly always where spheres move
   std::uint64_t sum = 0, bits;
   for (int i = 0; i < n; i++) {
     std::memcpy(&bits, numbers + i, sizeof(bits));
@@ -112,26 +113,34 @@ inline void TouchingPairs::compare()
   *before = touching;
 }
 
-/* Search a group of one row, and return the number of pairs then in the batch, of which there were n. A pair is written to the
-   batch whether it touches or not, and the next one takes its place if it does not. */
+/* Search a group of one row; `n` pairs are in the batch before, and the number of pairs after it is returned. A pair is
+   written to the batch whether it touches or not, and the next one takes its place if it does not. */
 template <bool UNIFORM> ALWAYS_INLINE int TouchingPairs::search_row(ContactBatch &batch, int n)
 {
   const RowGroup &g = *group;
   const int i = g.sphere;
-  double radsum = 2.0 * uniform_radius;
-  std::uint64_t apart = 0;
-  touching = 0;
+  // in registers: the compiler cannot know that what is written to the batch leaves them unchanged
+  const double *const along_x = x, *const along_y = y, *const along_z = z;
+  const double xi = x[i], yi = y[i], zi = z[i], reach = gap;
+  const double uniform_sum = 2.0 * uniform_radius;
+  double touch_sq = touch_squared(uniform_sum), forget_sq = (uniform_sum + reach) * (uniform_sum + reach);
+  std::uint64_t apart = 0, touching_now = 0;
   for (int m = 0; m < g.partners; m++) {
     const int j = g.partner[m];
-    const double delx = x[i] - x[j], dely = y[i] - y[j], delz = z[i] - z[j];
+    const double delx = xi - along_x[j], dely = yi - along_y[j], delz = zi - along_z[j];
     const double rsq = delx * delx + dely * dely + delz * delz;
-    if (!UNIFORM) radsum = radius[i] + radius[j];
-    const bool touches = !(rsq >= touch_squared(radsum));    // NaN touches
+    if (!UNIFORM) {
+      const double radsum = radius[i] + radius[j];
+      touch_sq = touch_squared(radsum);
+      forget_sq = (radsum + reach) * (radsum + reach);
+    }
+    const bool touches = !(rsq >= touch_sq);    // NaN touches
     batch.put(n, g.pair + m, i, j, delx, dely, delz, rsq);
     n += touches;
-    apart |= static_cast<std::uint64_t>(rsq > (radsum + gap) * (radsum + gap)) << m;
-    touching |= static_cast<std::uint64_t>(touches) << m;
+    apart |= static_cast<std::uint64_t>(rsq > forget_sq) << m;
+    touching_now |= static_cast<std::uint64_t>(touches) << m;
   }
+  touching = touching_now;
   if (before) compare();
   for (; apart != 0; apart &= apart - 1) far.push_back(g.pair + lowest_bit(apart));
   return n;

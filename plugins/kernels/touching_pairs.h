@@ -106,7 +106,7 @@ class RestingBlocks {
   static int of(int i) { return i / SIZE; }
   static int number(int n) { return (n + SIZE - 1) / SIZE; }
 
-  /* Start anew with a list of rows, whose pairs begin[r] to begin[r + 1] are with the spheres `partner`. Nothing rests. */
+  /* Restart with a list of rows, whose pairs begin[r] to begin[r + 1] are with the spheres `partner`. Nothing rests. */
   void build(const std::vector<int> &row, const std::vector<int> &begin, const std::vector<int> &partner)
   {
     const int rows = static_cast<int>(row.size());
@@ -150,9 +150,9 @@ class RestingBlocks {
     return first;
   }
 
-  /* Coordinates of the spheres as of the last comparison, along x, y or z, and PADDING numbers more. */
+  /* Coordinates of the spheres at the last comparison, along x, y or z, followed by PADDING further numbers. */
   const double *coordinates(int axis) const { return last_[axis].data(); }
-  /* Radii as of the last comparison, likewise. */
+  /* Radii at the last comparison, followed by PADDING further numbers. */
   const double *radii() const { return last_radius_.data(); }
 
   /* Return true if the rows of this block need not be evaluated. */
@@ -201,8 +201,8 @@ struct TouchingPairs {
   std::vector<int> parted;    // pairs that have separated
   std::vector<int> far;       // pairs beyond the gap
 
-  /* Search the groups from `first` up to the one before `last`. Their touching pairs (RowGroups::bits) are updated, and parted
-     ones found, unless `touched` is null. */
+  /* Search the groups from `first` up to the one before `last`. Their touching pairs (RowGroups::bits) are updated, and
+     separated ones found, unless `touched` is null. */
   void start(const RowGroup *first, const RowGroup *last, std::uint64_t *touched)
   {
     group = first;
@@ -211,7 +211,7 @@ struct TouchingPairs {
     measured = false;
   }
 
-  /* Add touching pairs to a batch. Returns false if there is no room for more, and the search must go on. */
+  /* Add touching pairs to a batch. Returns false if the batch is full, and the search must continue later. */
   bool collect(ContactBatch &);
 
  private:
@@ -223,7 +223,7 @@ struct TouchingPairs {
   const RowGroup *group, *end;    // position at which the search continues, and its end
   bool measured;                  // true if distances and contacts are those of the present group
   Distances distances;
-  std::uint64_t touching;    // bits of the pairs that are still to be put into a batch
+  std::uint64_t touching;    // bits of the pairs that have not been put into a batch yet
   std::uint64_t *before;     // bits of the pairs of the present group that touched when it was searched last, or null
 
   int pair_of(int bit) const { return group->pair + (bit >> 3) * group->stride + (bit & 7); }    // of the present group

@@ -186,7 +186,7 @@ void TriangleTree::find_nearest(const std::vector<Triangle> &triangles, const do
     int number;
     double distance;
   };
-  Open open[DEPTH];    // halves of halves: one is left open at each depth
+  Open open[DEPTH];    // boxes are halved repeatedly: one half is left open at each depth
   int n = 0;
   open[n++] = {0, distance_from_box(boxes_[0].low, boxes_[0].high, x)};
   while (n > 0) {
@@ -271,7 +271,8 @@ void TriangleMesh::add_triangles(const std::vector<double> &corners)
   same_distance_ = SAME_DISTANCE * largest;
 }
 
-/* Join the triangles of each patch. Returns for each a triangle of the same patch, its root if it is that itself. */
+/* Join the triangles of each patch. Returns for each triangle a triangle of the same patch, which is itself for the root
+   of the patch. */
 std::vector<int> TriangleMesh::join(double angle) const
 {
   const double straight = std::cos(angle * DEGREE);

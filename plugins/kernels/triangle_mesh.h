@@ -30,7 +30,7 @@ struct SurfacePoint {
   bool found() const { return triangle >= 0; }
 };
 
-/* Bounding boxes of triangles, divided in halves down to a few. */
+/* Bounding boxes of triangles, halved repeatedly until each contains only a few. */
 class TriangleTree {
  public:
   TriangleTree() = default;
@@ -66,7 +66,7 @@ class TriangleMesh {
 
   /* Nearest point of a patch to x, closer than `reach`. */
   SurfacePoint nearest(const double *x, int patch, double reach = std::numeric_limits<double>::infinity()) const;
-  /* True if a sphere at x touches the surface there by this patch, and by no other one. */
+  /* True if a sphere at x touches the surface there at this patch and at no other. */
   bool owns(const double *x, int patch, const SurfacePoint &) const;
 
  private:

@@ -52,8 +52,8 @@ class Tube : public CurvedWall {
     force[0] = outward;
   }
 
-  /* Radius of the sphere that is as stiff on a plane as a sphere of this radius in the tube; unchanged for a sphere that
-     does not fit. */
+  /* Radius of the sphere whose stiffness on a plane equals that of a sphere of this radius in the tube; unchanged for a
+     sphere that does not fit. */
   double effective_radius(double radius) override
   {
     if (!(radius > 0.0 && holds(radius))) return radius;

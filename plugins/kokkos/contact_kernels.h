@@ -23,14 +23,14 @@ struct PairLaw {
   double radsum, touch_squared, reach, largest_overlap;    // reach: distance beyond which the contact is forgotten
   double hertz, elastic_limit;                             // F = hertz overlap^1.5 up to the elastic limit
   double yield_overlap, yield_force;
-  int curve;    // index of its elastoplastic curve; of law hertz any, since its elastic limit is infinite
+  int curve;    // index of its elastoplastic curve; arbitrary for law hertz, whose elastic limit is infinite
 };
 
 /* Friction of the pairs of two types and radii. */
 struct PairFriction {
   double radius_first, radius_second, effective_radius, root_radius;    // root_radius: square root of the effective radius
   double coefficient;
-  double shear_stiffness;    // stiffness of a spring over the radius of the contact circle
+  double shear_stiffness;    // stiffness of a spring / radius of the contact circle
   TangentialModel model;
 };
 
@@ -64,7 +64,7 @@ struct KernelStep {
   bool advances = true;    // false where springs keep their forces (Step in contact_memory.h)
 };
 
-/* Pairs within reach, and their histories. Pairs from `plain` on are those across a periodic boundary. */
+/* Pairs within reach, and their histories. Pairs from `plain` on cross a periodic boundary. */
 template <class Device> struct ContactViews {
   template <class T> using Array = Kokkos::View<T *, Device>;
   static constexpr double APART = -1.0;      // in place of a force, of spheres that do not touch
@@ -102,7 +102,7 @@ template <class Device> struct ContactViews {
     const double xi[3] = {x(i, 0), x(i, 1), x(i, 2)}, xj[3] = {x(j, 0), x(j, 1), x(j, 2)};
     const Crossing &crossing = crossings(k - plain);
     image_difference(xi, xj, image_shift(crossing.images, step.edges), crossing.ghost_is_second, true, true, del);
-    // the plain style has a unit vector and a distance, here too so that results are rounded in the same way
+    // a unit vector and a distance, as in the plain style, so that results are rounded in the same way
     const double r = std::sqrt(del[0] * del[0] + del[1] * del[1] + del[2] * del[2]);
     for (int d = 0; d < 3; d++) del[d] = del[d] / r * r;
     return r * r;

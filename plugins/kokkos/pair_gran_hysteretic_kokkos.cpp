@@ -47,7 +47,8 @@ template <class Array> void vectors_from_card(Array &from, int n, double **to)
   Kokkos::deep_copy(HostArray<double *[3]>(n > 0 ? to[0] : nullptr, n), first_of(from, n));
 }
 
-/* Start Kokkos, unless LAMMPS has. It is never stopped: a LAMMPS in Python may be closed after everything else. */
+/* Start Kokkos, unless LAMMPS has started it. It is never stopped: a LAMMPS in Python may be closed after everything
+   else. */
 void start_kokkos()
 {
   if (!Kokkos::is_initialized()) Kokkos::initialize();
@@ -213,7 +214,7 @@ template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::send_hist
   ahead = false;
 }
 
-/* Bring the histories back to the list, which still is that of the pairs that were sent. */
+/* Bring the histories back to the list, which still contains the pairs that were sent. */
 template <class DeviceType> void PairGranHystereticKokkos<DeviceType>::bring_back()
 {
   if (!ahead) return;

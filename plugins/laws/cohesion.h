@@ -91,7 +91,7 @@ class Neck {
  private:
   static constexpr double BALANCE = 3.6342411856642793;    // x^4 - 4 x for x^3 = 6
   static constexpr int STEPS = 8;                          // most iterations of Newton's method
-  static constexpr double PRECISION = 1e-8;                // relative step that is the last: the next would be its square
+  static constexpr double PRECISION = 1e-8;    // relative step of the last iteration; the next would be its square
 
   double circle_ = 0.0, overlap_ = 0.0, force_ = 0.0;
 

@@ -139,8 +139,9 @@ class ContactLaw {
   std::optional<ElasticContact> elastic_;
 };
 
-/* Law of one contact, in physical units. Holds a pointer to the law of the pair of materials, and to that of an elastic contact
-   other than Hertz's, if it is one: a line contact, whose materials do not yield, or a power of the overlap. */
+/* Law of one contact, in physical units. Holds a pointer to the law of the pair of materials, and to the law of an
+   elastic contact other than Hertz's, if it is one: a line contact, whose materials do not yield, or a power of the
+   overlap. */
 class ScaledLaw {
  public:
   ScaledLaw() = default;
@@ -199,7 +200,7 @@ class ScaledLaw {
     return elastic_ ? elastic_->overlap(force) : std::cbrt(force / hertz_ * (force / hertz_));
   }
   double largest_overlap() const { return elastic_ ? elastic_->largest_overlap() : INFINITE; }    // end of the law
-  /* Overlap beyond which the law no longer describes the contact. */
+  /* Overlap above which the law is not valid. */
   double valid_overlap() const
   {
     if (elastic_) return elastic_->valid();
@@ -273,7 +274,7 @@ class ScaledLaw {
                             : elastic_energy(overlap);
   }
 
-  /* ---- cohesion; forces and energies of the functions above are without it */
+  /* ---- cohesion; forces and energies of the functions above do not include it */
 
   bool cohesive() const { return cohesion_ != CohesionKind::NONE; }
   bool has_neck() const { return cohesion_ == CohesionKind::JKR; }
@@ -287,7 +288,7 @@ class ScaledLaw {
     return overlap > rounding || (joined && has_neck() && overlap > -neck_.length());
   }
 
-  /* State of such a contact; `turning` is the turning point of its peak if it has yielded. */
+  /* State of a cohesive contact; `turning` is the turning point of its peak if it has yielded. */
   CohesiveState cohesive_state(double overlap, const LawHistory &h, const Turning *turning) const
   {
     if (has_neck()) return neck_.at(overlap);
@@ -405,7 +406,7 @@ class ScaledLaw {
     return law_->error_bar(normalised(h.peak), site(h.extra)).restitution * std::sqrt(std::max(0.0, 1.0 - lost / work));
   }
 
-  /* Slope of the force over the overlap, on loading at the peak and below it on unloading: the tangent stiffness. */
+  /* Tangent stiffness: slope of the force against the overlap, on loading at the peak, on unloading below it. */
   double tangent_stiffness(double overlap, const LawHistory &h) const
   {
     if (overlap <= 0.0) return 0.0;
@@ -425,8 +426,8 @@ class ScaledLaw {
     return h.peak > 0.0 ? elastic_stiffness(h.peak) : 0.0;
   }
 
-  /* Radius of the contact circle, squared; of an elastic law other than Hertz's that of the Hertzian contact that is as stiff,
-     so that k_t/k_n is that of Mindlin. */
+  /* Radius of the contact circle, squared; for an elastic law other than Hertz's, that of the Hertzian contact with the
+     same stiffness, so that k_t/k_n is that of Mindlin. */
   double circle_squared(double overlap, const LawHistory &h) const
   {
     if (overlap <= 0.0) return 0.0;
@@ -449,7 +450,7 @@ class ScaledLaw {
   double effective_radius_ = 0.0, hertz_ = 0.0, overlap_ = INFINITE, force_ = INFINITE, elastic_limit_ = INFINITE;
   double share1_ = 0.5, share2_ = 0.5;
   CohesionKind cohesion_ = CohesionKind::NONE;
-  double pull_per_length_ = 0.0;    // DMT: pull-off force over the slope of the squared radius of the contact circle
+  double pull_per_length_ = 0.0;    // DMT: pull-off force / slope of the squared radius of the contact circle
   Neck neck_;
 
   /* Overlap of a force on the loading curve below a known point, by secants in logarithms: exact for a power law. */

@@ -64,7 +64,7 @@ inline double curvature_ratio(double complement)
 
 }    // namespace elliptic
 
-/* Radius of the sphere that is as stiff on a plane, from two positive relative curvatures. */
+/* Radius of the sphere with the same stiffness on a plane, from two positive relative curvatures. */
 inline double elliptic_radius(double one, double other)
 {
   const double least = std::fmin(one, other), ratio = std::fmax(one, other) / least;
@@ -144,7 +144,7 @@ class CylinderPair {
     return found;
   }
 
-  /* Radius of the sphere that is as stiff on a plane as a point contact; for a line, from both curvatures. */
+  /* Radius of the sphere with the stiffness of the point contact on a plane; for a line, from both curvatures. */
   double effective_radius(double r1, double r2) const
   {
     if (parallel()) return granwave::effective_radius(r1, r2);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Elastic contacts with other laws than Hertz's: along a line, or a power of the overlap that does not depend on the radii. No LAMMPS
-   types.
+/* Elastic contacts with laws other than Hertz's: along a line, or a power of the overlap that does not depend on the
+   radii. No LAMMPS types.
 
    A contact along a line of finite length is that of a cylinder of diameter d and length L on a plane, or of two parallel
    cylinders.
@@ -54,7 +54,7 @@ class LineContact {
   {
   }
 
-  /* Two parallel cylinders in plane strain, or one on a plane (second radius infinite), over this length. */
+  /* Two parallel cylinders in plane strain, or one on a plane (second radius infinite), in contact along this length. */
   static LineContact plane_strain(const Material &first, const Material &second, double r1, double r2, double length)
   {
     const double modulus = effective_modulus(first, second), least = std::fmin(r1, r2);
@@ -82,7 +82,7 @@ class LineContact {
     return force_ * (overlap / overlap_) / exponent(overlap / overlap_);
   }
 
-  /* Slope of the force over the overlap. */
+  /* Slope of the force against the overlap. */
   double stiffness(double overlap) const
   {
     if (!(overlap > LEAST)) return 0.0;
@@ -115,7 +115,7 @@ class LineContact {
       w[m] = s[m] < 1.0 ? first : 1.0;
       open[m] = 1.0;
     }
-    // Two steps at a time: rounding ends in a root that stays, or in two that take turns, and the number of steps is even.
+    // Two steps at a time: because of rounding the iteration ends at one root, or alternates between two, and the number of steps is even.
     static_assert(STEPS % 2 == 0);
     for (int n = 0; n < STEPS; n += 2) {
       double before[GROUP];

@@ -71,7 +71,7 @@ class Elastoplastic : public NormalLaw {
     if (continuous_) examine();
   }
 
-  /* Description of values that exclude each other; empty if none do. */
+  /* Description of incompatible values; empty if there are none. */
   static std::string conflict(const LawValues &values, bool has_constants, bool has_rate)
   {
     if (is_continuous(values)) return "";

@@ -85,7 +85,7 @@ class ElastoplasticFe : public NormalLaw {
     on_flat_ = shape(1.0, 0.0);
   }
 
-  /* Contact pressure at first yield over the yield strength; exact for 0 <= nu <= 0.5 to 1e-8. */
+  /* Contact pressure at first yield / yield strength, to 1e-8 for 0 <= nu <= 0.5. */
   static double yield_factor(double nu)
   {
     const double x = std::min(std::max(nu, 0.0), 0.5);
@@ -174,7 +174,7 @@ class ElastoplasticFe : public NormalLaw {
     return {bar->force, bar->unloading, bar->restitution};
   }
 
-  /* Range of the finite elements: Poisson's ratio, Young's modulus over yield strength, hardening. */
+  /* Range of the finite elements: Poisson's ratio, Young's modulus / yield strength, hardening. */
   static constexpr double LARGEST_POISSON = 0.45, LEAST_RATIO = 50.0, LARGEST_RATIO = 1000.0, LARGEST_HARDENING = 0.1;
 
  private:
@@ -195,7 +195,7 @@ class ElastoplasticFe : public NormalLaw {
       0.05;    // largest difference of radii, or compliance of the flat, for which a contact is mirrored
   static constexpr double LEAST_COMPLIANCE = 0.33, LEAST_SHARE = 0.09, ROUNDING = 1e-9;    // range of the finite elements
 
-  /* What follows from the radii. */
+  /* Quantities that follow from the radii. */
   struct Shape {
     double stiff, own, curved, flat, knee, fall, bend, eta, rate, hard, harder, power, soft, uneven;
   };
@@ -225,10 +225,10 @@ class ElastoplasticFe : public NormalLaw {
 
   double share_of_a(const Site &site) const { return swapped_ ? site.share2 : site.share1; }
 
-  /* exp(x), quickly where there is nothing to compute. */
+  /* exp(x), without computing it where the result is known. */
   static double factor(double x) { return x == 0.0 ? 1.0 : exponential(x); }
 
-  /* Share of the depth of equal spheres in that of a flat at which the finite elements end. */
+  /* Depth at which the finite elements of equal spheres end / depth for a flat. */
   double reach(const Shape &s) const
   {
     return 1.0 - 3.0 * alike_ * compliance_a_ * (1.0 - compliance_a_) * exponential(-s.uneven / UNEVEN);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Functions that also run on graphics cards: GRANWAVE_KERNEL stands before each of them. A file that wants them there includes a header
-   of Kokkos before those of this folder, as with GRAN_KERNEL_FN of LAMMPS's package GRANULAR. Without Kokkos the word is `inline`.
-   Results are the same to the last bit if products and sums are not contracted (nvcc: -fmad=false). No LAMMPS types.
+/* Functions that also run on graphics cards: GRANWAVE_KERNEL stands before each of them. A file that needs them there
+   includes a header of Kokkos before those of this folder, as with GRAN_KERNEL_FN of LAMMPS's package GRANULAR. Without
+   Kokkos the word is `inline`. Results are the same to the last bit if products and sums are not contracted (nvcc:
+   -fmad=false). No LAMMPS types.
 
    Functions of the C++ library that compilers for cards do not have there are written out below.
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Parameters of the contact laws, and their values. A parameter stands once, as a constant in the header of its law, with
-   name, range, default, unit and description; a law lists its own in the table of laws (law_arguments.cpp). Keywords of input
-   scripts, arguments of the Python binding, keys of case files and the tables of the manual follow. No LAMMPS types.
+/* Parameters of the contact laws, and their values. A parameter is defined once, as a constant in the header of its law,
+   with name, range, default, unit and description; a law lists its own in the table of laws (law_arguments.cpp). Keywords
+   of input scripts, arguments of the Python binding, keys of case files and the tables of the manual follow. No LAMMPS
+   types.
 
        inline constexpr LawParameter BETA =
            LawParameter("beta", "b", "residual overlap over the largest overlap").in({0.0, 1.0, true}).usually(0.8);
@@ -82,7 +83,7 @@ struct LawParameter {
   {
   }
 
-  /* ---- these return a copy with more of it */
+  /* ---- these functions return a copy with a further property */
 
   constexpr LawParameter in(const Range &numbers) const
   {

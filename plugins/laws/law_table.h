@@ -46,7 +46,7 @@ struct LawEntry {
   // first yield where the von Mises stress reaches the yield strength, for every Poisson's ratio
   bool exact_yield = false;
   bool states_error = false;      // true if it has error bars
-  Conflict conflict = nullptr;    // description of values that exclude each other; empty if none do
+  Conflict conflict = nullptr;    // description of incompatible values; empty if there are none
 
   LawEntry(const char *name, Make make) : name(name), make(make) {}
 
@@ -73,7 +73,7 @@ struct LawEntry {
   /* True if constants of its curve are set: optional parameters of the contact. */
   bool has_constants(const LawValues &values) const;
 
-  /* Description of values that exclude each other; empty if none do. */
+  /* Description of incompatible values; empty if there are none. */
   std::string conflict_of(const LawValues &values, bool has_rate) const
   {
     return conflict ? conflict(values, has_constants(values), has_rate) : "";

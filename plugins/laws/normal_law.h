@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Interface of a normal contact law, and the laws of a few lines: Hertz's, the bilinear one and Thornton's. In units of the
+/* Interface of a normal contact law, and three short laws: Hertz's, the bilinear law and Thornton's. In units of the
    overlap and force at first yield. No LAMMPS types.
 
    Compression is positive: overlap alpha = R1 + R2 - |x1 - x2|, force F >= 0 (thesis: R. K. Pal, 2015, eqs 2.2, 2.3)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Partial slip of a contact with friction, after Mindlin and Deresiewicz (1953): a row of springs with a slider each, in place of
-   the single spring of tangential.h. No LAMMPS types.
+/* Partial slip of a contact with friction, after Mindlin and Deresiewicz (1953): a row of springs, each with a slider, in
+   place of the single spring of tangential.h. No LAMMPS types.
 
    The contact circle of radius a is a row over 0 <= x <= a of tangential stiffness K = 8 G* per unit length, in which the place x bears
 
@@ -52,8 +52,8 @@ struct SlipDamping {
   double lost;         // energy from the elongation of the cells
 };
 
-/* History of a contact with partial slip, in its doubles. Force, compliance and loss of the whole are those of the contact's
-   TangentialSpring. */
+/* History of a contact with partial slip, in its doubles. Total force, compliance and dissipated energy are those of the
+   contact's TangentialSpring. */
 template <int N> class SlipCells {
  public:
   static_assert(N % 2 == 0);
@@ -147,7 +147,7 @@ template <int N> class SlipCells {
  private:
   static constexpr double STEP = 1.5874010519681994;    // 2^(2/3), factor of the reach
 
-  /* Edges of the cells over the reach. */
+  /* Edges of the cells / radius of the circle that the cells cover. */
   inline static const std::array<double, N + 1> EDGES = [] {
     std::array<double, N + 1> edges{};
     for (int n = 0; n <= N; n++) edges[n] = std::cbrt(double(n) * n / (double(N) * N));
@@ -181,7 +181,7 @@ template <int N> class SlipCells {
   /* Length of a cell within a circle. */
   double covered(int m, double circle) const { return std::max(std::min(edge(m + 1), circle) - edge(m), 0.0); }
 
-  /* Fraction of the normal force within x, over the radius. */
+  /* Fraction of the normal force within x, which is in units of the radius. */
   static double share(double x) { return x < 1.0 ? x * (1.5 - 0.5 * x * x) : 1.0; }
 
   /* Rotate the axis into the plane normal to n. */

@@ -41,7 +41,7 @@ GRANWAVE_KERNEL double upper(double x) { return double_of(bits_of(x) & 0xfffffff
 /* The nearest integer: beyond 2^52 doubles are integers. */
 GRANWAVE_KERNEL double nearest(double x) { return (x + 0x1.8p52) - 0x1.8p52; }
 
-/* 2^n for an integer from -1022 to 1023, to which others are limited. */
+/* 2^n for an integer, limited to the range from -1022 to 1023. */
 GRANWAVE_KERNEL double power_of_two(double n)
 {
   const double limited = n < -1022.0 ? -1022.0 : n > 1023.0 ? 1023.0 : n;

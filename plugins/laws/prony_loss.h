@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Loss of viscoelastic grains: the modulus relaxes by a Prony series. No LAMMPS types.
+/* Damping of viscoelastic grains, whose modulus relaxes by a Prony series. No LAMMPS types.
 
        E(t) = E [1 - sum_i g_i (1 - exp(-t/tau_i))]            g_i weights, tau_i times
 
@@ -37,7 +37,7 @@ struct PronySeries {
 
   bool operator==(const PronySeries &other) const { return n == other.n && weight == other.weight && time == other.time; }
 
-  /* Modulus after all times, over the instantaneous one. */
+  /* Long-time modulus / instantaneous modulus. */
   double remains() const
   {
     double rest = 1.0;
@@ -65,7 +65,7 @@ struct PronyStep {
   }
 
  private:
-  /* Integral of u exp(-z (1 - u)) from 0 to 1; `mean` is that without the factor u. */
+  /* Integral of u exp(-z (1 - u)) from 0 to 1; `mean` is the integral without the factor u. */
   static double of_end(double z, double mean)
   {
     if (z > 0.05) return (1.0 - mean) / z;
@@ -95,8 +95,8 @@ struct PronyHistory {
     std::fill_n(energy, series.n, stored);
   }
 
-  /* Advance by a timestep to this overlap, with the force of the law there: 0 for surfaces that have parted. Returns the energy
-     lost. */
+  /* Advance by a timestep to this overlap, with the force of the law there: 0 for surfaces that have separated. Returns
+     the energy lost. */
   template <class Law> double advance(const PronySeries &series, const Law &law, double overlap, double of_law, double dt)
   {
     const double rest = series.remains();

@@ -173,7 +173,7 @@ template <class Law> class RateDependent : public NormalLaw {
     return {peak, factor * unit * t.force, unit * t.residual, t.exponent};
   }
 
-  /* The number nearest to `to` that fits, on the way from `from`, which fits. */
+  /* The admissible number nearest to `to`, between `to` and the admissible number `from`. */
   template <class Fits> static double nearest(double from, double to, const Fits &fits)
   {
     for (int n = 0; n < HALVINGS; n++) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Resistance of a contact to rolling and to twisting: springs with a dashpot and a slider each (Luding 2008, Granular Matter 10,
-   235; type C of Ai, Chen, Rotter and Ooi 2011), as `rolling sds`, `twisting sds` and `twisting marshall` of LAMMPS's pair style
-   granular. No LAMMPS types.
+/* Resistance of a contact to rolling and to twisting: springs, each with a dashpot and a slider, (Luding 2008, Granular
+   Matter 10, 235; type C of Ai, Chen, Rotter and Ooi 2011), as `rolling sds`, `twisting sds` and `twisting marshall` of
+   LAMMPS's pair style granular. No LAMMPS types.
 
    n is the unit normal towards the first body, w its angular velocity relative to the second, A the effective radius.
 

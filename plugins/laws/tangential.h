@@ -27,7 +27,7 @@
 
 namespace granwave {
 
-// force rescaled as the contact circle shrinks, or unchanged, or a row of springs (partial_slip.h)
+// force rescaled as the contact circle shrinks; force unchanged; or a row of springs (partial_slip.h)
 enum class TangentialModel { MINDLIN_RESCALE, MINDLIN, PARTIAL_SLIP };
 
 /* Tangential history of a contact. The loss is kept after separation, the force is not. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Damping of a contact along its surface, for any normal law with a viscous loss and for each tangential model. No LAMMPS types.
+/* Damping of a contact along its surface, for any normal law with viscous damping and for each tangential model. No
+   LAMMPS types.
 
    With the force S of the tangential spring (tangential.h), the velocity V of the surfaces along each other, and the coefficient c
    of the normal damping (viscous_loss.h), the force along the surface is

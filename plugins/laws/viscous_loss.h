@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Loss of a contact that grows with the rate of its overlap, for any normal law. No LAMMPS types.
+/* Viscous damping of a contact, which grows with the rate of its overlap, for any normal law. No LAMMPS types.
 
    With the force P of the law and its slope k = dP/d(overlap), the tangent stiffness,
 
@@ -41,7 +41,7 @@ enum class LossKind { NONE, TIME, DASHPOT, PRONY };
 struct ViscousLoss {
   LossKind kind = LossKind::NONE;
   double value = 0.0;         // relaxation time, or factor of the dashpot
-  double tangential = 0.0;    // tangential damping over normal damping (tangential_damping.h)
+  double tangential = 0.0;    // tangential / normal damping (tangential_damping.h)
   PronySeries prony{};        // branches of viscoelastic grains, which have no damping coefficient (prony_loss.h)
 
   explicit operator bool() const { return kind != LossKind::NONE; }
@@ -51,7 +51,7 @@ struct ViscousLoss {
     return kind == other.kind && value == other.value && tangential == other.tangential && prony == other.prony;
   }
 
-  /* Force over the rate of the overlap, from the tangent stiffness and the effective mass. */
+  /* Damping coefficient: force / rate of the overlap, from the tangent stiffness and the effective mass. */
   double coefficient(double stiffness, double mass) const
   {
     if (kind == LossKind::TIME) return value * stiffness;

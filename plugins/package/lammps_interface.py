@@ -85,7 +85,7 @@ def style_sources() -> dict[str, str]:
 
 
 def block_at(text: str, opening: int) -> str:
-    """Return what is between the brace at an index and the one that closes it."""
+    """Return the text between the brace at an index and its closing brace."""
     depth = 0
     for at in range(opening, len(text)):
         depth += {"{": 1, "}": -1}.get(text[at], 0)
@@ -219,7 +219,7 @@ def compare(own: Path, other: Path) -> list[ComparedInterface]:
 
 
 def table(rows: list[ComparedInterface]) -> str:
-    """Return a table in Markdown: a row for each header, then a list of what is not the same."""
+    """Return a table in Markdown: a row for each header, then a list of the differences."""
     lines = ["| header | interfaces used | same | changed | missing |", "|---|---|---|---|---|"]
     for header in sorted({row.use.header for row in rows}):
         states = [row.state for row in rows if row.use.header == header]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Registration of the styles with LAMMPS, for the loader (granwaveplugin.cpp). All that depends on what LAMMPS does not promise is here:
-   the tables of virtual functions of its classes, which are compared first, and its maps of styles. */
+/* Registration of the styles with LAMMPS, for the loader (granwaveplugin.cpp). This file contains everything that depends
+   on internals of LAMMPS: the tables of virtual functions of its classes, which are compared first, and its maps of
+   styles. */
 
 #include "all_styles.h"
 #include "force.h"

@@ -251,7 +251,7 @@ void ContactList::publish(ContactHistory &history, int nlocal)
   if (recorded) drop_records(history);
   find_sides();
   for (int i = 0; i < owned; i++) append_records(history, i, i);
-  sides.clear();    // contacts touch and separate until they are needed again
+  sides.clear();    // contacts touch and separate before these are needed again
   published = recorded = true;
 }
 

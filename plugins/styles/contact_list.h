@@ -34,7 +34,7 @@ class ContactList : public PairRows {
   std::vector<std::uint64_t> touched;
   std::vector<double> initial, reached;    // with initial dents: initial dent, largest overlap of this run
   std::vector<double> initial_extra;       // with initial dents: initial doubles of the law
-  /* Histories at the start of a minimization, which every evaluation in it continues from: a position that it tries and does not keep
+  /* Histories at the start of a minimization, from which every evaluation in it continues: a trial position that is not kept
      leaves no dent. */
   struct Start {
     bool kept = false;
@@ -166,7 +166,7 @@ class ContactList : public PairRows {
   /* Make the list invalid. It keeps the histories of its pairs. */
   void suspend(ContactHistory &);
 
-  /* Write the pairs of all spheres that have touched to their records; histories stay in the list if that is valid. */
+  /* Write the pairs of all spheres that have touched to their records; histories stay in the list if the list is valid. */
   void publish(ContactHistory &, int nlocal);
 
   /* Move the pairs of sphere i that have touched to its records: it leaves the processor. */
@@ -216,7 +216,7 @@ class ContactList : public PairRows {
   void append_records(ContactHistory &, int i, int listed);
   void carry(const CommonPairs &);
 
-  /* Take over the histories of the pairs of the list before, whose rows are given. */
+  /* Take over the histories of the pairs of the previous list, whose rows are given. */
   template <class Forget> void carry_on(const PairRows &before, ContactHistory &history, const Forget &forget)
   {
     const CommonPairs common(before, *this);
@@ -239,7 +239,7 @@ class ContactList : public PairRows {
     order_turnings();
   }
 
-  /* End the histories of pairs of the list before that are no longer within reach. */
+  /* End the histories of pairs of the previous list that are no longer within reach. */
   template <class Forget>
   void forget_others(const CommonPairs &common, const PairRows &before, const ContactHistory &history, const Forget &forget)
   {

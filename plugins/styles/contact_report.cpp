@@ -8,8 +8,8 @@ namespace granwave {
 
 namespace {
 
-/* Time at which the force of a contact first passed a part of its largest one of this run, without viscous forces and the pull
-   of cohesion; -1 = never. */
+/* Time at which the force of a contact first exceeded a fraction of its largest force in this run, without viscous forces
+   and the pull of cohesion; -1 = never. */
 double arrival(const ContactMemory &has, const ScaledLaw &contact, const Dent &dent, const BlockView &view)
 {
   const double largest = has.dents ? view.reached : dent.peak;

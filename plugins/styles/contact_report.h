@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Forces, energies and times of one contact for output, from its law and all that it remembers. */
+/* Forces, energies and times of one contact for output, from its law and its complete state. */
 
 #ifndef GRANWAVE_CONTACT_REPORT_H
 #define GRANWAVE_CONTACT_REPORT_H

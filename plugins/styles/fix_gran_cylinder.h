@@ -42,7 +42,7 @@ namespace LAMMPS_NS {
 class FixGranCylinder : public Fix {
  public:
   static constexpr const char *STYLE = "gran/cylinder";
-  static constexpr double INERTIA = 1.25;    // moment of inertia over that of a sphere of the same mass and radius
+  static constexpr double INERTIA = 1.25;    // moment of inertia / that of a sphere of the same mass and radius
 
   FixGranCylinder(LAMMPS *, int, char **);
 
@@ -54,7 +54,7 @@ class FixGranCylinder : public Fix {
   void write_restart(FILE *) override;
   void restart(char *) override;
 
-  /* The cylinders of the fix of this style; null if there is none, and all particles are spheres. */
+  /* The cylinders of the fix of this style; null if there is no such fix and all particles are spheres. */
   static std::shared_ptr<const granwave::Cylinders> find(LAMMPS *);
 
  private:

@@ -12,7 +12,7 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-constexpr double SPHERE = 0.4;    // moment of inertia over m R^2, as in fix nve/sphere
+constexpr double SPHERE = 0.4;    // moment of inertia / (m R^2), as in fix nve/sphere
 constexpr const char *USAGE_OF_ABSORB = "expected rate RATE, or rate RATE x|y|z FROM TO, or impedance Z x|y|z";
 constexpr const char *USAGE_OF_HOLDER = "expected x|y|z FRICTION ACCELERATION";
 
@@ -47,8 +47,8 @@ double FixGranDamping::total_power(double until_end)
   return all.value();
 }
 
-/* Add the energy of the step, the trapezoid over the power at both ends. The velocities are still those of the middle of the step; in
-   setup() they are those of the same instant as the forces. */
+/* Add the energy of the step by the trapezoidal rule, from the power at both ends. The velocities are still those of the
+   middle of the step; in setup() they are those of the same instant as the forces. */
 void FixGranDamping::post_force(int)
 {
   const double before = power;
@@ -114,7 +114,7 @@ void FixGranAbsorb::add_forces(double until_end, ExactSum &power)
     for (int k = 0; k < 3; k++) damp(atom->f[i][k], atom->v[i][k], mass, mass * here);
     if (!turns || atom->radius[i] == 0.0) continue;
     const double inertia = SPHERE * mass * atom->radius[i] * atom->radius[i];
-    // torques on cylinders are scaled to the inertia of spheres; the energy is theirs
+    // torques on cylinders are scaled to the inertia of spheres; the energy is that of the cylinders
     const bool is_cylinder = cylinders && !cylinders->shape(atom->type[i]).is_sphere();
     const double counted = is_cylinder ? FixGranCylinder::INERTIA : 1.0;
     for (int k = 0; k < 3; k++) damp(atom->torque[i][k], atom->omega[i][k], inertia, inertia * here, counted);

@@ -47,8 +47,8 @@ class FixGranDamping : public Fix {
  protected:
   /* Set the axis from its name. */
   void set_axis(const std::string &name, const char *usage);
-  /* Add the forces to those of the atoms, and what they take to the power. `until_end` is the time from the present velocities
-     to those of the instant of the forces. */
+  /* Add the forces to those of the atoms, and the power that they dissipate to the sum. `until_end` is the time from the
+     present velocities to those of the instant of the forces. */
   virtual void add_forces(double until_end, granwave::ExactSum &power) = 0;
 
   int axis = 2;

@@ -57,7 +57,7 @@ void FixGranHystereticHistory::gather()
 {
   require_finite_motion(lmp);
   if (suspend_contacts) suspend_contacts();
-  // a sphere may be passed on by a processor that it did not come from
+  // a sphere may be passed on by a processor on which it did not start
   maxexchange = most_numbers(in_list);
   MPI_Allreduce(MPI_IN_PLACE, &maxexchange, 1, MPI_INT, MPI_MAX, world);
 }
@@ -234,7 +234,7 @@ int FixGranHystereticHistory::maxsize_restart()
   return AtomState::HEAD + most;    // the first processor writes it for the atoms of all
 }
 
-/* ---------------------------------------------------------------------- number of births, so that those after a restart are others */
+/* ---------------------------------------------------------------------- number of births, so that birth numbers after a restart are different */
 
 void FixGranHystereticHistory::write_restart(FILE *fp)
 {

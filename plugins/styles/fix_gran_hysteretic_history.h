@@ -46,10 +46,10 @@ class FixGranHystereticHistory : public Fix {
   void restart(char *) override;
   double memory_usage() override { return history.memory_usage(); }
 
-  /* Make room for the records of spheres that may have so many in addition to those that are with them, for commands that migrate
+  /* Reserve space for spheres with up to this number of further records, for commands that migrate
      spheres between two runs. */
   void expect_records(int n);
-  /* The same for sphere i, which has got a further record. */
+  /* Reserve space for sphere i, which has a further record. */
   void expect_records_of(int i) { maxexchange = std::max(maxexchange, size(i, in_list)); }
 
   /* Give the records of all processors the same layout. A collective call. */
@@ -67,7 +67,7 @@ class FixGranHystereticHistory : public Fix {
   /* Set by the pair style, whose flat list is more recent than the records: update these; be told that atoms may be put into another
      order, after which the list is not valid; be told that the fix is deleted by somebody else; undo what a minimization has tried. */
   std::function<void()> publish_contacts, suspend_contacts, lose_contacts, return_to_start;
-  /* Likewise: update the records of a sphere that leaves. */
+  /* Set by the pair style too: update the records of a sphere that leaves. */
   std::function<void(int)> hand_over_contacts;
 
  private:

@@ -245,8 +245,8 @@ double FixGranLoad::half_kick_work(double dt) const
   return sum;
 }
 
-/* The step is about to change, at the end of one: the half kick to come makes up for what the one before, with the mean of
-   a force around the old step, gave too much or too little. */
+/* The timestep is about to change, at the end of a step: the next half kick compensates for what the previous one, with
+   the mean of a force around the old step, gave too much or too little. */
 void FixGranLoad::reset_dt()
 {
   if (moves || !started || stepped == 0.0 || stepped == update->dt) return;
@@ -268,7 +268,7 @@ void FixGranLoad::post_force(int)
     if (atom->mask[i] & groupbit) speeds += along(atom->v[i]);
   if (!std::isfinite(speeds)) require_finite_motion(lmp);
   const double moved = speeds / atoms * dt, mean = 0.5 * (before + force);
-  // the remaining atoms had only their part of the force before
+  // the remaining atoms carried only their fraction of the force before
   total[WORK] += 0.5 * (before * (atoms / atoms_before) + force) * moved;
   atoms_before = atoms;
   total[DISPLACEMENT] += moved;

@@ -32,7 +32,7 @@ class FixGranNVE : public Fix {
   void final_integrate() override;
 
  protected:
-  double dtv = 0.0, dtf = 0.0;    // timestep, and half of it in units of force over mass and velocity
+  double dtv = 0.0, dtf = 0.0;    // timestep, and half of it in units of velocity per acceleration (force / mass)
 
  private:
   template <bool MOVES> void integrate();

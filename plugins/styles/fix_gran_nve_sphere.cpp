@@ -8,7 +8,7 @@
 using namespace LAMMPS_NS;
 using namespace granwave;
 
-constexpr double INERTIA = 0.4;    // moment of inertia of a sphere over m R^2
+constexpr double INERTIA = 0.4;    // moment of inertia of a sphere / (m R^2)
 
 FixGranNVESphere::FixGranNVESphere(LAMMPS *lmp, int narg, char **arg) : FixGranNVE(lmp, narg, arg)
 {
@@ -22,7 +22,7 @@ void FixGranNVESphere::init()
   require_radii();
 }
 
-/* Stop with an error at a point, which has no moment of inertia. */
+/* Stop with an error if an atom is a point, which has no moment of inertia. */
 void FixGranNVESphere::require_radii() const
 {
   for (int i = 0; i < atom->nlocal; i++)

@@ -30,10 +30,10 @@ constexpr double LEAST_TOLERANCE = 1e-12, MOST_TOLERANCE = 1e-3;
 constexpr std::int64_t STEPS_BETWEEN_ENERGIES = 16;
 
 constexpr double AIM = 0.85;                          // fraction of the tolerance that the choice uses
-constexpr double SHARE_OF_TOLERANCE = 1.0 / 65536;    // resolution of a measured error, over the tolerance
+constexpr double SHARE_OF_TOLERANCE = 1.0 / 65536;    // resolution of a measured error / tolerance
 constexpr const char *USAGE = "expected N TOLERANCE ENERGY, optionally followed by first M, until T, balance v_NAME K";
 
-// Fixed-point sums have the same bits in any order. A term is at most 2 energies, in units of 2^-50 of one.
+// Fixed-point sums are bitwise identical in any order. A term is at most 2 energies, in units of 2^-50 of one.
 constexpr double UNITS = 1125899906842624.0;               // 2^50
 constexpr double MAGIC = 6755399441055744.0;               // 1.5 2^52: adding it leaves an integer in the mantissa
 constexpr std::int64_t MAGIC_BITS = 0x4338000000000000;    // its bits
@@ -220,7 +220,7 @@ void FixGranTimestep::refuse_variables_that_count_steps() const
   }
 }
 
-/* Set the timestep of the steps to come. */
+/* Set the timestep of the following steps. */
 void FixGranTimestep::take(std::int64_t ticks)
 {
   const double dt = static_cast<double>(ticks) * tick;
@@ -239,7 +239,7 @@ void FixGranTimestep::setup(int)
   if (is_rerun(*update)) error->all(FLERR, "Fix {} {} does not work with rerun", STYLE, id);
   reached = update->ntimestep;
   pending = true;
-  if (n_steps == 0 || energy == 0.0) {    // else as without the cut between two runs
+  if (n_steps == 0 || energy == 0.0) {    // otherwise as if the two runs were one
     read_energy();
     bound_step();
   }
@@ -280,7 +280,7 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
       const double inertia = 0.4 * mass * atom->radius[i] * atom->radius[i];
       double turning = torque[0] * omega[0] + torque[1] * omega[1] + torque[2] * omega[2];
       double squared = (torque[0] * torque[0] + torque[1] * torque[1] + torque[2] * torque[2]) / inertia;
-      if (cylinders && !cylinders->shape(atom->type[i]).is_sphere()) {    // the torque is that of a sphere that moves alike
+      if (cylinders && !cylinders->shape(atom->type[i]).is_sphere()) {    // torque of a sphere with the same rotation
         turning *= FixGranCylinder::INERTIA;
         squared *= FixGranCylinder::INERTIA;
       }
@@ -302,7 +302,7 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
           static_cast<double>(all[1]) / UNITS * energy + force_squared_over_mass * tick * tick};
 }
 
-/* Bound the step by the collision that may come at any time: of a sphere that holds the share e of the energy it makes an
+/* Limit the step by a collision that may occur at any time: a sphere with the fraction e of the energy then makes an
    error of e (step/first)^2 of that in the collision for which the first step was chosen. */
 void FixGranTimestep::bound_step()
 {
@@ -330,7 +330,7 @@ bigint FixGranTimestep::next_due() const
   return due;
 }
 
-/* True if a compute needs energies or a virial at a step, which pair and bond styles add up only when they are told to. */
+/* True if a compute needs energies or a virial at a step, which pair and bond styles sum only on request. */
 bool FixGranTimestep::tallied(bigint step) const
 {
   for (auto *compute : modify->get_compute_list())
@@ -339,8 +339,8 @@ bool FixGranTimestep::tallied(bigint step) const
   return false;
 }
 
-/* True if the first step of a run may have so many ticks. The run has asked its computes already whether they need energies or
-   a virial, for the step after one tick. */
+/* True if the first step of a run may have this number of ticks. The run has asked its computes already whether they need
+   energies or a virial, for the step after one tick. */
 bool FixGranTimestep::fits(std::int64_t ticks, bigint due) const
 {
   return reached % ticks == 0 && reached + ticks <= due && !tallied(reached + ticks);
@@ -412,10 +412,10 @@ void FixGranTimestep::end_of_step()
   const bool held = origin + static_cast<double>(reached) * tick < until;
   const double most = held ? std::min(bound, static_cast<double>(first)) : bound;
   std::int64_t next = controller.choose(s, AIM * tolerance * energy, most, reached, next_due());
-  // what is due now is written here, as the run would do right after this, before the counter moves on
+  // output that is due now is written here, as the run would do immediately afterwards, before the counter is increased
   if (reached == output->next) {
     const double dt = update->dt;
-    update->dt = tick;    // dumps that go by time count steps
+    update->dt = tick;    // dumps at intervals of time count steps
     timer->stamp();
     output->write(reached);
     timer->stamp(Timer::OUTPUT);

@@ -69,14 +69,14 @@ class FixGranTimestep : public Fix {
   double energy = 0.0;
   std::string balance_name;
   bigint balance_every = 0;
-  std::int64_t longest, first = 1, taken = 1;    // ticks: the most, of the first step, of the present one
+  std::int64_t longest, first = 1, taken = 1;    // ticks: largest number, of the first step, of the present step
   double bound = 1.0;                            // ticks, limited by possible collisions
   double until = -1.0;                           // time up to which no step is longer than the first
   granwave::StepController controller;
   std::int64_t shortest_taken = 0, longest_taken = 0, n_steps = 0;
   double s = 0.0;
   Sums last;
-  double reported[5] = {};    // output: the same throughout a step, and when a run goes on from a restart file
+  double reported[5] = {};    // output: constant during a step, and unchanged when a run is continued from a restart file
   bigint reached = 0;         // step counter when the last step ended
   bool pending = false;       // the counter is to be set as the next step begins
   int rotates = 0;            // bits of the groups whose spheres rotate with the torques on them

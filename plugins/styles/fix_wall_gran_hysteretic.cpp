@@ -94,7 +94,7 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
   for (int i = 0; i < atom->nlocal; i++) FixWallGranHysteretic::set_arrays(i);
 }
 
-/* Read where the wall is. Returns the number of words before the law. */
+/* Read the position of the wall. Returns the number of words before the law. */
 int FixWallGranHysteretic::read_wall(char **arg)
 {
   std::fill_n(plane, 2, INFINITE);
@@ -326,7 +326,7 @@ void FixWallGranHysteretic::evaluate()
   std::fill_n(wall_force, 3, 0.0);
   on_plane[0] = on_plane[1] = {};
   tallied = -1;
-  const bool arrived = !listed;    // after reneighboring: all that is new here counts as near
+  const bool arrived = !listed;    // after reneighboring: all spheres that are new on this processor count as near
   if (!listed || grows || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
   if (cylinders)
     for (const int i : spheres)

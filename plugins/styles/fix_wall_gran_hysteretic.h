@@ -75,9 +75,9 @@ class FixWallGranHysteretic : public Fix {
   bool set_contact(int i, const granwave::KnownContact &);
   /* Turn all dents so far into initial dents, and reset the totals. */
   void begin(bool keeps);
-  /* The coefficient of friction. */
+  /* Return the coefficient of friction. */
   void *extract(const char *, int &) override;
-  /* Power of the forces on a plane that moves, and force^2 over mass: parts of them that are not of spheres. */
+  /* Power of the forces on a movable plane, and force^2 / mass: the contributions other than those of spheres. */
   void add_power(double &power, double &force_squared_over_mass) const
   {
     if (support) support->add_power(power, force_squared_over_mass);
@@ -94,7 +94,7 @@ class FixWallGranHysteretic : public Fix {
   int pack_restart(int, double *) override;
   void unpack_restart(int, int) override;
   int size_restart(int) override;
-  int maxsize_restart() override { return size_restart(0); }
+  int maxsize_restart() override;
   void write_restart(FILE *) override;
   void restart(char *) override;
   double memory_usage() override;
@@ -123,7 +123,7 @@ class FixWallGranHysteretic : public Fix {
 
   struct Contact {    // present contact of a sphere with a wall
     double force;
-    double stiffness;    // largest slope of the force over the overlap, on loading or unloading; with a support only
+    double stiffness;    // largest slope of the force against the overlap, on loading or unloading; with a support only
     double circle;       // radius of the contact circle; with friction, resistance or cohesion only
     double pressing;     // normal force that limits friction
     double damping;      // coefficient of damping along the surface; below 0: a run is continued, or there is none
@@ -168,6 +168,8 @@ class FixWallGranHysteretic : public Fix {
   double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);
   void unpack_reported(int i, const double *values);
+  static void reset_reported(double *reported);
+  bool is_new(int i) const;
   void push_support();
   void check_timestep(double contacts) const;
   void tally();
@@ -214,8 +216,8 @@ class FixWallGranHysteretic : public Fix {
   granwave::WallHistory histories;
   std::vector<granwave::Front> fronts;    // arrival of the largest force of each sphere
 
-  /* Histories and output of the spheres at the start of a minimization, which every evaluation in it continues from: a position that
-     it tries and does not keep leaves no dent. */
+  /* Histories and output of the spheres at the start of a minimization, from which every evaluation in it continues: a
+     position that it tries and does not keep leaves no dent. */
   struct Start {
     bool kept = false;
     granwave::WallHistory histories;

@@ -21,7 +21,7 @@ bool is_positive_zero(const double *values)
   return (bits[0] | bits[1] | bits[2]) == 0;
 }
 
-/* Jump of the velocity across a periodic boundary of a box that is deformed. */
+/* Jump of the velocity across a periodic boundary of a deforming box. */
 void set_jump(const Domain *domain, const int *images, double (&jump)[3])
 {
   const double *const rate = domain->h_rate;

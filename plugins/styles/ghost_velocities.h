@@ -24,7 +24,8 @@ class GhostVelocities {
   /* Discard the stored velocities: there are new ghosts, for which nothing has been received. */
   void renew();
 
-  /* Write the velocities of these atoms to a buffer, as ghosts have them behind a periodic boundary; returns how many numbers. */
+  /* Write the velocities of these atoms, as seen by ghosts behind a periodic boundary, to a buffer; returns the number of
+     values. */
   int pack(int n, const int *atoms, double *buffer, bool crosses, const int *images) const;
   void unpack(int n, int first, const double *buffer);
 

@@ -15,7 +15,7 @@
 #include <set>
 
 #if defined(MPI_STUBS) && !defined(MPI_BOR)
-#define MPI_BOR MPI_LOR    // older stubs for one process lack it; they combine nothing
+#define MPI_BOR MPI_LOR    // missing in older stubs for one process, in which there is nothing to combine
 #endif
 
 using namespace LAMMPS_NS;
@@ -166,7 +166,7 @@ void GranDents::require_spheres(const std::string &file, const std::vector<Line>
                  seen[k] & FIRST_SEEN ? lines[k].j : lines[k].i);
 }
 
-/* Set the contacts of the spheres of this processor. The first line at fault on any of them stops all. */
+/* Set the contacts of the spheres of this processor. The first invalid line on any processor stops all. */
 void GranDents::set(const std::string &file, std::vector<Line> &mine)
 {
   std::set<Ids> pairs;
@@ -196,7 +196,7 @@ void GranDents::set(const std::string &file, std::vector<Line> &mine)
   stop_at_first(file, first, fault);
 }
 
-/* Stop with an error if there is a line at fault on a processor. */
+/* Stop with an error if there is an invalid line on a processor. */
 void GranDents::stop_at_first(const std::string &file, bigint first, std::string fault)
 {
   bigint least;

@@ -26,14 +26,15 @@ void require_finite_motion(LAMMPS_NS::LAMMPS *, int i);
 /* Stop with an error at the first atom of this processor whose motion is not finite. */
 void require_finite_motion(LAMMPS_NS::LAMMPS *);
 
-/* Return the possible causes of an overlap as large as a radius, the likely one first: before the first step the bodies were
-   placed so (`placed` says it); later the load, unless their speed is a large part of the radius in one timestep. */
+/* Return the possible causes of an overlap as large as a radius, the most likely cause first: before the first step the
+   bodies were placed so (`placed` says it); later the load, unless their speed is a large part of the radius in one
+   timestep. */
 std::string causes_of_overlap(LAMMPS_NS::LAMMPS *, double speed, double radius, const std::string &placed);
 
 /* Return the speed of an atom of this processor, and 0 for a ghost. */
 double speed_of(LAMMPS_NS::LAMMPS *, int i);
 
-/* True in `rerun`, whose snapshots have no steps between them: no run sets up at another step than its first. */
+/* True in `rerun`, whose snapshots have no steps between them: no run is set up at a step other than its first. */
 bool is_rerun(const LAMMPS_NS::Update &);
 
 /* Mass of an atom of any style. */
@@ -79,7 +80,7 @@ std::vector<TextRow> read_rows(LAMMPS_NS::LAMMPS *, const std::string &file, con
 /* Stop with an error in units in which force is not mass times acceleration (real, metal, electron). */
 void require_mechanical_units(LAMMPS_NS::LAMMPS *, const std::string &what);
 
-/* True if a fix may change radii during a run: those of the start are then no guide. */
+/* True if a fix may change radii during a run: the radii at the start then give no bound. */
 bool radii_may_change(LAMMPS_NS::LAMMPS *);
 
 /* Simulation time of a force evaluation, bitwise identical for any division of a simulation into runs. */

@@ -24,7 +24,7 @@ int integrated_groups(const LAMMPS_NS::LAMMPS *);
 
 class MovedMass {
  public:
-  static constexpr int BODY = -1;       // in place of a sphere: a body of which only its inverse mass counts
+  static constexpr int BODY = -1;       // in place of a sphere: a body for which only the inverse mass matters
   static constexpr int SIZE = 1 + 6;    // numbers for each sphere
 
   /* Find the fixes that hold and integrate spheres, at the start of a run. Of the fixes that change forces those before `fix`

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "pair_geometry.h"
 
-#include "../kernels/periodic_images.h"
-
 #include "atom.h"
 #include "domain.h"
 
@@ -22,6 +20,20 @@ Vector plain_difference(const double *of_i, const double *of_j)
   return {of_i[0] - of_j[0], of_i[1] - of_j[1], of_i[2] - of_j[2]};
 }
 
+struct Edges {
+  double lengths[6];
+};
+
+Edges edges_of(const Domain &domain) { return {{domain.xprd, domain.yprd, domain.zprd, domain.yz, domain.xz, domain.xy}}; }
+
+/* Vector from a sphere at xj to one at xi, of which one is a ghost with this shift. */
+Vector vector_across(const double *xi, const double *xj, const ImageShift &shift, bool ghost_is_j)
+{
+  Vector between;
+  image_difference(xi, xj, shift, ghost_is_j, true, true, between.data());
+  return between;
+}
+
 }    // namespace
 
 void PairGeometry::begin_run(const FixGranHystereticHistory *history, int initial_places)
@@ -32,33 +44,57 @@ void PairGeometry::begin_run(const FixGranHystereticHistory *history, int initia
 
 void PairGeometry::begin_evaluation() { flows_ = lmp_->domain->deform_vremap != 0; }
 
+void PairGeometry::set_shifts()
+{
+  shifts_.set(edges_of(*lmp_->domain).lengths);
+  if (flows_) velocity_shifts_.set(lmp_->domain->h_rate);
+}
+
+/* Images of the ghost in a pair; none if both spheres are on the same side of all boundaries. */
+const FixGranHystereticHistory::Images &PairGeometry::images_between(int i, int j) const
+{
+  return images(images(i).none() ? j : i);
+}
+
 PairGeometry::Vector PairGeometry::vector_between(int i, int j) const
 {
+  const double *const *const x = lmp_->atom->x;
+  const auto &of_ghost = images_between(i, j);
+  if (of_ghost.none()) return plain_difference(x[i], x[j]);
+  return vector_across(x[i], x[j], image_shift(of_ghost.along, edges_of(*lmp_->domain).lengths), images(i).none());
+}
+
+PairGeometry::Vector PairGeometry::shifted_vector(int i, int j) const
+{
+  const double *const *const x = lmp_->atom->x;
+  const auto &of_ghost = images_between(i, j);
+  if (of_ghost.none()) return plain_difference(x[i], x[j]);
+  const ImageShift *const shift = shifts_.of(of_ghost.along);
+  return shift ? vector_across(x[i], x[j], *shift, images(i).none()) : vector_between(i, j);
+}
+
+PairGeometry::Vector PairGeometry::velocity_across(int i, int j, const ImageShift &shift) const
+{
   const Atom &atom = *lmp_->atom;
-  const Domain &domain = *lmp_->domain;
-  const double *const xi = atom.x[i], *const xj = atom.x[j];
-  const bool ghost_is_j = images(i).none();
-  const auto &of_ghost = images(ghost_is_j ? j : i);
-  if (of_ghost.none()) return plain_difference(xi, xj);
-  const double edges[6] = {domain.xprd, domain.yprd, domain.zprd, domain.yz, domain.xz, domain.xy};
-  Vector between;
-  image_difference(xi, xj, image_shift(of_ghost.along, edges), ghost_is_j, true, true, between.data());
-  return between;
+  const int group = lmp_->domain->deform_groupbit;
+  const bool jumps_i = (atom.mask[i] & group) != 0, jumps_j = (atom.mask[j] & group) != 0;
+  Vector relative;
+  image_difference(atom.v[i], atom.v[j], shift, images(i).none(), jumps_i, jumps_j, relative.data());
+  return relative;
 }
 
 PairGeometry::Vector PairGeometry::relative_velocity(int i, int j) const
 {
-  const Atom &atom = *lmp_->atom;
-  const Domain &domain = *lmp_->domain;
-  const double *const vi = atom.v[i], *const vj = atom.v[j];
-  const bool ghost_is_j = images(i).none();
-  const auto &of_ghost = images(ghost_is_j ? j : i);
-  if (!flows_ || of_ghost.none()) return plain_difference(vi, vj);
-  const int group = domain.deform_groupbit;
-  const bool jumps_i = (atom.mask[i] & group) != 0, jumps_j = (atom.mask[j] & group) != 0;
-  Vector relative;
-  image_difference(vi, vj, image_shift(of_ghost.along, domain.h_rate), ghost_is_j, jumps_i, jumps_j, relative.data());
-  return relative;
+  const double *const *const v = lmp_->atom->v;
+  const auto &of_ghost = images_between(i, j);
+  if (!flows_ || of_ghost.none()) return plain_difference(v[i], v[j]);
+  return velocity_across(i, j, image_shift(of_ghost.along, lmp_->domain->h_rate));
+}
+
+PairGeometry::Vector PairGeometry::shifted_velocity(int i, int j) const
+{
+  const ImageShift *const shift = velocity_shifts_.of(images_between(i, j).along);
+  return flows_ && shift ? velocity_across(i, j, *shift) : relative_velocity(i, j);
 }
 
 CylinderPair::Separation PairGeometry::separation(int i, int j) const

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: settings, coefficients, requirements, and what of them is in restart files. */
+/* Pair style gran/hysteretic: settings, coefficients and requirements, and their content in restart files. */
 
 #include "pair_gran_hysteretic.h"
 
@@ -147,7 +147,8 @@ void PairGranHysteretic::init_style()
   find_largest_radii();
 }
 
-/* Find what the contacts of all laws remember, and which laws need velocities and masses. Returns the doubles of a block. */
+/* Determine the state of the contacts of all laws, and the laws that need velocities and masses. Returns the doubles of a
+   block. */
 int PairGranHysteretic::find_memory()
 {
   ContactMemory wanted = has;

@@ -111,7 +111,7 @@ class PairGranHysteretic : public Pair {
   std::map<Ids, DentStatus> set_contacts(const std::map<Ids, granwave::KnownContact> &);
 
  protected:    // for its version on cards
-  // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
+  // Isolated spheres are checked so rarely that the cost is negligible; near other spheres a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   // 13: the blocks of records have only what is in use (fix_gran_hysteretic_history.cpp)
   static constexpr int EARLIEST_RESTART_FORMAT = 12, RESTART_FORMAT = 13;
@@ -182,7 +182,8 @@ class PairGranHysteretic : public Pair {
   void begin_evaluation();
   void compute_forces(Tally);
   void compute_special(Tally);
-  bool clearly_apart(int i, int j, int k, double radsum) const;
+  void compute_special_batch(Tally);
+  bool add_spheres(int k, int i, int j);
   bool add_special(int r, int k);
   void compute_batch(Tally, bool special = false);
   void set_elastic(Batch &);
@@ -225,10 +226,10 @@ class PairGranHysteretic : public Pair {
   bool has_rate = false;                 // true if a law depends on the rate
   bool has_dashpot = false;              // true if a pair of types has one
 
-  granwave::ContactMemory has;    // each part is there from the first pair_coeff with it on, and from the first initial dent
+  granwave::ContactMemory has;    // parts exist from the first pair_coeff or initial dent that requires them
   granwave::ContactList contacts{has};
   FixGranHystereticHistory *fix_history = nullptr;
-  bool lost_contacts = false;    // true if somebody else deleted it
+  bool lost_contacts = false;    // true if it was deleted elsewhere
 
   granwave::MovedMass masses;    // with a dashpot
   granwave::GhostVelocities ghosts;

@@ -17,7 +17,7 @@ void PairGranHysteretic::build_contacts()
 {
   const double *radius = atom->radius;
   const int *type = atom->type;
-  const int nall = atom->nlocal + atom->nghost;
+  const int nlocal = atom->nlocal, nall = nlocal + atom->nghost;
   const double reach = gap + neighbor->skin;
 
   require_room();
@@ -26,12 +26,14 @@ void PairGranHysteretic::build_contacts()
   for (int i = 1; i < nall && uniform; i++) uniform = radius[i] == radius[0] && type[i] == type[0];
 
   std::vector<std::pair<int, int>> plain, special;
+  std::vector<int> pairs_of(nall, 0);
   std::size_t listed = 0;
   for (int ii = 0; ii < list->inum; ii++) listed += list->numneigh[list->ilist[ii]];
   plain.reserve(listed);
   for (int ii = 0; ii < list->inum; ii++) {
     const int i = list->ilist[ii], itype = type[i], *const jlist = list->firstneigh[i];
     const double ri = radius[i], largest_i = largest_radius[itype];
+    int n_pairs = 0;
     for (int jj = 0; jj < list->numneigh[i]; jj++) {
       if (force->special_lj[sbmask(jlist[jj])] == 0.0) continue;
       const int j = jlist[jj] & NEIGHMASK;
@@ -40,13 +42,18 @@ void PairGranHysteretic::build_contacts()
       const double far = (radii_vary ? largest_i + largest_radius[type[j]] : ri + rj) + reach;
       if (laws.is_special(itype, type[j])) {
         const CylinderPair::Separation found = geometry.separation(i, j);
-        if (found.distance < far && found.beyond < reach) special.emplace_back(i, j);
-        continue;
+        if (!(found.distance < far && found.beyond < reach)) continue;
+        special.emplace_back(i, j);
+      } else {
+        const bool crosses = j >= nlocal && geometry.crosses(i, j);
+        const double rsq = crosses ? geometry.distance_squared(i, j) : geometry.rounded_distance_squared(i, j);
+        if (!(rsq < far * far)) continue;
+        (crosses ? special : plain).emplace_back(i, j);
       }
-      const bool crosses = geometry.crosses(i, j);
-      const double rsq = crosses ? geometry.distance_squared(i, j) : geometry.rounded_distance_squared(i, j);
-      if (rsq < far * far) (crosses ? special : plain).emplace_back(i, j);
+      n_pairs++;
+      pairs_of[j]++;
     }
+    pairs_of[i] += n_pairs;
   }
   ContactList &c = contacts;
   ContactHistory &history = fix_history->history;
@@ -55,17 +62,12 @@ void PairGranHysteretic::build_contacts()
   require_same_ids();
   check_displacements();
   c.build(
-      plain, special, atom->tag, atom->nlocal, nall,
+      plain, special, atom->tag, nlocal, nall,
       [this, &history](int i) {
         return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i], history.birth(i)};
       },
       history, [this](int i, const ContactRecord &record, const double *block) { end_contact(i, record, block); });
   if (radii_vary) c.discard_turnings();
-  std::vector<int> pairs_of(nall, 0);
-  c.each_pair([&](int, int, int i, int j) {
-    pairs_of[i]++;
-    pairs_of[j]++;
-  });
   c.most_pairs = c.owned > 0 ? *std::max_element(pairs_of.begin(), pairs_of.begin() + c.owned) : 0;
   fix_history->expect_records(c.most_pairs);
   c.find_springs();

@@ -115,7 +115,7 @@ void PairGranHysteretic::compute_cohesion(Batch &batch)
   }
 }
 
-/* ---------------------------------------------------------------------- viscous losses, and the end of contacts that have parted */
+/* ---------------------------------------------------------------------- viscous forces, and the end of contacts that have separated */
 
 /* End the spring and the viscous force of a pair that has separated. */
 void PairGranHysteretic::release_contact(int k)
@@ -130,7 +130,7 @@ void PairGranHysteretic::release_contact(int k)
   if (has.resistance) has.resistance_of(c.block(k))->release();
 }
 
-/* Effective mass of a pair along its normal. The body of a flat face is taken as much heavier than the sphere. */
+/* Effective mass of a pair along its normal. The body of a flat face is assumed to be much heavier than the sphere. */
 double PairGranHysteretic::effective_mass(const Batch &batch, int m) const
 {
   const int i = batch.i[m], j = batch.j[m];
@@ -138,7 +138,7 @@ double PairGranHysteretic::effective_mass(const Batch &batch, int m) const
   return masses.effective(atom->radius[i] > 0.0 ? i : MovedMass::BODY, atom->radius[j] > 0.0 ? j : MovedMass::BODY, normal);
 }
 
-/* Slope of the force of the law over the overlap, of a touching pair without cohesion. */
+/* Slope of the force of the law against the overlap, for a touching pair without cohesion. */
 double PairGranHysteretic::tangent_stiffness(const Batch &batch, int m)
 {
   ContactList &c = contacts;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: ghosts, what is sent to them, and pairs across a periodic boundary (pair_geometry.h). */
+/* Pair style gran/hysteretic: ghosts, the data sent to them, and pairs across a periodic boundary (pair_geometry.h). */
 
 #include "pair_gran_hysteretic.h"
 
@@ -20,7 +20,7 @@ void PairGranHysteretic::set_relative_velocities(Batch &b) const
 {
   for (int m = 0; m < b.size; m++) {
     if (!geometry.crosses(b.i[m], b.j[m])) continue;
-    const PairGeometry::Vector velocity = geometry.relative_velocity(b.i[m], b.j[m]);
+    const PairGeometry::Vector velocity = geometry.shifted_velocity(b.i[m], b.j[m]);
     for (int d = 0; d < 3; d++) b.velocity[d][m] = velocity[d];
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: special pairs, which are those of cylinders, those with cohesion, those whose force is a power of the
-   overlap, those across a periodic boundary, and all with initial normals.
+/* Pair style gran/hysteretic: special pairs, which are pairs of cylinders, pairs with cohesion, pairs whose force is a
+   power of the overlap, those across a periodic boundary, and all with initial normals.
 
    They have rows of their own behind those of all other pairs, and are found one by one; forces, history and friction are
    those of any batch, with the vector between the centers replaced by its part along the normal. */
@@ -75,7 +75,7 @@ double PairGranHysteretic::init_shape(int i, int j)
   return shapes.center_distance(radsum + gap);
 }
 
-/* Overwrite the forces of contacts that are elastic with another law than Hertz's. */
+/* Overwrite the forces of elastic contacts with a law other than Hertz's. */
 void PairGranHysteretic::set_elastic(Batch &batch)
 {
   static_assert(LineBatch::CAPACITY >= Batch::CAPACITY);
@@ -106,28 +106,52 @@ void PairGranHysteretic::compute_special(Tally what)
   const int rows = static_cast<int>(c.row.size());
   if (rows == c.plain) return;
   only_spheres = !has.cohesion && !normals_initial && !laws.cylinders();
+  geometry.set_shifts();
   batch.size = 0;
   for (int r = c.plain; r < rows; r++) {
     if (c.rests(r)) continue;
     bool quiet = true;
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      if (!add_special(r, k)) continue;
+      if (!(only_spheres ? add_spheres(k, c.row[r], c.partner[k]) : add_special(r, k))) continue;
       quiet = false;
       if (batch.size < Batch::CAPACITY) continue;
-      compute_batch(what, true);
-      batch.size = 0;
+      compute_special_batch(what);
     }
     c.quiet_special[r - c.plain] = quiet;
   }
-  if (batch.size > 0) compute_batch(what, true);
+  if (batch.size > 0) compute_special_batch(what);
 }
 
-/* Return true if pair k of spheres i and j, which touch by the distance of their centers, is so far from touching, and from the gap
-   beyond which a contact is forgotten, that the last bits of the distance do not matter. */
-bool PairGranHysteretic::clearly_apart(int i, int j, int k, double radsum) const
+void PairGranHysteretic::compute_special_batch(Tally what)
 {
-  const double rsq = geometry.rounded_distance_squared(i, j), reach = radsum + gap;
-  return rsq > radsum * radsum * (1.0 + MARGIN) && (contacts.peak[k] == 0.0 || rsq < reach * reach * (1.0 - MARGIN));
+  if (only_spheres) batch.multiply_normals();
+  compute_batch(what, true);
+  batch.size = 0;
+}
+
+/* Put special pair k of spheres i and j, which touch by the distance of their centers, into the batch, or end its spring and forces
+   if it does not touch. Its vector is then that between the centers. Returns true if it is in the batch. */
+bool PairGranHysteretic::add_spheres(int k, int i, int j)
+{
+  ContactList &c = contacts;
+  const double radsum = atom->radius[i] + atom->radius[j], reach = radsum + gap;
+  const double rounded = geometry.rounded_distance_squared(i, j);
+  // most pairs are so far from touching, and from the gap, that the last bits of the distance do not matter
+  const bool clearly_apart =
+      rounded > radsum * radsum * (1.0 + MARGIN) && (c.peak[k] == 0.0 || rounded < reach * reach * (1.0 - MARGIN));
+  bool far = false;
+  if (!clearly_apart) {
+    const PairGeometry::Vector del = geometry.shifted_vector(i, j);
+    const double rsq = del[0] * del[0] + del[1] * del[1] + del[2] * del[2], distance = std::sqrt(rsq);
+    if (!(distance * distance >= TouchingPairs::touch_squared(radsum))) {    // also true for NaN
+      batch.put(batch.size++, k, i, j, del[0], del[1], del[2], rsq);
+      return true;
+    }
+    far = c.peak[k] > 0.0 && distance > reach;
+  }
+  if (c.has_spring(k)) release_contact(k);
+  if (far) forget(c.row_of(k), k);
+  return false;
 }
 
 /* Put special pair k of row r into the batch, or end its spring and forces if it does not touch. Returns true if it is in
@@ -137,10 +161,6 @@ bool PairGranHysteretic::add_special(int r, int k)
   ContactList &c = contacts;
   const int i = c.row[r], j = c.partner[k];
   const double radsum = atom->radius[i] + atom->radius[j];
-  if (only_spheres && clearly_apart(i, j, k, radsum)) {
-    if (c.has_spring(k)) release_contact(k);
-    return false;
-  }
   const CylinderPair::Separation found = geometry.separation(i, j);
   const bool touches = !(found.distance * found.distance >= TouchingPairs::touch_squared(radsum));    // also true for NaN
   const bool sticks = has.cohesion && has.cohesion_of(c.block(k))->active();

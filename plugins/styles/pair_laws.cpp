@@ -14,7 +14,7 @@ namespace granwave {
 
 namespace {
 
-constexpr double VALID = 0.2;    // largest overlap of a line contact over its effective radius: 0.1 R of equal cylinders
+constexpr double VALID = 0.2;    // largest overlap of a line contact / effective radius: 0.1 R for equal cylinders
 
 }    // namespace
 

@@ -36,7 +36,7 @@ class PairLaws {
   /* Effective radius of two spheres, or of a sphere and a flat face (radius 0). */
   static double effective_radius(double ri, double rj) { return ri > 0.0 && rj > 0.0 ? ri * rj / (ri + rj) : ri + rj; }
 
-  /* Largest overlap that is not an error: beyond it the center of a sphere is near the other surface or face. */
+  /* Overlap above which an error is raised: the center of a sphere is then near the other surface or face. */
   static double largest_overlap(double ri, double rj)
   {
     return ri > 0.0 && rj > 0.0 ? (ri < rj ? ri : rj) : 0.5 * (ri + rj);
@@ -46,7 +46,7 @@ class PairLaws {
   int types() const { return types_; }
   /* Arguments of pair_coeff, for mixing and restarts; also those of the second type before the first, once `make` was called. */
   LawArguments &arguments(int i, int j) { return arguments_[at(i, j)]; }
-  /* Make the laws of types i and j from their arguments, in which the first material is that of type i. */
+  /* Make the laws of types i and j from their arguments; the first material is the material of type i. */
   void make(int i, int j);
   const ContactLaw &law(int i, int j) const { return laws_[at(i, j)]; }
 
@@ -60,7 +60,7 @@ class PairLaws {
   }
   void make_special(int i, int j);
   bool is_special(int i, int j) const { return has_special_ && special_[at(i, j)]; }
-  /* How two types touch of which one is a cylinder; null for spheres. */
+  /* Kind of contact of two types, one of which is a cylinder; null for spheres. */
   const CylinderPair *geometry(int i, int j) const { return geometries_[at(i, j)].get(); }
 
   /* Law of two bodies of these types and radii. */

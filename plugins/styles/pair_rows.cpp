@@ -40,7 +40,7 @@ void PairRows::add_rows(const std::vector<std::pair<int, int>> &pairs, const tag
 {
   const auto precedes = [tag](int i, int j) { return tag[i] < tag[j]; };
   const auto in_order = [&](const std::pair<int, int> &pair) { return std::minmax(pair.first, pair.second, precedes); };
-  std::vector<int> place(nall, 0);    // number of pairs of a row, then where the next one goes
+  std::vector<int> place(nall, 0);    // number of pairs of a row, then the position of the next one
   for (const auto &pair : pairs) place[in_order(pair).first]++;
   const auto first_row = static_cast<std::ptrdiff_t>(row.size());
   const auto more = nall - std::count(place.begin(), place.end(), 0);
@@ -101,25 +101,29 @@ CommonPairs::CommonPairs(const PairRows &before, const PairRows &after) : n_befo
 }
 
 /* Find the pairs of the rows from `first` to the one before `last` in those of the other list. Rows of one sphere are compared
-   pair by pair, as both are in the order of IDs; all other pairs are searched. */
+   pair by pair, as both are in the order of IDs; if it has several rows, their pairs are searched. */
 void CommonPairs::match(const PairRows &before, int first_before, int last_before, const PairRows &after, int first,
                         int last)
 {
-  const auto repeats = [](const PairRows &list, int r, int begin, int end) {
+  const auto end_of_rows = [](const PairRows &list, int r, int end) {    // of the sphere of row r
     const auto tag = list.sphere_of_row(r).tag;
-    return (r > begin && list.sphere_of_row(r - 1).tag == tag) || (r + 1 < end && list.sphere_of_row(r + 1).tag == tag);
+    while (r < end && list.sphere_of_row(r).tag == tag) r++;
+    return r;
   };
   const bool one_kind = last_before - first_before == before.rows();    // a pair is among these rows or in none
   int b = first_before;
-  for (int r = first; r < last; r++) {
+  for (int r = first, next = first; r < last; r = next) {
+    next = end_of_rows(after, r, last);
     const auto tag = after.sphere_of_row(r).tag;
     while (b < last_before && before.sphere_of_row(b).tag < tag) b++;
     const bool present = b < last_before && before.sphere_of_row(b).tag == tag;
-    const int begin = after.begin[r], end = after.begin[r + 1];
-    if (present && !repeats(before, b, first_before, last_before) && !repeats(after, r, first, last)) {
+    const int end = present ? end_of_rows(before, b, last_before) : b;
+    if (present && end == b + 1 && next == r + 1) {
       if (before.sphere_of_row(b).is(after.sphere_of_row(r))) match_row(before, b, after, r, one_kind);
     } else if (present || !one_kind) {
-      for (int k = begin; k < end; k++) search(before, after, r, k);
+      for (; r < next; r++)
+        for (int k = after.begin[r]; k < after.begin[r + 1]; k++)
+          if (!present || first != after.plain || !search_rows(before, b, end, after, r, k)) search(before, after, r, k);
     }
   }
 }
@@ -142,7 +146,25 @@ void CommonPairs::search(const PairRows &before, const PairRows &after, int r, i
   if (other >= 0) scattered_.emplace_back(other, k);
 }
 
-/* Append a pair to the last run, or begin a new one. */
+/* Search pair k of row r in the rows of its sphere in the list before, `first` to the one before `last`. Returns false if it is not
+   there. */
+bool CommonPairs::search_rows(const PairRows &before, int first, int last, const PairRows &after, int r, int k)
+{
+  const PairRows::Sphere &partner = after.partner_of_pair(k);
+  int row = -1, pair = -1;
+  for (int b = first; b < last; b++)
+    for (int other = before.begin[b]; other < before.begin[b + 1]; other++)
+      if (before.partner_of_pair(other).tag == partner.tag) {
+        row = b;
+        pair = other;
+      }
+  if (pair < 0) return false;
+  if (before.sphere_of_row(row).is(after.sphere_of_row(r)) && before.partner_of_pair(pair).is(partner))
+    scattered_.emplace_back(pair, k);
+  return true;
+}
+
+/* Append a pair to the last run, or begin a new run. */
 void CommonPairs::add(int from, int to)
 {
   if (!runs_.empty()) {

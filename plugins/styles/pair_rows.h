@@ -118,6 +118,7 @@ class CommonPairs {
   void match(const PairRows &before, int first_before, int last_before, const PairRows &after, int first, int last);
   void match_row(const PairRows &before, int r_before, const PairRows &after, int r, bool one_kind);
   void search(const PairRows &before, const PairRows &after, int r, int k);
+  bool search_rows(const PairRows &before, int first, int last, const PairRows &after, int r, int k);
   void add(int from, int to);
 
   template <class T> static typename std::vector<T>::iterator at(std::vector<T> &values, int k, int width)

@@ -17,8 +17,8 @@ using namespace LAMMPS_NS;
 namespace {
 
 constexpr double ANYWHERE = 1e20;    // distance within which a region searches for its surface
-constexpr double ASIDE = 0.05;       // offset from the middle of a region, over its width
-constexpr double OUTSIDE = 1e6;      // distance of a point far outside, over the size of the box
+constexpr double ASIDE = 0.05;       // offset from the middle of a region / its width
+constexpr double OUTSIDE = 1e6;      // distance of a point far outside / size of the box
 constexpr const char *WHOLE = "all";
 
 /* Faces of the inside of a region, in the order of their numbers in LAMMPS. */
@@ -77,7 +77,8 @@ void RegionWall::init(double)
   measure_curvature();
 }
 
-/* Ask the region for its curvature at a point inside it, or far outside: that of a cylinder is half of its smaller radius there. */
+/* Ask the region for its curvature at a point inside it, or far outside: for a cylinder this is half of its smaller
+   radius. */
 void RegionWall::measure_curvature()
 {
   curvature_ = 0.0;
@@ -102,7 +103,7 @@ void RegionWall::measure_curvature()
   const bool is_rim = !is_sphere && !region_->interior && normal[0] * normal[1] * normal[2] != 0.0;
   if (!nearest_.found || nearest_.radius == 0.0 || is_rim)
     throw std::invalid_argument("the outside of cylinder " + id_ +
-                                " has ends, whose curvature is not that of its side: give it the bounds INF INF");
+                                " has ends, whose curvature differs from that of its side: give it the bounds INF INF");
   curvature_ = (is_sphere ? 1.0 : 2.0) / nearest_.radius;
 }
 

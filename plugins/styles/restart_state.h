@@ -31,7 +31,7 @@ struct AtomState {
   int n;
 };
 
-/* Complete a state of n numbers with atom i, which stand behind its head. Returns the size with the head. */
+/* Complete a state of n numbers, which follow its head, with atom i. Returns the size with the head. */
 int seal_atom_state(const LAMMPS_NS::LAMMPS *, int i, double *buffer, int n);
 
 /* Return the state of a fix with atom i, for Fix::unpack_restart(). Stops with an error if it is damaged, or of

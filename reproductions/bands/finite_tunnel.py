@@ -37,7 +37,7 @@ ALONG = 1
 
 
 class LinearRow:
-    """Small motions of the chain, as a sum of its modes; without a tunnel it has no cylinders."""
+    """Small motions of a chain with or without a tunnel, as a sum of its modes."""
 
     def __init__(self, tunnel, gaps, duration=END):
         row_spring = tunnel.mass * tunnel.row_frequency**2
@@ -78,7 +78,7 @@ class LinearRow:
 
 
 def add(stiffness, first, second, spring):
-    """Add the spring between two bodies to the stiffness of all."""
+    """Add the spring between two bodies to the stiffness matrix."""
     stiffness[first, :, first] += spring
     stiffness[second, :, second] += spring
     stiffness[first, :, second] -= spring
@@ -86,7 +86,9 @@ def add(stiffness, first, second, spring):
 
 
 class DrivenRow:
-    """Normalised peak velocities of the sphere by frequency: runs, and linear chain."""
+    """Normalised peak velocities of sphere 75 by frequency, from the runs and from the linear
+    chain.
+    """
 
     def __init__(self, approach, runs):
         tunnel = Tunnel(approach or 0.0)
@@ -107,7 +109,7 @@ class DrivenRow:
         self.bottom = tunnel.edges[1, 0] / self.unit if self.tunnel else math.inf
 
     def of(self, linear):
-        """Peak velocities of a linear row under the loads of the runs, m/s."""
+        """Peak velocities of a linear chain under the loads of the runs, m/s."""
         peaks = []
         for frequency, run in zip(self.frequency, self.runs, strict=True):
             peaks.append(linear.peak_velocity(frequency * self.unit, run.case.load.amplitude))
@@ -115,7 +117,7 @@ class DrivenRow:
 
     @property
     def longer(self):
-        """Peak velocities of the linear row in 15 ms, m/s."""
+        """Peak velocities of the linear chain within 15 ms, m/s."""
         return self.of(LinearRow(self.springs, self.gaps, LONGER))
 
     @property
@@ -128,7 +130,7 @@ class DrivenRow:
         return velocity / np.median(velocity[self.frequency <= IN_BAND])
 
     def crossings(self, velocity):
-        """Frequencies at which velocities pass half their level, in rising order."""
+        """Frequencies at which velocities cross half their level, in rising order."""
         ratio = self.ratio(velocity) - HALF
         first = np.flatnonzero(ratio[:-1] * ratio[1:] < 0)
         part = ratio[first] / (ratio[first] - ratio[first + 1])
@@ -141,7 +143,7 @@ class DrivenRow:
 
 
 def driven_rows(runs):
-    """Rows by the approach of their walls, at the end the row without a tunnel; rows without a
+    """Chains by the approach of their walls, the chain without a tunnel last; and chains without a
     tunnel under weaker forces.
     """
     pressed = [run for run in runs if run.case.precompression.kind == "walls"]
@@ -192,7 +194,7 @@ def rows(runs):
 
 
 def edges(row):
-    """Rows of the frequencies at which the velocity passes half its level."""
+    """Rows with the frequencies at which the velocity crosses half its level."""
     ours = row.crossings(row.velocity)
     linear = row.crossings(row.linear)
     longer = row.crossings(row.longer)
@@ -243,7 +245,7 @@ def edges(row):
 
 
 def shown(crossings, index):
-    """Text of a crossing, which may be beyond the frequencies of the runs."""
+    """Text of a crossing frequency, which may be beyond the frequencies of the runs."""
     return f"{crossings[index]:.4g}" if index < len(crossings) else "beyond the last run"
 
 

@@ -1,11 +1,11 @@
-"""Row with a light bead: rectification and switching.
+"""Chain with a light bead: rectification and switching.
 
-A row under a static force with a light bead near one end, driven at its first bead at a frequency
-above its cut-off. The mean power absorbed at its end in the last half of each run is drawn
-against the amplitude of the drive, with the light bead near the drive and near the other end.
-Dashed: the steady response of small motions, with the losses of contacts. Next to the amplitude at
-which the row opens, what opens it grows or dies so slowly that the mean belongs to a state that is
-not yet steady.
+A chain under a static force, with a light bead near one end, is driven at its first bead at a
+frequency above the cut-off. The mean power absorbed at its end in the last half of each run is
+drawn against the amplitude of the drive, with the light bead near the drive and near the other end.
+Dashed: the steady response to small motions, with damping in the contacts. Near the amplitude at
+which transmission starts, the instability grows or decays so slowly that the mean is taken over a
+state that is not yet steady.
 """
 
 import math
@@ -30,8 +30,8 @@ SIDES = ("near the drive", "at the far end")
 
 
 class Driven:
-    """A run of a row that is driven by a displacement; small: power of small motions, W/m^2 of its
-    amplitude.
+    """A run of a chain driven by a displacement; small: power of small motions divided by the
+    square of the amplitude, W/m^2.
     """
 
     def __init__(self, run, small):
@@ -111,8 +111,8 @@ def measured(runs):
 
 
 def switch(same):
-    """Amplitudes, m, between which the power over the power of small motions increases most; None
-    if it is constant.
+    """Amplitudes, m, between which the ratio of the power to the power of small motions increases
+    most; None if it is constant.
     """
     if max(one.gain for one in same) < OPEN:
         return None
@@ -122,8 +122,8 @@ def switch(same):
 
 
 def ratios(found):
-    """Power with the light bead near the drive over the power with it at the far end, for each
-    amplitude.
+    """Ratio of the power with the light bead near the drive to the power with it at the far end,
+    for each amplitude.
     """
     return np.array([near.through / far.through for near, far in zip(*found.values(), strict=True)])
 
@@ -132,23 +132,23 @@ def rows(runs):
     found = measured(runs)
     # fmt: off
     for side, (least, *_) in found.items():
-        yield gw.Row(f"Light bead {side}, {least.amplitude:g} m: power through over the square of the amplitude",
+        yield gw.Row(f"Light bead {side}, {least.amplitude:g} m: transmitted power / square of the amplitude",
                      "W/m^2", ours=least.through / least.amplitude**2, theory=least.small, verification=True,
                      where="last half of the run")
-        yield gw.Row(f"Light bead {side}: frequency of the drive over that of its mode", where="modes of the static "
+        yield gw.Row(f"Light bead {side}: drive frequency / frequency of its mode", where="modes of the static "
                      "state", ours=least.frequency / least.mode,
                      remark=f"The mode is at {least.mode:.0f} Hz, the cut-off of the chain at {least.static[1]:.0f} "
                             "Hz.")
     for side, same in found.items():
         if between := switch(same):
-            yield gw.Row(f"Light bead {side}: amplitude of the drive at which the row opens", "m", digits=2,
+            yield gw.Row(f"Light bead {side}: drive amplitude at which transmission starts", "m", digits=2,
                          ours=math.sqrt(math.prod(between)), remark="Between {:g} and {:g} m; static overlap {:.3g} "
                          "m.".format(*between, same[0].static[0]))
     near = found[SIDES[0]]
     ratio = ratios(found)
     best = ratio.argmax()
     for place, which in ((0, "smallest amplitude"), (best, "amplitude where it is largest")):
-        yield gw.Row(f"Power through, light bead near the drive over at the far end, {which}", ours=ratio[place],
+        yield gw.Row(f"Transmitted power, light bead near the drive / at the far end, {which}", ours=ratio[place],
                      remark=f"At {near[place].amplitude:g} m.", digits=3)
     for side, same in found.items():
         yield gw.Row(f"Light bead {side}, {near[best].amplitude:g} m: share of the last bead's motion below the row's "
@@ -182,7 +182,7 @@ def pictures(runs):
         word = ("near", "far")[n]
         data |= {f"amplitude_m_{word}": size, f"power_W_{word}": through, f"small_W_{word}": small}
         data[f"load_power_W_{word}"] = given
-    left.set(xlabel="Amplitude of the drive (µm)", ylabel="Power through (W)")
+    left.set(xlabel="Amplitude of the drive (µm)", ylabel="Transmitted power (W)")
     left.legend()
     right.axhline(1.0, color="k", linewidth=0.6)
     right.loglog(1e6 * size, ratios(found), "o-", markersize=3, color="C2")

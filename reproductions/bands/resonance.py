@@ -25,8 +25,8 @@ SHIFT = -1 / 24  # relative change of the frequency, for an amplitude of the sta
 
 
 class Shaken:
-    """A run of a driven bead; frequencies over the frequency of small vibrations, amplitudes over
-    the static overlap.
+    """A run of a driven bead; frequencies divided by the frequency of small vibrations, amplitudes
+    by the static overlap.
     """
 
     def __init__(self, run):
@@ -50,8 +50,8 @@ class Shaken:
 
 
 def measured(runs):
-    """Beads under a steady load by force, each in rising order of frequency; and beads under a
-    rising and falling load.
+    """Runs under a steady load by its force, in rising order of frequency; and runs under a load
+    that rises and falls.
     """
     beads = sorted(map(Shaken, runs), key=lambda one: (one.force, one.hertz))
     steady = [one for one in beads if not one.sweep]
@@ -89,11 +89,11 @@ def rows(runs):
         )  # fmt: skip
     if steady:
         yield gw.Row(
-            "Bead on a plane: shift of the resonance over the square of the amplitude", theory=SHIFT, verification=True,
-            ours=np.polyfit(found[:, 2] ** 2, found[:, 1] - 1, 1)[0], where="amplitudes over the static overlap",
+            "Bead on a plane: shift of the resonance / square of the amplitude", theory=SHIFT, verification=True,
+            ours=np.polyfit(found[:, 2] ** 2, found[:, 1] - 1, 1)[0], where="amplitudes divided by the static overlap",
         )  # fmt: skip
     for one in swept:
-        quantity = f"Bead on a plane, shaken at {one.frequency:.3f} of its frequency: hysteresis of its amplitude"
+        quantity = f"Bead on a plane, driven at {one.frequency:.3f} of its frequency: hysteresis of its amplitude"
         yield gw.Row(
             quantity,
             ours=one.sweep.apart,

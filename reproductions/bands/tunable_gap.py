@@ -144,7 +144,7 @@ def rows(runs):
             bound=True,
         )
         yield gw.Row(
-            f"Width of the gap over its middle, cylinders of 0.5 D, a = 0: {name}",
+            f"Width of the gap / its mid-frequency, cylinders of 0.5 D, a = 0: {name}",
             digits=3,
             where=FIGURE,
             ours=2 * (high - low) / (high + low),
@@ -162,14 +162,14 @@ def rows(runs):
 
 
 def single_cylinder():
-    """Rows of the gap with one cylinder in each gap, as 7.12 is printed, and with two."""
+    """Rows of the band gap with one cylinder in each gap, as printed in 7.12, and with two."""
     for words, cylinders in (("two cylinders in a gap", PAIR), ("one, as 7.12 is printed", 1)):
         low, high = Tunnel(0.0, cylinders=cylinders).edges[[0, 1], [1, 0]]
         remark = f"{low:.5g} to {high:.5g} rad/s."
         if cylinders == 1:
             remark += " The static state follows from equation 7.5, which has two cylinders."
         yield gw.Row(
-            f"Width of the gap over its middle, a = 0: {words}",
+            f"Width of the gap / its mid-frequency, a = 0: {words}",
             "%",
             ours=200 * (high - low) / (high + low),
             where="thesis 7.12",
@@ -179,8 +179,8 @@ def single_cylinder():
 
 
 def lighter_edges():
-    """Lowest and highest edge of the gap, rad/s, for steel spheres and aluminium with the density
-    printed in 7.1.
+    """Lowest and highest edge of the band gap, rad/s, for steel spheres and aluminium cylinders
+    with the density printed in 7.1.
     """
     lighter = []
     for a in (-2e-5, 0.0, 3e-5):

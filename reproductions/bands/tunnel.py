@@ -1,15 +1,17 @@
-"""Endless row of spheres with a pair of cylinders in each gap between two walls (thesis 7.2), as
-springs.
+"""Infinite chain of spheres with a pair of cylinders in each gap between two walls (thesis 7.2), as
+a lattice of springs.
 
-Static state under the axial force F, walls moved in by a/2 D each (7.5 to 7.7): d0, d1, d2 are the
-overlaps of two spheres, of sphere and cylinder, and of cylinder and wall, y the distance of the
-cylinder's axis from that of the row,
+In the static state the axial force is F, and each wall has moved inwards by a/2 D (7.5 to 7.7).
+d0, d1 and d2 are the overlaps of two spheres, of sphere and cylinder, and of cylinder and wall; y
+is the distance between the axis of the cylinder and the axis of the chain:
 
-    F = kbb d0^1.5 + 2 cos kcs d1^1.5,   2 sin kcs d1^1.5 = F_wall(d2),   y - d2 = sqrt((R + r)^2 - R^2) - a D/2
+    F = kbb d0^1.5 + 2 cos kcs d1^1.5
+    2 sin kcs d1^1.5 = F_wall(d2)
+    y - d2 = sqrt((R + r)^2 - R^2) - a D/2
 
-with the line law of Puttock and Thwaite at the wall. The two cylinders of a gap move alike: one
-with twice the mass and twice the springs stands for them. Thesis 7.12 is that of a single cylinder
-in each gap, over the static state of two.
+with the line law of Puttock and Thwaite at the wall. The two cylinders of a gap have the same
+motion, and are replaced by one cylinder with twice the mass and twice the stiffness. Thesis 7.12
+has a single cylinder in each gap, with the static state of two cylinders.
 """
 
 import math
@@ -31,10 +33,11 @@ PAIR = 2  # cylinders in a gap
 
 
 class Tunnel:
-    """A tunnel whose walls approach by a fraction of the diameter; 0: everything just touches
+    """A tunnel whose walls approach by a fraction of the diameter; 0: all bodies just touch,
     without force.
 
-    Waves move ``cylinders`` in each gap: two, or one as in thesis 7.12.
+    ``cylinders``: number of cylinders in each gap that move with the waves, two, or one as in
+    thesis 7.12.
     """
 
     def __init__(

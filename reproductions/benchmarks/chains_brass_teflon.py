@@ -28,14 +28,14 @@ def ball(chain):
 
 
 def stiffness(chain):
-    """Effective modulus over density, m^2/s^2: speeds far above the static force are proportional
-    to its power 2/5.
+    """Effective modulus divided by density, m^2/s^2; speeds far above the static force are
+    proportional to its power 2/5.
     """
     return chain.law.effective_modulus / chain.case.material.density
 
 
 def measured(runs):
-    """Impact velocities and speeds by material, and modulus over density of each."""
+    """Impact velocities and speeds by material, and the ratio of modulus to density of each."""
     found = {}
     chains = sorted(map(Chain, runs), key=lambda chain: (ball(chain), chain.load.velocity))
     for key, alike in groupby(chains, key=ball):
@@ -60,7 +60,7 @@ def rows(runs):
             f"The measured ratio is {source:.2f} ± {margin:.2f}. For the impact at {v:g} m/s it "
             f"requires a PTFE modulus of {needed:.2f} times ours."
         )
-        yield gw.Row(f"Speed in brass over speed in PTFE, impact at {v:g} m/s", "", source, ours, WHERE, remark,
+        yield gw.Row(f"Speed in brass / speed in PTFE, impact at {v:g} m/s", "", source, ours, WHERE, remark,
                      theory=strong, digits=4)  # fmt: skip
     yield gw.Row("Speed in brass at the impact that gives the measured speed in PTFE", "m/s", MEASURED["brass"],
                  MEASURED["ptfe"] * strong, WHERE, "The measured value is ± 40 m/s. Our value is "

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import Chain
 
-WHERE = "hard spheres, once each"
+WHERE = "hard spheres, one collision each"
 NEWS = "UB Reporter 38 (19)"
 AGAIN = "Small beads collide many times and transmit more energy each time."
 LIGHT = "Small beads without mass"
@@ -26,8 +26,8 @@ def handed_on(diameters):
 
 
 def measured(runs):
-    """Small over large diameter, energy of the last bead over the input, the same for hard spheres,
-    and for large beads only.
+    """Ratio of small to large diameter, energy of the last bead divided by the input, and this
+    fraction for hard spheres and for large beads only.
     """
     found = []
     for chain in map(Chain, runs):
@@ -47,9 +47,9 @@ def rows(runs):
     # fmt: off
     small, last, hard, large = measured(runs)
     for f, ours, theory in zip(small, last, hard, strict=True):
-        yield gw.Row(f"Energy of the last bead over the input, small beads of {f:.2g}", "", ours=ours, theory=theory,
+        yield gw.Row(f"Energy of the last bead / input, small beads of {f:.2g}", "", ours=ours, theory=theory,
                      where=WHERE, remark=AGAIN if f < 0.7 else "")
-    yield gw.Row(f"{LIGHT}: energy of the last bead over the input, {small[0]:.2g}", "", ours=last[0], theory=large[0],
+    yield gw.Row(f"{LIGHT}: energy of the last bead / input, {small[0]:.2g}", "", ours=last[0], theory=large[0],
                  where="Harbola et al. 2009", remark="The theory has large hard spheres only, "
                                                      "since light beads act as springs.")
     yield gw.Row("Ratio of small and large diameter with the least energy of the last bead", "",
@@ -57,7 +57,7 @@ def rows(runs):
                  where=NEWS, digits=2, remark="In the source, smaller beads absorb more energy. "
                                               "In our runs that holds only from 0.9 down to this "
                                               "size; still smaller beads absorb less and less.")
-    yield gw.Row("Least energy of the last bead over the input", "", ours=last.min(), where="ours",
+    yield gw.Row("Least energy of the last bead / input", "", ours=last.min(), where="ours",
                  remark=f"A chain of the large beads only has {large[0]:.3f}, for hard spheres.")
     # fmt: on
 
@@ -66,11 +66,9 @@ def pictures(runs):
     small, last, hard, large = measured(runs)
     axes = Figure((3.6, 2.7), layout="constrained").subplots()
     axes.plot(small, last, "oC0-", markersize=4, label="simulation")
-    axes.plot(small, hard, "0.5", label="hard spheres, once each")
+    axes.plot(small, hard, "0.5", label="hard spheres, one collision each")
     axes.plot(small, large, "0.5", linestyle="--", label="small beads without mass")
-    axes.set(
-        xlabel="Small over large diameter", ylabel="Energy of the last bead / input", ylim=(0, 1)
-    )
+    axes.set(xlabel="Small / large diameter", ylabel="Energy of the last bead / input", ylim=(0, 1))
     axes.legend(fontsize=6)
     caption = (
         "Energy of the last bead of a decorated, tapered chain against the size of the small "

@@ -1,4 +1,4 @@
-"""A vertical chain under gravity: powers of a weak wave with depth.
+"""A vertical chain under gravity: powers of the depth in the speed and amplitude of a weak wave.
 
 The force of a contact grows with the depth h, so a weak wave speeds up and spreads on its way down.
 Hong, Ji and Kim (arXiv:cond-mat/9812137) find the powers of h for contacts with force ~ overlap^p.
@@ -42,7 +42,7 @@ def rows(runs):
             ("largest velocity", "speed"), fits, (VELOCITY, SPEED), strict=True
         ):
             yield gw.Row(
-                f"Power of the {what} with the depth, {at}",
+                f"Exponent of the {what} against the depth, {at}",
                 "",
                 printed,
                 fit.exponent,

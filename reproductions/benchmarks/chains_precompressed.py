@@ -25,7 +25,7 @@ LEAST = 0.01  # fraction of the pulse's largest velocity at its ends
 
 
 def measured(runs):
-    """Largest and static force, speed over c0, and speed over the speed without a static force, of
+    """Largest and static force, and speed divided by c0 and by the speed without a static force, of
     each precompressed chain.
     """
     found = []
@@ -42,8 +42,8 @@ def measured(runs):
 
 
 def faster(added):
-    """Speed over the speed without a static force for the same added force, in static forces:
-    travelling waves.
+    """Speed of a travelling wave divided by its speed without a static force, for the same dynamic
+    force, in units of the static force.
     """
     weakest = 1e6  # far above the static force
     alone = float(lattice_speed(np.array(weakest))) * (added / weakest) ** (1 / 6)
@@ -51,7 +51,7 @@ def faster(added):
 
 
 def pulse(runs):
-    """Length of the pulse under the smallest static force over the length of the chain."""
+    """Length of the pulse under the smallest static force, divided by the length of the chain."""
     chain = min(
         map(Chain, runs), key=lambda one: (one.case.precompression.force, -one.load.velocity)
     )
@@ -64,7 +64,7 @@ def rows(runs):
     # fmt: off
     added, static, speed, gain = measured(runs)
     for f, force, ours in zip(added, static, speed, strict=True):
-        yield gw.Row(f"Speed over c0, force added {f:.3g} times {force:g} N", "", ours=ours, where=COSTE, digits=4,
+        yield gw.Row(f"Speed / c0, dynamic force {f:.3g} times {force:g} N", "", ours=ours, where=COSTE, digits=4,
                      theory=float(lattice_speed(np.array(1 + f))), remark=CURVE if f > 2 else CURVE + SPREADS)
     yield gw.Row("Length of the pulse / length of the chain", "", 0.1, pulse(runs), COSTE,
         "The source states typically a tenth. In our chain of 51 beads the pulse is measured "
@@ -91,8 +91,8 @@ def pictures(runs):
         left.semilogx(added[same], speed[same], mark, markersize=4, label=f"{force:g} N")
         right.loglog(added[same], gain[same], mark, markersize=4)
     right.axhline(2, color="k", linewidth=0.6, linestyle=":")
-    left.set(xlabel="Added force / static force", ylabel="Speed over $c_0$")
-    right.set(xlabel="Added force / static force", ylabel="Speed over that without static force")
+    left.set(xlabel="Dynamic force / static force", ylabel="Speed / $c_0$")
+    right.set(xlabel="Dynamic force / static force", ylabel="Speed / speed without static force")
     left.legend(fontsize=6)
     caption = (
         "Speed of waves under four static forces against their height, divided by c0 and by the "

@@ -21,7 +21,7 @@ ORDERS |= {
 
 
 def order(case):
-    """S for steel, P for PTFE, from the struck end on."""
+    """S for steel, P for PTFE, from the impacted end."""
     beads = ["S"] * case.packing.size[0]
     for one in case.replace:
         for bead in one.index:
@@ -48,7 +48,7 @@ def rows(runs):
     best = min(forces, key=forces.get)
     soft_first = forces["PPPPPPSSSSSS"] / forces["SSSSSSPPPPPP"]
     yield gw.Row(
-        "Soft beads at the striker over soft beads at the wall: largest force",
+        "Largest force, soft beads at the striker / at the wall",
         "",
         ours=soft_first,
         digits=4,

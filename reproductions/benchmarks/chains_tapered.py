@@ -31,7 +31,7 @@ LEFT = (
 
 
 class Tapered:
-    """Taper, energy of the last bead at the end over the input, and the decrease of the front from
+    """Taper, energy of the last bead at the end / input, and the decrease of the front from
     bead to bead.
     """
 
@@ -60,7 +60,7 @@ def rows(runs):
     for chain in chains:
         at = f"q = {100 * chain.taper:g} %"
         yield gw.Row(
-            f"Energy of the last bead over the input, {at}",
+            f"Energy of the last bead / input, {at}",
             "",
             ours=chain.last,
             theory=chain.hard_last,
@@ -101,7 +101,7 @@ def pictures(runs):
     left.plot(taper, last, "oC0", markersize=4, label="simulation")
     right.plot(taper, hard_front, "0.5")
     right.plot(taper, front, "oC0", markersize=4)
-    left.set(xlabel="Taper q (%)", ylabel="Energy of the last bead over the input", ylim=(0, None))
+    left.set(xlabel="Taper q (%)", ylabel="Energy of the last bead / input", ylim=(0, None))
     right.set(xlabel="Taper q (%)", ylabel="Energy of the front, next bead / this bead")
     left.legend()
     caption = (

@@ -1,11 +1,12 @@
-"""Rebound of a sphere from a rigid plane, with partial slip: an integration that shares nothing
+"""Rebound of a sphere from a rigid plane with partial slip, by an integration that shares no code
 with the program.
 
-The contact is a row of springs over the reach of its circle (method of dimensionality reduction, V.
-L. Popov and M. Hess, 2015): that is Hertz's law and Mindlin and Deresiewicz's partial slip under
-any history of both forces (J. Jaeger, 1993), without the shear by pressing unlike bodies together.
-Each spring sticks where it comes into contact, and slips on its own at friction times its own
-pressure; the row as a whole slides where all do.
+The contact is a row of springs along the diameter of its circle (method of dimensionality
+reduction, V. L. Popov and M. Hess, 2015): it gives Hertz's law, and the partial slip of Mindlin and
+Deresiewicz under any history of both forces (J. Jaeger, 1993), without the shear that normal
+loading of dissimilar bodies causes. Each spring sticks where it comes into contact, and slips if
+its force exceeds the coefficient of friction times its pressure; the contact slides if all springs
+slip.
 """
 
 import math

@@ -79,7 +79,7 @@ def rows(runs):
             )
     for restitution, ours in zip(asked, found, strict=True):
         yield gw.Row(
-            f"Restitution, {restitution:g} asked for",
+            f"Restitution, specified as {restitution:g}",
             source=restitution,
             ours=ours,
             where=WHERE.format(3),
@@ -104,7 +104,7 @@ def pictures(runs):
     right.plot(*losses, "C0.", label="ours")
     right.plot([0, 1], [0, 1], "0.5", linewidth=0.9)
     left.set(xlabel="Overlap (um)", ylabel="Force (kN)")
-    right.set(xlabel="Restitution asked for", ylabel="Restitution found")
+    right.set(xlabel="Specified restitution", ylabel="Restitution of the run")
     left.legend(fontsize=8)
     caption = "Tests 1 and 2, force against overlap with the largest force of the runs and printed points; and test 3"
     yield gw.Picture("", caption, figure, data | {"asked": losses[0], "found": losses[1]})

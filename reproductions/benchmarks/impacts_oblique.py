@@ -3,10 +3,10 @@
 A sphere of aluminium oxide or alloy with a diameter of 5 mm hits a rigid plane at 3.9 m/s, at
 angles from 4 to 85 degrees from the normal, with friction 0.092 and restitution 0.98. The rebound
 angle is the angle of the contact point. Beyond about 33 degrees the sphere slides throughout, and
-all programs agree. Below, the tangential spring decides. The tests are defined for a no-slip
-spring. Our spring keeps its force and releases some of it as the contact circle shrinks; their
-spring keeps its elongation. The measurements show the annulus of slip of the theory of Mindlin and
-Deresiewicz, which contact.tangential = "partial_slip" computes.
+all programs agree. At smaller angles the result depends on the tangential spring. The tests are
+defined for a no-slip spring. Our spring keeps its force and releases some of it as the contact
+circle shrinks; their spring keeps its elongation. The measurements show the annulus of slip of the
+theory of Mindlin and Deresiewicz, which contact.tangential = "partial_slip" computes.
 """
 
 import itertools

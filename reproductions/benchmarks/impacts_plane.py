@@ -4,8 +4,8 @@ In test 5 the spheres slide along the plane, with friction 0.3 and without dampi
 rebound and spin refer to the contact point, and are divided by friction times the normal velocity.
 In test 6 the spheres spin, with friction 0.4 and restitution 0.5. Where spheres slide throughout,
 the theory of rigid bodies holds. At smaller incidence the theory is partial slip after Mindlin and
-Deresiewicz. Finite elements of a steel sphere follow it in test 5, and so do runs with
-contact.tangential = "partial_slip"; single springs do not.
+Deresiewicz. In test 5 finite elements of a steel sphere and runs with contact.tangential =
+"partial_slip" agree with it; single springs do not.
 """
 
 import itertools
@@ -55,8 +55,8 @@ class Point:
 
 
 def measured(runs, partial=False):
-    """Points by the name of their material, by rising incidence: (5, n) with incidence, two values
-    of ours, two of theory.
+    """Points by the name of their material, in order of rising incidence: (5, n), with the
+    incidence, two values of ours and two of theory.
     """
     points = [point for point in map(Point, runs) if point.partial == partial]
     return {
@@ -165,5 +165,7 @@ def pictures(runs):
             *axes.get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=8
         )
         caption = f"Test {test}: a sphere on a plane, {'sliding' if test == 5 else 'spinning'}. Incidence and rebound "
-        caption += "are tangents of the surface" + (", over friction" if test == 5 else "")
+        caption += "are tangents of the surface" + (
+            ", divided by the friction" if test == 5 else ""
+        )
         yield gw.Picture("sliding" if test == 5 else "spinning", caption, figure, data)

@@ -6,12 +6,12 @@ integral of his law, in which contacts yield and flow at one pressure (a yield f
 factor of 1.6, as in the thesis, our law yields at 1.6 times the strength and flows at the strength;
 the restitution is then smaller. K. L. Johnson (Contact Mechanics, 1985, 11.3) takes a constant
 dynamic pressure of 3 times the yield strength and elastic unloading after Hertz; then restitution
-falls with the power -1/4 of the velocity. His formula is not valid where contacts yield little. A
-yield strength that grows with the strain rate (G. R. Johnson and W. H. Cook 1983, C = 0.009 of
-cartridge brass) gives a larger restitution at high velocities. By his formula the restitution grows
-as the power 5/8 of the strength at the rate 0.2 d(a/R)/dt of the two spheres, with his largest
-contact radius and the velocity of impact. Published fits to finite elements and measurements are
-omitted, because their numbers were not available.
+falls with the power -1/4 of the velocity. His formula is not valid for contacts that yield only
+slightly. A yield strength that grows with the strain rate (G. R. Johnson and W. H. Cook 1983, C =
+0.009 of cartridge brass) gives a larger restitution at high velocities. By his formula the
+restitution grows as the power 5/8 of the strength at the rate 0.2 d(a/R)/dt of the two spheres,
+with his largest contact radius and the velocity of impact. Published fits to finite elements and
+measurements are omitted, because their numbers were not available.
 """
 
 import math
@@ -43,7 +43,7 @@ def name_of(case):
 
 
 class Curve:
-    """Restitution against velocity of a law, and by the formulas."""
+    """Restitution against velocity, for a contact law and by the formulas."""
 
     def __init__(self, law, runs):
         chosen = sorted(
@@ -85,7 +85,7 @@ class Curve:
         return 1 + sensitivity * np.log(np.maximum(0.1 * self.velocity / radius, 1.0))
 
     def slope(self, first, last):
-        """Power of the velocity between two velocities."""
+        """Power of the velocity in the restitution, between two velocities."""
         within = (self.velocity >= 0.99 * first) & (self.velocity <= 1.01 * last)
         return np.polyfit(np.log(self.velocity[within]), np.log(self.restitution[within]), 1)[0]
 
@@ -108,14 +108,14 @@ def rows(runs):
                      theory=own.johnson()[at], where=JOHNSON, remark=SOFTER)
     sensitivity = max(run.case.material.rate_sensitivity or 0.0 for run in runs)
     for at in (8, 10, 12):
-        yield gw.Row(f"Restitution at {own.velocity[at]:.3g} m/s with a rate of yielding, over that without",
+        yield gw.Row(f"Restitution at {own.velocity[at]:.3g} m/s with / without rate-dependent yielding",
                      ours=fast.restitution[at] / own.restitution[at],
                      theory=own.stronger(sensitivity)[at] ** 0.625, where=f"{JOHNSON}, similarity",
                      remark="The contact comes to rest before it unloads, while its pressure "
                             "still rises.")
     for first, last in ((1, 10), (10, 100)):
         for one in (own, thesis, thornton, fast):
-            yield gw.Row(f"Power of restitution, {first} to {last} m/s, {one.law}", ours=one.slope(first, last),
+            yield gw.Row(f"Exponent of restitution against velocity, {first} to {last} m/s, {one.law}", ours=one.slope(first, last),
                          theory=-0.25, where=f"{JOHNSON}, similarity", remark=DEEP if one in (own, fast) else "")
     # fmt: on
 

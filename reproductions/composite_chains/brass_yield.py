@@ -17,7 +17,9 @@ MEASURED = SPEEDS["brass-composite"]
 
 
 def speeds_of(runs):
-    """Yield strengths, MPa, and the speeds V at each, m/s, by the beads in the section."""
+    """Yield strengths, MPa, and the speeds V for each strength, m/s, by the number of beads in the
+    section.
+    """
     found = {}
     for n, group in by(sections(runs), lambda section: section.n).items():
         points = sorted((one.material.yield_strength / MEGA, one.speed) for one in group)

@@ -1,4 +1,4 @@
-"""Composite chains: the output pulse against the section's length, and waves in and behind the
+"""Composite chains: output pulse against the length of the section, and waves in and behind the
 section.
 """
 
@@ -35,9 +35,8 @@ ROLLED = 0.010
 SLOPE = math.radians(3)
 GRAVITY = 9.81
 OF_SPEED = (
-    "The elastic chain has no dissipation. The finite elements of the source, with the same "
-    "striker, are at most 4.2 % above the measurement, and 3 % too slow in a chain of steel. The "
-    "remaining difference, in the rows of V over the speed in steel, is not explained.",
+    "The elastic chain has no dissipation. The study of the measured speeds has the reasons tried "
+    "for the difference.",
     "The yield strength is our choice, since the source gives none.",
 )
 OF_CHANGE = (
@@ -128,7 +127,7 @@ def of_speed(kind, found, measured):
         yield from over_steel(found, measured)
     if fit := exponential_decay(np.array(n), speed):
         formula = f"V = {fit.end:.1f} + {fit.span:.1f} exp(-N2/{fit.length:.2f}) m/s, to {fit.residual:.2g} rms."
-        yield gw.Row(f"N2 over which V approaches its limit by a factor of e, {kind}",
+        yield gw.Row(f"Number of beads within which V approaches its limit by a factor of e, {kind}",
             ours=fit.length, where=FITTED, remark=formula)
 
 
@@ -143,7 +142,7 @@ def over_steel(found, measured):
     for section in (one for one in found if one.n in measured):
         most = (1 + ERROR / 100) * measured[section.n] / STEEL_SPEED
         left = section.speed / ((1 + ERROR / 100) * measured[section.n] * slow) - 1
-        yield gw.Row(f"V over the speed in a chain of steel, N2 = {section.n}, elastic, at most", "", most,
+        yield gw.Row(f"V / speed in a chain of steel, N2 = {section.n}, elastic, at most", "", most,
                      section.speed / steel, f"{PLACE}section 4, Table 3", bound=True, digits=4,
                      remark=f"The bound is the V of the finite elements of the source, at most {ERROR:g} "
                             f"% above the measurement, divided by their {STEEL_SPEED:g} m/s in "
@@ -165,7 +164,7 @@ def of_ratio(kind, found):
                                           "dissipation.")
     elif fit := exponential_decay(np.array(n), ratio):
         formula = f"lambda = {fit.end:.3f} + {fit.span:.3f} exp(-N2/{fit.length:.2f}), to {fit.residual:.2g} rms."
-        yield gw.Row(f"N2 over which lambda approaches its limit by a factor of e, {kind}",
+        yield gw.Row(f"Number of beads within which lambda approaches its limit by a factor of e, {kind}",
             ours=fit.length, where=FITTED,
                      remark=formula)
 # fmt: on
@@ -226,7 +225,7 @@ def against_length(kinds, measured):
     if measured:
         panels[1, 0].plot(list(measured), list(measured.values()), "k*", label="source, measured")
     panels[1, 0].set(ylabel="Speed $V$ (m/s)")
-    panels[1, 1].set(ylabel=r"$\lambda$, output over incident peak", ylim=(0, None))
+    panels[1, 1].set(ylabel=r"$\lambda$, output / incident peak", ylim=(0, None))
     for axes in panels[1]:
         axes.set_xlabel("Beads in the section $N_2$")
     panels[1, 0].legend()

@@ -26,7 +26,9 @@ def series(runs):
 
 
 def taken(section):
-    """Friction times weight times the path of every bead, from its recorded velocity, J."""
+    """Coefficient of friction times weight and path, summed over all beads, from their recorded
+    velocities, J.
+    """
     paths = np.trapezoid(np.abs(section.chain.velocity), section.time, axis=0)
     masses = section.run.spheres.mass.loc[section.chain.array("chain/id")].to_numpy()
     return friction_of(section) * GRAVITY * (masses * paths).sum()
@@ -46,7 +48,7 @@ def rows(runs):
                 yield gw.Row(
                     name, "%", ours=change, where="composite chain, section 4", remark=remark
                 )
-            name = f"Energy taken by the holder, friction {friction:g}, {light}, N2 = {rough.n}"
+            name = f"Energy dissipated by the guide, friction {friction:g}, {light}, N2 = {rough.n}"
             yield gw.Row(name, "J", ours=rough.run.energies.holder.iloc[-1], theory=taken(rough), verification=True,
                          where="friction times weight times the path of every bead")  # fmt: skip
 
@@ -78,7 +80,7 @@ def pictures(runs):
                 )
     for axes, what in zip(panels, ("Speed $V$", r"$\lambda$"), strict=True):
         axes.set(
-            xlabel="Beads in the section $N_2$", ylabel=f"{what} / value at the least friction"
+            xlabel="Beads in the section $N_2$", ylabel=f"{what} / value at the smallest friction"
         )
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     caption = (

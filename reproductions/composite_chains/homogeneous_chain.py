@@ -1,4 +1,4 @@
-"""Homogeneous chain of the composite-chain source.
+"""Homogeneous chain from the paper on composite chains.
 
 The chain has 15 elastic spheres of 4.76 mm; the first sphere has an initial velocity of 0.626 m/s.
 The speed is 5 diameters divided by the time between the peaks at contacts 5 and 10; the force is
@@ -51,7 +51,7 @@ class Wave:
         self.radius = chain.law.contact_radius(chain.scales.overlap(np.array([self.force])))[0]
 
     def discrete(self, force):
-        """Speed of the discrete chain's wave of this force, m/s."""
+        """Speed of the wave with this force in the discrete chain, m/s."""
         return discrete_speed() * self.chain.scales.nesterenko(force)
 
     def errors(self, force, speed):
@@ -88,7 +88,7 @@ def rows(runs):
     for name, speed, much in zip(NAMES, SPEED, over, strict=True):
         yield gw.Row(f"Wave speed; source: {name}", "m/s", speed, one.speed, theory=one.discrete(one.force),
                      remark=f"Their speed is {much} the speed of a discrete wave with their force.", **where)
-    yield gw.Row("Error of the speed against Nesterenko's formula at the computed force, best "
+    yield gw.Row("Error of the speed relative to Nesterenko's formula at the computed force, best "
                  "model", "%", PRINTED[CHOSEN],
                  100 * abs(one.speed / nesterenko(one.force) - 1), theory=100 * (discrete_speed() - 1),
                  remark=f"The source value is printed; its force and speed give {printed:.2f}. Our "
@@ -102,14 +102,14 @@ def rows(runs):
                         "half-spheres are stiffer than half-spaces "
                         "(tests/extensions/continuum/test_coarse_contact.py).")
     for contact, source, remark in ((EARLY, 0.6, late), (LATE, None, "")):
-        yield gw.Row(f"Beads {contact + 1} and {contact + 2} part", "ms", source, 1e3 * one.parting(contact),
+        yield gw.Row(f"Beads {contact + 1} and {contact + 2} separate", "ms", source, 1e3 * one.parting(contact),
                      where="composite chain, Fig. 4", remark=remark)
-    yield gw.Row("Error of the speed against the wave of the discrete chain at the computed force",
+    yield gw.Row("Error of the speed relative to the wave of the discrete chain at the computed force",
         "%", ours=our_speed,
                  theory=0.0, remark=f"The source prints {PRINTED.min():.2f} to {PRINTED.max():.0f} "
                                     "% for the speeds of its 11 models. The recomputed errors are "
                                     f"{of_speed.min():.1f} to {of_speed.max():.0f} %.", **where)
-    yield gw.Row("Error of the force against thesis 4.5", "%", ours=our_force, theory=0.0, remark=(
+    yield gw.Row("Error of the force relative to thesis 4.5", "%", ours=our_force, theory=0.0, remark=(
         f"The recomputed errors of the 11 models of the source are {of_force.min():.1f} to {of_force.max():.0f} "
         "%."), **where)
     # fmt: on

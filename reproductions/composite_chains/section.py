@@ -1,8 +1,8 @@
 """A chain of steel with a section of lighter beads, between two sensors that read the mean force of
 a bead's contacts.
 
-V is the distance of the sensors over the time between the first peaks there, lambda the ratio of
-these peaks, output over incident.
+V is the distance of the sensors divided by the time between their first peaks; lambda is the ratio
+of the output peak to the incident peak.
 """
 
 import math
@@ -15,8 +15,8 @@ from granwave.measures import Chain, first_peak
 SPEEDS = {"brass-composite": {3: 469.0, 24: 424.0}, "ptfe": {}}
 FROM_END = {"brass-composite": 1.25, "ptfe": 1.85}
 STRESSES = {"brass-composite": (1200.0, 1110.0), "ptfe": (35.0, 20.0)}
-# constants of the contact law, mean pressures over the yield strength: far beyond yield, at yield
-# (2/3 of 1.6), and the factor of their approach, over the overlap at yield
+# constants of the contact law, mean pressures / yield strength: far beyond yield, at yield
+# (2/3 of 1.6), and the factor of their approach / overlap at yield
 DEEP_PRESSURE = 2.48
 YIELD_PRESSURE = 16 / 15
 PRESSURE_RATE = 0.098
@@ -46,11 +46,11 @@ class Section:
         self.incident, self.output = (
             self.chain.sensors[sensor.name] for sensor in (before, behind)
         )
-        (start, incident), (self.arrived, output) = (
+        (self.start, incident), (self.arrived, output) = (
             first_peak(self.time, f) for f in (self.incident, self.output)
         )
         self.speed = (run.spheres.position_z[behind.id] - run.spheres.position_z[before.id]) / (
-            self.arrived - start
+            self.arrived - self.start
         )
         self.ratio = output / incident
 
@@ -90,7 +90,7 @@ def sections(runs):
 
 
 def by(found, key):
-    """Groups of sections in the order of their first members, by the value of a function."""
+    """Groups of sections with equal values of a function, in the order of their first members."""
     groups = {}
     for section in found:
         groups.setdefault(key(section), []).append(section)

@@ -19,8 +19,8 @@ def of_reflections(waves, from_end):
     for key, wave in ((key, found[key]) for key in NAMES if key in found):
         remark = f"The force is {wave.force:.3g} N."
         if key == "BRW" and "FRW" not in found:
-            remark += (" No reflection forth above 0.5 % of the largest force follows. The wave "
-                       f"forth at {1e3 * waves.second.time:.3g} ms, with {waves.second.force:.3g} "
+            remark += (" No forward reflection above 0.5 % of the largest force follows. The forward "
+                       f"wave at {1e3 * waves.second.time:.3g} ms, with {waves.second.force:.3g} "
                        "N, is the second wave of the incident train, which enters without a "
                        "reflection.")
         if key == "FRW" and not wave.forth:
@@ -29,7 +29,7 @@ def of_reflections(waves, from_end):
             remark = f"The force is {wave.force:.3g} N; the time counts from the impact."
         yield gw.Row(f"{NAMES[key]} {waves.at}", "ms", from_end if key == "end" else None, 1e3 * wave.time,
                      PLACE + ("3.3" if key == "end" else "Fig. 6"), remark)
-    yield gw.Row(f"Energy back {waves.at} over energy out of the section", "",
+    yield gw.Row(f"Energy travelling back {waves.at} / energy leaving the section", "",
                  ours=waves.passed(waves.middle)[1] / waves.passed(waves.last)[0], where=f"{PLACE}Fig. 6",
                  remark="Energies count until a pulse returns from the end of the chain. The "
                         "source states a much higher value for PTFE than for brass.")
@@ -64,7 +64,7 @@ def of_energy(waves, kind):
     until = waves.before_return
     where = {"where": f"{PLACE}Fig. 8"}
     for share, section in zip(waves.shares.T, ("first steel", "light", "second steel"), strict=True):
-        yield gw.Row(f"Energy of the {section} section over the input, N2 = {waves.n}, {kind}",
+        yield gw.Row(f"Energy of the {section} section / input, N2 = {waves.n}, {kind}",
                      ours=np.interp(until, waves.time, share),
                      remark=f"The value is taken at {1e6 * until:.0f} µs, when a pulse returns "
                             "from the end of the chain.", **where)
@@ -73,7 +73,7 @@ def of_energy(waves, kind):
     for part, first, last, remark in (
         ("steel before the section", 3, waves.first - 2,
          "In the source it is constant. In our run the pulse is still forming here."),
-        ("section, its last bead left out", waves.first, waves.last - 1,
+        ("section without its last bead", waves.first, waves.last - 1,
             "In the source it falls by yielding only."),
     ):
         yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, {kind}", "%",
@@ -85,21 +85,32 @@ def of_pressure(section, source):
     3.3).
     """
     first, last = (1e-6 * section.pressure(bead) for bead in (section.first, section.last - 1))
-    mises = first / hertz_von_mises_yield_factor(section.material.poisson_ratio)
     force = section.peak(section.first) * (source[0] / first) ** 3
     at = f"N2 = {section.n}, elastic"
     where = f"{PLACE}3.3"
     yield gw.Row(f"Largest pressure, first contact of the section, {at}", "MPa", source[0], first, where,
                  "The source value is the largest compressive stress in the contact area, without "
                  "N2 and position. In Hertz's contact that is the largest pressure; the mean "
-                 f"pressure is {2 / 3 * first:.0f} MPa, the largest von Mises stress {mises:.0f} "
-                 f"MPa. An elastic contact with the printed stress would carry {force:.2g} N. "
+                 f"pressure is {2 / 3 * first:.0f} MPa. An elastic contact with the printed stress "
+                 f"would carry {force:.2g} N. "
                  "According to the source the contact yields, which limits the pressure (see the "
                  "rows of yielding chains).")
     yield gw.Row(f"Largest pressure, last contact of the section, {at}", "MPa", source[1], last, where,
                  "Without dissipation the pressure does not change along the section; in the "
                  "source it falls.")
+    ratio = hertz_von_mises_yield_factor(section.material.poisson_ratio)
+    for name, printed, pressure in (("first", source[0], first), ("last", source[1], last)):
+        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}", "MPa", printed, pressure / ratio,
+                     where, "The source value is read here as the largest von Mises stress of its "
+                            "elastic finite elements, below the surface. The source calls it "
+                            "compressive and compares it with the yield strength.")
     fallen = source[1] / source[0]
+    before = 1e-6 * section.pressure(section.first - 1)
+    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before it, {at}", "",
+                 fallen, first / before, where,
+                 "The source value is the ratio of its two stresses, read here as a change from "
+                 "the contact with steel to the contacts within the section. This reading nearly "
+                 "holds for PTFE only.")
     yield gw.Row(f"Last of these pressures / first, {at}", ours=last / first, where=where,
                  remark=f"The two values of the source have the ratio {fallen:.3f}. Any stress "
                         f"grows as the cube root of the force, so that the force falls to {fallen**3:.2f} "
@@ -149,10 +160,8 @@ def waves_and_energy(waves):
     for bead in (shown.first - 1, shown.last):
         left.axvline(place[chain.contact_between(bead)], color="k", linewidth=0.6, linestyle="--")
     left.axvline(place[k], color="0.6", linewidth=0.6, linestyle=":")
-    left.set(xlabel="Place (mm)", ylabel="Time (µs)")
-    figure.colorbar(
-        mesh, ax=left, location="top", label="Force (N), negative while beads move back"
-    )
+    left.set(xlabel="Position (mm)", ylabel="Time (µs)")
+    figure.colorbar(mesh, ax=left, location="top", label="Force (N), negative in backward waves")
     right.semilogx(np.maximum(force, 1e-9 * force.max()), time)
     for name, wave in shown.reflections.items():
         right.annotate("from the end" if name == "end" else name, (wave.force, 1e6 * wave.time), (6, 0),

@@ -12,17 +12,17 @@ from granwave.measures import maxima
 LEAST = 0.005  # fraction of the largest force at a contact: smaller maxima are not distinguished
 NAMES = {
     "incident": "Incident pulse",
-    "BRW": "Back reflection (BRW)",
-    "FRW": "Forth reflection (FRW)",
-    "DFRW": "Delayed forth reflection (DFRW)",
-    "end": "Pulse back from the chain's end",
+    "BRW": "Backward reflection (BRW)",
+    "FRW": "Forward reflection (FRW)",
+    "DFRW": "Delayed forward reflection (DFRW)",
+    "end": "Pulse reflected from the end of the chain",
 }
 
 
 @dataclass(frozen=True)
 class Wave:
-    """A maximum of the force at a contact: time in s, force in N; ``forth``: its beads move away
-    from the struck end.
+    """A maximum of the force at a contact: time in s, force in N; ``forth``: the wave travels away
+    from the impacted end.
     """
 
     time: float
@@ -74,16 +74,12 @@ class Waves:
 
     @cached_property
     def reflections(self):
-        """Waves at the watched contact, by the source's names, as far as they exist. ``BRW``: the
-        first backward wave, from the section's far end. ``FRW``: the next wave after the BRW has
-        reached the section's near end, where it may meet a later backward wave; ``DFRW`` the wave
-        after that. ``end``: the first backward wave after a wave from the chain's end has reached
-        the section's far end.
+        """Waves at the watched contact by the names of the source, as far as they exist.
 
-        ``BRW``: the first that runs back, from the section's far end. ``FRW``: the next one after
-        the BRW has come to the section's near end, where it may meet a later wave back; ``DFRW``
-        the one after that. ``end``: the first one back after a wave from the chain's end has come
-        to the section's far end.
+        ``BRW``: the first backward wave, from the far end of the section. ``FRW``: the next wave
+        after the BRW has reached the near end of the section, where it may meet a later backward
+        wave; ``DFRW``: the wave after the FRW. ``end``: the first backward wave after a wave from
+        the end of the chain has reached the far end of the section.
         """
         found = {"incident": self.watched[0]}
         back = [wave for wave in self.watched if not wave.forth]
@@ -103,7 +99,9 @@ class Waves:
         return found | {"BRW": back[0]} | dict(zip(("FRW", "DFRW"), again, strict=False))
 
     def until_back(self, bead):
-        """Waves between this bead and the next until the first backward wave: no reflection yet."""
+        """Waves between this bead and the next before the first backward wave, and thus before any
+        reflection.
+        """
         found = self.between(bead)
         return found[: next((n for n, wave in enumerate(found) if not wave.forth), len(found))]
 
@@ -147,8 +145,8 @@ class Waves:
 
     @cached_property
     def shares(self):
-        """Energy of the first steel section with the striker, the light section and the second
-        steel section over the input.
+        """Energies of the first steel section (with the striker), the light section and the second
+        steel section, divided by the input.
         """
         ends = list(self.chain.array("chain/id")).index(self.first), self.n
         parts = np.split(self.energy, np.cumsum(ends), axis=1)

@@ -4,8 +4,8 @@ Two equal elastic spheres collide, and a wave travels along an elastic chain. Th
 of damping: a relaxation time, the relaxation time that gives a restitution at a velocity, and
 Tsuji's dashpot. If the largest force F of a wave falls slowly, the wave has at each contact the
 shape of the solitary wave of force F, with a duration proportional to F^(-1/6) and an energy
-proportional to F^(5/3). With a relaxation time F^(-1/6) therefore rises linearly along the chain;
-with a dashpot ln F falls linearly.
+proportional to F^(5/3). With a relaxation time, F^(-1/6) therefore rises linearly along the chain;
+with a dashpot, ln F falls linearly.
 """
 
 import math
@@ -29,7 +29,9 @@ END = 6
 
 
 class Wave:
-    """Largest force of each contact over the first force shown, and the law of its kind of loss."""
+    """Largest force of each contact divided by the first of these forces, and the decay law of its
+    kind of damping.
+    """
 
     def __init__(self, chain):
         peaks = chain.force.max(axis=0)
@@ -45,8 +47,8 @@ class Wave:
 
 
 def restitution(chain):
-    """Restitution by the series of viscoelastic spheres, or for a dashpot by the collision of the
-    law.
+    """Restitution from the series for viscoelastic spheres, or for a dashpot from an integrated
+    collision.
     """
     (kind, size), law, mass, speed = chain.loss, chain.law, chain.mass / 2, chain.load.velocity
     if kind == "dashpot":
@@ -57,8 +59,8 @@ def restitution(chain):
 
 
 def measured(runs):
-    """Velocities, restitutions and formula values, (n, 3) by rising velocity, and the wave, for
-    each kind of loss.
+    """Velocities, restitutions and values of the formula, (n, 3) in order of rising velocity, and
+    the wave, for each kind of damping.
     """
     found = {}
     for kind, name in zip(KINDS, ("time", "restitution", "dashpot"), strict=True):
@@ -82,7 +84,7 @@ def rows(runs):
             yield gw.Row(f"Restitution at {speed:g} m/s, {kind}", ours=ours, theory=theory, where=by, **verified)
         if kind.startswith("restitution"):
             (ours,) = pairs[pairs[:, 0] == 1.0, 1]
-            yield gw.Row("Restitution at 1 m/s, that was asked for", ours=ours, theory=0.9, where="case", **verified)
+            yield gw.Row("Restitution at 1 m/s, specified", ours=ours, theory=0.9, where="case", **verified)
         if dashpot:
             yield gw.Row(f"Restitution at the largest / smallest velocity, {kind}",
                          ours=pairs[-1, 1] / pairs[0, 1], theory=1.0, where="similarity", **verified)

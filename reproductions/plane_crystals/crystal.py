@@ -2,8 +2,9 @@
 diameters D.
 
 The source calls the centred-square crystal BCC and the hexagonal one HCP. The front of the wave and
-what the top corners send run down together along the close-packed lines, at 45 degrees in BCC and
-at 30 degrees from the vertical in HCP: they meet on the middle line at W/2 and at sqrt(3)/2 W.
+the signals of the top corners travel down together along the close-packed lines, at 45 degrees in
+BCC and at 30 degrees from the vertical in HCP: they meet on the middle line at W/2 and at sqrt(3)/2
+W.
 """
 
 import math
@@ -38,7 +39,9 @@ class Crystal:
 
 
 def not_kept(value, remark=""):
-    """Remark with the value of an earlier program, which is no longer available and no evidence."""
+    """Remark with the value of an earlier program, which is no longer available, so that the value
+    is no evidence.
+    """
     return f"An earlier program, no longer available, gave {value:g}. {remark}".strip()
 
 

@@ -19,9 +19,9 @@ import granwave as gw
 WIDE = 40  # grains in a row: the sides do not affect the middle line
 SOFT = "That program kept the tangential stiffness at P = 0.01 E* R; here it follows the contact."
 SIZES = {
-    f"crystals of {WIDE} a row and more": "Contacts in BCC carry smaller forces, which makes line "
+    f"crystals of {WIDE} or more grains per row": "Contacts in BCC carry smaller forces, which makes line "
     "contacts softer.",
-    "of the sizes here": "In BCC the sides slow the front on the middle line below a depth of "
+    "crystals of the reference size": "In BCC the sides slow the front on the middle line below a depth of "
     "W/2; in HCP they hardly do.",
 }
 
@@ -40,11 +40,11 @@ def measured(runs):
 
 
 def long_waves(stiffness, friction):
-    """Speed of long waves in BCC over that in HCP.
+    """Ratio of the speeds of long waves in BCC and in HCP.
 
-    Rows approach each other without moving sideways. Contacts lie 45 degrees (BCC) and 30 degrees
-    (HCP) off the way of the wave; where they stick, tangential over normal force is the ratio of
-    stiffnesses, tangential over normal, times the tangent of that angle.
+    Layers approach each other without sideways motion. Contacts are at 45 degrees (BCC) and 30
+    degrees (HCP) to the direction of the wave; if they stick, the ratio of tangential to normal
+    force is the ratio of tangential to normal stiffness times the tangent of this angle.
     """
 
     def speed(angle):
@@ -73,7 +73,7 @@ def rows(runs):
                      both["BCC"].down.front_speed / both["HCP"].down.front_speed, fig9, digits=3,
                      theory=long_waves(stuck, case.contact.friction), remark=f"{remark} {theory}")
     for name in motions:
-        remark = ("The time counts from the start of the impact; the zero of the camera in the "
+        remark = ("The time counts from the start of the impact; the time origin of the camera in the "
                   "source is not known.")
         if name == "HCP":
             remark += (" At 70 MPa waves are 1.6 times too fast; the study of influences has the "
@@ -82,7 +82,7 @@ def rows(runs):
                      1e3 * later_peak(walls[name]), fig9, remark, digits=2)
     for name, motion in motions.items():
         low, high = motion.seen_by_camera(8000.0)
-        yield gw.Row(f"Largest speeds at 8000 frames/s / true largest speeds, least, {name}",
+        yield gw.Row(f"Largest speeds at 8000 frames/s / true largest speeds, smallest ratio, {name}",
             digits=2,
                      ours=low, where=f"{SOURCE}, camera",
                      remark=f"The ratio lies between this value and {high:.2f}. The largest speeds "
@@ -99,7 +99,7 @@ def rows(runs):
             ours=speeds.normal_p, digits=1,
                      where=fig10, remark="According to the source they are Gaussian. p is the "
                                          "result of the test of Shapiro and Wilk.")
-        yield gw.Row(f"Largest speeds of all grains, standard deviation over mean, {name}", digits=2, where=fig10,
+        yield gw.Row(f"Largest speeds of all grains, standard deviation / mean, {name}", digits=2, where=fig10,
                      ours=speeds.deviation / speeds.mean, remark=(
                          "In the source the distribution in HCP is narrower."))
         yield gw.Row(f"Largest rotation of a grain that is not at a side wall, {name}", "degrees", where=SOURCE,
@@ -109,7 +109,7 @@ def rows(runs):
         yield gw.Row(f"Left half of the second row, inwards at 0.9 ms, {name}", "um", digits=2,
                      ours=-motions[name].row_shift(0.9e-3), where=f"{SOURCE}, Fig. 4",
                      remark="In the source the upper rows move outwards, then inwards.")
-        yield gw.Row(f"Largest deviation from mirror symmetry over a diameter, {name}", ours=motions[name].mirrored(),
+        yield gw.Row(f"Largest deviation from mirror symmetry / diameter, {name}", ours=motions[name].mirrored(),
                      where=SOURCE, remark="In the source the symmetry is almost perfect.", digits=1)
     for name, one in free.items():
         last = (one.peak > 0).nonzero()[0].size - 1
@@ -121,8 +121,8 @@ def rows(runs):
 
 
 def further(one, motion):
-    """Quantity, unit, our values, values of a program that is not kept (BCC, HCP), digits, and
-    remark.
+    """Quantity, unit, our values, values of an earlier program that is no longer available (BCC,
+    HCP), digits, and remark.
     """
     line = one.down
     decay = one.decay

@@ -1,5 +1,5 @@
-"""Motion of all grains of a crystal: rotations, rows that move out and in, symmetry, and what a
-camera sees.
+"""Motion of all grains of a crystal: rotations, outward and inward motion of rows, symmetry, and
+speeds seen by a camera.
 """
 
 import numpy as np
@@ -43,7 +43,7 @@ class Motion:
         return np.interp(when, self.time, 1e6 * aside.mean(axis=1))
 
     def mirrored(self):
-        """Largest difference of displacements of mirrored grains, over a diameter."""
+        """Largest difference of the displacements of mirrored grains, in diameters."""
         image = self.position.copy()
         image[:, 0] = 2 * self.middle - image[:, 0]
         partner = cKDTree(self.position).query(image)[1]
@@ -53,10 +53,10 @@ class Motion:
         return max(np.abs(across).max(), np.abs(down).max()) / self.diameter
 
     def seen_by_camera(self, rate):
-        """Least and largest ratio of the largest speeds that frames, rate a second, show to the
-        true ones, of the line.
+        """Smallest and largest ratio of the largest speed seen in frames (``rate`` per second) to
+        the true largest speed, along the middle line.
 
-        A camera sees displacements: between two frames the mean velocity.
+        A camera sees displacements, and thus the mean velocity between two frames.
         """
         time, moved = (
             self.crystal.run.result[f"lines/down/{name}"] for name in ("time", "displacement")

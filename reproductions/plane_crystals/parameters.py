@@ -39,7 +39,7 @@ FEW = (
     "grain: the fit has another minimum nearby."
 )
 DECAYS = {
-    "friction": ("friction {:g}", 1.0), "loss": ("loss time of {:g} us", 1e6), "plate": ("plate of {:g} kg/m", 1.0)
+    "friction": ("friction {:g}", 1.0), "loss": ("relaxation time of {:g} us", 1e6), "plate": ("plate of {:g} kg/m", 1.0)
 }  # fmt: skip
 
 
@@ -53,8 +53,8 @@ def values(one):
 
 
 def measured(runs):
-    """Values and crystals by the changed parameter and the name of the crystal; and the crystals
-    impacted by a cylinder.
+    """Values and crystals by the changed parameter and the name of the crystal; and crystals that a
+    cylinder impacts.
     """
     crystals = [Crystal(run) for run in runs if not is_of_equation(run.case)]
     series = {}
@@ -123,7 +123,7 @@ def rows(runs):
 
 
 def of_modulus(points, which, name):
-    """The printed speed at printed moduli, and the modulus that gives it."""
+    """Rows of the speed at the printed moduli, and of the modulus that gives the printed speed."""
     moduli, speeds = np.array([(value, one.down.front_speed) for value, one in points]).T
     gives = np.exp(np.interp(np.log(SPEED), np.log(speeds), np.log(moduli))) / 1e6
     alone = {"where": OURS}
@@ -144,7 +144,7 @@ def of_modulus(points, which, name):
     yield gw.Row(f"Second, small peak of the speed in deep grains, {value / 1e6:g} MPa, {name}", "ms", 4.0,
                  1e3 * later_peak(one), f"{SOURCE}, Fig. 9", digits=2,
                  remark=f"The front has {one.down.front_speed:.0f} m/s; the source prints about "
-                        "125 m/s. The time counts from the start of the impact; the zero of the "
+                        "125 m/s. The time counts from the start of the impact; the time origin of the "
                         "camera in the source is not known.")
     # fmt: on
 

@@ -14,7 +14,7 @@ DENSITY = 1200.0  # kg/m3, of polycarbonate
 
 
 def select(runs):
-    """Both crystals of polycarbonate, by name; nothing without them."""
+    """Both crystals of polycarbonate, by name; empty if the runs do not contain them."""
     crystals = {one.name: one for one in map(Crystal, runs) if one.case.material.density == DENSITY}
     return [crystals] if len(crystals) == 2 else []
 
@@ -22,7 +22,7 @@ def select(runs):
 def rows(crystals):
     for name, one in crystals.items():
         yield gw.Row(
-            f"Rate of decay, lower region over upper region, polycarbonate, {name}, at least", "",
+            f"Rate of decay, lower / upper region, polycarbonate, {name}, at least", "",
             1.0, one.decay.second / one.decay.first, f"{SOURCE}, 4",
             "According to the source the trends are the same as in the soft crystals, with the "
             "higher rate in the lower region.",

@@ -13,7 +13,9 @@ SAME = 1e-6  # relative
 
 
 def secant(rise, scale=1.0):
-    """Stress over strain, MPa, of a strain that has risen evenly for a time in ms."""
+    """Ratio of stress to strain, MPa, after the strain has risen at a constant rate for a time in
+    ms.
+    """
     terms = ((size, scale * tau) for size, tau in TERMS)
     return LONG + sum(size * tau / rise * -np.expm1(-rise / tau) for size, tau in terms)
 

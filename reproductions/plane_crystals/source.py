@@ -27,7 +27,9 @@ def rise_of(modulus):
 
 
 def secant_of_history(rise):
-    """Stress over strain, MPa, at the end of a linear rise in ms, from the stress history."""
+    """Ratio of stress to strain, MPa, at the end of a linear rise, whose duration is in ms, from
+    the stress history.
+    """
     time = np.linspace(0.0, rise / MILLI, FRAMES)
     terms = [(size * MEGA, tau / MILLI) for size, tau in TERMS]
     strain = STRAIN * time / time[-1]
@@ -36,7 +38,8 @@ def secant_of_history(rise):
 
 
 def impulse_gained(rise):
-    """Impulse of an even rise of the strain over that of a linear law, less 1, per cent.
+    """Impulse of a linear rise of the strain relative to the impulse of a linear law, minus 1, per
+    cent.
 
     The linear law has the modulus that fits the stress best, by least squares.
     """
@@ -48,7 +51,9 @@ def impulse_gained(rise):
 
 
 def pulse(duration):
-    """Instants, ms, strain and stress, MPa, of a half-sine of the strain; forces do not pull."""
+    """Time, ms, strain, and stress, MPa, of a half-sine pulse of the strain, without tensile
+    stress.
+    """
     time = np.linspace(0.0, duration, INSTANTS)
     terms = [(size * MEGA, tau / MILLI) for size, tau in TERMS]
     strain = STRAIN * np.sin(np.pi * time / duration)
@@ -63,8 +68,8 @@ def modulus_of_pulse(duration):
 
 
 def impulse_of_pulse(modulus):
-    """Duration, ms, of the pulse with this modulus, and its impulse over that of the linear law,
-    less 1, per cent.
+    """Duration, ms, of the pulse with this modulus, and its impulse relative to the impulse of the
+    linear law, minus 1, per cent.
     """
     duration = brentq(lambda trial: modulus_of_pulse(trial) - modulus, 0.1, 1e2)
     time, strain, stress = pulse(duration)
@@ -73,14 +78,14 @@ def impulse_of_pulse(modulus):
 
 
 def impulse_rows():
-    """Rows of the difference of impulses, by pulses that rise and fall."""
+    """Rows of the difference of impulses, for pulses that rise and fall."""
     found = [impulse_of_pulse(modulus) for modulus in MODULI]
     short = [(duration, abs(gained)) for duration, gained in found if duration <= EVENT]
     times = " to ".join(f"{duration:.2g}" for duration in (min(short)[0], max(short)[0]))
     differences = [gained for _, gained in short]
     for word, source, theory in (
-        ("least", 1.65, min(differences)),
-        ("most", 2.2, max(differences)),
+        ("smallest", 1.65, min(differences)),
+        ("largest", 2.2, max(differences)),
     ):
         yield gw.Row(
             f"Difference of impulses, elastic and viscoelastic, half-sines, {word}", "%", source,
@@ -109,10 +114,10 @@ def rows(runs):
             remark += " This rise is longer than the experiment."
         yield gw.Row(f"Effective modulus at contact {contact}", "MPa", modulus, theory=secant(rise), digits=3,
                      where=f"{SOURCE}, 3", remark=remark)  # fmt: skip
-        yield gw.Row(f"Stress over strain of the stress history, even rise of {rise:g} ms", "MPa", theory=secant(rise),
+        yield gw.Row(f"Stress / strain from the stress history, uniform rise within {rise:g} ms", "MPa", theory=secant(rise),
                      ours=secant_of_history(rise), where="equation 7, integrated", verification=True)  # fmt: skip
     gained = [impulse_gained(rise_of(modulus)) for modulus in MODULI]
-    for word, source, theory in (("least", 1.65, min(gained)), ("most", 2.2, max(gained))):
+    for word, source, theory in (("smallest", 1.65, min(gained)), ("largest", 2.2, max(gained))):
         quantity = f"Difference of impulses, elastic and viscoelastic, {word}"
         remark = (
             "Theory: uniform rises of the strain in the times of the rows above, compared "
@@ -130,7 +135,7 @@ def rows(runs):
     mass = runs[0].spheres["mass"].iloc[0] / 2
     for speed, expected in ((1.0, 0.7468), (6.0, 0.7141)):
         found = law.collide(mass, speed, loss_time=runs[0].case.contact.loss.time, steps=4000)
-        yield gw.Row(f"Restitution of two grains at {speed:g} m/s, loss time 12 us", ours=found["restitution"],
+        yield gw.Row(f"Restitution of two grains at {speed:g} m/s, relaxation time 12 us", ours=found["restitution"],
                      where=OURS, digits=4, remark=not_kept(expected,
                          "According to the source a spring with a dashpot has the same "
                          "restitution at all speeds."))  # fmt: skip

@@ -37,7 +37,7 @@ EVENT = 6e-3  # s, the longest that the source says of its experiment
 
 
 class Contacts(NamedTuple):
-    """Contacts of a crystal: effective modulus, MPa, and difference of impulses, per cent."""
+    """Effective moduli, MPa, and differences of impulses, per cent, at the contacts of a crystal."""
 
     modulus: np.ndarray
     impulse: np.ndarray
@@ -52,7 +52,7 @@ def relaxes(crystal):
 
 
 def select(runs):
-    """Crystals by name, of the sizes of the reference and wide, each by how the modulus relaxes."""
+    """Crystals by name, of the size of the reference and wide, each by its kind of relaxation."""
     found = {"here": {}, "wide": {}}
     for crystal in map(Crystal, runs):
         size = "wide" if crystal.count >= WIDE else "here"
@@ -68,8 +68,8 @@ def decay_of(crystal):
 
 
 def decay_along_diagonal(crystal):
-    """Rate of the decay of the peak speed along a close-packed line of a hexagonal crystal, 1/m,
-    over the grains that no signal of the sides has reached before.
+    """Decay rate of the peak speed along a close-packed line of a hexagonal crystal, 1/m, over the
+    grains whose peak precedes any signal from the sides.
     """
     result = crystal.run.result
     position, velocity = (result[f"lines/all/{name}"] for name in ("position", "velocity"))
@@ -128,7 +128,9 @@ def rows(crystals):
 
 
 def of_decay(name, by_law):
-    """Attenuation along the middle line of a wide crystal, where the sides are not felt."""
+    """Rows of the attenuation along the middle line of a wide crystal, where the sides have no
+    effect.
+    """
     rates = {law: decay_of(one) for law, one in by_law.items()}
     along_middle = name == "BCC"  # the printed one
     source = None
@@ -164,7 +166,9 @@ def of_decay(name, by_law):
 
 
 def of_waves(name, by_law):
-    """Speed, second peak and loss in a crystal of the size of the reference."""
+    """Rows of the speed, the second peak and the dissipation in a crystal of the size of the
+    reference.
+    """
     relaxing = by_law[IN_MS]
     elastic = by_law[ELASTIC]
     speed = relaxing.down.front_speed
@@ -190,7 +194,7 @@ def of_waves(name, by_law):
 def of_contacts(name, contacts):
     """Effective moduli and differences of impulses at the contacts of a crystal."""
     for word, printed, found in zip(
-        ("least", "largest"), MODULI, np.percentile(contacts.modulus, (0, 100)), strict=True
+        ("smallest", "largest"), MODULI, np.percentile(contacts.modulus, (0, 100)), strict=True
     ):
         yield gw.Row(
             f"Effective modulus at the contacts of the run, {word}, {name}", "MPa", printed, found,
@@ -202,7 +206,10 @@ def of_contacts(name, contacts):
                    "MPa.",
         )  # fmt: skip
     for word, printed, found in zip(
-        ("least", "median"), IMPULSES, np.percentile(np.abs(contacts.impulse), (0, 50)), strict=True
+        ("smallest", "median"),
+        IMPULSES,
+        np.percentile(np.abs(contacts.impulse), (0, 50)),
+        strict=True,
     ):
         yield gw.Row(
             f"Difference of impulses at the contacts of the run, {word}, {name}", "%", printed,

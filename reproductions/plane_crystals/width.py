@@ -2,12 +2,12 @@
 
 Crystals with 4 to 16 grains per row are compared with a crystal of 40, at the same mass of the
 plate per width, with side walls and with free sides. The peak speed of the first pulse down the
-middle line is divided by the peak speed in the wide crystal; the crystals part at the depth where
-the two differ by 3 %. According to the source reflected waves compress the upper part laterally
-(region 1), to a depth equal to the width. The front and the signals of the top corners run down
-together along the close-packed lines. They meet on the middle line at W/2 (45 degrees) and
-sqrt(3)/2 W (30 degrees). Above, no signal of the sides has arrived, and crystals with free sides
-part at the same depth.
+middle line is divided by the peak speed in the wide crystal; the curves separate at the depth where
+the two speeds differ by 3 %. According to the source reflected waves compress the upper part
+laterally (region 1), to a depth equal to the width. The front and the signals of the top corners
+travel down together along the close-packed lines. They meet on the middle line at W/2 (45 degrees)
+and sqrt(3)/2 W (30 degrees). Above that depth no signal of the sides has arrived; the curves of
+crystals with free sides separate at the same depth.
 """
 
 import numpy as np
@@ -48,7 +48,7 @@ class Widths:
     """Crystals of one kind by width, with walls and with free sides, each with its depth of
     deviation from the wide crystal.
 
-    The depth is NaN if they do not part.
+    The depth is NaN if the curves do not separate.
     """
 
     def __init__(self, name, crystals):
@@ -103,7 +103,7 @@ def rows(group):
                                                         f"print the width of its crystals; {count} "
                                                         "grains per row were inferred from these "
                                                         "layers.")
-    yield gw.Row(f"Depth of region 1 over the width, {crystal}", "", 1.0, slope, theory=group.law, digits=2,
+    yield gw.Row(f"Depth of region 1 / width, {crystal}", "", 1.0, slope, theory=group.law, digits=2,
                  where=f"{SOURCE}, 3, Fig. 6e",
                  remark="Theory: where the signals of both top corners meet on the middle line.")
     yield gw.Row(f"Decay of the peak speed in region 1, {crystal}{way}", "1/m", decay, along, f"{SOURCE}, Fig. 7",
@@ -113,14 +113,14 @@ def rows(group):
     for which, word in enumerate(("walls", "free sides")):
         for one in group.pairs[which]:
             if np.isfinite(one.parted) and np.isfinite(trial := TRIAL[crystal][one.count][which]):
-                yield gw.Row(f"Depth where crystals of {one.count} and 40 per row part, {word}, "
+                yield gw.Row(f"Depth of separation, {one.count} and 40 grains per row, {word}, "
                              f"{crystal}", "D", ours=one.parted,
                              where=OURS, remark=not_kept(trial), digits=2)
     away = np.abs(np.array(group.parted) - group.width * group.law) / np.diff(group.wide.depth).mean()
-    yield gw.Row(f"Depth where crystals part minus depth of the law, at most, {crystal}", "grains",
+    yield gw.Row(f"Depth of separation minus depth of the law, at most, {crystal}", "grains",
                  ours=np.nanmax(away), where=SOURCE, digits=2,
-                 remark="The value covers all widths, with walls and with free sides. Crystals "
-                        "can part only at a grain.")
+                 remark="The value covers all widths, with walls and with free sides. The "
+                        "resolution is one grain.")
     # fmt: on
 
 
@@ -150,7 +150,7 @@ def pictures(group):
         right.plot(group.width, parted, mark, markersize=4, color=colour, label=word)
         data |= {"width_diameters": group.width, f"{word}_parted_diameters": parted}
     widths = np.array([0.0, group.width[-1]])
-    right.plot(widths, widths * group.law, color="0.5", label="sides are felt from here")
+    right.plot(widths, widths * group.law, color="0.5", label="effect of the sides starts")
     right.plot(widths, widths, ":", color="0.5", label="depth = width (source)")
     left.axvline(1.0, color="0.5", linestyle=":", linewidth=0.8)
     left.set(
@@ -159,14 +159,14 @@ def pictures(group):
     left.set(xlim=(0, 3), ylim=(0, 1.3))
     right.set(
         xlabel="Width (diameters)",
-        ylabel="Depth where they part (diameters)",
+        ylabel="Depth of separation (diameters)",
         xlim=(0, None),
         ylim=(0, None),
     )
     right.legend()
     caption = (
         f"{group.name}: peak speeds of crystals of several widths, divided by the speeds in "
-        "the widest. The curves part where the signals of "
+        "the widest. The curves separate where the signals of "
     )
     caption += "the two sides meet (1 on the left); that depth grows with the width"
     yield gw.Picture(f"lateral_width_{group.name.lower()}", caption, figure, data)

@@ -4,8 +4,8 @@ Each packing is run twice. Indentations are kept (boundary.forget_gap of 0.1 dia
 forgotten as soon as the undeformed spheres separate (1e-9 diameters). The second is the treatment
 of yielding laws in LIGGGHTS, YADE and MercuryDPM, and of the contact history in LAMMPS's own
 granular styles, which ends when the distance exceeds the sum of the radii. Indentations in rigid
-walls are kept in both runs. Chains that rattle move chaotically: the sign and the magnitude of a
-change are meaningful there, its digits are not.
+walls are kept in both runs. Chains that rattle move chaotically: there the sign and the order of
+magnitude of a change are meaningful, but not its digits.
 """
 
 import math
@@ -24,7 +24,7 @@ VALUES = {
 
 
 def pairs(runs):
-    """Runs with dents kept and forgotten, by their description."""
+    """Runs with indentations kept and forgotten, by their description."""
     found = {}
     for run in sorted(runs, key=lambda run: -run.case.boundary.forget_gap):
         found.setdefault(words(run), []).append(run)
@@ -32,7 +32,7 @@ def pairs(runs):
 
 
 def words(run):
-    """``Row of 5 spheres with gaps of 0.1 mm; 5 struck at 5 m/s``."""
+    """``Chain of 5 spheres with gaps of 0.1 mm; impact on 5 at 5 m/s``."""
     case = run.case
     load = run.case.load
     packing = run.case.packing
@@ -99,11 +99,10 @@ def verdict(runs):
 
 
 def restitution_at_zero_force(law, mass, velocity):
-    """Restitution with a dent that is kept, and with one that is forgotten where the force falls to
-    zero.
+    """Restitution if the indentation is kept, and if it is forgotten when the force falls to zero.
 
-    A new contact that overlaps by the dent pushes the spheres apart with what it would have stored
-    when loaded so far, leaves a smaller dent, which is forgotten too, and so on.
+    A new contact that overlaps by the indentation releases the energy that loading to this overlap
+    would have stored; it leaves a smaller indentation, which is forgotten too, and so on.
     """
     energy = 0.5 * mass * velocity**2
     overlap = np.geomspace(1e-3, 1, 4000) * law.valid_overlap

@@ -1,7 +1,8 @@
 """Repeated impacts on a packing.
 
-Each run starts with the spheres in their first places and with the dents of the previous run.
-The runs tell by themselves: contact.initial_overlap of a second hit is the result of the first one.
+Each run starts with the spheres at their initial positions and with the indentations of the
+previous run. The order follows from the runs: contact.initial_overlap of a second impact is the
+result of the first one.
 
     granwave report first second --study reproductions/precompression/hits.py
 """
@@ -15,7 +16,7 @@ import granwave as gw
 
 
 def select(runs):
-    """The runs by hit, in one group."""
+    """The runs in the order of the impacts, in one group."""
     after = {before(run): run for run in runs}
     series = [after.pop(None)]
     while (following := after.get(series[-1].directory.resolve())) is not None:
@@ -24,7 +25,7 @@ def select(runs):
 
 
 def before(run):
-    """Directory of the run that left the dents; None for a first hit."""
+    """Directory of the run that caused the indentations; None for a first impact."""
     left = run.case.contact.initial_overlap
     if not isinstance(left, str):
         return None
@@ -33,13 +34,13 @@ def before(run):
 
 
 def title(series):
-    return f"Hit {len(series)} times"
+    return f"{len(series)} impacts on a packing"
 
 
 def columns(series):
     force = [run.result["walls/bottom/force"] for run in series]
     return {
-        "Hit": list(range(1, len(series) + 1)),
+        "Impact number": list(range(1, len(series) + 1)),
         "Impact (m/s)": [run.case.load.velocity for run in series],
         "Dissipated (% of input)": [100 * run["dissipated_fraction"] for run in series],
         "Contacts with growing indentation": [run["n_plastic_contacts"] for run in series],
@@ -50,7 +51,7 @@ def columns(series):
 
 
 def tables(series):
-    yield "Hit by hit", columns(series)
+    yield "Values by impact", columns(series)
 
 
 def verdict(series):
@@ -68,10 +69,10 @@ def pictures(series):
     found = columns(series)
     figure = Figure((5.6, 2.3), layout="constrained")
     left, right = figure.subplots(1, 2)
-    left.bar(found["Hit"], found["Dissipated (% of input)"], color="C2", width=0.6)
-    right.bar(found["Hit"], found["Largest dynamic force at the bottom (N)"], width=0.6)
-    left.set(xlabel="Hit", ylabel="Dissipated (% of input)", xticks=found["Hit"])
-    right.set(xlabel="Hit", ylabel="Force at the bottom (N)", xticks=found["Hit"])
+    left.bar(found["Impact number"], found["Dissipated (% of input)"], color="C2", width=0.6)
+    right.bar(found["Impact number"], found["Largest dynamic force at the bottom (N)"], width=0.6)
+    left.set(xlabel="Impact", ylabel="Dissipated (% of input)", xticks=found["Impact number"])
+    right.set(xlabel="Impact", ylabel="Force at the bottom (N)", xticks=found["Impact number"])
     caption = (
         "Dissipated fraction and largest dynamic force at the bottom, by number of the impact. "
         "After the first impact contacts are elastic up to their earlier force: less energy is "

@@ -1,4 +1,4 @@
-"""An impact at 5 m/s on packings under uniform pressure, with contacts that yield, and elastic.
+"""An impact at 5 m/s on packings under uniform pressure, with yielding and with elastic contacts.
 
 FCC packings of 16 × 16 × 8 brass spheres of 10 mm have free sides and are under constant, uniform
 static pressure. Yielding by the static load is not counted.
@@ -35,7 +35,7 @@ def title(runs):
 
 
 def columns(runs):
-    """The impact at each pressure, without what yielding does where nothing yields."""
+    """The impact at each pressure; values of yielding only if contacts yield."""
     static = [
         precompressed_line(run.case).force if run.case.precompression else 0.0 for run in runs
     ]

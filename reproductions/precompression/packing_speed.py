@@ -37,9 +37,9 @@ def measured(runs):
 def rows(runs):
     # fmt: off
     for name, pressure, speed, theory in measured(runs):
-        yield gw.Row(f"Power of the speed with the pressure, {name}", ours=power_law(pressure, speed).exponent,
+        yield gw.Row(f"Exponent of the speed against the pressure, {name}", ours=power_law(pressure, speed).exponent,
                      theory=1 / 6, verification=True, where="Hertz lattice", remark=(
-                         "Similarity forces this value."))
+                         "This value follows from similarity."))
         for p, ours, expected in zip(pressure, speed, theory, strict=True):
             yield gw.Row(f"Speed of small waves, {name}, {p:.4g} Pa", "m/s", ours=ours, theory=expected,
                          where="Hertz lattice", remark=UNEVEN if abs(ours / expected - 1) > 0.01 else "")

@@ -1,4 +1,4 @@
-"""Spheres that were pressed before.
+"""Spheres that were preloaded and unloaded before the impact.
 
 Contacts have an initial plastic indentation that corresponds to a uniform force; they should stay
 elastic up to this force.

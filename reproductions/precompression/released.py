@@ -1,8 +1,8 @@
-"""A word on runs that dissipate more than their input."""
+"""A remark on runs that dissipate more than their input."""
 
 
 def released_energy(runs):
-    """A further sentence where any of the runs dissipates more than all of the input."""
+    """Return a sentence if any of the runs dissipates more than its input, otherwise an empty text."""
     if not any(run["dissipated_fraction"] > 1 for run in runs):
         return ""
     return (

@@ -16,7 +16,7 @@ import granwave as gw
 from granwave.measures import differ_significantly, estimate
 
 COLOURS = {
-    "like spheres, as placed": "k",
+    "identical spheres, as placed": "k",
     "as placed": "C0",
     "settled under gravity": "C1",
     "settled under 10 kPa on top": "C4",
@@ -25,10 +25,10 @@ COLOURS = {
 
 
 def state(run):
-    """Preparation of a packing in words."""
+    """Description of the preparation of a packing."""
     stage = run.case.precompression
     if stage is None:
-        return "as placed" if run.case.packing.diameter_scatter else "like spheres, as placed"
+        return "as placed" if run.case.packing.diameter_scatter else "identical spheres, as placed"
     return "settled under " + (
         "gravity" if stage.kind == "gravity" else f"{1e-3 * stage.pressure:g} kPa on top"
     )
@@ -49,7 +49,9 @@ def transmitted(runs):
 
 
 def contacts(run):
-    """Loaded contacts of two spheres at the start, over the number of spheres; 0 as placed."""
+    """Number of loaded contacts of two spheres at the start, divided by the number of spheres; 0 as
+    placed.
+    """
     return (
         float(run.result["prestage/contacts"][-1]) / run["n_spheres"]
         if run.case.precompression

@@ -1,8 +1,9 @@
 """Precompressed chain: small pulses.
 
 An impact on the first bead of a precompressed chain keeps F_m/F0 below 1.05, at six static forces.
-Such a pulse spreads, and its crest is slower than long waves. c0 therefore follows from the times
-of the crests from bead 10 on, which are known for a linear chain. The source prints the formula.
+Such a pulse spreads, and its crest is slower than long waves. Therefore c0 follows from the times
+of the crests from bead 10 on, whose delay in a linear chain is known. The source prints the
+formula.
 """
 
 import numpy as np
@@ -25,7 +26,7 @@ def measured(runs):
 def rows(runs):
     waves, force, speed, printed = measured(runs)
     # fmt: off
-    yield gw.Row("Power of the speed of small pulses with the static force", ours=power_law(force, speed).exponent,
+    yield gw.Row("Exponent of the speed of small pulses against the static force", ours=power_law(force, speed).exponent,
                  theory=1 / 6, verification=True, where=WHERE, remark=(
                      "By similarity every correct code gives this value."))
     yield gw.Row("Factor of c0 in (4 E^2 F0/(a^2 rho^3 (1-nu^2)^2))^(1/6)", source=PRINTED_FACTOR, theory=EXACT_FACTOR,

@@ -1,7 +1,9 @@
-"""The wave of the struck first bead of a precompressed elastic chain, measured far down the chain.
+"""The wave of an impact on the first bead of a precompressed elastic chain, measured far along the
+chain.
 
 In the units of the static state (speeds over c0, forces over F0, velocities over omega alpha0)
-every such chain is one curve. c0 is that of long waves, sqrt(3/2 F0 D^2/(m alpha0)).
+the results of all such chains lie on one curve. c0 is the speed of long waves, sqrt(3/2 F0 D^2/(m
+alpha0)).
 """
 
 import math
@@ -21,7 +23,7 @@ STEADY = 0.01  # fraction by which the crest may decrease while its speed is mea
 
 
 def solitary_speed(ratio):
-    """Speed of the solitary wave over c0 by (3), for the continuum, from F_m/F0."""
+    """Speed of the solitary wave divided by c0 by (3), for the continuum, from F_m/F0."""
     eps = ratio ** (2 / 3) - 1
     bracket = 4 / 15 * (3 + 2 * ratio ** (5 / 3) - 5 * ratio ** (2 / 3))
     near = 1 + eps / 12  # the next term; the bracket cancels there
@@ -31,7 +33,7 @@ def solitary_speed(ratio):
 
 
 class Wave:
-    """Speed and height of the crest in the second half of the contacts that it passes before the
+    """Speed and force of the crest over the second half of the contacts that it passes before the
     wave reaches the far end.
     """
 
@@ -75,8 +77,8 @@ class Wave:
 
     @property
     def long_wave_speed(self):
-        """c0 from the crests of the beads' velocities, whose dispersion in a linear chain is known,
-        m/s.
+        """c0 from the crests of the velocities of the beads, whose dispersion in a linear chain is
+        known, m/s.
         """
         numbers = np.arange(FIRST_BEAD, self.last)
         chain = self.chain
@@ -98,5 +100,5 @@ class Wave:
 
     @property
     def uncompressed_speed(self):
-        """Speed of Nesterenko's wave with the same largest added force, m/s."""
+        """Speed of Nesterenko's wave with the same largest dynamic force, m/s."""
         return self.chain.scales.nesterenko(self.added)

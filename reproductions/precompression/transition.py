@@ -1,8 +1,8 @@
 """Precompressed to uncompressed chain, 0.1 m/s.
 
-An impact at 0.1 m/s acts on a chain under ten static forces from 3 mN to 100 N. The wave is the
-wave of an uncompressed chain as long as c0 is far below its speed, and a small pulse beyond. The
-two lines cross at F0 = 1.52 N.
+An impact at 0.1 m/s acts on a chain under ten static forces from 3 mN to 100 N. As long as c0 is
+far below its speed, the wave is that of an uncompressed chain; for larger static forces it is a
+small pulse. The two lines cross at F0 = 1.52 N.
 """
 
 import numpy as np

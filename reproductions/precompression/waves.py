@@ -67,8 +67,8 @@ def pictures(runs):
             places[~steady], values[~steady], "oC0", mfc="w", markersize=4, label="still spreading"
         )
         axes.legend(loc="upper left")
-    left.set(xlabel=r"$f_r = F_m/F_0$", ylabel=r"Speed over $c_0$")
-    right.set(xlabel=r"Impact velocity over $\omega\alpha_0$", ylabel=r"Crest $F_m/F_0 - 1$")
+    left.set(xlabel=r"$f_r = F_m/F_0$", ylabel=r"Speed / $c_0$")
+    right.set(xlabel=r"Impact velocity / $\omega\alpha_0$", ylabel=r"Crest $F_m/F_0 - 1$")
     data = {
         "static_force_N": [w.static for w in waves],
         "impact_velocity_m_s": [w.velocity for w in waves],

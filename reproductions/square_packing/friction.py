@@ -45,7 +45,9 @@ class Rubbing(Packing):
         return contacts.friction_energy[at].sum() / contacts.friction_energy.sum()
 
     def floor_work(self):
-        """Coefficient of the floor times weight and path of every sphere, over the input."""
+        """Coefficient of friction of the floor times weight and path, summed over all spheres,
+        divided by the input.
+        """
         places = self.run.fields.displacement.values[:, : self.size[0] * self.size[1], :2]
         way = np.linalg.norm(np.diff(places, axis=0), axis=2).sum()
         weight = self.case.sphere_mass * self.case.precompression.acceleration
@@ -53,8 +55,8 @@ class Rubbing(Packing):
 
 
 def measured(runs):
-    """Packings with friction in rising order of friction, and the losses of their largest velocity,
-    %: (n_runs, n_places).
+    """Packings in rising order of friction, and the decreases of their peak velocities, %: (n_runs,
+    n_places).
     """
     smooth, *found = sorted(map(Rubbing, runs), key=lambda one: one.frictions)
     return found, np.array([100 * (1 - one.largest / smooth.largest) for one in found])
@@ -65,13 +67,13 @@ def rows(runs):
         own, walls = one.frictions
         # fmt: off
         for (group, place), loss in zip(PLACES, losses, strict=True):
-            yield gw.Row(f"Loss of peak velocity, {group}, sphere {place}: {one.label}", "%", ours=loss, where=WHERE)
+            yield gw.Row(f"Decrease of peak velocity, {group}, sphere {place}: {one.label}", "%", ours=loss, where=WHERE)
         if own:
             yield gw.Row("Fraction of the friction between spheres at contacts of the two "
                          f"impacted spheres: {one.label}", "%",
                          ours=100 * one.lost_at_struck(), where=WHERE, remark=AT_STRUCK)
         if walls and not own:
-            yield gw.Row(f"Lost to the floor: {one.label}", "% of input", ours=100 * one.run["friction_fraction"],
+            yield gw.Row(f"Dissipated at the floor / input: {one.label}", "% of input", ours=100 * one.run["friction_fraction"],
                          theory=100 * one.floor_work(), where=WHERE, remark=ROLLING)
         # fmt: on
 
@@ -98,7 +100,7 @@ def pictures(runs):
             )
     axes.set(
         xlabel="Coefficient of friction",
-        ylabel="Loss of peak velocity (%)",
+        ylabel="Decrease of peak velocity (%)",
         xlim=(0, None),
         ylim=(0, None),
     )
@@ -109,6 +111,6 @@ def pictures(runs):
     }
     caption = (
         "Decrease of the peak velocity, sphere 6 of a central and 5 of an edge chain, against the "
-        f"coefficient of friction. Between spheres, a coefficient of {own.max():g} takes {' and '.join(f'{lost:.2g} % from {one}' for one, lost in most.items())}"
+        f"coefficient of friction. Between spheres, a coefficient of {own.max():g} lowers the peak by {' and by '.join(f'{lost:.2g} % in {one}' for one, lost in most.items())}"
     )
     yield gw.Picture("", caption, axes.figure, data)

@@ -1,7 +1,7 @@
 """Square packing, elastic impacts.
 
-20 × 20 elastic spheres, struck through a sphere at rest: two at an edge in the plane at 0.29 m/s,
-or four in the middle from above at 0.65 m/s.
+An impact on 20 × 20 elastic spheres is transmitted by a sphere at rest, which touches two at an
+edge in the plane at 0.29 m/s, or four in the middle from above at 0.65 m/s.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ WAVES = {"in-plane": 4, "out-of-plane": 8}
 SHOWN = (0.15e-3, 0.30e-3)
 ENERGIES = {
     "in-plane": {"central chains": 71.5, "edge chains": 24.5},
-    "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "struck spheres": 47.7},
+    "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "impacted spheres": 47.7},
 }  # % of the input
 SETTLED = 0.02  # fraction of its last length by which a settled pulse may differ
 REBOUND = "The source calls this the remaining energy, which is 4.0 % by its numbers."
@@ -51,7 +51,9 @@ def text(one):
 
 
 def last_length(found):
-    """Last sphere of a chain, from 0, where the wall does not affect the length of the pulse."""
+    """Last sphere of a chain, counted from 0, at which the wall does not affect the length of the
+    pulse.
+    """
     return np.flatnonzero(np.isfinite(found[MEASURES[3]][:-2]))[-1]
 
 
@@ -72,7 +74,7 @@ def rows(one):
         yield gw.Row(f"Energy in {region}, {way}", percent, source, ours[region], **paths)
     if way == "in-plane":
         yield gw.Row(f"Energy in strikers and impacted spheres, {way}", percent,
-                     ours=ours["strikers"] + ours["struck spheres"], remark=REBOUND, **paths)
+                     ours=ours["strikers"] + ours["impacted spheres"], remark=REBOUND, **paths)
     yield gw.Row(f"Chains with a wave, {way}", source=WAVES[way], ours=carrying, **paths)
     yield gw.Row(f"Largest energy in other spheres, {way}", percent,
         ours=100 * one.energies["other spheres"].max(),

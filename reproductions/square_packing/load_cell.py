@@ -40,9 +40,9 @@ class Reading:
 
 
 def named(numbers):
-    """``like spheres``, ``sphere 6``, ``spheres 6, 11 and 16``."""
+    """``identical spheres``, ``sphere 6``, ``spheres 6, 11 and 16``."""
     if not numbers:
-        return "like spheres"
+        return "identical spheres"
     *others, last = map(str, numbers)
     return f"spheres {', '.join(others)} and {last}" if others else f"sphere {last}"
 
@@ -55,7 +55,7 @@ def by_end(runs):
 
 def rows(runs):
     for end, (like, *others) in by_end(runs).items():
-        yield gw.Row(f"First peak, like spheres, {end}", "N", ours=like.peak, **SETUP)
+        yield gw.Row(f"First peak, identical spheres, {end}", "N", ours=like.peak, **SETUP)
         for one in others:
             where = f"{end}, {one.mass_ratio:.3g} of the mass: {one.spheres}"
             higher = 100 * (one.peak / like.peak - 1)

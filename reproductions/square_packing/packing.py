@@ -1,9 +1,9 @@
-"""Square packing that a striker hits through a sphere at rest: chains from the struck spheres,
+"""Square packing that a striker hits through a sphere at rest: chains from the impacted spheres,
 pulses and energies.
 
-Sphere (X, Y) of the packing, from 1, has the id X + nx (Y - 1). A chain begins at a struck sphere,
-which is its sphere 1, and holds no other struck one. Those along the impact are central chains,
-those across it edge chains.
+Sphere (X, Y) of the packing, from 1, has the id X + nx (Y - 1). A chain begins at an impacted
+sphere, which is its sphere 1, and contains no other impacted sphere. Chains along the impact are
+central chains, chains across it edge chains.
 """
 
 from functools import cached_property
@@ -15,7 +15,7 @@ from granwave.theory import solitary_lengths
 
 MEASURES = tuple(solitary_lengths())  # measures of the length of a pulse
 COLOURS = {
-    "central chains": "C0", "edge chains": "C9", "struck spheres": "C1", "strikers": "C4", "other spheres": "black",
+    "central chains": "C0", "edge chains": "C9", "impacted spheres": "C1", "strikers": "C4", "other spheres": "black",
     "walls": "0.5", "dissipated": "C2",
 }  # fmt: skip
 
@@ -24,7 +24,7 @@ VELOCITY = {"in-plane": 0.29, "out-of-plane": 0.65}  # velocities of the source'
 
 
 def source_impacts(runs):
-    """Elastic impacts at the source's velocities."""
+    """Elastic impacts at the velocities of the source."""
     elastic = [Packing(run) for run in runs if run.case.contact.law == "hertz"]
     return [one for one in elastic if one.speed == VELOCITY[one.way]]
 
@@ -88,26 +88,26 @@ class Packing:
 
     @cached_property
     def energies(self):
-        """Fractions of the input in time; impacted spheres are separate from their chains."""
+        """Fractions of the input against time; impacted spheres are separate from their chains."""
         n = self.size[0] * self.size[1]
         chains = self.chains.items()
         regions = {group: np.concatenate([ids[1:] for ids in members]) for group, members in chains}
         return energy_by_region(
-            self.run.result, regions | {"struck spheres": self.struck, "strikers": [n + 1, n + 2]}
+            self.run.result, regions | {"impacted spheres": self.struck, "strikers": [n + 1, n + 2]}
         )
 
     @cached_property
     def settled(self):
-        """Fractions of the input: largest of the chains, impacted spheres and strikers after their
-        rebound, losses at the end. They have rebounded when the impacted spheres have their largest
-        energy after the minimum.
+        """Fractions of the input: chains at their maximum, impacted spheres and strikers after
+        their rebound, dissipation at the end.
 
-        They have rebounded when the struck spheres hold most after they held least.
+        The rebound is complete when the energy of the impacted spheres, after its minimum, has its
+        next maximum.
         """
-        struck = self.energies["struck spheres"]
+        struck = self.energies["impacted spheres"]
         least = struck[struck.argmax() :].argmin() + struck.argmax()
         rebounded = least + struck[least:].argmax()
-        at = {"struck spheres": rebounded, "strikers": rebounded}
+        at = {"impacted spheres": rebounded, "strikers": rebounded}
         return {
             name: share.max() if name in self.chains else share[at.get(name, -1)]
             for name, share in self.energies.items()

@@ -21,8 +21,8 @@ SETUP = {"where": "square packing, Experimental Setup"}
 
 
 def measured(runs):
-    """Mass of the sphere over the others', reflected fraction (%), record and force there, by
-    rising mass.
+    """Mass of the sphere relative to the others, reflected fraction (%), and the recorded times and
+    forces, in order of rising mass.
     """
     found = []
     for run in runs:
@@ -64,7 +64,7 @@ def pictures(runs):
     figure = Figure((7, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     left.plot(100 * ratios, shares, "o-", markersize=3, label="simulation")
-    left.plot(100 * SENSOR / SOLID, LIMIT, "v", color="0.5", label="source: less than this")
+    left.plot(100 * SENSOR / SOLID, LIMIT, "v", color="0.5", label="upper bound of the source")
     left.set(
         xlabel="Mass of the sphere (% of other spheres)",
         ylabel="Reflection (% of the wave)",

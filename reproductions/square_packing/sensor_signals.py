@@ -88,7 +88,7 @@ def rows(one):
                      theory=4 * velocity * speed * math.sqrt(10) / (5 * diameter) * STEEPEST,
                      remark="Theory: Nesterenko's wave of the same peak velocity; the wave of the "
                             "discrete chain is shorter.")
-        yield gw.Row(f"Time of it after the impact, sensor {sensor}", "µs", ours=1e6 * when, **paths)
+        yield gw.Row(f"Time of this peak after the impact, sensor {sensor}", "µs", ours=1e6 * when, **paths)
     yield gw.Row(f"Acceleration across the chains, {one.way}", "% of the largest", 0.0, 100 * across / largest, **paths,
                  remark="The source value is from its simulations.")
     quiet = QUIET[one.way]

@@ -15,8 +15,8 @@ SETUP = {"where": "square packing, Experimental Setup"}
 
 
 def measured(runs):
-    """Time (s), and speed (m/s) of every sensor, by mass of the spheres with sensors over the
-    others'.
+    """Time (s), and speed (m/s) of every sensor, by the mass of the spheres with sensors relative
+    to the other spheres.
     """
     found = {}
     for run in runs:

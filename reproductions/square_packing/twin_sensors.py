@@ -6,8 +6,8 @@ floor spheres lean on each other and all contacts are closed; without tilt they 
 the lattice, with gaps. Each setting has runs with several seeds. The rows give standard deviations
 between runs of the time between the two peaks of acceleration, and of their ratio. The source has
 15 impacts for each pair. It states the tolerance of the diameters, ± 0.01 mm, but no misalignment
-and no gap; the settings are ours. The delay per per cent of amplitude hardly depends on the size of
-an imperfection, and identifies its kind.
+and no gap; the settings are ours. The ratio of delay to amplitude difference (in per cent) hardly
+depends on the size of an imperfection, and identifies its kind.
 """
 
 import math
@@ -124,7 +124,7 @@ def select(runs):
 
 
 def by_twins(samples):
-    """Source's values and scattered samples of each pair of sensors."""
+    """Values of the source, and samples with scatter, of each pair of sensors."""
     for twins, source in TWINS.items():
         own = [one for one in samples if one.twins == twins and one.scattered]
         if own:
@@ -159,8 +159,8 @@ def rows(samples):
 
 
 def verdict(samples):
-    """Delay over the scatter of the amplitude, which is almost independent of the size of an
-    imperfection.
+    """Ratio of the delay to the scatter of the amplitude, which is almost independent of the size
+    of an imperfection.
     """
     for twins, ((_, delay), (_, excess)), own in by_twins(samples):
         found = "; ".join(f"{one.setting}: {short(one.ratio)}" for one in own)

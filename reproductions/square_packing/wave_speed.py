@@ -21,8 +21,8 @@ WHERE = "square packing, equation 3, Figs 8 to 10"
 
 
 def measured(runs):
-    """Largest velocities and speeds, m/s, by chain: (n_runs,) each, by rising velocity of the
-    striker.
+    """Largest particle velocities and wave speeds, m/s, by chain: (n_runs,) each, in order of
+    rising velocity of the striker.
     """
     packings = sorted(
         (Packing(run) for run in runs if run.case.contact.law == "hertz"), key=lambda one: one.speed

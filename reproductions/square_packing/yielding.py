@@ -46,9 +46,9 @@ def rows(series):
         at = f"{one.speed:g} m/s, {one.way}"
         largest = one.velocity["central chains"].max(axis=0)
         # fmt: off
-        for what, region in (("Dissipated", "dissipated"), ("Most in central chains", "central chains")):
+        for what, region in (("Dissipated", "dissipated"), ("Largest energy in central chains", "central chains")):
             yield gw.Row(f"{what} at {at}", "% of input", ours=100 * one.settled[region], where="ours alone")
-        yield gw.Row(f"Peak velocity at sphere {SECOND} over that at sphere {FIRST}, {at}", where="ours alone",
+        yield gw.Row(f"Peak velocity at sphere {SECOND} / at sphere {FIRST}, {at}", where="ours alone",
                      ours=largest[SECOND - 1] / largest[FIRST - 1])
         # fmt: on
 
@@ -57,7 +57,7 @@ def pictures(series):
     axes = Figure((3.5, 2.4), layout="constrained").subplots()
     speed = np.array([one.speed for one in series])
     data = {"striker_velocity_m_s": speed}
-    for region in ("dissipated", *series[0].chains, "struck spheres", "strikers"):
+    for region in ("dissipated", *series[0].chains, "impacted spheres", "strikers"):
         share = np.array([one.settled[region] for one in series])
         axes.semilogx(speed, 100 * share, "o-", markersize=3, color=COLOURS[region], label=region)
         data[f"{region.replace(' ', '_')}_over_input"] = share

@@ -1,4 +1,4 @@
-"""The page on coverage of the sources: made of the table and of the stored rows."""
+"""The page on coverage of the sources is generated from the table and the stored rows."""
 
 from __future__ import annotations
 
@@ -35,6 +35,7 @@ def test_items_of_every_source_say_what_is_missing():
     for item in ITEMS:
         assert item.state in COVERAGE.STATES, item.place
         assert bool(item.why) == (item.state != "works"), item.place
+        assert item.state == "works" or not item.differs, item.place
 
 
 def test_items_name_studies_whose_rows_are_stored():
@@ -61,6 +62,10 @@ def test_every_study_that_compares_with_a_source_belongs_to_an_item(source):
     [
         ({"state": "partly", "why": "No value is printed."}, "| partly | No value is printed. |"),
         ({"what": "a*b"}, r"| a\*b |"),
+        (
+            {"state": "works", "why": "", "differs": "12 % too large."},
+            "| works | 12 % too large. |",
+        ),
     ],
 )
 def test_a_changed_item_changes_the_page(change, says):

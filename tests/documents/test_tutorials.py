@@ -1,4 +1,4 @@
-"""Numbers on the pages of tutorials are those of the runs."""
+"""Numbers in the tutorials agree with the runs."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.lammps_inputs.case.grains import read_grains
+from granwave.lammps_inputs.case.packing.grains import read_grains
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.readers.source import GrainSource

@@ -23,7 +23,7 @@ from typing import Any
 
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs import write_deck
-from granwave.lammps_inputs.case.made_packing import packing_makers
+from granwave.lammps_inputs.case.packing.made_packing import packing_makers
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCRIPT_FILE, SUMMARY_FILE
@@ -63,9 +63,9 @@ _OF_THE_MACHINE = {"wall_time_s": 1.0, "sphere_steps_per_s": 1.0, "versions": {}
 
 
 def granular_cases() -> list[str]:
-    """Names of the built-in cases that LAMMPS runs, but for those whose packing it makes too.
+    """Names of the built-in cases that LAMMPS runs, except cases whose packing it also makes.
 
-    Beds that were poured differ between processors, as the last bits grow in collisions.
+    Poured beds differ between processors, as differences in the last bits grow in collisions.
     """
     tables = {name: read_toml(library.find(name)) for name in library.names()}
     return [

@@ -27,16 +27,17 @@ from granwave.lammps_inputs.case import (
     added_grains,
     bodies,
     boundary,
-    contact,
-    contact_tables,
-    packing,
+    figures,
+    output,
     precompression,
     run,
     schema,
 )
 from granwave.lammps_inputs.case.added_grains import AddedGrains, Repeat, Ring
+from granwave.lammps_inputs.case.contact import contact, tables
 from granwave.lammps_inputs.case.loads.registry import load_section
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.packing import packing
 from granwave.workflows.cluster.profile import Profile, SlurmProfile
 from granwave.workflows.scanning.header import ScanHeader
 from tests.hostile.rows import entries_of, faults_in, run_here, shown_answer
@@ -64,10 +65,10 @@ COMMANDS = {
     SLURM: "scan scan.toml --plan --executor slurm --profile profile.toml",
 }
 OF_CONTACT: list[tuple[str, type, dict[str, Any]]] = [
-    ("rolling", contact_tables.Resistance, {"coefficient": 0.1, "stiffness": 1e6}),
-    ("twisting", contact_tables.Resistance, {"coefficient": 1e-5, "stiffness": 1e-2}),
-    ("loss", contact_tables.Loss, {"time": 1e-7}),
-    ("cohesion", contact_tables.Cohesion, {"kind": "dmt", "energy": 0.1}),
+    ("rolling", tables.Resistance, {"coefficient": 0.1, "stiffness": 1e6}),
+    ("twisting", tables.Resistance, {"coefficient": 1e-5, "stiffness": 1e-2}),
+    ("loss", tables.Loss, {"time": 1e-7}),
+    ("cohesion", tables.Cohesion, {"kind": "dmt", "energy": 0.1}),
 ]
 #: All tables: file, dotted name of the table, dataclass of its keys, and a valid file.
 TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
@@ -86,22 +87,22 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
         | {"boundary": {"bottom": {"bar": BAR, "material": BRASS}}}),
     (CASE, "precompression", precompression.Precompression, SPHERES | {"precompression": {"kind": "uniform", "pressure": 1e4}}),
     (CASE, "run", run.RunSettings, SPHERES),
-    (CASE, "output", run.Output, SPHERES | {"output": {}}),
-    (CASE, "figures", run.Figures, SPHERES | {"figures": {}}),
+    (CASE, "output", output.Output, SPHERES | {"output": {}}),
+    (CASE, "figures", figures.Figures, SPHERES | {"figures": {}}),
     (CASE, "absorb.1", bodies.Absorb, SPHERES | {"absorb": [{"layers": 1, "rate": 1e4}]}),
     (CASE, "pair.1", contact.Contact, PAIRED),
     (CASE, "pair.1", contact.Pair, PAIRED),
     *((CASE, f"contact.{name}", section, SPHERES | {"contact": {"law": "hertz", name: table}})
       for name, section, table in OF_CONTACT),
-    (CASE, "contact.initial_overlap.1", contact_tables.Dents,
+    (CASE, "contact.initial_overlap.1", tables.Dents,
         SPHERES | {"contact": {"initial_overlap": [{"overlap": 1e-7}]}}),
-    (CASE, "contact.loss.dashpot", contact_tables.DashpotRestitution,
+    (CASE, "contact.loss.dashpot", tables.DashpotRestitution,
         SPHERES | {"contact": {"loss": {"dashpot": {"restitution": 0.9}}}}),
     (CASE, "boundary.sides_touch", boundary.Touched,
         SPHERES | {"boundary": {"x": "wall", "sides_touch": {"material": ["m"]}},
                    "material": BRASS | {"name": "m"}}),
-    (CASE, "output.probes.1", run.Probe, SPHERES | {"output": {"probes": [{"sphere": 3}]}}),
-    (CASE, "figures.plane", run.CutPlane,
+    (CASE, "output.probes.1", output.Probe, SPHERES | {"output": {"probes": [{"sphere": 3}]}}),
+    (CASE, "figures.plane", figures.CutPlane,
         SPHERES | {"figures": {"plane": {"normal": [1.0, 0.0, 0.0]}}}),
     (CASE, "grains.1.ring", Ring, CHAIN | FREE
         | {"grains": [{"ring": {"n": 2, "radius": 0.02, "z": 0.01}, "diameter": 0.004}]}),
@@ -252,7 +253,7 @@ def test_key(
 
 def test_the_tables_are_all_that_there_are() -> None:
     known = {section for _, _, section, _ in TABLES}
-    for module in (added_grains, bodies, boundary, contact, contact_tables, run):
+    for module in (added_grains, bodies, boundary, contact, tables, run, output, figures):
         for name, value in vars(module).items():
             if dataclasses.is_dataclass(value) and value.__module__ == module.__name__:
                 fields = dataclasses.fields(value)

@@ -10,7 +10,7 @@ from jsonschema import Draft202012Validator
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.case import case_tables, unit_of
-from granwave.lammps_inputs.case.contact_tables import (
+from granwave.lammps_inputs.case.contact.tables import (
     COHESION,
     DENTS,
     LOSS,
@@ -24,7 +24,7 @@ from granwave.lammps_inputs.case.schema import ErrorList, ValidationError
 from granwave.lammps_inputs.errors import InputError, InputFault, Mismatch, fault_of
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case
-from granwave.workflows.cli import keys
+from granwave.workflows.cli.keys import reference
 from granwave.workflows.cli.main import main
 
 ENDLESS = {"sides": "periodic", "bottom": "periodic"}
@@ -38,8 +38,8 @@ def faults_of(**tables: Any) -> list[InputFault]:
 
 
 def test_every_key_has_a_type() -> None:
-    """A type in words, and a JSON Schema that is no shrug, for keys of all kinds of files."""
-    for table in keys.tables():
+    """Keys of all kinds of files have a type in words and a specific JSON Schema."""
+    for table in reference.tables():
         for key in table.keys:
             assert key.accepts and key.json, f"{table.file} {table.name}.{key.name}"
             Draft202012Validator.check_schema(key.json)

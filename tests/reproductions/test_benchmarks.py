@@ -1,5 +1,5 @@
-"""Benchmarks and chains of others, losses, and the contact law beside finite elements: small and
-made-up runs against their rows.
+"""Benchmarks and chains of other authors, damping, and the contact law compared with finite
+elements: rows of small and synthetic runs.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ CASE = {
 
 
 def rebound_of(run):
-    """Impact of the run, as the script takes it."""
+    """Impact of the run, in the form of the script."""
     return load_study(str(FOLDER / "impacts_oblique.py")).Rebound(run)
 
 
 @pytest.mark.parametrize("angle", [10, 60])
 def test_rebound_beside_partial_slip(tmp_path: Path, angle: float) -> None:
-    """Sliding is that of rigid bodies; where a part of the circle sticks, partial slip gives more
-    spin than one spring.
+    """Sliding follows the theory of rigid bodies; if part of the circle sticks, partial slip gives
+    more spin than one spring.
     """
     run = gw.run(
         "sphere-on-wall", CASE | {"load.angle": angle}, directory=tmp_path / "run", progress=False
@@ -74,8 +74,8 @@ SHORT = {"run.end_time": 3e-4, "run.frames": 2, "output.history": 1000}
 
 
 def test_tapered_chain_hands_on_less_than_hard_spheres(tmp_path: Path) -> None:
-    """The last of like beads gets nearly all; that of shrinking ones less than hard spheres would
-    hand on.
+    """The last of identical beads receives nearly all energy; the last of tapered beads less than
+    hard spheres would transmit.
     """
     shrinking = [{"index": [n], "diameter": 0.00952 * 0.9 ** (n - 1)} for n in range(2, 21)]
     runs = [
@@ -102,7 +102,9 @@ CHAIN = {"packing.size": 30, "run.end_time": 7e-4, "output.history": 1000, "run.
 
 @pytest.mark.validation
 def test_restitution_and_decay(tmp_path: Path) -> None:
-    """Restitution is that of the formulas; F^(-1/6), or ln F of a dashpot, is linear along a chain."""
+    """Restitution agrees with the formulas; F^(-1/6), or for a dashpot ln F, is linear along a
+    chain.
+    """
     runs = [
         gw.run(
             "elastic-impact",
@@ -146,27 +148,23 @@ def test_the_largest_difference_is_beside_the_claim(tmp_path: Path) -> None:
         contact(tmp_path / "alike"), contact(tmp_path / "radii", difference=-0.09, partner=9.52e-3),
         contact(tmp_path / "unlike", material=unlike),
     ])  # fmt: skip
-    assert row(
-        study, "Finite elements over the law at 3 alpha_y, brass, like"
-    ).ours == pytest.approx(15)
-    worst = row(study, "Finite elements over the law from 1 to 10 alpha_y: most, brass, like radii")
+    assert row(study, "Finite elements / law at 3 alpha_y, brass, equal").ours == pytest.approx(15)
+    worst = row(study, "Finite elements / law from 1 to 10 alpha_y: largest, brass, equal radii")
     assert (worst.source, worst.ours) == (6, pytest.approx(15))
-    for name, claim, ours in (("like radii", -6, -5), ("radii 2 to 1", None, -14)):
+    for name, claim, ours in (("equal radii", -6, -5), ("radii 2 to 1", None, -14)):
         least = row(
-            study, f"Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, {name}"
+            study, f"Finite elements / law from 10 alpha_y to 0.2 R*: smallest, brass, {name}"
         )
         assert (least.source, least.ours) == (claim, pytest.approx(ours)), (
             "the source states its error for identical spheres"
         )
     assert (
-        row(
-            study, "Finite elements over the law from 1 to 10 alpha_y: most, brass and steel"
-        ).source
+        row(study, "Finite elements / law from 1 to 10 alpha_y: largest, brass and steel").source
         is None
     )
     deep = row(study, "Finite elements at 0.19 R*, brass, radii 2 to 1")
     assert deep.ours == pytest.approx(100 * (0.86 / 0.95 - 1)) and deep.source is None
-    assert row(study, "Smallest unloading exponent, brass, like radii").source == 1.3
+    assert row(study, "Smallest unloading exponent, brass, equal radii").source == 1.3
     assert row(study, "Smallest unloading exponent, brass, radii 2 to 1").source is None
     assert row(study, "Fraction of the plastic dissipation").ours == pytest.approx(
         0.3 / (0.3 + 2 * 0.1)
@@ -181,7 +179,7 @@ def test_a_force_on_disk_moves_every_row_that_measures_it(tmp_path: Path) -> Non
     measured = [
         pair
         for pair in zip(before, after, strict=True)
-        if pair[0].quantity.startswith("Finite elements over")
+        if pair[0].quantity.startswith("Finite elements /")
     ]
     assert len(measured) == 6
     for first, second in measured:
@@ -190,12 +188,10 @@ def test_a_force_on_disk_moves_every_row_that_measures_it(tmp_path: Path) -> Non
 
 def test_pressure_and_area_are_compared_with_thorntons_law(tmp_path: Path) -> None:
     study = study_of(SCRIPT, [contact(tmp_path / "alike")])
-    assert row(study, "Largest pressure over the yield strength").ours == pytest.approx(
-        1.6 * 16 / 15
-    )
-    assert row(study, "Largest pressure over Thornton's").ours == pytest.approx(1.6)
+    assert row(study, "Largest pressure / yield strength").ours == pytest.approx(1.6 * 16 / 15)
+    assert row(study, "Largest pressure / Thornton's").ours == pytest.approx(1.6)
     assert row(study, "Contact area / Thornton's contact area").ours == pytest.approx(2)
-    force = row(study, "Force over that of Thornton's")
+    force = row(study, "Force / force of Thornton's")
     overlap = 0.19 * RADIUS
     law = 5e9 * overlap**1.2 / (16 / 15 * 550e6 * np.pi * RADIUS * overlap)
     assert (force.source, force.ours, force.theory) == (

@@ -37,11 +37,11 @@ def test_solitary_wave_of_any_like_beads(struck: list[gw.Run]) -> None:
     chain's coefficients.
     """
     wave = study_of("thesis/chapter_4/solitary_wave.py", struck)
-    assert row(wave, "Power of the peak force").ours == pytest.approx(1.2, abs=1e-4)
-    assert row(wave, "Power of the wave's speed").ours == pytest.approx(1 / 6, abs=1e-4)
+    assert row(wave, "Exponent of the peak force").ours == pytest.approx(1.2, abs=1e-4)
+    assert row(wave, "Exponent of the wave speed").ours == pytest.approx(1 / 6, abs=1e-4)
     for start, tolerance in (
-        ("Peak force over (m^3 E*^2 R* v^6)^(1/5), of the runs", 3e-4),
-        ("Speed over Nesterenko's at the same peak force, of the runs", 2e-4),
+        ("Peak force / (m^3 E*^2 R* v^6)^(1/5), of the runs", 3e-4),
+        ("Speed / Nesterenko's speed at the same peak force, of the runs", 2e-4),
         ("Full width at half maximum of the bead velocity, diameters, discrete", 2e-3),
         ("Virial", 2e-3),
     ):
@@ -96,7 +96,7 @@ def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
 @pytest.mark.validation
 def test_critical_duration(pulses: list[gw.Run]) -> None:
     study = study_of("thesis/chapter_4/wave_train.py", pulses)
-    assert row(study, "Power of the critical").ours == pytest.approx(-1 / 6, abs=1e-3)
+    assert row(study, "Exponent of the critical").ours == pytest.approx(-1 / 6, abs=1e-3)
     assert row(study, "Critical loading time").ours == pytest.approx(
         13.4, rel=0.1
     )  # between runs 20 % apart
@@ -150,7 +150,7 @@ def test_short_pulse_on_bilinear_chains(short: list[gw.Run]) -> None:
         row(
             study, f"Largest difference of 4.28 from the leading peaks 1 to 5{words}, beta 0.8"
         ).ours
-        for words in ("", " over the first")
+        for words in ("", " / first peak")
     )
     assert of_each == pytest.approx(0.194, abs=2e-3)
     assert of_first < 0.1
@@ -248,8 +248,8 @@ def test_packings_collapse(packings: list[gw.Run]) -> None:
 
 
 def test_forces_and_energies_of_spheres(packings: list[gw.Run]) -> None:
-    """The first layers bear most in the preferred directions; few spheres do most of the
-    dissipation.
+    """The first layers carry the largest forces in the preferred directions; few spheres dissipate
+    most of the energy.
     """
     study = study_of("thesis/chapter_5/spheres.py", packings[:5])
     assert row(study, "Layers whose largest force").ours >= 3
@@ -261,7 +261,7 @@ def test_forces_and_energies_of_spheres(packings: list[gw.Run]) -> None:
 
 def test_blocks_beside_a_packing(packings: list[gw.Run], blocks: list[gw.Run]) -> None:
     study = study_of("thesis/chapter_5/blocks.py", [*packings[:4], *blocks])
-    assert row(study, "Energy input over").ours == pytest.approx(550e6**2 * 0.01**3 / 115e9)
+    assert row(study, "Energy input /").ours == pytest.approx(550e6**2 * 0.01**3 / 115e9)
     share = row(study, "Dissipated fraction of a block")
     assert (share.source, share.ours, share.bound) == (0.7, blocks[3]["dissipated_fraction"], True)
     assert (

@@ -23,7 +23,7 @@ def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:
 
 @pytest.fixture(scope="module")
 def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
-    """Two pulses of one impulse, one of a tenth of it, and the first on an elastic chain."""
+    """Two pulses of equal impulse, one with a tenth of it, and the first pulse on an elastic chain."""
     directory = tmp_path_factory.mktemp("pulses")
     loads = [(20e3, 1e-5, "elastoplastic"), (40e3, 5e-6, "elastoplastic"), (2e3, 1e-5, "elastoplastic"),
              (20e3, 1e-5, "hertz")]  # fmt: skip
@@ -56,7 +56,9 @@ def test_decay_and_collapse(pulses: list[gw.Run]) -> None:
         )
         constant = row(found, f"C: mean of (x/R*) F/(E*R*^2 I), contacts 10 to 100, {tag}")
         assert constant.ours == pytest.approx(0.268, rel=0.1)
-        power = row(found, f"Power of the peak force with distance, contacts 15 to 100, {tag}")
+        power = row(
+            found, f"Exponent of the peak force against distance, contacts 15 to 100, {tag}"
+        )
         assert power.ours == pytest.approx(-1, abs=0.15)
     assert row(found, "a: ").ours == pytest.approx(0.0374, rel=0.02)
     assert row(found, "Start of the second regime, contact, I 0.46 ").ours == 7
@@ -86,17 +88,17 @@ def test_one_law_for_several_waves(pulses: list[gw.Run]) -> None:
 
 def test_speed(pulses: list[gw.Run]) -> None:
     found = study("elastoplastic_speed", pulses)
-    for name, power in (("with distance", -0.18), ("with the peak force", 0.18)):
-        strong = row(found, f"Power of the leading speed {name}, contacts 10 to 95, I 0.46 ")
+    for name, power in (("against distance", -0.18), ("against the peak force", 0.18)):
+        strong = row(found, f"Exponent of the leading speed {name}, contacts 10 to 95, I 0.46 ")
         assert strong.ours == pytest.approx(power, abs=0.03)
-    last = row(found, "Power of the leading speed with the impulse")
+    last = row(found, "Exponent of the leading speed against the impulse")
     assert last.ours == pytest.approx(1 / 6, abs=0.03)
 
 
 def test_dissipation(pulses: list[gw.Run]) -> None:
     found = study("elastoplastic_dissipation", pulses)
     assert row(
-        found, "Dissipated up to contact 87 over F_y alpha_y, I 0.46"
+        found, "Dissipated up to contact 87 / (F_y alpha_y), I 0.46"
     ).deviation == pytest.approx(0, abs=0.06)
     fitted = [row(found, f"d{n} of 2.28").theory for n in range(3)]
     assert fitted == pytest.approx([1.10e-4, -7.7e-7, 1.840e-8], rel=0.01)
@@ -194,7 +196,7 @@ def test_pulses_in_a_bar(tmp_path: Path) -> None:
 
 @pytest.mark.validation
 def test_places_of_an_odd_bead(tmp_path: Path) -> None:
-    """A softer bead transmits least near the bar."""
+    """A softer bead reduces the transmission most near the bar."""
     kinds = [(name, name, 1) for name in ("brass", "aluminium", "steel")]
     kinds += [("brass", "aluminium", place) for place in (2, 5, 8)] + [("brass", "steel", 8)]
     runs = []
@@ -207,9 +209,9 @@ def test_places_of_an_odd_bead(tmp_path: Path) -> None:
         }
         runs.append(run(tmp_path / f"{base}{odd}{place}", "intruder", SHORT | changes))
     study = study_of("thesis/chapter_3/intruder_place.py", runs)
-    least = row(study, "Transmitted energy, aluminium: least")
+    least = row(study, "Transmitted energy, aluminium: smallest")
     assert (
-        least.quantity.endswith("at place 8")
+        least.quantity.endswith("at position 8")
         and least.ours < row(study, "Transmitted energy, all brass").ours
     )
     assert columns(study)["place_of_aluminium"].tolist() == [2, 5, 8]
@@ -217,7 +219,7 @@ def test_places_of_an_odd_bead(tmp_path: Path) -> None:
 
 
 def test_properties_of_an_odd_bead(tmp_path: Path) -> None:
-    """Heavier and softer ones transmit less."""
+    """Heavier and softer beads transmit less."""
     changes = SHORT | {
         "output.history": 0,
         "replace.1.index": 4,
@@ -254,7 +256,7 @@ def test_split_hopkinson(tmp_path: Path) -> None:
     study = study_of("thesis/chapter_3/split_hopkinson.py", [found])
     assert row(study, "Peak force, incident").ours == pytest.approx(30, rel=1e-2)
     transmitted, reflected = (
-        row(study, f"Energy, {one} over incident").ours for one in ("transmitted", "reflected")
+        row(study, f"Energy, {one} / incident").ours for one in ("transmitted", "reflected")
     )
     assert 0 < transmitted < 0.1 < reflected < 1
     assert of_shape(study, "Speed", "table").ours == pytest.approx((200e9 / 8100) ** 0.5, rel=1e-3)

@@ -122,7 +122,7 @@ def test_yielding_leaves_little_for_the_waves(tmp_path: Path) -> None:
     study = study_of("square_packing/yielding.py", [run(tmp_path, **SMALL | changes | places)])
     assert (
         row(study, "Dissipated at 0.29 m/s").ours > 85
-        and row(study, "Most in central chains").ours < 20
+        and row(study, "Largest energy in central chains").ours < 20
     )
     assert all(one.source is None for one in study.rows)
 
@@ -140,8 +140,8 @@ def test_friction_takes_from_the_edge_chains(tmp_path: Path) -> None:
     runs = [run(tmp_path / str(n), **SMALL | wide | changes | one) for n, one in enumerate(both)]
     study = study_of("square_packing/friction.py", runs)
     own = "friction 0.2 between spheres"
-    assert 1 < row(study, f"Loss of peak velocity, central chains, sphere 6: {own}").ours < 4
-    assert 30 < row(study, f"Loss of peak velocity, edge chains, sphere 5: {own}").ours < 55
+    assert 1 < row(study, f"Decrease of peak velocity, central chains, sphere 6: {own}").ours < 4
+    assert 30 < row(study, f"Decrease of peak velocity, edge chains, sphere 5: {own}").ours < 55
     assert (
         row(
             study,
@@ -150,7 +150,7 @@ def test_friction_takes_from_the_edge_chains(tmp_path: Path) -> None:
         ).ours
         > 60
     )
-    lost = row(study, "Lost to the floor")
+    lost = row(study, "Dissipated at the floor / input")
     assert lost.ours == pytest.approx(lost.theory, rel=0.1)
 
 
@@ -260,7 +260,7 @@ def test_lighter_spheres_hardly_change_what_a_load_cell_reads(tmp_path: Path) ->
     wall = {"boundary.bottom": {"material": steel}}
     made = runs("load-cell-chain", tmp_path, short, *others, short | wall, others[0] | wall)
     found = study_of("square_packing/load_cell.py", made)
-    assert row(found, "First peak, like spheres, load cell").ours == pytest.approx(
+    assert row(found, "First peak, identical spheres, load cell").ours == pytest.approx(
         337, rel=0.01
     )  # as of 20 spheres
     for end in ("load cell", "rigid wall"):

@@ -15,7 +15,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number
 
 BENCH_PARTS = ("styles", "lists", "sizes", "ranks", "study")
-# largest overlap over the overlap at first yield; the size of spheres limits it to about 1e4
+# largest overlap / overlap at first yield; the size of spheres limits it to about 1e4
 _LARGEST_OVERLAP = 1e6
 _SHORTEST, _LONGEST = POSSIBLE["m"]
 
@@ -88,7 +88,7 @@ seconds = number_that("a number above 0 (s)", lambda value: 0 < value < math.inf
 speed = number_that("a number above 0 (m/s)", lambda value: 0 < value < math.inf)
 finite = number_that("a finite number", math.isfinite)
 factor = number_that("a finite number above 0", lambda value: 0 < value < math.inf)
-#: An overlap over that at first yield.
+#: An overlap / overlap at first yield.
 overlap = number_that(
     f"a number above 0 and at most {_LARGEST_OVERLAP:g}",
     lambda value: 0 < value <= _LARGEST_OVERLAP,

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
-from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, nothing_made
+from granwave.lammps_inputs.case.packing.made_packing import PackingNotMadeError, nothing_made
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import added, load
 from granwave.lammps_inputs.files import read_toml

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from granwave.analysis.exports.names import export_names
 from granwave.analysis.quantities import entries
 from granwave.analysis.studies.registry import STUDIES
+from granwave.lammps_inputs.case.figures import figure_names
 from granwave.lammps_inputs.case.material import presets
-from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
@@ -27,7 +27,7 @@ from granwave.workflows.solvers import GRANULAR, case_commands, case_kinds, solv
 
 if TYPE_CHECKING:
     from granwave.workflows.cli.commands import Command, Option
-    from granwave.workflows.cli.keys import Key
+    from granwave.workflows.cli.keys.reference import Key
 
 Names = Callable[[argparse.Namespace], Iterable[str]]
 
@@ -128,7 +128,7 @@ def _keys(*files: str, first: str = "") -> dict[str, Key]:
     """Return the keys of kinds of files by dotted name; entries of lists have the number
     ``first``.
     """
-    from granwave.workflows.cli.keys import tables
+    from granwave.workflows.cli.keys.reference import tables
 
     lists = {table.name for table in tables() if table.heading.startswith("[[")}
     keys: dict[str, Key] = {}
@@ -169,7 +169,7 @@ def _values(name: str) -> list[str]:
 
 
 def _tables(_: argparse.Namespace) -> Iterable[str]:
-    from granwave.workflows.cli.keys import tables
+    from granwave.workflows.cli.keys.reference import tables
 
     names = [table.name for table in tables()]
     for table in tables():

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from granwave._contact_laws import ContactLaw
-from granwave.lammps_inputs.case.contact import LAWS
-from granwave.lammps_inputs.case.contact_tables import COHESION, Cohesion
-from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with
+from granwave.lammps_inputs.case.contact.contact import LAWS
+from granwave.lammps_inputs.case.contact.law_parameters import PARAMETERS, laws_with
+from granwave.lammps_inputs.case.contact.tables import COHESION, Cohesion
 from granwave.lammps_inputs.case.material import Material, load_materials, material, sphere_mass
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.contact.law import contact_of

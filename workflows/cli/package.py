@@ -65,8 +65,8 @@ def show(options: argparse.Namespace) -> int:
 
 def keys(options: argparse.Namespace) -> int:
     """Execute ``granwave keys``."""
-    from granwave.workflows.cli.json_schema import schema_of
-    from granwave.workflows.cli.keys import as_text, find, overview, tables
+    from granwave.workflows.cli.keys.json_schema import schema_of
+    from granwave.workflows.cli.keys.reference import as_text, find, overview, tables
     from granwave.workflows.cli.tables.quantity_texts import is_quantity, quantity_text
 
     if options.schema:

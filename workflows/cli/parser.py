@@ -14,8 +14,8 @@ from typing import Any, NoReturn
 from granwave import __version__
 from granwave._contact_laws import LawParameter
 from granwave.analysis.exports.names import export_names
-from granwave.lammps_inputs.case.contact import LAWS
-from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with, type_of
+from granwave.lammps_inputs.case.contact.contact import LAWS
+from granwave.lammps_inputs.case.contact.law_parameters import PARAMETERS, laws_with, type_of
 from granwave.lammps_inputs.case.schema import did_you_mean, printable, show
 from granwave.lammps_inputs.extensions import owner_left_out, with_added
 from granwave.workflows.cli import arguments as read
@@ -252,14 +252,14 @@ def _core() -> tuple[Command, ...]:
             output("a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)"),
         )),
         Command("doctor", PACKAGE, "check the installation (versions, plugin, MPI) and suggest "
-            "fixes", "granwave.workflows.cli.doctor:doctor", (
+            "fixes", "granwave.workflows.cli.installation.doctor:doctor", (
             option("--profile", type=read.input_name, metavar="FILE",
                     help="also check the profile of a cluster, on its login node"),
             as_json("the findings"),
         )),
         Command("selftest", PACKAGE, "verify the installation: reference values, plugin, MPI and "
             "restart",
-                "granwave.workflows.cli.selftest:selftest", (
+                "granwave.workflows.cli.installation.selftest:selftest", (
             option("--np", dest="ranks", type=read.positive, default=2, metavar="N",
                     help="number of MPI ranks to compare with a single rank (default: 2; 1 skips "
                         "this check)"),

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.run import NO_NORMAL, Figures, figure_names
+from granwave.lammps_inputs.case.figures import NO_NORMAL, Figures, figure_names
 from granwave.lammps_inputs.case.schema import (
     ValidationError,
     declared_fields,
@@ -140,7 +140,7 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
     Raises
     ------
     InputError
-        A value is wrong; the message lists all faults.
+        A value is invalid; the message lists all faults.
     """
     types = {name: info_of(field).type for name, field in declared_fields(Figures).items()}
     changes = {}

@@ -13,7 +13,7 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.scans.result import ScanResult
-from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, nothing_made
+from granwave.lammps_inputs.case.packing.made_packing import PackingNotMadeError, nothing_made
 from granwave.lammps_inputs.case.schema import did_you_mean
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all

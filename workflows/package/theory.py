@@ -14,7 +14,7 @@ from granwave.analysis.measures.hertz_lattices import (
 from granwave.analysis.measures.hertz_lattices import line_of as precompressed_line
 from granwave.analysis.measures.line_waves import solitary_lengths
 from granwave.analysis.measures.target_theory import HertzImpact
-from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
+from granwave.lammps_inputs.case.contact.contact import hertz_von_mises_yield_factor
 
 __all__ = [
     "ChainScales", "HertzImpact", "crest_force", "crest_speed", "crest_times", "discrete_speed", "discrete_width",

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_ways import DAMPED, KEEP, KEY, RELAX, RELAXATION
+from granwave.lammps_inputs.case.packing.contact_ways import DAMPED, KEEP, KEY, RELAX, RELAXATION
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.contact.static_load import (
     FORCE_TOLERANCE,
@@ -66,7 +66,7 @@ class Balance:
     accepted
         Largest error that is accepted, see `granwave.lammps_inputs.case.run.RunSettings`.
     error
-        Largest error so far over the largest input, see `granwave.analysis.result.reader`; NaN if
+        Largest error so far / largest input, see `granwave.analysis.result.reader`; NaN if
         any value is NaN.
     moved
         Mass of the grains with a prescribed displacement, kg.
@@ -115,7 +115,7 @@ class Balance:
         return self.error <= self.accepted  # false for NaN
 
 
-LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
+LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere / largest contact force
 
 _NOT_CONFINED = "the packing is not confined: "
 _PERIODIC = 'use boundary.sides = "periodic"'

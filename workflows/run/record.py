@@ -59,7 +59,7 @@ class Record:
     nodes
         Names of the nodes of the ranks, each once.
     energy_balance_accepted
-        Largest error of the energy balance, over the input, with which the run is accepted.
+        Largest error of the energy balance / input, with which the run is accepted.
     attempts
         Rejected timesteps with their errors of the energy balance.
     checkpoint

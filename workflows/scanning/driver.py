@@ -321,16 +321,17 @@ def publish(results: ResultDirectory, studies: Sequence[str], *, suite: bool = F
     """
     # the drawing library is loaded when all points are done
     from granwave.analysis.reports.inputs import read_inputs
-    from granwave.analysis.reports.report import write_report
-    from granwave.analysis.reports.studies import comparison_of, studies_of
+    from granwave.analysis.reports.report import write_scan_report
+    from granwave.analysis.reports.studies import report_studies
     from granwave.analysis.studies.study import draw_studies, write_rows
 
     directory = results.path
     inputs = read_inputs([directory], directory, studies)
-    found = [*(comparison_of(inputs) if suite else ()), *studies_of(inputs)]
-    draw_studies(found, results)
-    write_rows(found, results)
-    write_report([directory], directory / SCAN_REPORT, study_files=studies)
+    made = report_studies(inputs)
+    drawn = [*made.compared, *made.of_scans] if suite else made.of_scans
+    draw_studies(drawn, results)
+    write_rows(drawn, results)
+    write_scan_report(inputs, made, directory / SCAN_REPORT)
 
 
 def _draw(result: ScanResult, *, pdf: bool = True) -> None:

@@ -22,7 +22,11 @@ from granwave.analysis.formatting.values import unique_labels
 from granwave.analysis.scans.result import SEED, Scalar
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.case import Case, case_keys
-from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, PackingToMake, is_made
+from granwave.lammps_inputs.case.packing.made_packing import (
+    PackingNotMadeError,
+    PackingToMake,
+    is_made,
+)
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
 from granwave.lammps_inputs.errors import InputError, InputFault, fault_of
@@ -176,7 +180,7 @@ def load_scan(
     Raises
     ------
     InputError
-        The file, an override or any point is wrong; the message has a line for each invalid point.
+        The file, an override or any point is invalid; the message has a line for each invalid point.
     """
     changes = parse_overrides(overrides)
     path = find_scan(scan)
@@ -369,7 +373,7 @@ def _points_of(
     Raises
     ------
     InputError
-        Points are wrong; the message has a line for each of them.
+        Points are invalid; the message has a line for each of them.
     PackingNotMadeError
         Packings of points are not made, and this is within `nothing_made`.
     """

@@ -16,7 +16,7 @@ from typing import Any
 
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, PackingToMake
+from granwave.lammps_inputs.case.packing.made_packing import PackingNotMadeError, PackingToMake
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, Mismatch, fault_of
@@ -103,7 +103,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     Raises
     ------
     InputError
-        The file or any of its scans is wrong; the message lists all faults.
+        The file or any of its scans is invalid; the message lists all faults.
     PackingNotMadeError
         Packings of its scans are not made, and this is within `nothing_made`.
     """

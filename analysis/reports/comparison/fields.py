@@ -219,7 +219,7 @@ def difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
     unlike = [run.name for run in others if not corresponding(fields[reference], fields[run])]
     if not unlike:
         return ""
-    return f"Without {', '.join(unlike)}: other grains than {reference.name}."
+    return f"Without {', '.join(unlike)}: the grains differ from those of {reference.name}."
 
 
 def _draw_changes(axes: Axes, field: ForceField, change: Array, norm: SymLogNorm) -> None:

@@ -77,7 +77,7 @@ _MARKERS = ("o", "s", "^", "D", "v", "P")
 _MOST_MARKED = 40  # points of a curve with markers
 _NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 _POINTS_OF_FIT = 30
-_ROOM_ABOVE = 1.06  # upper end of a linear axis over the largest value
+_ROOM_ABOVE = 1.06  # upper end of a linear axis / largest value
 _HIDES = 30.0  # ratio of the largest to the smallest peak that a linear axis hides
 _BELOW = 1e-2  # lowest force of a logarithmic axis, divided by the smallest peak
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
@@ -183,7 +183,7 @@ def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
 def _markers(run: ComparedRun, places: Array) -> dict[str, Any]:
     """Return the markers of the curve of a run; none for many points, which would hide its line.
 
-    Markers are hollow and have different shapes, so that equal curves are told apart.
+    Markers are hollow and have different shapes, so that equal curves can be distinguished.
     """
     if len(places) > _MOST_MARKED:
         return {}

@@ -85,9 +85,9 @@ class Deviation:
     rms
         Root mean square of the difference at the measured points, in the unit of the curve.
     relative_rms
-        That over the largest measured value.
+        This root mean square / largest measured value.
     peak_difference
-        Largest value of the run over the largest measured one, less 1, in that range.
+        Largest value of the run / largest measured value, minus 1, in that range.
     n_points
         Number of measured points within the curve of the run.
     peak

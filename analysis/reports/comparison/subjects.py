@@ -314,8 +314,8 @@ def _value_texts(key: str, runs: Sequence[ReportRun]) -> list[str]:
 
 
 def _with_name(key: str, text: str) -> str:
-    """Return the value of a key in a label: of a boundary, a bare number, and a number with a unit
-    that does not tell the key, with the name of the key.
+    """Return the value of a key in a label: with the name of the key for a boundary, for a number
+    without a unit, and for a unit that does not identify the key.
     """
     is_bare = re.fullmatch(r"[-+.\de]+", text) is not None
     is_unclear = text[:1].isdigit() and key not in _CLEAR

@@ -48,7 +48,7 @@ _FAMILIES = (
     ("wall_", "unprotected", "ground", "target", "energy_target", "peak_reduction"),
 )
 _OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
-_ROUNDING = 1e-12  # value over the largest value of the runs that counts as zero
+_ROUNDING = 1e-12  # value / largest value of the runs that counts as zero
 _SAME = 1e-9  # relative difference of values that are equal
 _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
 _IN_SENTENCE = 3

@@ -25,7 +25,7 @@ from granwave.analysis.studies.tolerance.runs import Means, PackingRuns
 
 KEPT = 0.9  # fraction of the ideal packing's performance that defines the largest tolerance
 _SAME = 0.005
-_PRECISE = 0.1  # half-width of the confidence interval over the mean, for the number of seeds
+_PRECISE = 0.1  # half-width of the confidence interval / mean, for the number of seeds
 _KEPT_HEADINGS = (
     "Imperfection",
     "Quantity",

@@ -39,7 +39,7 @@ from granwave.extensions.continuum.law_fit.zero import (
     touching,
     zero_range,
 )
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.errors import InputError
@@ -67,7 +67,7 @@ RANGES = (
     50.0,
     177.6,
     math.inf,
-)  # ranges of overlap over the overlap at first yield, for misfits
+)  # ranges of overlap / overlap at first yield, for misfits
 
 _LOG = logging.getLogger("granwave")
 _LEAST_LOADING = 1e-3  # smallest scale of residuals / largest force

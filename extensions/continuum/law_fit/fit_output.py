@@ -35,7 +35,7 @@ from granwave.extensions.continuum.files import (
 from granwave.extensions.continuum.law_fit.fit import Fit, bearing, deviation
 from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw
 from granwave.extensions.continuum.law_fit.zero import ZERO
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.files import replace_text, replacing
 from granwave.lammps_inputs.own_files import AnyPath, figure_files
 from granwave.lammps_inputs.result_directory import ResultDirectory

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS as PUBLISHED
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS as PUBLISHED
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -46,7 +46,7 @@ class Search:
     loading
         True for residuals on loading, (n_rows,).
     largest
-        Largest overlap of the curve over that at first yield.
+        Largest overlap of the curve / overlap at first yield.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ from granwave.extensions.continuum.law_fit.fit import (
 )
 from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw, place_of_softer
 from granwave.extensions.continuum.law_fit.rebounds import Rebounds
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.case.contact.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.errors import InputError
@@ -44,7 +44,7 @@ _TRIALS = 120  # most trials of the search
 _OF_VELOCITY = 2.5  # power of the yield strength to which velocities are proportional
 _YIELD_RANGE = (0.03, 30.0)  # bounds of the yield strength relative to the result of the search
 _POINTS = 400  # overlaps from first yield to R* between which velocities are interpolated
-_END_OF_FIT = 0.2  # largest overlap over R* in the fit of the law
+_END_OF_FIT = 0.2  # largest overlap / R* in the fit of the law
 _ENOUGH = 5  # fewest elastic impacts whose loss is tested
 _FEWEST = 3  # smallest number of rows beyond the number of fitted values
 _STEP = 1e-4  # relative step of derivatives

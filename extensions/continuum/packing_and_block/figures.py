@@ -383,7 +383,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable]:
             rows.append(
                 (velocity, _MILLI * float(weak.iloc[0]) if len(weak) else None, *uniformity)
             )
-        caption = "The front: mean over largest peak force of a layer, within the cone of the preferred directions"
+        caption = "The front: mean / largest peak force of a layer, within the cone of the preferred directions"
         yield table_of(caption, (*numeric("Normalised velocity", key=True), *numbers), rows)
 
 
@@ -394,7 +394,7 @@ def _front(result: Result, unit: float) -> DataFrame:
     -------
     DataFrame
         ``depth`` below the impacted sphere, m; ``largest`` peak force of a sphere, in the unit (N);
-        ``uniformity``, mean over largest: 1 where the front is planar.
+        ``uniformity``, mean / largest: 1 where the front is planar.
     """
     depth = result["spheres/position"][:, 2] - result.origin[2]
     inside = _in_cone(result)

@@ -118,7 +118,7 @@ class Impacts:
 def collect(runs: Iterable[AnyRun[Any]]) -> Impacts:
     """The comparable runs.
 
-    Compared quantities: impacts on ideal packings (like spheres, no friction) whose contacts yield
+    Compared quantities: impacts on ideal packings (identical spheres, no friction) whose contacts yield
     by the elasto-plastic law, and of punches on blocks.
     """
     runs = list(runs)
@@ -136,7 +136,7 @@ def not_ideal(run: FinishedRun) -> str:
     reasons = {
         "a chain": case.packing.rule.is_chain,
         "the load is no impact": not case.load.gives_velocity,
-        "the grains are not all alike": not run.assembly.plain,
+        "the grains are not identical": not run.assembly.plain,
         "friction": case.has_friction,
         f"the law is {case.contact.law}": case.contact.law != "elastoplastic",
         "no energy was put in": not run.summary.get("energy_input_J"),

@@ -19,8 +19,8 @@ sum,
 
 which is solved exactly in a few iterations, as the set of touching nodes only shrinks. Impulses are
 compressive. A node that comes into contact loses its relative kinetic energy, which a real surface
-would radiate as a wave; the total loss, of the order of the mass of half a row of elements over
-that of the punch, is reported.
+would radiate as a wave; the total loss, of the order of the mass of half a row of elements divided
+by the mass of the punch, is reported.
 """
 
 from __future__ import annotations

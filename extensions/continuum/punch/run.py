@@ -39,7 +39,7 @@ SAMPLED = 2e-7  # s, longest time between two rows of the ledger
 WINDOW = 1e-5
 QUIET = 1e-4
 MOST_FRAMES = 64  # snapshots; if there are more, every second one is dropped
-TOLERANCE = 0.02  # largest accepted error of the energy balance over the input
+TOLERANCE = 0.02  # largest accepted error of the energy balance / input
 _RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported value
 LARGE_STRAIN = 0.1
 _ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
@@ -54,7 +54,7 @@ class BlockRun(ElementRun):
     frame_times, von_mises
         Times (s) and von Mises stresses ((n_z, n_r), Pa) of the snapshots.
     balance_error
-        Largest error of the energy balance so far, over the input.
+        Largest error of the energy balance so far / input.
     """
 
     KIND = "continuum"
@@ -176,7 +176,7 @@ class BlockRun(ElementRun):
         returned to it from them.
 
         The fastest wave travels at the longitudinal wave speed from the punch straight to the
-        boundary and back to the zone that holds 99 % of the plastic work.
+        boundary and back to the zone that contains 99 % of the plastic work.
         """
         solver = self.solver
         edge = self.case.punch.diameter / 2

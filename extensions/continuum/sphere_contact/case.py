@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
 _FIRST_PEAK = 4.0  # overlap of the first unloading over alpha_y
-_ELASTIC_UNIT = (
-    1 / 400
-)  # unit in place of alpha_y, if that is not reached, over the largest overlap
+_ELASTIC_UNIT = 1 / 400  # unit in place of alpha_y, if that is not reached / largest overlap
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -24,7 +24,7 @@ COMPARED = ("force", "contact_radius", "mean_pressure")
 #: Quantities of a cycle with their units: its number from 1; overlap and force at the start of unloading; overlap at
 #: which the force vanishes; n of ``F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n``, fitted, and the largest
 #: deviation from this fit over F_max; largest difference between reloading and unloading at the same overlap over
-#: F_max; plastic work of the cycle over the elastic energy released; residual overlap and exponent of the law for the
+#: F_max; plastic work of the cycle / elastic energy released; residual overlap and exponent of the law for the
 #: same peak overlap; largest difference between unloading and the law over the law's F_max.
 OF_CYCLE = {
     "number": "1", "peak_overlap": "m", "peak_force": "N", "residual_overlap": "m", "exponent": "1", "misfit": "1",

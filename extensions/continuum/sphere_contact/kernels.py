@@ -371,7 +371,7 @@ def advance(
         Fraction that a node loses in a step of the difference between its velocity and its mean
         velocity over about ``memory`` steps: oscillations are damped, steady motion is not.
     halves
-        Approach over overlap: 1 for two bodies, 1/2 for one on the plane of symmetry.
+        Approach / overlap: 1 for two bodies, 1/2 for one on the plane of symmetry.
     velocity
         Rate of the overlap in time, m/s, by which steps become time for materials that depend on
         the rate; 0: at rest.

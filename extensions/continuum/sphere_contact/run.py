@@ -74,10 +74,10 @@ from granwave.extensions.continuum.sphere_contact.solver import (
 )
 from granwave.lammps_inputs.files import replacing
 
-TOLERANCE = 0.02  # largest accepted error of the energy balance over the work of the faces
-PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*
+TOLERANCE = 0.02  # largest accepted error of the energy balance / work of the faces
+PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps / R*
 _ENTRIES = 200, 100  # entries of the history in an e-fold of loading and in an unloading
-_AT_REST = 1e-3  # rate over the loading rate at which the faces count as at rest
+_AT_REST = 1e-3  # rate / loading rate at which the faces count as at rest
 _MOST_KINETIC = 0.01  # fraction of the internal energy
 _OF_HISTORY = {
     "overlap": "m",

@@ -45,12 +45,12 @@ class SphereLoading:
     place
         Key to sort by: equal spheres first.
     scaled
-        Overlap over that at first yield: (n_entries,).
+        Overlap / overlap at first yield: (n_entries,).
     over_law
         Force of finite elements divided by the force of the law, minus 1: (n_entries,).
     softer
-        Fraction of the energy of yielding that the sphere of the smaller yield strength takes;
-        None of equal strengths.
+        Fraction of the plastic dissipation in the sphere with the smaller yield strength; None for
+        equal strengths.
     """
 
     run: SphereContactRun
@@ -165,7 +165,7 @@ def _measured(run: SphereContactRun) -> SphereLoading:
     if ratio != 1:
         name += f", radii {ratio:g} to 1"
     elif identical:
-        name += ", like radii"
+        name += ", equal radii"
     return SphereLoading(
         run,
         name,

@@ -32,7 +32,7 @@ from granwave.extensions.design.search.problem import (
 from granwave.extensions.design.search.variables import Space, Variable, read_variables
 from granwave.lammps_inputs.case.bounds import is_target
 from granwave.lammps_inputs.case.case import case_keys
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing.packing import PackingSection
 from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -88,7 +88,7 @@ def load_problem(
     Raises
     ------
     InputError
-        The file or its case is wrong; the message has a line for each fault.
+        The file or its case is invalid; the message has a line for each fault.
     """
     path = Path("design")
     if isinstance(source, Mapping):

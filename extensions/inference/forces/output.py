@@ -273,10 +273,9 @@ def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
     Parameters
     ----------
     noise
-        Noise over the root mean square: (n,).
+        Noise / root mean square: (n,).
     error, spread
-        Errors of the forces over the forces, means of the repetitions, and their standard
-        deviations: (n,).
+        Relative errors of the forces: means and standard deviations of the repetitions, (n,).
     """
     figure, axes = one_panel(
         2.4, "Noise of strains and accelerations (%)", "Error of the forces (%)"

@@ -123,7 +123,7 @@ def _n_significant(one: Inference, loaded: NDArray[np.bool_]) -> int | None:
 
 
 def _standard_error(one: Inference) -> float | None:
-    """Return the standard error of all forces over the forces; None without errors or forces."""
+    """Return the relative standard error of all forces; None without errors or forces."""
     total = float(np.linalg.norm(one.force))
     if one.spread is None or total <= 0:
         return None

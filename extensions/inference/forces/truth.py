@@ -32,7 +32,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall as CaseWall
 from granwave.lammps_inputs.packing.walls import walls
 
-_OF_SPHERE = 0.4  # moment of inertia over m R^2
+_OF_SPHERE = 0.4  # moment of inertia / m R^2
 #: Components of vectors of a run that become x and y of its measurement, by the axis of cylinders.
 _TURNS = {
     "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]),
@@ -298,8 +298,8 @@ class Snapshots:
 
 
 def _refuse_unseen(result: Result, directory: str) -> None:
-    """Raise InputError for a run whose grains a camera could not see, and for a run without contact
-    forces.
+    """Raise InputError for a run whose grains are not visible to a camera, and for a run without
+    contact forces.
     """
     assembly = result.assembly
     if not result.case.output.contact_forces:
@@ -355,7 +355,7 @@ def seen_by_camera(
     rate
         Frames per second.
     noise
-        Standard deviation of each coordinate, m; angles err by it over the radius.
+        Standard deviation of each coordinate, m; angles by this value / radius.
 
     Raises
     ------

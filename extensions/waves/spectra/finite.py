@@ -16,7 +16,7 @@ from granwave.lammps_inputs.packing.walls import PLATE, refuse_region_walls
 from granwave.lammps_inputs.statics.bodies import Array, Bodies
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 
-_PUSHED = 1e-4  # overlap with a striker over the largest one in the packing
+_PUSHED = 1e-4  # overlap with a striker / largest one in the packing
 
 
 def whole(assembly: Assembly) -> Bodies:

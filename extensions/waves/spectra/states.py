@@ -43,11 +43,11 @@ class State:
     source
         ``case``, or ``run``.
     residual
-        Largest net force on a grain over the largest contact force; NaN of a run.
+        Largest net force on a grain / largest contact force; NaN of a run.
     periods
         Periods under the load: (n_periods, 3), m.
     spread
-        Largest difference of overlaps from their means in cells of a run, over the largest; 0 of a
+        Largest difference of overlaps from their means in cells of a run / largest overlap; 0 of a
         case.
     """
 

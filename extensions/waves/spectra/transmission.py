@@ -40,7 +40,7 @@ from scipy import sparse
 from granwave.extensions.waves.spectra.network import Network, Springs
 from granwave.extensions.waves.spectra.stiffness import Stiffness, factorised, stiffness_of
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact_tables import Resistance
+from granwave.lammps_inputs.case.contact.tables import Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.law import ContactLoss, viscous_loss
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of

@@ -30,8 +30,8 @@ Array = NDArray[np.float64]
 
 _OSCILLATING = ("harmonic", "burst", "up-and-down", "sweep", "noise")
 _SEED = 1
-_SHARE_OF_RAMP = 0.05  # default ramp of a sweep or noise, over its duration
-_CREST = 5.0  # largest value of noise over its root mean square; more is rare
+_SHARE_OF_RAMP = 0.05  # default ramp of a sweep or noise / its duration
+_CREST = 5.0  # largest value of noise / its root mean square; more is rare
 _ROUNDING = 1e-12  # relative tolerance of numbers of periods
 _TIME: dict[str, Any] = {"unit": hints.TIME, "default": None}
 _FREQUENCY: dict[str, Any] = {"unit": hints.FREQUENCY, "above": 0, "default": None}

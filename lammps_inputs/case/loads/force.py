@@ -14,7 +14,7 @@ from granwave.lammps_inputs.case.loads.bounds import work_to_force
 from granwave.lammps_inputs.case.loads.driven import SHAPES, DrivenLoad
 from granwave.lammps_inputs.case.loads.load import LoadedPacking
 
-_LARGEST_OF_CHAIN = 2.5  # upper bound of contact forces over the force that drives a chain
+_LARGEST_OF_CHAIN = 2.5  # upper bound of contact forces / force that drives a chain
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

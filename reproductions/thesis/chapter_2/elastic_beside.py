@@ -22,7 +22,7 @@ TIME = r"Time $t/\tau$"
 
 
 def pair(runs):
-    """The elastic chain, and the elasto-plastic one under the same pulse."""
+    """The elastic chain, and the elasto-plastic chain under the same pulse."""
     return next(PlasticWave(run) for run in runs if run.case.contact.law == "hertz"), usual(
         groups(runs)[0]
     )
@@ -31,7 +31,7 @@ def pair(runs):
 def rows(runs):
     wave, _ = pair(runs)
     yield gw.Row(
-        f"Elastic chain, {wave.name}: peak force at contact {CONTACT} over E*R*^2", where="thesis Fig. 2.11",
+        f"Elastic chain, {wave.name}: peak force at contact {CONTACT} / (E*R*^2)", where="thesis Fig. 2.11",
         ours=wave.largest[CONTACT - 1] / wave.scales.force, theory=0.719 * (3 / 128) ** 0.6 * wave.reduced**1.2,
         remark="Theory: thesis 4.5 for an impulse. Bead 2 already moves during this pulse.",
     )  # fmt: skip

@@ -36,7 +36,7 @@ def rows(runs):
     waves = list(map(usual, found))
     weakest = waves[-1]
     yield gw.Row(
-        f"a: peak force at contact 1 over E*R*^2 I, {weakest.tag}",
+        f"a: peak force at contact 1 / (E*R*^2 I), {weakest.tag}",
         source=START,
         ours=weakest.normalised[0],
         where="thesis 2.25",
@@ -82,14 +82,15 @@ def rows(runs):
         )
     for wave in waves:
         yield gw.Row(
-            f"Start of the second regime, contact, {wave.tag}",
-            source=SWITCH,
+            f"Start of the second regime, contact, {wave.tag}, at most",
+            source=SWITCHES[1],
             ours=wave.merger,
             where="thesis 2.2.3, 2.2.4",
+            bound=True,
             remark="In the source the second regime starts where a trailing wave merges with the "
-            f"leading wave: about {SWITCH}, from {SWITCHES[0]} to {SWITCHES[1]}, or {MERGER} "
-            "for the smallest impulse in another place. Our value is the contact where the "
-            "leading peak stops falling.",
+            f"leading wave: from {SWITCHES[0]} to {SWITCHES[1]}, about {SWITCH}, or {MERGER} for "
+            "the smallest impulse in another place. Our value is the contact where the leading "
+            "peak stops falling.",
         )
         yield gw.Row(
             f"First contact with a larger force in a later wave, {wave.tag}",
@@ -107,7 +108,7 @@ def rows(runs):
             remark=f"The value of single contacts lies between {steps.min():.2f} and {steps.max():.2f}.",
         )
         yield gw.Row(
-            f"Power of the peak force with distance, contacts {FAR} to {last}, {wave.tag}",
+            f"Exponent of the peak force against distance, contacts {FAR} to {last}, {wave.tag}",
             source=-1.0,
             ours=wave.force_power(FAR, last).exponent,
             where="thesis 2.26",
@@ -155,8 +156,8 @@ def pictures(runs):
     right.set(xlabel=PLACE, ylabel=r"Peak force $F/E^*R^{*2}$, moved", title=title)
     left.legend(fontsize=7)
     right.legend(fontsize=6, ncols=2)
-    caption = "Peak force over impulse along the chain: all impulses follow the source's two laws, 2.25 and then 2.26 "
+    caption = "Peak force / impulse along the chain: all impulses follow the source's two laws, 2.25 and then 2.26 "
     caption += (
-        "(thesis Fig. 2.13). Right: pulses of one impulse differ near the load alone (Fig. 2.14)"
+        "(thesis Fig. 2.13). Right: pulses of one impulse differ only near the load (Fig. 2.14)"
     )
     yield gw.Picture("elastoplastic_peaks", caption, figure, data)

@@ -67,7 +67,7 @@ def rows(runs):
         if (constant := LAST * QUADRATIC[0] / model) > 0.1:
             remark += (f" The constant d0, counted at every contact, contributes {constant:.0%} of "
                        "the sum.")
-        yield gw.Row(f"Dissipated up to contact {LAST} over F_y alpha_y, {wave.tag}", ours=ours / unit,
+        yield gw.Row(f"Dissipated up to contact {LAST} / (F_y alpha_y), {wave.tag}", ours=ours / unit,
                      theory=model / unit, where="thesis Fig. 2.16", remark=remark)
     forces = np.array([1e3, 5e3])
     fitted_at = np.linspace(law.yield_force, FITTED_TO, 500)

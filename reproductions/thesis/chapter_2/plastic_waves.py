@@ -1,9 +1,9 @@
-"""Elasto-plastic chains after a pulse, in the units of the chain, and the source's two laws of the
-peak force.
+"""Elasto-plastic chains after a pulse, in the units of the chain, and the two laws of the source
+for the peak force.
 
-With I the impulse over E* R*^2 tau, n the contact from 1 and x/R* = 4n, F/(E* R*^2 I) is a exp(-b
-(n - 1)) up to contact 7 (2.25), and C/(4n) from there (2.26). The source prints b as if per R*;
-only per contact does it agree with its figures.
+With the impulse I in units of E* R*^2 tau, the number n of the contact (from 1) and x/R* = 4n,
+F/(E* R*^2 I) is a exp(-b (n - 1)) up to contact 7 (2.25), and C/(4n) from there (2.26). The source
+prints b as a decay per R*; its figures agree with b only as a decay per contact.
 """
 
 import math
@@ -28,7 +28,7 @@ PLACE = r"Distance $x/R^*$"  # label of the figures
 
 
 class PlasticWave(Chain):
-    """A pulse along a chain, whose contacts are numbered from 1 at the struck end."""
+    """A pulse along a chain, whose contacts are numbered from 1 at the impacted end."""
 
     def __init__(self, run):
         super().__init__(run)
@@ -68,7 +68,7 @@ class PlasticWave(Chain):
         return int(np.flatnonzero(np.diff(self.leading) > 0)[0]) + 1
 
     def pressed_more(self, contact):
-        """Largest force of a contact over the leading wave's peak there, less 1."""
+        """Largest force of a contact relative to the peak of the leading wave there, minus 1."""
         return self.largest[contact - 1] / self.leading[contact - 1] - 1
 
     def decay(self, first, last):
@@ -84,8 +84,8 @@ class PlasticWave(Chain):
         return np.mean(self.x[9:] * self.normalised[9:])
 
     def speed(self, level=0.01):
-        """Contacts, and the speed there (contacts/s) at which a fraction of each contact's largest
-        force is first reached.
+        """Contacts, and the speed (contacts/s) of the point at which a fraction of the largest
+        force of each contact is first reached.
         """
         pairs = zip(self.force.T, self.peak_force, strict=True)
         time = np.array([arrival(self.time, force, level * top) for force, top in pairs])[
@@ -94,8 +94,8 @@ class PlasticWave(Chain):
         return self.number[HALF:-HALF], 2 * HALF / (time[2 * HALF :] - time[: -2 * HALF])
 
     def speed_powers(self, first, last, level=0.01):
-        """Exponents of this speed against the distance, and against the largest force (its own
-        power law of distance).
+        """Exponents of this speed against the distance, and against the largest force (itself a
+        power law of the distance).
         """
         number, speed = self.speed(level)
         inside = (number >= first) & (number <= last)
@@ -104,7 +104,7 @@ class PlasticWave(Chain):
 
 
 def peak_force(contact):
-    """Peak force over E* R*^2 I according to the source."""
+    """Peak force divided by E* R*^2 I according to the source."""
     return np.where(
         contact <= SWITCH, START * np.exp(-DECAY * (contact - 1)), INVERSE / (SPACING * contact)
     )
@@ -129,5 +129,5 @@ def groups(runs):
 
 
 def usual(group):
-    """The wave of a group whose pulse lasts 10 us, a duration that all impulses share."""
+    """The wave of a group whose pulse lasts 10 us, a duration that occurs for all impulses."""
     return next(wave for wave in group if math.isclose(wave.load.lasts, 1e-5))

@@ -31,7 +31,7 @@ ALLOYS = {
 
 
 class Pair:
-    """The contact of two spheres: what the run recorded, and the law of the two."""
+    """The contact of two spheres as recorded in a run, and the contact law of these spheres."""
 
     def __init__(self, run):
         chain = Chain(run)
@@ -61,12 +61,14 @@ class Pair:
         self.loading = slice(0, self.turn + 1)
 
     def law(self, overlap, peak=None):
-        """Force at overlaps, the first time or after a larger overlap."""
+        """Force at overlaps, on first loading or after a larger overlap."""
         return gw.contact_force("elastoplastic", self.bodies, overlap, peak_overlap=peak)
 
     @property
     def deviation(self):
-        """Largest |force - law| for overlaps above 1 % of the largest, over the largest force."""
+        """Largest |force - law| for overlaps above 1 % of the largest, divided by the largest
+        force.
+        """
         peak = np.maximum.accumulate(self.overlap)
         peak[self.turn + 1 :] = self.deepest
         chosen = self.overlap > 1e-2 * self.deepest
@@ -133,8 +135,8 @@ def rows(runs):
 
 
 def loading(axes, pairs, labels, unit, data):
-    """Recorded loading as marks, in units of first yield and of an attribute of the pair; the law
-    as a line.
+    """Draw the recorded loading as marks, in units of first yield or of an attribute of the pair,
+    and the law as a line.
     """
     for n, (pair, label) in enumerate(zip(pairs, labels, strict=True)):
         overlap = pair.overlap[pair.loading] / getattr(pair, unit)
@@ -162,7 +164,7 @@ def loading(axes, pairs, labels, unit, data):
 
 
 def contact(axes, pairs, labels, data):
-    """Loading and unloading: the law as a line, the records as marks."""
+    """Draw loading and unloading: the law as a line, the records as marks."""
     for pair, label in zip(pairs, labels, strict=True):
         up = np.linspace(0, pair.deepest, 200)
         down = np.linspace(pair.deepest, 0, 300)

@@ -26,17 +26,17 @@ EXPONENTS = {"Smallest": 1.30, "Largest": 1.42}
 PLACES = (50.0, 150.0, 300.0)
 SAMPLES = 1000  # points of a drawn formula
 NEAR = 0.02  # half-width of the mean about a place, in the logarithm of the overlap
-BEYOND = 1.2  # end of a drawn profile over the contact radius
+BEYOND = 1.2  # end of a drawn profile / contact radius
 
 
 def pressure(overlap):
-    """Mean pressure over the yield strength by 2.8."""
+    """Mean pressure divided by the yield strength, by 2.8."""
     limit, start, rate = PRESSURE
     return limit - (limit - start) * np.exp(-rate * (overlap - 1))
 
 
 def area(overlap):
-    """Area of the contact over the area at first yield by 2.10."""
+    """Area of the contact divided by the area at first yield, by 2.10."""
     slope, offset = AREA_LINE
     return np.where(overlap < AREA_SWITCH, overlap**AREA_POWER, slope * overlap - offset)
 
@@ -49,7 +49,9 @@ def residual(overlap):
 
 @dataclasses.dataclass(frozen=True)
 class Profile:
-    """Pressure over the yield strength, and radius over R*, at an overlap over R*."""
+    """Pressure divided by the yield strength, and radius divided by R*, at an overlap in units of
+    R*.
+    """
 
     overlap: float
     radius: np.ndarray
@@ -91,15 +93,15 @@ class Contact:
 
 
 def select(runs):
-    """The contacts by rising yield strength; none without all eight."""
+    """The contacts in order of rising yield strength; empty unless there are all eight."""
     contacts = sorted(map(Contact, runs), key=lambda one: one.gamma)
     return [contacts] if len(contacts) == RATIOS else []
 
 
 def rows(contacts):
     curves = (
-        ("Mean pressure over the yield strength", "pressure", pressure, "thesis Fig. 2.4, 2.8"),
-        ("Contact area over the area at first yield", "area", area, "thesis Fig. 2.5, 2.10"),
+        ("Mean pressure / yield strength", "pressure", pressure, "thesis Fig. 2.4, 2.8"),
+        ("Contact area / area at first yield", "area", area, "thesis Fig. 2.5, 2.10"),
     )
     for words, name, formula, where in curves:
         for place in PLACES:
@@ -108,7 +110,7 @@ def rows(contacts):
             ]
             spread = 100 * np.ptp(values) / np.mean(values)
             yield gw.Row(
-                f"{words} at {place:g} overlaps at yield", source=float(formula(place)),
+                f"{words} at {place:g} alpha_y", source=float(formula(place)),
                 ours=np.mean(values), where=where,
                 remark=f"The source value is its fit. Our value is the mean of {len(values)} "
                        f"ratios, with a spread of {spread:.1f} %.",
@@ -117,7 +119,7 @@ def rows(contacts):
     for one in contacts:
         largest = one.peak[-1]
         yield gw.Row(
-            f"Residual over largest overlap, unloaded from {largest:.0f} overlaps at yield",
+            f"Residual / largest overlap, unloaded from {largest:.0f} alpha_y",
             source=float(residual(largest)) / largest, ours=one.residual[-1] / largest,
             where="thesis Fig. 2.7, 2.13", remark=f"gamma is {one.gamma:.2e}. The source value is "
                                                   "its fit.",
@@ -134,7 +136,7 @@ def rows(contacts):
         )  # fmt: skip
     deepest = contacts[0].profiles[-1]
     yield gw.Row(
-        f"Largest pressure over the yield strength at {deepest.overlap:.2f} R*", source=2.5,
+        f"Largest pressure / yield strength at {deepest.overlap:.2f} R*", source=2.5,
         ours=np.median(deepest.pressure[deepest.pressure > 0]), where="thesis Fig. 2.3",
         remark="The value is the median over the contact.", digits=3,
     )  # fmt: skip

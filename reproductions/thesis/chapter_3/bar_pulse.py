@@ -1,11 +1,11 @@
-"""A pulse that enters a slender elastic bar, and its passage of two sections before any echo.
+"""A pulse that enters a slender elastic bar and passes two sections before any echo.
 
-A pulse F(t) goes on unchanged at c = sqrt(E/rho); force over velocity is Z = A sqrt(E rho), and its
-energy is the integral of F^2/Z. Two-node elements of length h with lumped masses carry a wave
-number q at the frequency (2c/h) sin(qh/2) instead of cq, so that what is short beside h lags
-behind, and a front spreads over a length of (c t h^2/8)^(1/3) (Airy). Hence the error of the shape
-falls with h^(2/3) where the pulse has a kink, as a half-sine has at its ends, and not at all at a
-step, which overshoots by 27 %. The centroid moves at c on every mesh.
+A pulse F(t) travels unchanged at c = sqrt(E/rho); the ratio of force to velocity is Z = A sqrt(E
+rho), and the energy is the integral of F^2/Z. Two-node elements of length h with lumped masses
+carry a wave number q at the frequency (2c/h) sin(qh/2) instead of cq, so that wavelengths that are
+not long compared with h lag behind, and a front spreads over a length of (c t h^2/8)^(1/3) (Airy).
+Hence the error of the shape falls with h^(2/3) where the pulse has a kink, as a half-sine has at
+its ends, and not at all at a step, which overshoots by 27 %. The centroid moves at c on every mesh.
 """
 
 import math
@@ -21,11 +21,11 @@ THROUGH = 0.02  # fraction of its largest force below which a pulse has passed
 
 
 class Passage:
-    """The pulse in ``incident_bar``, which is the load, or in ``bar``, which is the contact force
-    on it.
+    """The pulse in ``incident_bar`` (the load) or in ``bar`` (the contact force on the bar).
 
     Force (N) and velocity (m/s) at both sections are (2, n_times), NaN from the first echo on;
-    energy is that in the bar at the end of the run over that of the pulse that entered.
+    ``energy`` is the energy in the bar at the end of the run divided by the energy of the pulse
+    that entered.
     """
 
     def __init__(self, run, name):
@@ -67,7 +67,7 @@ class Passage:
         return self.load.at(time) if self.driven else np.interp(time, *self.contact, left=0.0)
 
     def late(self, section):
-        """The pulse that entered, as it would pass a section in a perfect bar, N."""
+        """The incoming pulse as it would pass a section of an ideal bar, N."""
         return self.entered(self.time - self.sections[section] / self.c)
 
     @property
@@ -86,7 +86,7 @@ class Passage:
 
     @property
     def measured_impedance(self):
-        """Force over velocity at the far section, by least squares, N s/m."""
+        """Ratio of force to velocity at the far section, by least squares, N s/m."""
         force, velocity = (
             values[1][np.isfinite(self.force[1])] for values in (self.force, self.velocity)
         )
@@ -94,13 +94,13 @@ class Passage:
 
     @property
     def overshoot(self):
-        """Largest force at the far section over the largest force at the entry."""
+        """Largest force at the far section divided by the largest force at the entry."""
         return np.nanmax(self.force[1]) / self.peak
 
     @property
     def deviation(self):
-        """Largest difference at the far section from the pulse at the entry, delayed by x/c, over
-        its peak.
+        """Largest difference between the force at the far section and the pulse at the entry,
+        delayed by x/c, divided by the peak of the pulse.
         """
         return np.nanmax(np.abs(self.force[1] - self.late(1))) / self.peak
 
@@ -113,9 +113,9 @@ def closed_forms(one, of, edge=""):
     for what, unit, ours, theory, remark in (
         ("Speed", "m/s", one.speed, one.c, lasts),
         ("Impedance", "N s/m", one.measured_impedance, one.impedance, ""),
-        ("Peak at a section over that which entered", "", one.overshoot, 1.0, edge),
+        ("Peak at a section / incoming peak", "", one.overshoot, 1.0, edge),
         ("Largest deviation from the pulse's shape", "of its peak", one.deviation, 0.0, edge),
-        ("Energy over the integral of F²/Z", "", one.energy, 1.0, ""),
+        ("Energy / integral of F²/Z", "", one.energy, 1.0, ""),
     ):
         yield gw.Row(f"{what}, {of}", unit, ours=ours, theory=theory, where="closed form", remark=remark,
                      verification=True)

@@ -92,7 +92,7 @@ def pictures(runs):
         axes.set(xlabel="Element (mm)", xscale="log", yscale="log", title=shape)
         axes.set_xticks(1e3 * pitch, [f"{1e3 * one:.3g}" for one in pitch])
         axes.set_xticks([], minor=True)
-    figure.axes[0].set(ylabel="Error against the closed form", ylim=(1e-7, 2))
+    figure.axes[0].set(ylabel="Error relative to the closed form", ylim=(1e-7, 2))
     axes.legend(fontsize=7, loc="lower left", ncols=2)
     caption = (
         "Errors of an elastic bar against the size of its elements, by the shape of the pulse. "

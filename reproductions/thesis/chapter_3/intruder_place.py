@@ -14,15 +14,15 @@ import granwave as gw
 
 QUANTITIES = (
     ("Transmitted energy", "J", "energy"),
-    ("Peak transmitted force over the load", "", "peak"),
+    ("Peak transmitted force / load", "", "peak"),
 )
 BRASS = "brass"
 INTRUDERS = ("aluminium", "steel")
 
 
 def measured(runs):
-    """Chains of one material by its name; positions, and energies and peaks there by the intruder's
-    name.
+    """Chains of one material, by its name; and positions of the intruder with energies and peak
+    forces, by the name of its material.
     """
     chains = sorted(map(OddBead, runs), key=lambda chain: chain.place)
     alike = {chain.base.name: chain for chain in chains if chain.alike}
@@ -48,10 +48,10 @@ def rows(runs):
         for what, unit, key in QUANTITIES:
             values = curve[key]
             of = f"{what}, {name}"
-            for which, k in (("least", values.argmin()), ("most", values.argmax())):
-                yield gw.Row(f"{of}: {which}, at place {curve['place'][k]}", unit, ours=values[k], where=where)
+            for which, k in (("smallest", values.argmin()), ("largest", values.argmax())):
+                yield gw.Row(f"{of}: {which}, at position {curve['place'][k]}", unit, ours=values[k], where=where)
             change = np.abs(values / getattr(alike[BRASS], key) - 1).max()
-            yield gw.Row(f"{of}: largest change from all brass", ours=change, where=where)
+            yield gw.Row(f"{of}: largest change relative to the brass chain", ours=change, where=where)
     # fmt: on
 
 

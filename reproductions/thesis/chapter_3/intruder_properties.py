@@ -3,9 +3,9 @@
 A chain of 20 steel beads ends on an elastic bar; one property of the bead at position 10 differs.
 Ratios e_T/e_0T are relative to the chain of identical beads. In most runs contacts are compressed
 beyond 0.2 R*, where the fit of the contact law ends; the law is extrapolated there, as in the
-source. A bead of mass m in contacts of slope k ~ sigma_y R* has the time tau* = D sqrt(rho/sigma_y)
-if R* is proportional to its own radius. Next to beads of another radius R* varies less, and
-sqrt(m/sigma_y) ~ R^1.5 is closer.
+source. A bead of mass m, whose contacts have the slope k ~ sigma_y R*, has the characteristic time
+tau* = D sqrt(rho/sigma_y) if R* is proportional to its radius. Next to beads of another radius R*
+varies less, and sqrt(m/sigma_y) ~ R^1.5 is closer.
 """
 
 import math
@@ -35,8 +35,8 @@ CLOSER = "With R^1.5 in place of R the curves for different radii are closer."
 
 
 def measured(runs):
-    """Ratios of each property, rising, and of the transmitted energy, to the chain of identical
-    beads.
+    """Ratios of each property (in rising order) and of the transmitted energy to the values of the
+    chain of identical beads.
     """
     chains = list(map(OddBead, runs))
     (base,) = [one for one in chains if one.alike]

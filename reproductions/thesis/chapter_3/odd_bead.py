@@ -1,16 +1,17 @@
-"""A chain on an elastic bar, under a force, in which one bead may be of another kind.
+"""A chain that ends on an elastic bar, under a force; one bead may differ from the others.
 
-Transmitted energy is what the bar holds at the end of the run, strain and kinetic; transmitted
-force is the largest contact force on the bar, which is that of a section of a bar in which nothing
-comes back.
+Transmitted energy is the strain and kinetic energy of the bar at the end of the run; transmitted
+force is the largest contact force on the bar, which equals the force at a section of a bar without
+reflections.
 """
 
 
 class OddBead:
-    """Place of the odd bead from the struck end, its material and that of the others, energy (J),
-    force over the load.
+    """Position of the odd bead from the impacted end, the materials of this bead and of the others,
+    transmitted energy (J), and transmitted force divided by the load.
 
-    ``alike`` is True of a chain of like beads; ``properties`` are those of the odd bead, SI.
+    ``alike`` is True for a chain of identical beads; ``properties`` are the properties of the odd
+    bead, SI.
     """
 
     def __init__(self, run):

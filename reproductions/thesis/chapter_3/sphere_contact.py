@@ -17,7 +17,7 @@ import granwave as gw
 # alpha_y: overlap with the largest deviation of the law, and start of its plateau
 SPOTS = 3.0, 10.0
 DEEP = 0.19  # R*: nearly the end of Fig. 2.10, and of the law's fit
-# mean pressures over the yield strength: Thornton's, and the largest of the law
+# mean pressures / yield strength: Thornton's, and the largest of the law
 FIRST_YIELD = 16 / 15
 PLATEAU = 2.48
 SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
@@ -29,8 +29,8 @@ REMARKS = (
 
 
 class Contact:
-    """Two spheres on loading: overlap over the overlap at first yield and over R*, finite elements
-    over the law, minus 1.
+    """Loading of two spheres: overlap divided by the overlap at first yield and by R*; force of the
+    finite elements divided by the force of the law, minus 1.
     """
 
     def __init__(self, run):
@@ -49,7 +49,7 @@ class Contact:
         self.name += (
             f", radii {self.ratio:g} to 1"
             if self.ratio > 1
-            else ", like radii"
+            else ", equal radii"
             if self.like
             else ""
         )
@@ -67,12 +67,12 @@ class Contact:
         self.force = force / (FIRST_YIELD * min(self.strengths) * math.pi * area)
 
     def near(self, place, along, values):
-        """Mean of values about a place along one of the scales."""
+        """Mean of the values near a point of one of the overlap scales."""
         return values[np.abs(np.log(along / place)) < SMOOTH].mean()
 
     @property
     def identical(self):
-        """True of two spheres of one material and radius, to which the figures of 2.1.2 belong."""
+        """True for two spheres of one material and radius, as in the figures of 2.1.2."""
         return self.like and self.ratio == 1
 
     @property
@@ -90,23 +90,23 @@ class Contact:
 
 
 def of_loading(one):
-    """Differences from the law at two overlaps, and over two ranges of it."""
+    """Rows of the differences from the law at two overlaps, and over two ranges of the overlap."""
     for spot in SPOTS:
-        yield gw.Row(f"Finite elements over the law at {spot:g} alpha_y, {one.name}", "%", theory=0.0, digits=2,
+        yield gw.Row(f"Finite elements / law at {spot:g} alpha_y, {one.name}", "%", theory=0.0, digits=2,
                      ours=100 * one.near(spot, one.scaled, one.over_law), where="thesis Fig. 2.8")  # fmt: skip
     deep = one.scaled > SPOTS[-1]
     spans = "1 to 10 alpha_y", f"10 alpha_y to {one.depth[-1]:.2g} R*"
     for chosen, span, remark in zip(((one.scaled >= 1) & ~deep, deep), spans, REMARKS, strict=True):
         over = 100 * one.over_law[chosen]
-        for word, ours in (("least", over.min()), ("most", over.max())):
+        for word, ours in (("smallest", over.min()), ("largest", over.max())):
             worst = one.identical and abs(ours) == np.abs(over).max()
-            yield gw.Row(f"Finite elements over the law from {span}: {word}, {one.name}", "%", theory=0.0, digits=2,
+            yield gw.Row(f"Finite elements / law from {span}: {word}, {one.name}", "%", theory=0.0, digits=2,
                          source=math.copysign(6.0, ours) if worst else None, ours=ours, where="thesis 2.1.2",
                          remark=remark if worst else "")  # fmt: skip
 
 
 def of_pressure(one):
-    """Pressure, area of the contact and force over the values of Thornton's law."""
+    """Rows of pressure, contact area and force divided by the values of Thornton's law."""
     largest = max(np.median(values[values > 0]) for values in one.pressures) / min(one.strengths)
     area, force, over = (
         one.near(DEEP, one.depth, values) for values in (one.area, one.force, one.over_law)
@@ -118,11 +118,11 @@ def of_pressure(one):
     fitted = f"2.31 times 2.1 is 4.85; a measurement was fitted with 4.7. {of_law}"
     # fmt: off
     for what, source, ours, theory, remark in (
-        ("Largest pressure over the yield strength", 2.5, largest, PLATEAU,
+        ("Largest pressure / yield strength", 2.5, largest, PLATEAU,
          "The value is the median over the contact. The theory is the law."),
-        ("Largest pressure over Thornton's", 2.31, largest / FIRST_YIELD, plateau, of_law),
+        ("Largest pressure / Thornton's pressure", 2.31, largest / FIRST_YIELD, plateau, of_law),
         (f"Contact area / Thornton's contact area {deep}", 2.1, area, law / plateau, of_law),
-        (f"Force over that of Thornton's pressure and area {deep}", 4.7, force, law, fitted),
+        (f"Force / force of Thornton's pressure and area {deep}", 4.7, force, law, fitted),
     ):
         yield gw.Row(what, source=source, ours=ours, theory=theory, where="thesis 2.1.2", remark=remark, digits=3)
     # fmt: on
@@ -135,7 +135,7 @@ def rows(runs):
     alike, *unlike_radii = [one for one in found if one.like]
     for one in unlike_radii:
         deep = [1 + each.near(DEEP, each.depth, each.over_law) for each in (one, alike)]
-        what = f"Finite elements at {DEEP:g} R*, {one.name}, over those of like radii"
+        what = f"Finite elements at {DEEP:g} R*, {one.name} / finite elements of equal radii"
         remark = "According to the caption of the figure the curves begin to deviate there."
         yield gw.Row(what, "%", ours=100 * (deep[0] / deep[1] - 1), theory=0.0, where="thesis Fig. 2.10",
                      remark=remark, digits=2)  # fmt: skip

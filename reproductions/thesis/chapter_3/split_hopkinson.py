@@ -31,10 +31,10 @@ def rows(runs):
     for what, unit, ours, remark in (
         ("Peak force, incident", "kN", 1e-3 * incident.peak, ""),
         ("Peak force, transmitted", "kN", 1e-3 * force, ASSUMED),
-        ("Force, transmitted over incident", "", force / incident.peak, ASSUMED),
-        ("Energy, transmitted over incident", "", run["energy_bar_J"] / entered, ASSUMED),
-        ("Energy, reflected over incident", "", run["energy_incident_bar_J"] / entered, REFLECTED),
-        ("Energy, dissipated over incident", "", run["energy_dissipated_J"] / entered, ""),
+        ("Force, transmitted / incident", "", force / incident.peak, ASSUMED),
+        ("Energy, transmitted / incident", "", run["energy_bar_J"] / entered, ASSUMED),
+        ("Energy, reflected / incident", "", run["energy_incident_bar_J"] / entered, REFLECTED),
+        ("Energy, dissipated / incident", "", run["energy_dissipated_J"] / entered, ""),
     ):
         yield gw.Row(f"{what}, split-hopkinson", unit, ours=ours, where="thesis 3.2.2, Fig. 3.5", remark=remark)
     # fmt: on
@@ -82,7 +82,7 @@ def pictures(runs):
             "shading": "nearest",
         }
         image = axes.pcolormesh(1e3 * place, 1e6 * time, shown, **colours)
-        axes.set(xlabel="Place (mm)", title=name.replace("_", " "))
+        axes.set(xlabel="Position (mm)", title=name.replace("_", " "))
         some = np.linspace(0, len(place) - 1, 14).astype(int)
         data |= {f"{name}_at_{1e3 * place[n]:.4g}_mm_N": force[:, n] for n in some}
     row[0].set(ylabel="Time (µs)")

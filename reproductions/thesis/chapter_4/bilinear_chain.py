@@ -1,7 +1,8 @@
-"""Chains under the bilinear law, and the linear chain in closed form.
+"""Chains with the bilinear law, and the linear chain in closed form.
 
-Loading of slope k; unloading and loading again of slope k_u = k/(1 - beta), so that a contact
-dissipates beta F^2/2k. The only number of the chain in units of I/m and sqrt(k/m) I is beta.
+Loading has the slope k; unloading and reloading have the slope k_u = k/(1 - beta), so that a
+contact dissipates beta F^2/2k. In units of I/m and sqrt(k/m) I, beta is the only parameter of the
+chain.
 """
 
 import math
@@ -47,8 +48,8 @@ def contact_force(contact, phase):
 
 
 def first_coefficients():
-    """v_m, F_p and F_2 of (4.19) to (4.21): at the peak of contact 1, when beads 1 and 2 are
-    equally fast.
+    """v_m, F_p and F_2 of (4.19) to (4.21): at the peak of contact 1, when beads 1 and 2 have the
+    same velocity.
     """
     phase = brentq(lambda s: bead_velocity(1, s) - bead_velocity(2, s), 0.5, 2.0)
     return bead_velocity(1, phase), contact_force(1, phase), contact_force(2, phase)

@@ -25,8 +25,8 @@ def power(one):
 
 
 def instants(one):
-    """Rows of the record, bead velocities there (m/s), the front, and I/m divided by the number of
-    moving beads.
+    """Indices of the recorded times, bead velocities at these times (m/s), the front, and I/m
+    divided by the number of moving beads.
     """
     for phase in FRONTS:
         row = np.abs(one.far.rate * one.far.time - phase).argmin()
@@ -40,7 +40,7 @@ def rows(runs):
     last = pulses[-1]
     # fmt: off
     for one in pulses:
-        yield gw.Row(f"Power of the peak force with distance, contacts from {FIRST} on, beta {one.beta:g} (4.35)",
+        yield gw.Row(f"Exponent of the peak force against distance, contacts from {FIRST} on, beta {one.beta:g} (4.35)",
                      source=-(1 + one.beta) / 2, ours=power(one).exponent, theory=-1.0, where="thesis 4.2.1", digits=2,
                      remark="The power of the source follows from an energy balance. Beads of the "
                             "same velocity conserve the momentum I only if the power is -1, which "

@@ -76,7 +76,7 @@ def rows(runs):
         yield gw.Row(name, unit, printed, theory=theory, remark=remark, **table_4_1)
     yield gw.Row("F1, force behind the leading front under load", "N", ours=one.force[0], theory=one.load,
                  where="balance of forces")
-    yield gw.Row("Largest force of all over the load", ours=one.chain.largest.max() / one.load, where="thesis 4.2.2",
+    yield gw.Row("Largest force anywhere / load", ours=one.chain.largest.max() / one.load, where="thesis 4.2.2",
                  remark=f"The force of the first contacts overshoots by inertia. {axis}")
     # fmt: on
 

@@ -66,7 +66,7 @@ def rows(runs):
         yield gw.Row(f"Decay of the leading peak per contact, contacts 1 to 2, {beta}", ours=-math.log(relative[1]),
                      theory=-math.log(model.ratio), **where,
                      remark=f"4.28 with its constants gives {model.decay:.3f}. {BY_CONTACTS}")
-        yield gw.Row(f"Largest difference of 4.28 from the leading peaks 1 to {end} over the first, {beta}", source=0.10,
+        yield gw.Row(f"Largest difference of 4.28 from the leading peaks 1 to {end} / first peak, {beta}", source=0.10,
                      ours=of_first, remark="The source states 'around 10 %', presumably for beta "
                                            "0.8, without a reference value. Here it is the first "
                                            "peak, in the next row each peak. 4.28 starts at the "

@@ -22,8 +22,8 @@ OVERTAKEN = 1.005
 
 
 class LeadingWave:
-    """The wave as self-similar: velocities of F/sqrt(k m) follow from the peak force F at every
-    contact.
+    """The wave under the assumption of self-similarity: at every contact, velocities of F/sqrt(k m)
+    follow from the peak force F.
     """
 
     def __init__(self, beta):
@@ -39,15 +39,18 @@ class LeadingWave:
         self.transition = brentq(lambda n: self.secondary(n) - self.printed(n), 1.0, 200.0)
 
     def printed(self, contact):
-        """Peak force over that of contact 1 (4.28)."""
+        """Peak force divided by the peak force of contact 1 (4.28)."""
         return np.exp(-self.decay * (contact - 1))
 
     def discrete(self, contact):
-        """Peak force over the force of contact 1, contact by contact from the energy balance."""
+        """Peak force divided by the peak force of contact 1, contact by contact from the energy
+        balance.
+        """
         return self.ratio ** (contact - 1)
 
     def secondary(self, contact):
-        """Peak of collisions behind the wave over the force of contact 1: sqrt(k_u m/2) omega (F_1
+        """Peak force of collisions behind the wave divided by the force of contact 1: sqrt(k_u m/2)
+        omega (F_1
         - F_(i+1)) (4.31).
         """
         return math.sqrt(0.5 / (1 - self.beta)) * self.residual * (1 - self.printed(contact + 1))
@@ -76,12 +79,12 @@ class ShortPulse:
         self.residual = near.velocity[free.argmax(), 0]
 
     def excess(self, contact):
-        """Largest force at a contact (from 1) over the leading peak, in per cent above 100 %."""
+        """Excess of the largest force at a contact (from 1) over the leading peak, per cent."""
         return 100 * (self.largest[contact - 1] / self.leading[contact - 1] - 1)
 
     def at_peak(self, contact):
-        """Forces and velocities when the beads of a contact (from 1) are first equally fast after
-        touching.
+        """Forces and velocities when the beads of a contact (from 1) first have equal velocities
+        after touching.
         """
         closing = self.near.velocity[:, contact - 1] - self.near.velocity[:, contact]
         k = np.flatnonzero((closing <= 0) & (self.near.force[:, contact - 1] > 0))[0]

@@ -1,6 +1,6 @@
-"""Rectangles of force on the first bead of an elastic chain, in the chain's own units.
+"""Rectangular force pulses on the first bead of an elastic chain, in the units of the chain.
 
-Hertz's chain has no scale of its own: a pulse of impulse I = A T is one point of one curve,
+A chain of Hertzian contacts has no scale: a pulse of impulse I = A T is a point of a single curve,
 F_peak/I^(6/5) against A/I^(6/5), and the duration at which one wave becomes a train is T = q
 A^(-1/6). A pulse is a train here if the second peak at one contact is at least `SECOND` of the
 first; the contact is at 0.35 of the chain, so that a second wave still passes it before the first
@@ -43,8 +43,8 @@ class ForcePulse:
 
 
 def groups(pulses, key, least=3):
-    """Pulses of one amplitude or impulse (to three digits), in rising order of it, each group by
-    duration.
+    """Groups of pulses of equal amplitude or impulse (to three digits), in rising order, each group
+    in order of duration.
     """
     ordered = sorted(
         pulses, key=lambda pulse: (float(f"{getattr(pulse, key):.3g}"), pulse.duration)

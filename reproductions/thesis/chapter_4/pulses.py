@@ -3,8 +3,7 @@
 A constant force acts on the first of 200 elastic beads, with impulses of 0.1 mN s to 0.4 N s. The
 value is the peak force of the leading wave, at the last contact that it has passed at the end of
 the run. The two largest impulses in the figure of the source would cause overlaps of more than R*,
-where no contact law holds. Smaller impulses are equivalent, since the elastic chain has no scale of
-its own.
+where no contact law holds. Smaller impulses are equivalent, since the elastic chain has no scale.
 """
 
 import numpy as np
@@ -35,7 +34,7 @@ def rows(runs):
     yield gw.Row("Short pulses: F_peak/I^(6/5), normalised", ours=y[short].mean(), theory=DISCRETE_LIMIT,
                  where="thesis Fig. 4.3", remark=f"The value is the mean for A/I^(6/5) > {8 * CROSSING:.2g}. "
                                                  f"Theory: the discrete chain; (4.5) gives {IMPULSE_LIMIT:.4f}.")
-    yield gw.Row("Long pulses: peak force of one of 40 N", "N", PEAK, LOAD * (y / x)[long].mean(), where="thesis 4.1.3",
+    yield gw.Row("Long pulses: peak force at a load of 40 N", "N", PEAK, LOAD * (y / x)[long].mean(), where="thesis 4.1.3",
                  remark=f"The value is the mean for A/I^(6/5) < {CROSSING / 8:.2g}, where the "
                         "force only sets the scale.")
     yield gw.Row("Largest spread of F_peak/I^(6/5) between impulses at equal A/I^(6/5)", "%", ours=100 * spread,

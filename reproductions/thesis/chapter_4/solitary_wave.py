@@ -26,7 +26,7 @@ DISCRETE = {
 
 
 class Wave:
-    """The wave of a struck bead, far down the chain, in the chain's own units."""
+    """The wave of an impact on the first bead, far along the chain, in the units of the chain."""
 
     def __init__(self, run):
         chain = Chain(run)
@@ -73,8 +73,8 @@ def rows(runs):
     over = t["over_nesterenko"]
     discrete_c = DISCRETE["coefficient"]
     names = (
-        "Peak force over (m^3 E*^2 R* v^6)^(1/5)",
-        "Speed over Nesterenko's at the same peak force",
+        "Peak force / (m^3 E*^2 R* v^6)^(1/5)",
+        "Speed / Nesterenko's speed at the same peak force",
         "Full width at half maximum of the bead velocity, diameters",
     )
     discrete = "The theory is the discrete chain, by our second solver."
@@ -82,9 +82,9 @@ def rows(runs):
     by_similarity = {"where": "thesis 4.1.2", "verification": True}
     # fmt: off
     return [
-        gw.Row("Power of the peak force with the velocity of the first bead", ours=force.exponent, theory=1.2,
+        gw.Row("Exponent of the peak force against the velocity of the first bead", ours=force.exponent, theory=1.2,
                remark=f"{force.interval} {SIMILAR}", **by_similarity),
-        gw.Row("Power of the wave's speed with its peak force", ours=speed.exponent, theory=1 / 6,
+        gw.Row("Exponent of the wave speed against its peak force", ours=speed.exponent, theory=1 / 6,
                remark=f"{speed.interval} {SIMILAR}", **by_similarity),
         gw.Row(names[0], source=0.719, theory=DISCRETE["coefficient"], where="thesis (4.5)", remark=discrete),
         gw.Row(f"{names[0]}, of the runs", ours=c.mean(), theory=discrete_c, remark=spread(c), **by_solver),
@@ -129,7 +129,7 @@ def pictures(runs):
             linewidth=0.8,
             label="" if wave is not waves[0] else "simulation",
         )
-    right.set(xlabel="Time as place, diameters", ylabel="Bead velocity over its largest")
+    right.set(xlabel="Position (from time), diameters", ylabel="Bead velocity / largest")
     right.set(xlim=(-3.5, 3.5), ylim=(0, 1.4))
     for axes in (left, middle, right):
         axes.legend()

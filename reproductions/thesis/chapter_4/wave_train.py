@@ -28,7 +28,7 @@ def measured(runs):
 def rows(runs):
     _, amplitude, critical, fit = measured(runs)
     yield gw.Row(
-        "Power of the critical loading time with the amplitude", ours=fit.exponent, theory=-1 / 6, verification=True,
+        "Exponent of the critical loading time against the amplitude", ours=fit.exponent, theory=-1 / 6, verification=True,
         where="thesis Fig. 4.1", remark=f"{fit.interval} By similarity every correct code gives "
                                         "this value.",
     )  # fmt: skip
@@ -67,8 +67,8 @@ def pictures(runs):
             label=scaled,
         )
     right.set(
-        xlabel="Time after the first peak, over the duration T",
-        ylabel=f"Force at contact {pulse.contact} over A",
+        xlabel="Time after the first peak / duration T",
+        ylabel=f"Force at contact {pulse.contact} / A",
     )
     right.set(xlim=(-3, 36), ylim=(1e-3, 3))
     right.legend(title=r"$T/\tau\; (A/E^* R^{*2})^{1/6}$", ncols=2, loc="upper right")

@@ -17,8 +17,8 @@ OF_AXIS = "The bound is the end of the axis."
 
 
 def measured(runs):
-    """Blocks of brass by mass of the punch, each by rising energy; other blocks; the fastest sphere
-    on a packing.
+    """Blocks of brass by the mass of the punch, in order of rising energy; other blocks; and the
+    fastest impact on a packing.
     """
     brass = {}
     others = []
@@ -61,13 +61,13 @@ def rows(runs):
     spheres = gw.measures.spheres_involved(packing.result, packing["energy_input_J"])
     between = "Largest difference in the dissipated fraction of a block between"
     # fmt: off
-    yield gw.Row("Energy input over energy input, normalised", ours=energy / block["energy_input_normalised"],
+    yield gw.Row("Energy input / energy input, normalised", ours=energy / block["energy_input_normalised"],
                  theory=2.630, verification=True, where="thesis 5.30, by hand",
                  remark="The unit of energy is sigma_y^2 D^3 / E.")
     yield gw.Row(f"Dissipated fraction of a block, {name}, at most", source=0.7, ours=share,
         bound=True,
                  where="thesis Figs 5.10, 5.11", remark=OF_AXIS)
-    yield gw.Row(f"Plastic volume of a block over pi D^3/6, {name}, at most", source=4.0, ours=volume, bound=True,
+    yield gw.Row(f"Plastic volume of a block / (pi D^3/6), {name}, at most", source=4.0, ours=volume, bound=True,
                  where="thesis Fig. 5.12", remark=OF_AXIS)
     yield gw.Row(f"{between} materials, inputs above sigma_y^2 D^3/E", "%", source=0.0, ours=100 * max(of_materials),
                  where="thesis Fig. 5.10b", remark="The source has one curve.", digits=2)
@@ -76,8 +76,8 @@ def rows(runs):
             source=0.0,
                      ours=max(of_masses[above]), where="thesis Fig. 5.11", remark=(
                          "The source states a small difference."), digits=2)
-    yield gw.Row(f"Volume that dissipates {share:.2g} of the input, spheres at {packing['energy_input_J']:.3g} J over "
-                 f"the plastic volume of a block at {name}", source=1.0, digits=2, where="thesis 5.5, Fig. 5.14",
+    yield gw.Row(f"Volume that dissipates {share:.2g} of the input, spheres at {packing['energy_input_J']:.3g} J / "
+                 f"plastic volume of a block at {name}", source=1.0, digits=2, where="thesis 5.5, Fig. 5.14",
                  ours=np.interp(share, spheres.fraction, spheres.volume) / VOLUME / volume,
                  remark="The source calls the volumes very close. Whole spheres count here, "
                         "although only contacts yield.")

@@ -20,7 +20,7 @@ import granwave as gw
 BRASS = 5.5e8  # Pa, yield strength
 SAME = 1e-4  # relative difference of inputs that are meant to be equal
 FASTEST = 1e4  # end of the axis of Fig. 5.6a, normalised velocity
-UNIT = 16 / 15  # F_y alpha_y over the unit of energy of thesis 5.15
+UNIT = 16 / 15  # F_y alpha_y / unit of energy of thesis 5.15
 AXIS = 100.0  # end of Fig. 5.13
 VOLUME = math.pi * 0.01**3 / 6
 STRIKES = (1, 3, 7)  # impacted spheres
@@ -37,7 +37,7 @@ class Impacts(NamedTuple):
 
 
 def select(runs):
-    """The impacts; none for a single scan."""
+    """The impacts; empty for a single scan."""
     runs = sorted(runs, key=lambda run: run["energy_input_J"])
     blocks = [run for run in runs if "punch.velocity" in run.labels]
     packings = [run for run in runs if "load.spheres" in run.labels]
@@ -52,8 +52,8 @@ def select(runs):
 
 
 def volumes(run):
-    """Dissipated fraction and normalised volume of the spheres of a packing, in descending order,
-    from none on.
+    """Cumulative dissipated fraction and normalised volume of the spheres of a packing in
+    descending order of dissipation, from zero.
     """
     spheres = gw.measures.spheres_involved(run.result, run["energy_input_J"])
     return np.append(0.0, spheres.fraction), np.append(0.0, spheres.volume / VOLUME)
@@ -97,7 +97,7 @@ def rows(impacts):
 
 
 def loading_areas(early):
-    """Row of 3 and 7 impacted spheres, compared with one at equal input."""
+    """Row that compares impacts on 3 and 7 spheres with impacts on one sphere at equal input."""
     single = {run["energy_input_J"]: run["dissipated_fraction"] for run in early[1]}
     differences = []
     inputs = []
@@ -196,7 +196,7 @@ def packing_and_block(impacts):
     left.semilogx(block, of_block, "ks", markersize=4, label="block")
     left.axvline(AXIS, color="0.7", linewidth=0.8)
     left.set(
-        xlabel=r"Input over $\sigma_y^2 D^3/E$, $D$ = 10 mm",
+        xlabel=r"Input / ($\sigma_y^2 D^3/E$), $D$ = 10 mm",
         ylabel="Dissipated fraction",
         ylim=(0, 1),
     )
@@ -210,7 +210,7 @@ def packing_and_block(impacts):
         right.plot(fraction, of_spheres, label=f"packing, {name} J")
         data |= {f"share_at_{name}_J": fraction, f"volume_at_{name}_J": of_spheres}
     right.set(
-        xlabel="Dissipated fraction", ylabel=r"Volume over $\pi D^3/6$", xlim=(0, 0.9), ylim=(0, 20)
+        xlabel="Dissipated fraction", ylabel=r"Volume / ($\pi D^3/6$)", xlim=(0, 0.9), ylim=(0, 20)
     )
     for axes in (left, right):
         axes.legend(fontsize=7)

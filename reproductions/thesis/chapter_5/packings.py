@@ -32,8 +32,8 @@ RANGES = ((4.0, 16.0), (10.0, 40.0))  # m/s, of further fits
 
 
 def measured(runs):
-    """Runs with one impacted brass sphere of 10 mm by velocity, with other spheres by name, and all
-    of brass.
+    """Runs with one impacted brass sphere of 10 mm by velocity, runs with other spheres by name,
+    and all runs with brass.
     """
     brass = []
     others = {}

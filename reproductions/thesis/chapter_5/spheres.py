@@ -7,6 +7,7 @@ divided by F_y, the force at first yield.
 import math
 
 import numpy as np
+from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 
 import granwave as gw
@@ -17,11 +18,16 @@ CONTACTS = 7
 LAYER = 3
 ON = 0.25  # largest distance of a sphere from its site, diameters
 SHOWN = (4, 10, 40)  # m/s
+# of Fig. 5.3: m/s, nearest to the velocity with its largest force; deepest layers shown, diameters;
+# distance of spheres from a plane, diameters
+MAPPED = 25
+SHALLOW = 8.0
+IN_PLANE = 0.1
 
 
 def directions(run):
-    """Layers, from the first on, whose largest force is on a preferred direction; force below over
-    the force there.
+    """Number of layers, from the first, whose largest force is on a preferred direction; and the
+    force straight below divided by the force in that direction.
     """
     result = run.result
     ways = gw.measures.rays(run.result).directions
@@ -44,6 +50,29 @@ def struck_once(runs):
     """Runs with one impacted sphere by velocity."""
     return {run.case.load.velocity: run for run in sorted(runs, key=lambda run: run.case.load.velocity)
             if run.case.load.spheres == 1}  # fmt: skip
+
+
+def plane_spheres(run, across, along):
+    """Positions of the spheres whose centres are in the plane of two unit vectors through the
+    impact point, diameters, and their largest contact forces, N: (n_spheres, 2) and (n_spheres,).
+    """
+    result = run.result
+    offset = (result["spheres/position"] - result.origin) / run.case.packing.diameter
+    place = np.stack([offset @ across, offset @ along], axis=1)
+    off = np.abs(offset @ np.cross(across, along))
+    chosen = (off < IN_PLANE) & (place[:, 1] < SHALLOW) & (np.abs(place[:, 0]) < SHALLOW)
+    return place[chosen], result["spheres/peak_force"][chosen]
+
+
+def principal_planes(run):
+    """Unit vectors across and along the planes OAB and OCD of thesis Fig. 5.2, by their names."""
+    first, second, third = gw.measures.rays(run.result).directions
+    depth = np.array([0.0, 0.0, 1.0])
+    aside = third * (1 - depth)
+    return {
+        "OAB": (first - second, (first + second) / np.linalg.norm(first + second)),
+        "OCD": (aside / np.linalg.norm(aside), depth),
+    }
 
 
 def rows(runs):
@@ -104,7 +133,7 @@ def pictures(runs):
         axes.loglog(1 + np.arange(len(values)), values, style, label=f"{velocity} m/s")
         data[f"dissipation_at_{velocity}_m_s"] = values
     axes.set(
-        xlabel="Sphere, the one that dissipated most first", ylabel="Dissipation (thesis 5.15)"
+        xlabel="Sphere, in order of decreasing dissipation", ylabel="Dissipation (thesis 5.15)"
     )
     axes.legend()
     caption = (
@@ -113,3 +142,38 @@ def pictures(runs):
         "the energy; at higher velocities the curve extends further"
     )
     yield gw.Picture("dissipation_of_spheres", caption, axes.figure, data)
+    yield peak_force_map(found[MAPPED])
+
+
+def peak_force_map(run):
+    """Peak contact forces in the two planes of thesis Fig. 5.3."""
+    diameter = run.case.packing.diameter
+    sphere = {"shape": "sphere", "diameter": diameter, "material": run.case.material.name}
+    _, yield_force = gw.contact_yield("elastoplastic", [sphere, sphere])
+    figure = Figure((5, 5.6), layout="constrained")
+    panels = figure.subplots(2, 1)
+    data = {}
+    for axes, (name, vectors) in zip(panels, principal_planes(run).items(), strict=True):
+        place, force = plane_spheres(run, *vectors)
+        reduced = force / yield_force
+        circles = EllipseCollection(
+            1, 1, 0, units="xy", offsets=place, offset_transform=axes.transData, array=reduced, cmap="viridis_r",
+        )  # fmt: skip
+        circles.set_norm("log")
+        circles.set_clim(1.0, LARGEST_FORCE)
+        axes.add_collection(circles)
+        axes.set(title=f"Plane {name}", xlabel="Across (diameters)", ylabel="Down (diameters)")
+        axes.set(xlim=(-SHALLOW, SHALLOW), ylim=(SHALLOW, -1), aspect="equal")
+        data |= {
+            f"{name}_across_diameters": place[:, 0],
+            f"{name}_down_diameters": place[:, 1],
+            f"{name}_force_over_yield_force": reduced,
+        }
+    figure.colorbar(circles, ax=panels, label="Largest contact force of a sphere / $F_y$")
+    caption = (
+        f"Largest contact forces of the spheres in two planes through the impact point, {MAPPED} m/s (thesis Fig. "
+        "5.3, whose velocity is not printed). The principal plane OAB contains two preferred "
+        "directions; OCD contains the third and the direction of the impact. Colours end at the "
+        "end of the scale of the source"
+    )
+    return gw.Picture("peak_forces_in_planes", caption, figure, data)

@@ -50,13 +50,13 @@ class Theory:
 
     @cached_property
     def shown(self):
-        """Waves of figure 6.9 and of the smallest tail, by delta_hat."""
+        """Waves of figure 6.9, and the wave with the smallest tail, by delta_hat."""
         chosen = (*SERIES, SMALLEST_TAIL)
         return dict(zip(chosen, self.waves(*chosen), strict=True))
 
     @cached_property
     def curve(self):
-        """delta_hat and decay of the energy in theory, over the range of the runs."""
+        """delta_hat and theoretical decay of the energy, over the range of the runs."""
         x = np.linspace(self.delta_hat[0], self.delta_hat[-1], 12)
         return x, np.array([wave.energy_decay for wave in self.waves(*x)])
 

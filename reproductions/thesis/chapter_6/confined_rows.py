@@ -1,15 +1,18 @@
 """Beads in a row with a ring of n small spheres around each contact, in a tube (thesis 6.1): sizes,
 balance, runs.
 
-    d = 2 D tan^2(pi/n)                    diameter of small spheres that touch two beads and both neighbours (6.2)
-    rho = sqrt(d^2 + 2 d D)/2,  Rc = rho + d/2             radius of the ring, and of the tube around it
-    tan(theta) = 2 rho/D,  cos(theta) = D/(D + d)          of the line from a bead to a small sphere, against the axis
-    eps = m_s/m_b,  eta = k_sb cos^2.5(theta)/k_bb,  gamma = k_w/k_bb                                            (6.8)
+    d = 2 D tan^2(pi/n)            diameter of the small spheres, which touch two beads and both
+                                   neighbours in the ring (6.2)
+    rho = sqrt(d^2 + 2 d D)/2      radius of the ring
+    Rc = rho + d/2                 radius of the tube
+    tan(theta) = 2 rho/D           theta: angle between the axis and the line from a bead to a
+    cos(theta) = D/(D + d)         small sphere
+    eps = m_s/m_b,  eta = k_sb cos^2.5(theta)/k_bb,  gamma = k_w/k_bb                      (6.8)
 
-All contacts are Hertz's, F = k alpha^1.5. The thesis takes k_w = 1.2 E sqrt(d/2)/(1 - nu^2) (6.4),
-softer than a flat wall (4/3) and than the inside of the tube, whose contact is an ellipse. Nor has
-it contacts in the ring, which push a sphere that has moved in by u outwards with 2 k_ss [2 u
-sin(pi/n)]^1.5 sin(pi/n).
+All contacts follow Hertz's law, F = k alpha^1.5. The thesis uses k_w = 1.2 E sqrt(d/2)/(1 - nu^2)
+(6.4), which is softer than a flat wall (4/3) and than the inside of the tube, whose contact is an
+ellipse. It neglects the contacts in the ring, which push a sphere that has moved inwards by u back
+outwards with the force 2 k_ss [2 u sin(pi/n)]^1.5 sin(pi/n).
 """
 
 import dataclasses
@@ -37,11 +40,11 @@ WHERE = "equations of symmetric motion"
 
 @dataclasses.dataclass(eq=False)
 class Rows:
-    """Rows that just touch everywhere; small spheres a ring, their diameter, radius of the tube,
-    what is taken off it.
+    """Rows in which all bodies just touch: number of small spheres per ring, their diameter, radius
+    of the tube, and its reduction.
 
-    Arrays have one value a row, in SI; a fraction as ``n`` makes a row that only the equations
-    have.
+    Arrays have one value per row, in SI units; rows with a fractional ``n`` exist only in the
+    equations.
     """
 
     n: np.ndarray
@@ -78,7 +81,7 @@ class Rows:
         self.eps, self.eta = self.mass / MASS, self.k_side * self.cosine**2.5 / K_BEADS
 
     def from_ring(self, inward):
-        """Force of its neighbours in the ring on a small sphere that is displaced inwards, N."""
+        """Force on a small sphere that is displaced inwards by its neighbours in the ring, N."""
         return 2 * self.k_ring * (2 * inward * self.chord) ** 1.5 * self.chord
 
     def outward(self, inward):
@@ -100,7 +103,7 @@ class Rows:
 
 
 class ConfinedRun(GrainRow):
-    """A run of such a row with an impacted bead."""
+    """A run of a confined row with an impacted bead."""
 
     def __init__(self, run):
         super().__init__(run)

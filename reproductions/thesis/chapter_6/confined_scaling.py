@@ -15,7 +15,7 @@ import granwave as gw
 
 
 def measured(runs):
-    """n = 8: at 1 m/s, at 2 m/s with the same a, and with one that goes along."""
+    """Runs of n = 8: at 1 m/s, at 2 m/s with the same a, and at 2 m/s with a scaled a."""
     found = sorted(
         (run for run in map(ConfinedRun, runs) if run.n == 8), key=lambda run: (run.impact, run.a)
     )

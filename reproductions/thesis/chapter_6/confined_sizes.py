@@ -39,8 +39,8 @@ INWARD = (1.6e-4, 4.0e-4, 6.4e-4)
 
 
 def balance(row, part):
-    """Values of a for inward displacements of small spheres by a fraction of D: the ring as
-    printed, correct, and without.
+    """Values of a for inward displacements of small spheres by a fraction of D: with the ring as
+    printed, with the correct ring, and without a ring.
     """
     inward = part * BEAD
     angle = math.pi / row.n[0]

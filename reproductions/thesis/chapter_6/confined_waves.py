@@ -35,7 +35,9 @@ class Waves:
 
     @cached_property
     def fractions(self):
-        """Values of n, whole and not, and the decay of the equations without precompression."""
+        """Integer and fractional values of n, and the decay of the equations without
+        precompression.
+        """
         n = np.arange(5.5, 10.01, 0.125)
         force, _ = leading_wave(
             Rows.fitting(n), 1.0, self.runs[0].struck, 110

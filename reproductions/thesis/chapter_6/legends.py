@@ -52,12 +52,12 @@ class Legends:
         return [Travelling(PrintedSpheres(self.runs[0].rows), one) for one in LEGENDS]
 
     def corrected(self):
-        """The same by the corrected equations."""
+        """Waves by the corrected equations."""
         return [Travelling(self.limit, one) for one in LEGENDS]
 
 
 def select(runs):
-    """The rows; none without initial normals."""
+    """The rows; empty without initial normals."""
     confined = [ConfinedRun(run) for run in runs if run.case.contact.normals == "initial"]
     return [Legends(sorted(confined, key=lambda run: (run.n, run.a)))] if confined else []
 
@@ -88,7 +88,7 @@ def slope(x, y):
 
 
 def energy_decays(limit, delta_hat):
-    """Decay of the energy in theory, by the corrected (6.18)."""
+    """Theoretical decay of the energy, by the corrected (6.18)."""
     return np.array([Travelling(limit, one).energy_decay for one in delta_hat])
 
 
@@ -162,7 +162,7 @@ def of_slopes(legends):
 
 
 def of_lighter(legends):
-    """Row of the slopes with lighter small spheres, by the equations of the source's model."""
+    """Row of the slopes with lighter small spheres, by the equations of the model of the source."""
     rows = [run.rows for run in legends.runs]
     columns = [(one.n, one.small, one.tube, one.shrinks, LIGHTER * one.density) for one in rows]
     joined = SourceRows(*(np.concatenate(parts) for parts in zip(*columns, strict=True)))

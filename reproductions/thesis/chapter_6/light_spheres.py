@@ -1,23 +1,26 @@
-"""Asymptotic theory of confined rows for light small spheres (thesis 6.3), with the errata of its
-equations mended.
+"""Asymptotic theory of confined rows for light small spheres (thesis 6.3), with its equations
+corrected.
 
-Lengths in units of a bead's distance, forces of k_bb, displacements of the wave's A (a bead's, by
-the wave). The small spheres follow the beads to order zero, and the beads are a chain with a
-second, precompressed contact:
+Units: lengths by the distance of two beads, forces by k_bb, displacements by the amplitude A of the
+wave (displacement of a bead by the wave). To order zero the small spheres follow the beads, and the
+beads are a chain with a second, precompressed contact:
 
-    k = (2 eta tan(theta)/gamma)^(2/3),  eta_hat = n eta/[2 (1 + k tan(theta))]^1.5,  delta_hat = 2
-    delta tan(theta)/A w_i'' = F(w_(i-1) - w_i) - F(w_i - w_(i+1)), F(r) = [r]^1.5 + eta_hat ([r +
-    delta_hat]^1.5 - delta_hat^1.5)  (6.13)
+    k = (2 eta tan(theta)/gamma)^(2/3)
+    eta_hat = n eta/[2 (1 + k tan(theta))]^1.5
+    delta_hat = 2 delta tan(theta)/A
+    w_i'' = F(w_(i-1) - w_i) - F(w_i - w_(i+1))
+    F(r) = [r]^1.5 + eta_hat ([r + delta_hat]^1.5 - delta_hat^1.5)                       (6.13)
 
 A travelling wave w(x - c tau) with the difference r(z) = w(z - 1/2) - w(z + 1/2) obeys c^2 r =
 Lambda * F(r), with Lambda = sinc^2(k/2) in Fourier space; its integral gives c. To first order the
 small spheres are oscillators that the wave drives:
 
-    eps w_1'' + 3 eta sqrt(beta) w_1 = -w_0'',    eps u_1'' + 1.5 gamma sqrt(k beta) (1 + k tan(theta)) u_1 = -u_0''
-    beta = (w_i - w_(i+1) + delta_hat)/(2 (1 + k tan(theta)))                                          (6.16, 6.17)
+    eps w_1'' + 3 eta sqrt(beta) w_1 = -w_0''
+    eps u_1'' + 1.5 gamma sqrt(k beta) (1 + k tan(theta)) u_1 = -u_0''
+    beta = (w_i - w_(i+1) + delta_hat)/(2 (1 + k tan(theta)))                      (6.16, 6.17)
 
-What swings on behind the wave is lost to it: n eps^3 (w_1'^2 + u_1'^2), over the square of the
-beads' largest velocity (6.18).
+The wave loses the energy that keeps oscillating behind it: n eps^3 (w_1'^2 + u_1'^2), divided by
+the square of the largest velocity of the beads (6.18).
 """
 
 import numpy as np
@@ -39,7 +42,9 @@ TAIL = 30.0
 
 
 class LightSpheres:
-    """A row in the limit of light small spheres, by its numbers (6.8), with the wall of the thesis."""
+    """A row in the limit of light small spheres, by its parameters (6.8), with the wall of the
+    thesis.
+    """
 
     def __init__(self, rows):
         self.n, self.eps, self.eta, self.tangent = (
@@ -60,14 +65,16 @@ class LightSpheres:
 
 
 class PrintedSpheres(LightSpheres):
-    """The same with (6.13) and (6.17) as they are printed."""
+    """The asymptotic row with (6.13) and (6.17) as they are printed."""
 
     def __init__(self, rows):
         super().__init__(rows)
         self.eta_hat *= rows.cosine[0] ** 2.5
 
     def springs(self, r, delta_hat):
-        """Axial and radial stiffness, the radial one with differences of small spheres."""
+        """Axial and radial stiffness; the radial stiffness contains the differences of the small
+        spheres.
+        """
         axial, _ = super().springs(r, delta_hat)
         root = np.sqrt(((r[0] + r[2]) / 2 + delta_hat) / 2)
         return [axial, 1.5 * self.gamma * np.sqrt(self.k * self.soft) * root]
@@ -83,8 +90,8 @@ class Travelling:
     """A wave of unit amplitude on the zeroth-order chain, and the small spheres of one gap that it
     drives from rest.
 
-    ``time``: from the crest's passage; ``axial``, ``radial``: their velocities, in A over the unit
-    of tau.
+    ``time``: from the passage of the crest; ``axial``, ``radial``: velocities of the small spheres,
+    in units of A divided by the unit of tau.
     """
 
     def __init__(self, limit, delta_hat):
@@ -113,15 +120,15 @@ class Travelling:
         return near**1.5 + self.limit.eta_hat * (loaded**1.5 - self.delta_hat**1.5)
 
     def displacement(self, z):
-        """Displacement over A of a bead at z from the crest, on the lattice: the differences of all
-        beads ahead.
+        """Displacement, in units of A, of a bead at z from the crest in the lattice: the sum of the
+        differences of all beads ahead.
         """
         ahead = z[:, None] + 0.5 + np.arange(2 * HALF)
         inside = np.abs(ahead) < HALF - 0.1
         return np.where(inside, self.difference(np.clip(ahead, -HALF, HALF - 0.1)), 0.0).sum(axis=1)
 
     def series(self):
-        """C1, C3, C5 and the speed with the least square of the residual of (6.13)."""
+        """C1, C3, C5 and the speed, by least squares of the residual of (6.13)."""
         z = np.linspace(-ENDS, ENDS, int(2 * ENDS * PER_BEAD) + 1)
         odd = np.array([1, 3, 5])
 
@@ -140,7 +147,7 @@ class Travelling:
         return found[:3], found[3]
 
     def _drive(self):
-        """Follow the small spheres, as oscillators of unit mass, by velocity Verlet."""
+        """Integrate the small spheres, as oscillators of unit mass, by velocity Verlet."""
         limit = self.limit
         c = self.speed
         self.time = np.linspace(-(REACH - 1) / c, (REACH - 1 + TAIL) / c, INSTANTS)

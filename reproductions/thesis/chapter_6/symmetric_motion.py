@@ -1,17 +1,19 @@
-"""Symmetric motion of confined rows: beads along the axis, the small spheres of a ring alike, along
-it and outward.
+"""Symmetric motion of confined rows: beads move along the axis; all small spheres of a ring have
+the same motion, along the axis and outward.
 
-    m_b w''   = forces of neighbouring beads + n (axial parts of the contacts with the rings on either side)
-    m_s w_s'' = axial parts of the contacts with two beads
-    m_s u''   = lateral parts of these - k_w [u + shrinks]^1.5 + 2 k_ss [-2 u sin(pi/n)]^1.5 sin(pi/n)
+    m_b w''   = forces of the neighbouring beads
+                + n (axial components of the contact forces with the rings on either side)
+    m_s w_s'' = axial components of the contact forces with two beads
+    m_s u''   = lateral components of these forces - k_w [u + shrinks]^1.5
+                + 2 k_ss [-2 u sin(pi/n)]^1.5 sin(pi/n)
 
-with overlaps of the true, moving geometry and forces along the lines of centres. (6.7) of the
-thesis are these with directions that do not turn, without contacts in the ring, and with its
-constant of the wall.
+The overlaps are those of the moving geometry, and forces act along the lines of centres. Equations (6.7) of
+the thesis follow with fixed contact directions, without contacts in the ring, and with its constant
+of the wall.
 
-Velocity Verlet on a window of cells that follows the front. What the wave leaves behind is slower
-than its front and never comes back to it, so that the cells behind can be let go. Many rows are
-followed at once.
+The integration is velocity Verlet on a window of cells that follows the front. Motion behind the
+wave is slower than the front and never reaches it, so that cells far behind are dropped. Many rows
+are computed at once.
 """
 
 import numpy as np
@@ -36,8 +38,8 @@ def waves_of(runs):
 
 
 def leading_wave(rows, velocity, struck, last, motion=None):
-    """Largest force of each contact of beads, N, and when, s: (n_rows, last); bead ``struck`` gets
-    a velocity, m/s. ``motion``: class of the window, if it is not `Window`.
+    """Largest force of each contact between beads, N, and its time, s: (n_rows, last); bead
+    ``struck`` has an initial velocity, m/s. ``motion``: class of the window, `Window` by default.
     """
     motion = motion or Window
     given = np.broadcast_to(np.asarray(velocity, dtype=float), rows.n.shape)

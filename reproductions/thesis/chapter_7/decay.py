@@ -21,8 +21,8 @@ COLOURS_END = {0.0: 7.0, 8e-4: 9.0}  # 1e-3 a contact, of Fig. 7.2, by a
 
 
 def select(runs):
-    """Decay, 1e-3, and name by gamma and a, in rising order; none for a single scan, which has only
-    some of them.
+    """Decay, 1e-3, and name by gamma and a, in rising order; empty for a single scan, which has
+    only some of the runs.
     """
     found = {(row.gamma, row.a): (KILO * row.decay(), row.name) for row in map(FilterRow, runs)}
     return (
@@ -70,7 +70,7 @@ def rows(decays):
                      remark="The maximum moves to larger cylinders as the walls press more, as in "
                             "the source.")
         end = COLOURS_END.get(a)
-        yield gw.Row(f"Decay there, a = {a:g}{', at most' if end else ''}", "1e-3", end, largest, "thesis Fig. 7.2",
+        yield gw.Row(f"Largest decay, a = {a:g}{', at most' if end else ''}", "1e-3", end, largest, "thesis Fig. 7.2",
                      "The bound is the end of the colour scale." if end else "", digits=3, bound=bool(end))
     # fmt: on
 
@@ -92,10 +92,10 @@ def pictures(decays):
         name = column(f"gamma {gamma:g}")
         data |= {f"{name}_a": a, f"{name}_decay": 1e-3 * decay}
     left.set(
-        xlabel=r"Diameter of the cylinders over that of the spheres, $\gamma$",
+        xlabel=r"Diameter of the cylinders / spheres, $\gamma$",
         ylabel="Decay per contact (1e-3)",
     )
-    right.set(xlabel="Approach of the walls over the diameter, a (1e-3)")
+    right.set(xlabel="Approach of the walls / diameter, a (1e-3)")
     for axes in (left, right):
         axes.legend(fontsize=7)
     caption = (

@@ -1,9 +1,9 @@
-"""Filter: decay over diameter and length of the cylinders (thesis Figs 7.2 and 7.3).
+"""Filter: decay against diameter and length of the cylinders (thesis Figs 7.2 and 7.3).
 
 The impact is on sphere 20 of chains of 160 spheres, at 1 m/s. Walls just touch the cylinders, or
 press them. gamma and eta are the diameter and the length of the cylinders, and a the approach of
-the walls, all divided by the diameter of the spheres. The decay is the slope of ln(peak force) over
-contacts 61 to 111.
+the walls, all divided by the diameter of the spheres. The decay is the slope of ln(peak force)
+between contacts 61 and 111.
 """
 
 import dataclasses
@@ -39,7 +39,7 @@ class Maps:
 
     @property
     def ratio(self):
-        """Decay between pressing walls over the decay between touching ones."""
+        """Ratio of the decay with pressing walls to the decay with touching walls."""
         return self.decay[PRESSED] / self.decay[0.0]
 
     def square(self, a):
@@ -48,8 +48,8 @@ class Maps:
 
     def misfit_of_mass(self, a):
         """Return the rms difference between the decay of a cylinder with low gamma and the decay of
-        the cylinder with eta = 1 and the same mass, over the rms deviation of these decays from
-        their mean.
+        the cylinder with eta = 1 and the same mass, divided by the rms deviation of these decays
+        from their mean.
         """
         mass = self.gammas[:, None] ** 2 * self.etas
         alike = np.interp(mass, self.gammas**2, self.square(a))
@@ -59,7 +59,7 @@ class Maps:
 
 
 def select(runs):
-    """Maps of both approaches; none for a single scan, which has only one approach."""
+    """Maps of both approaches; empty for a single scan, which has only one approach."""
     rows = [FilterRow(run) for run in runs]
     gammas = np.unique([row.gamma for row in rows])
     etas = np.unique([row.eta for row in rows])
@@ -121,7 +121,7 @@ def pictures(maps):
         maps.gammas, maps.etas, maps.ratio.T, levels, cmap="RdBu_r", extend="both"
     )
     figure.colorbar(drawn, ax=panels[-1], label="Ratio of the decays")
-    panels[-1].set(title="pressed over touching")
+    panels[-1].set(title="pressed / touching")
     for axes in panels:
         axes.set(xlabel=r"$\gamma$")
     panels[0].set(ylabel=r"$\eta$")
@@ -131,7 +131,9 @@ def pictures(maps):
         f"decay_{'pressed' if a else 'touching'}": 1e-3 * decay.ravel()
         for a, decay in maps.decay.items()
     }
-    caption = "Decay of the peak force per contact over diameter (gamma) and length (eta) of the "
+    caption = (
+        "Decay of the peak force per contact against diameter (gamma) and length (eta) of the "
+    )
     caption += "cylinders, and its "
-    caption += "ratio: the maps of thesis Figs 7.2 and 7.3, over the same axes and colours"
+    caption += "ratio: the maps of thesis Figs 7.2 and 7.3, with the same axes and colours"
     yield gw.Picture("filter_map", caption, figure, data)

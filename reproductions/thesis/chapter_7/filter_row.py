@@ -1,9 +1,9 @@
 """A row of spheres with a cylinder on either side of every gap, between two rigid walls (thesis
 7.1).
 
-gamma and eta are the diameter and the length of the cylinders over the diameter of the spheres, a
-is the approach of the walls over it. Contact n is that of spheres n and n + 1. The decay is that of
-ln(peak force) per contact.
+gamma and eta are the diameter and the length of the cylinders, and a is the approach of the walls,
+all divided by the diameter of the spheres. Contact n is between spheres n and n + 1. The decay is
+the decrease of ln(peak force) per contact.
 """
 
 import csv
@@ -36,7 +36,7 @@ def second_solver():
 
 
 class FilterRow(GrainRow):
-    """A row, and the numbers of the thesis."""
+    """A run of a row with cylinders, and its parameters in the thesis."""
 
     def __init__(self, run):
         super().__init__(run)

@@ -97,7 +97,7 @@ def pictures(runs):
             ylabel="Peak velocity / peak velocity of the top",
             yscale="log",
         )
-        right.set(xlabel="Time (ms)", ylabel="Force on the bottom beyond static (N)")
+        right.set(xlabel="Time (ms)", ylabel="Dynamic force on the bottom (N)")
         figure.legend(loc="outside upper center", ncols=4, fontsize=7)
         caption = f"Plane pulse in an fcc packing, top layer at {velocity:g} m/s, by the spheres in its octahedral holes: "
         caption += (

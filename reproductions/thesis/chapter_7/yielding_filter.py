@@ -9,7 +9,7 @@ from filter_row import FilterRow
 
 import granwave as gw
 
-# m/s: largest impact velocity of yielding rows; peaks over the force of the walls
+# m/s: largest impact velocity of yielding rows; peaks / force of the walls
 RATTLES = 1.0
 LITTLE = 0.25
 RATTLING = (

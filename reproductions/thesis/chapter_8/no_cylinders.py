@@ -43,8 +43,9 @@ def rows(runs):
                      theory=solved[STATES[0], 0.0, 0, 27, velocity]["sphere_6_first_N"], **solver)
         yield gw.Row(f"{name}, at most", "N", AXIS, peak, "thesis Fig. 8.4",
                      "The bound is the end of the axis. Our sphere falls freely, the sphere of "
-                     "the source along rails.", bound=True)
-    yield gw.Row("Displacement of sphere 10 in a long chain, at rest again", "um", 13.0,
+                     "the source along rails, and its sensor is somewhere in the middle of a chain "
+                     "of unknown length.", bound=True)
+    yield gw.Row("Displacement of sphere 10 in a long chain, after the wave", "um", 13.0,
                  1e6 * long.array("probes/sphere_10_uz")[-1], "thesis 8",
                  "The source states about 13. In the second solver the wave itself displaces "
                  f"spheres by {far:.2f} um, and less near the impacted sphere.", near)

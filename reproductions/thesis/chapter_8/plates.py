@@ -17,7 +17,7 @@ TOUCHING = (SPHERE + CYLINDER) / 2  # m: distance of the centres
 
 
 def difference(row):
-    """Difference from the other rows; empty for the reference."""
+    """Text of the difference from the other rows; empty for the reference."""
     length = row.case.packing.grains.shape[-1].length
     parts = []
     if not math.isclose(length, SPHERE):
@@ -30,7 +30,7 @@ def difference(row):
 
 
 def select(runs):
-    """Rows with cylinders; none for a single scan, whose cylinders all open the gaps or are all
+    """Rows with cylinders; empty for a single scan, whose cylinders all open the gaps or are all
     loose.
     """
     found = [row for row in map(SwitchRow, runs) if row.n]
@@ -53,12 +53,12 @@ def rows(found):
     along = math.sqrt(TOUCHING**2 - ((loose.height - CYLINDER) / 2) ** 2)
     for name, ours, theory in (
         ("Distance of a loose cylinder from its sphere, along the row", near, along),
-        ("Gap of it to the other sphere", math.hypot(far, across) - TOUCHING,
+        ("Gap between this cylinder and the other sphere", math.hypot(far, across) - TOUCHING,
          math.hypot(SPHERE - along, (loose.height - CYLINDER) / 2) - TOUCHING),
     ):
         yield gw.Row(f"{name}, plates 16.5 mm apart", "mm", ours=1e3 * ours, theory=1e3 * theory,
                      remark="The value follows from the geometry of the source.", **by_geometry)
-    yield gw.Row("Distance H0 of the plates at which all just touches", "mm", where="thesis 8.1", theory=16.279,
+    yield gw.Row("Distance H0 of the plates at which all bodies just touch", "mm", where="thesis 8.1", theory=16.279,
                  ours=1e3 * (math.sqrt(4 * TOUCHING**2 - SPHERE**2) + CYLINDER), verification=True,
                  remark="The value follows from the diameters of the packing; the source does not "
                         "give it.")

@@ -37,8 +37,8 @@ WINDOWS = ((OPEN, FRICTION, 600.0, "8.5a"), (DOWNSTREAM, 0.0, 500.0, "8.5b"))  #
 
 
 def select(runs):
-    """Rows by state and friction, by the number of cylinders, and the row without them; none for a
-    single scan.
+    """Rows by state and friction, in order of the number of cylinders, and the row without
+    cylinders; empty for a single scan.
     """
     found = {(row.state, row.friction, row.n): row for row in map(SwitchRow, runs)
              if len(row.ids) == SPHERES and row.speed == SPEED}  # fmt: skip
@@ -61,7 +61,7 @@ def rows(measured):
                          remark=remark, **checked)
             if state != OPEN:
                 continue
-            yield gw.Row(f"Its time, {row.name}", "us", ours=1e6 * time, theory=1e6 * theory["sphere_21_first_s"],
+            yield gw.Row(f"Time of the first peak at sphere 21, {row.name}", "us", ours=1e6 * time, theory=1e6 * theory["sphere_21_first_s"],
                          remark=SOLVER, **checked)
             if friction:
                 yield gw.Row(f"Largest force at sphere 21, {row.name}", "N", ours=row.sensor(SENSORS[1])[1].max(),
@@ -80,7 +80,7 @@ def rows(measured):
 
 
 def both_sensors(found, none):
-    """Rows of the signals of both sensors (Fig. 8.5), by the axes and the text."""
+    """Rows of the signals of both sensors (Fig. 8.5), compared with the axes and the text."""
     first = [row.first for row in (none, *found[OPEN, FRICTION])]
     times, forces = np.array(first).T
     steps = len(NUMBERS)
@@ -121,7 +121,7 @@ def both_sensors(found, none):
     for state in (UPSTREAM, DOWNSTREAM):
         row = found[state, FRICTION][-1]
         yield gw.Row(
-            f"First peak at sphere 21 relative to that without cylinders, {row.name}",
+            f"First peak at sphere 21 relative to the chain without cylinders, {row.name}",
             ours=row.first[1] / none.first[1],
             where="thesis 8.2.2, Fig. 8.5b",
             digits=3,

@@ -35,7 +35,7 @@ def second_solver():
 
 
 class SwitchRow(GrainRow):
-    """A row, the state of its cylinders, and its first peak (s, N) at sphere 21."""
+    """A run of the chain, the state of its cylinders, and its first peak (s, N) at sphere 21."""
 
     def __init__(self, run):
         super().__init__(run)
@@ -60,7 +60,7 @@ class SwitchRow(GrainRow):
         self.first = self.first_peak_at(SENSORS[1])
 
     def sensor(self, sphere):
-        """Instants, s, and the mean of the two contact forces of a sphere, N."""
+        """Time, s, and the mean of the two contact forces of a sphere, N."""
         return self.array("probes/time"), (
             self.contact_forces[sphere - 1] + self.contact_forces[sphere]
         ) / 2

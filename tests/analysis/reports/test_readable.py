@@ -101,7 +101,7 @@ def test_keys_without_effect_do_not_differ():
 
 
 def test_an_unfinished_run_is_not_ranked(tmp_path):
-    """Its zone is small because it has hardly begun; a badge says that it is not finished."""
+    """The zone is small because the run has hardly started; a badge marks the run as unfinished."""
     paths = []
     for name, depth in (("a", 0.02), ("b", 0.03), ("c", 0.001)):
         values = {"zone_depth_90_interpolated_m": depth, "end_time_s": 1e-4}

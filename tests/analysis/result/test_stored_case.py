@@ -1,4 +1,4 @@
-"""Opening a finished run is reading: its case is parsed, and nothing about it is checked again."""
+"""Opening a finished run only reads it: the case is parsed and not checked again."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import read_run
 from granwave.lammps_inputs import files as input_files
 from granwave.lammps_inputs import load_case
-from granwave.lammps_inputs.case import added_grains, packing
+from granwave.lammps_inputs.case import added_grains
+from granwave.lammps_inputs.case.packing import packing
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, stored_case
 from granwave.lammps_inputs.run_directory import RESULT_FILE
@@ -29,7 +30,7 @@ _CHECKS = ("check_together", "check_case", "warn_about")
 
 @pytest.fixture
 def poor_machine(monkeypatch):
-    """A machine without memory; returns the names of the checks that were made on it."""
+    """A machine without memory; returns the names of the checks that were made."""
     loading = sys.modules[case_from_dict.__module__]  # the package has a function of that name
     made: list[str] = []
 

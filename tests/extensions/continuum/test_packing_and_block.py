@@ -31,6 +31,7 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import RUN
 from granwave.workflows import library, load_scan
 from granwave.workflows.cli.main import main
+from granwave.workflows.scanning import driver
 from granwave.workflows.scanning.suite import load_suite, run_suite
 
 #: Reference, equal normalized velocities with E doubled (v/4), and three spheres with the energy of one.
@@ -66,7 +67,11 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
     files = tmp_path_factory.mktemp("suite")
     for name, text in (("granular", GRANULAR), ("continuum", CONTINUUM), ("suite", SUITE)):
         (files / f"{name}.toml").write_text(text, encoding="utf-8")
-    assert main(["scan", str(files / "suite.toml"), "-o", str(files / "out")]) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        # figures and reports of its scans, which are no subject here, take as long as all runs
+        patch.setattr(driver, "_draw", lambda _: None)
+        patch.setattr(driver, "publish", lambda *_: None)
+        assert main(["scan", str(files / "suite.toml"), "-o", str(files / "out")]) == 0
     return files / "out"
 
 
@@ -79,7 +84,7 @@ def impacts(suite: Path) -> Impacts:
 def test_refused_runs_are_left_out_of_the_comparison(
     suite: Path, tmp_path: Path, monkeypatch
 ) -> None:
-    """Blocks too, which have no run.json."""
+    """This includes blocks, which have no run.json."""
     monkeypatch.setattr(comparison, "pictures_of", lambda *_: ())  # drawn elsewhere
     for point in sorted((suite / "continuum" / "points").iterdir())[:1]:
         shutil.copytree(point, tmp_path / "bad")
@@ -88,7 +93,7 @@ def test_refused_runs_are_left_out_of_the_comparison(
     ResultDirectory(tmp_path / "bad").note_files(["summary.json"])
     inputs = read_inputs([suite, tmp_path / "bad"], tmp_path)
     assert [run.label for run in inputs.whole() if run.status == "refused"] == ["bad (refused)"]
-    section = comparison.comparison_section(inputs)
+    section = comparison.comparison_section(inputs, comparison.comparison_of(inputs))
     notes = [
         block.text for block in section.blocks if isinstance(block, Note) and block.tone == "bad"
     ]
@@ -97,7 +102,7 @@ def test_refused_runs_are_left_out_of_the_comparison(
 
 
 def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> None:
-    """With the reason: friction, another packing."""
+    """Excluded runs are listed with the reason: friction, another packing."""
     whole = list(read_inputs([suite], suite).whole())
     runs = [run.kind.study_run(run) for run in whole]
     first = next(run for run in whole if isinstance(run.kind, GranularKind))
@@ -247,7 +252,9 @@ def notes_on_zones(impacts: Impacts) -> list[str]:
 
 
 def test_the_influence_of_the_bounds_is_computed_or_not_told(impacts: Impacts) -> None:
-    """No number of other runs: none without two sizes, the differences of these runs with them."""
+    """The numbers come from these runs only: none without two sizes, their differences with two
+    sizes.
+    """
     assert any("no impact was computed in two packings" in text for text in notes_on_zones(impacts))
     assert len(zone.differences_by_size(impacts, "packing")) == 0
     one = impacts.reference[2:3]

@@ -21,7 +21,7 @@ from granwave.extensions.continuum.punch.run import run_continuum
 from granwave.extensions.continuum.quantities import CONTINUUM_ROWS, QUANTITIES
 from granwave.extensions.continuum.sphere_contact import SphereContactCase
 from granwave.extensions.continuum.sphere_contact.run import run_sphere_contact
-from granwave.workflows.cli.keys import tables
+from granwave.workflows.cli.keys.reference import tables
 
 COMMON = {"name": "small", "material": "brass"}
 CONTACT = {

@@ -1,4 +1,6 @@
-"""Files of a search: keys, layers, limits that are known before a run, refusals, and the plan."""
+"""Files of a search: keys, layers, limits that are known before a run, rejected input, and the
+plan.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ from jsonschema import Draft202012Validator
 from granwave.extensions.design.search.problem import with_values
 from granwave.extensions.design.search.study import DesignStudy, first_design, new_design
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.json_schema import schema_of
+from granwave.workflows.cli.keys.json_schema import schema_of
 from tests.extensions.design.chain_search import CHAIN, MATERIALS, problem_of
 
 pytest.importorskip("sklearn")

@@ -1,4 +1,4 @@
-"""Clumps in tables and cases: numbers, contacts, the deck, and what is refused."""
+"""Clumps in tables and cases: numbers, contacts, the deck, and rejected input."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 
 from granwave.lammps_inputs import build_packing, plan
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.grains import parse_grains
+from granwave.lammps_inputs.case.packing.grains import parse_grains
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict

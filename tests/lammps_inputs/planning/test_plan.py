@@ -238,8 +238,8 @@ def test_lines_of_a_log(
 
 
 def test_memory_of_each_rank() -> None:
-    """The steps are shared by the ranks; of the analysis each holds a part, and the first what it
-    puts together.
+    """The steps are divided among the ranks; in the analysis each rank holds a part, and the first
+    rank the combined data.
     """
     check_memory(plan(make()))
     with pytest.raises(
@@ -263,7 +263,9 @@ def test_memory_of_each_rank() -> None:
 
 
 def test_ranks_that_analyse_fit_into_the_memory_of_the_run() -> None:
-    """A part of the packing does not shrink with the number of ranks, so that fewer take one."""
+    """The size of a part of the packing does not decrease with the number of ranks, so that fewer
+    ranks have one.
+    """
     case = make(packing={"size": [220, 220, 207]})
     few = plan(case, n_ranks=8)
     many = plan(case, n_ranks=128)
@@ -284,7 +286,7 @@ def test_one_timestep_of_a_contact_in_packings_of_any_height() -> None:
 
 
 def test_loads_far_above_the_cut_off(caplog: pytest.LogCaptureFixture) -> None:
-    """A steel row under 20 N passes waves up to 2 sqrt(k/m)/(2 pi) = 19.8 kHz; the estimate is
+    """A steel chain under 20 N transmits waves up to 2 sqrt(k/m)/(2 pi) = 19.8 kHz; the estimate is
     within 15 % of it.
     """
 

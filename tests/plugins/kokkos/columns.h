@@ -1,5 +1,4 @@
-// Columns of spheres of two sizes that are pressed, released and pressed again, each contact to another depth: what both programs of
-// test_kernels.py compute, one with the laws as the plain pair style has them, one with the kernels of Kokkos.
+// Columns of spheres of two sizes that are pressed, released and pressed again, each contact to another depth: both programs of test_kernels.py compute them, one with the laws of the plain pair style, one with the kernels of Kokkos.
 #include "kernels/touching_pairs.h"
 #include "laws/law_arguments.h"
 #include "laws/tangential.h"
@@ -76,7 +75,7 @@ constexpr double SPEED = 0.05, SPIN = 8.0;
 inline double coefficient(int i) { return i % 7 == 0 ? 0.0 : 0.3; }
 inline TangentialModel model(int i) { return i % 2 == 0 ? TangentialModel::MINDLIN : TangentialModel::MINDLIN_RESCALE; }
 
-/* Print numbers by their bits. */
+/* Print the bits of numbers. */
 inline void print(const char *name, int step, int i, std::initializer_list<double> numbers)
 {
   std::printf("%s %d %d", name, step, i);

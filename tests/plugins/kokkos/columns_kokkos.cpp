@@ -1,5 +1,4 @@
-// The columns with the kernels of pair style gran/hysteretic/kk, on the back end that the first word names: serial or openmp. With a
-// second word, friction.
+// The columns with the kernels of pair style gran/hysteretic/kk, on the back end given by the first argument, serial or openmp; with friction if there is a second argument.
 #include "kokkos/contact_kernels.h"
 
 #include "columns.h"

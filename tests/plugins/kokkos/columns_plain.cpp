@@ -1,4 +1,4 @@
-// The columns with the laws as the plain pair style has them, with a word with friction; no header of Kokkos is in the path.
+// The columns with the laws of the plain pair style, with friction if there is an argument; no header of Kokkos is included.
 #include "columns.h"
 
 #include "kernels/front.h"

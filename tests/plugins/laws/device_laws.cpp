@@ -1,4 +1,4 @@
-// Laws and batches of contacts as code of a graphics card: compiled by test_device_code.py, for one contact or batch a thread.
+// Laws and batches of contacts as code of a graphics card: compiled by test_device_code.py, with one contact or batch per thread.
 #include <algorithm>
 #include <array>
 #include <cmath>

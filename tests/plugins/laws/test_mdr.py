@@ -1,5 +1,5 @@
-"""LAMMPS's own elasto-plastic law, ``mdr`` of ``pair_style granular``, beside ours: the tables of
-docs/explanation/contact-law.md.
+"""LAMMPS's own elasto-plastic law, ``mdr`` of ``pair_style granular``, compared with ours: the
+tables of docs/explanation/contact-law.md.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ RADIUS = 0.005
 EFFECTIVE = RADIUS / 2
 SPHERES = [{"shape": "sphere", "diameter": 2 * RADIUS, "material": "brass"}] * 2
 OURS = "elastoplastic-fe"
-LARGEST = 0.048  # overlap over R*
+LARGEST = 0.048  # overlap / R*
 STEPS = 800
 
 
@@ -58,7 +58,7 @@ def collision(law: str, x: float, z: float) -> str:
 
 @pytest.fixture
 def pressed(lammps):
-    """Overlaps and forces of two spheres that are pressed together and drawn apart again, slowly."""
+    """Overlaps and forces of two spheres that are slowly pressed together and separated again."""
     run = lammps(two_spheres("mdr", 0.0, 2 * RADIUS * (1 + 1e-9)))
     speed = LARGEST * EFFECTIVE / STEPS
     run.commands_string("timestep 1\nfix still lower move linear 0 0 0\n")
@@ -111,7 +111,7 @@ def test_restitution(lammps, speed):
 
 
 def restitution_of_ours(energy: float) -> float:
-    """Return the share of the velocity that a head-on collision of this energy leaves."""
+    """Return the coefficient of restitution of a head-on collision with this energy."""
 
     def loading_work(peak: float) -> float:
         overlaps = np.linspace(0, peak, 4001)
@@ -170,7 +170,7 @@ def touching(run) -> np.ndarray:
 
 
 def test_mdr_does_not_stop_in_a_packing_that_rattles(lammps):
-    """Contacts open and close; none of them passes through an overlap that is rounded to zero."""
+    """Contacts open and close, and none is affected by an overlap that is rounded to zero."""
     cell = float(np.sqrt(2) * 2 * RADIUS * (1 + 1e-9))
     run = lammps(f"""units si
 atom_style sphere

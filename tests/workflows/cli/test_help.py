@@ -20,7 +20,8 @@ from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.extensions import load
 from granwave.workflows import library
-from granwave.workflows.cli import keys, package
+from granwave.workflows.cli import package
+from granwave.workflows.cli.keys import reference
 from granwave.workflows.cli.main import FAILED, main
 from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.cli.terminal import BOLD, SHELLS, SWITCH_ON, coloured
@@ -127,7 +128,7 @@ sys.exit(status)
 
 
 def test_check_loads_no_large_library():
-    """Each takes about as long to load as all the rest of the command."""
+    """Each of these modules takes about as long to load as the rest of the command."""
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=60, env=PLAIN
     )
@@ -226,7 +227,7 @@ def test_every_shell_has_its_code(shell, capsys):
 
 
 def test_bash_completes(tmp_path):
-    """The whole way: the line of the start page, and a TAB as bash makes it."""
+    """The complete path: the line of the start page, and a TAB as in bash."""
     words = """
 eval "$(granwave completion bash)"
 COMP_LINE="granwave run fcc-sm" COMP_POINT=19 COMP_TYPE=9 COMP_WORDS=(granwave run fcc-sm) COMP_CWORD=2
@@ -251,7 +252,7 @@ for kind in file_kinds():
 ELSEWHERE = {("boundary", "bottom"), ("load", "file")}
 
 
-def example(key: keys.Key) -> object:
+def example(key: reference.Key) -> object:
     (value,) = tomllib.loads(key.example).values()
     return value
 
@@ -259,18 +260,20 @@ def example(key: keys.Key) -> object:
 def test_every_key_that_is_read_is_listed():
     listed = {
         f"{table.name}.{key.name}"
-        for table in keys.tables()
+        for table in reference.tables()
         if table.file == CASE_FILE.name
         for key in table.keys
     }
     known = {key.replace(".1.", ".") for key in case_keys() if "." in key}
     assert known <= listed
     assert {field.name for field in dataclasses.fields(load_section())} <= {
-        key.name for key in keys.find("load")[0].keys
+        key.name for key in reference.find("load")[0].keys
     }
 
 
-@pytest.mark.parametrize("table", keys.tables(), ids=lambda table: f"{table.file}-{table.name}")
+@pytest.mark.parametrize(
+    "table", reference.tables(), ids=lambda table: f"{table.file}-{table.name}"
+)
 def test_every_key_has_what_a_reader_needs(table):
     assert table.description and table.keys
     for key in table.keys:
@@ -282,8 +285,8 @@ def test_every_key_has_what_a_reader_needs(table):
 
 @pytest.mark.parametrize(("file", "name"), SECTIONS)
 def test_examples_are_valid(file, name):
-    """A key's example is read, and the value that it gives is read as the same value again."""
-    (table,) = [table for table in keys.tables() if (table.file, table.name) == (file, name)]
+    """The example of a key is read, and the value written again is read as the same value."""
+    (table,) = [table for table in reference.tables() if (table.file, table.name) == (file, name)]
     fields = {field.name: field for field in dataclasses.fields(SECTIONS[file, name])}
     for key in table.keys:
         if key.name not in fields or (name, key.name) in ELSEWHERE:
@@ -296,10 +299,10 @@ def test_examples_are_valid(file, name):
 
 
 def test_no_example_of_a_key_that_does_not_exist():
-    for file, tables in keys._examples().items():
+    for file, tables in reference._examples().items():
         for name, examples in tables.items():
             (table,) = [
-                table for table in keys.tables() if (table.file, table.name) == (file, name)
+                table for table in reference.tables() if (table.file, table.name) == (file, name)
             ]
             assert set(examples) <= {key.name for key in table.keys}, (file, name)
 
@@ -311,9 +314,9 @@ def test_a_load_knows_its_file():
 
 
 def test_keys_by_name_and_by_words(granwave):
-    """Tables, keys, whose words may stand apart, and words of choices and descriptions."""
+    """Tables, keys (whose words may be separate), and words of choices and descriptions."""
     shown = granwave("keys").stdout
-    assert all(f"  {table.name} " in shown for table in keys.tables())
+    assert all(f"  {table.name} " in shown for table in reference.tables())
     assert (
         "diameter  m  required\n    diameter of the spheres; with a file"
         in granwave("keys", "packing").stdout
@@ -338,12 +341,12 @@ def test_keys_by_name_and_by_words(granwave):
 
 
 def test_usual_magnitudes_are_those_that_messages_name():
-    """Warnings begin far beyond for bodies that stand for rigid ones, and the text says from where
-    on.
+    """For bodies that represent rigid ones, warnings begin at far larger values, and the text
+    states the limit.
     """
     found = {
         key.name: key.usual
-        for table in keys.tables()
+        for table in reference.tables()
         for key in table.keys
         if table.name in ("material", "packing")
     }

@@ -1,4 +1,4 @@
-"""granwave check, and what commands say as JSON."""
+"""granwave check, and the JSON output of commands."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import pytest
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.workflows import load_case, run_case
-from granwave.workflows.cli import doctor
-from granwave.workflows.cli.doctor import Finding
-from granwave.workflows.cli.keys import tables
+from granwave.workflows.cli.installation import doctor
+from granwave.workflows.cli.installation.doctor import Finding
+from granwave.workflows.cli.keys.reference import tables
 from granwave.workflows.cli.main import main
 from granwave.workflows.cli.tables.scan_outcome import outcome_values
 from granwave.workflows.cli.terminal import print_json
@@ -125,7 +125,7 @@ def test_check(capsys):
 
 
 def leaves(value):
-    """Numbers of a document, those that are keys among them, and the lengths of lists and tables."""
+    """Numbers of a document, including numbers that are keys, and the lengths of lists and tables."""
     if isinstance(value, dict):
         return [
             one
@@ -251,8 +251,8 @@ def test_a_scan_prints_one_document(tmp_path, capfd):
 
 
 def test_doctor_with_the_profile_of_a_cluster(tmp_path, monkeypatch):
-    """Commands that are there are found, the launcher only after the commands of `before`; others
-    get a remedy.
+    """Existing commands are found, the launcher only after the commands of `before`; for others a
+    remedy is given.
     """
     tools = tmp_path / "tools"
     bare = tmp_path / "bare"

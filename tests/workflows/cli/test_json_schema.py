@@ -1,4 +1,6 @@
-"""JSON Schemas of the files of users: all that come with the package fit, wrong ones do not."""
+"""JSON Schemas of the files of users: all files of the package are valid, invalid files are
+detected.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,8 @@ import pytest
 from jsonschema import Draft202012Validator
 
 import granwave as gw
-from granwave.workflows.cli import keys
-from granwave.workflows.cli.json_schema import schema_of
+from granwave.workflows.cli.keys import reference
+from granwave.workflows.cli.keys.json_schema import schema_of
 from granwave.workflows.cli.main import main
 from granwave.workflows.file_kinds import file_kinds
 from tests.documents.pages import ROOT, blocks, pages
@@ -76,7 +78,7 @@ def test_schemas_are_schemas_and_keep_their_own_examples(kind):
     schema = schema_of(kind)
     Draft202012Validator.check_schema(schema)
     assert schema["$comment"] == f"granwave {gw.__version__}"
-    for table in (table for table in keys.tables() if table.file == kind):
+    for table in (table for table in reference.tables() if table.file == kind):
         for key in table.keys:
             assert f'"{key.name}": {{' in json.dumps(schema), key.name
 

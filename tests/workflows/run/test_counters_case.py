@@ -1,16 +1,24 @@
-"""Counts of how often a run reads, checks and assembles its case, and a report of finished runs."""
+"""Counts of how often a run reads, checks and assembles its case, and a report of finished runs;
+and of how often a scan makes its studies.
+"""
 
 from __future__ import annotations
 
 import importlib
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from granwave.analysis.reports import studies as report_studies
+from granwave.analysis.studies.study import make_studies
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import load_case, run_case
+from granwave.workflows.scanning.driver import publish
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 PARSED = "parsed"
 ASSEMBLED = "assembled"
@@ -25,7 +33,9 @@ DIRECTORIES = importlib.import_module("granwave.lammps_inputs.directories")
 
 @pytest.fixture
 def counts(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
-    """Calls of the functions that read, check, afford and assemble cases, in this process."""
+    """Calls of the functions that read, check and assemble cases and test resources, in this
+    process.
+    """
     counter: Counter[str] = Counter()
 
     def count(owner: Any, name: str, what: str) -> None:
@@ -103,7 +113,7 @@ def test_a_report_of_finished_runs_checks_and_affords_nothing(
 
 
 def test_an_assembly_travels_as_its_case() -> None:
-    """Other processes assemble it again; what it has kept stays behind."""
+    """Other processes assemble the case again; values kept by the assembly are not transferred."""
     import pickle
 
     from granwave.lammps_inputs.packing.assembly import assemble
@@ -115,3 +125,20 @@ def test_an_assembly_travels_as_its_case() -> None:
     assert len(sent) < 20_000
     received = pickle.loads(sent)
     assert received.case == assembly.case and walls(received) == walls(assembly)
+
+
+def test_studies_of_a_scan_are_made_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """For its figures, its rows and its report."""
+    made = Counter[str]()
+
+    def counted(groups: Mapping[str, Any], *others: Any) -> Any:
+        made.update(list(groups))
+        return make_studies(groups, *others)
+
+    monkeypatch.setattr(report_studies, "make_studies", counted)
+    points = grid(contact__friction=[0.0, 0.1])
+    scan = write_scan(tmp_path / "scan", points, study=["tolerance"])
+    publish(ResultDirectory(scan), ["tolerance"])
+    assert made["tolerance"] == 1
+    assert set(made.values()) == {1}
+    assert (scan / "report.html").is_file()

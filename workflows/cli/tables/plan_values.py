@@ -11,7 +11,7 @@ import numpy as np
 
 from granwave.analysis.measures.target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.contact.contact import Contact
 from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.contact.law import ContactLoss, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -24,7 +24,7 @@ from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.cli.tables.grain_file_values import grain_file_values
 
-_LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
+_LARGEST_OF_LAW = 0.2  # overlap / R* where the contact law ends
 
 
 def _size(assembly: Assembly) -> dict[str, Any]:
