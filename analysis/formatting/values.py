@@ -22,7 +22,8 @@ from granwave.lammps_inputs.packing.cylinders import GRAINS, SPHERES, grains_cal
 NONE = "none"
 #: "over" of a ratio: not of a spread, sum or mean, and not before a range of values.
 _RATIO = re.compile(
-    r"(?<!spread)(?<!sums)(?<!sum)(?<!mean)(?<!average)(,?) over (?!all |two |which |the numbers |time)"
+    r"(?<!spread)(?<!sums)(?<!sum)(?<!mean)(?<!average)(,?) over "
+    r"(?!all |two |which |the numbers |time)"
 )
 _NAMES = ("preset", "name")  # keys that identify a material
 #: Key whose unit follows from the kind of the load, and the key of that.
