@@ -117,12 +117,6 @@ MORE = (
         ("Displacement of sphere 10 in a long chain, after the wave",),
     ),
     ("FCC packing: ", *_FCC_SPEED),
-    (
-        "FCC packing: ",
-        "bands",
-        "bands",
-        ("Ridge of the transform at 0.5 of the zone, FCC, 1e+06 Pa",),
-    ),
     ("", "bands", "resonance", ("Bead on a plane, 0.02 N: frequency of the largest velocity",)),
     (
         "Chain under a static force: ",
