@@ -277,7 +277,7 @@ class ContactList : public PairRows {
     turning[k] = -1;
   }
 
-  /* Copy the live records of the spheres to the list. Those whose pair is not within reach are passed to `forget`. */
+  /* Copy the live records of the spheres to the list. Records whose pair is not within reach are passed to `forget`. */
   template <class Forget> void restore(ContactHistory &history, const Forget &forget)
   {
     if (history.size() == 0) return;
