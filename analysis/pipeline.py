@@ -17,7 +17,7 @@ from granwave.analysis.result.not_a_run import why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
-from granwave.lammps_inputs.case.run import Figures, usual_figure_names
+from granwave.lammps_inputs.case.figures import Figures, usual_figure_names
 from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import added_by_key, missing_package

@@ -35,7 +35,7 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     Raises
     ------
     InputError
-        The file or an override is wrong; the message lists all faults.
+        The file or an override is invalid; the message lists all faults.
     """
     return load_assembly(path, overrides).case
 
@@ -67,7 +67,7 @@ def case_from_dict(
     Raises
     ------
     InputError
-        The case is wrong; the message lists all faults.
+        The case is invalid; the message lists all faults.
     """
     return assembly_from_dict(data, source, overridden).case
 

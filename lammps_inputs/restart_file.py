@@ -414,12 +414,24 @@ def _bodies(fixes: _Fixes, states: _States) -> NDArray[np.int64]:
     return bodies
 
 
+def _states_at_wall(rows: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return the states of all spheres in a wall: of a sphere that has not touched it the file
+    contains only the size of the state, and its row is zero.
+    """
+    n_columns = max([_REPORTED + 2 * _SIDE] + [len(row) for row in rows])
+    table = np.zeros((len(rows), n_columns))
+    for sphere, row in enumerate(rows):
+        if len(row) > 1:
+            table[sphere, : len(row)] = row
+    return table
+
+
 def _walls(fixes: _Fixes, states: _States) -> Iterator[RestartWall]:
     """Yield the contacts with the walls of each fix."""
     for number, (name, style) in enumerate(fixes):
         if style != _WALL:
             continue
-        table = np.array([of_sphere[number][_HEAD:] for of_sphere in states])
+        table = _states_at_wall([of_sphere[number][_HEAD:] for of_sphere in states])
         rest = table[:, _REPORTED + 2 * _SIDE :]
         for side in range(2):
             first = _REPORTED + side * _SIDE

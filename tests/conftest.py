@@ -1,5 +1,5 @@
-"""Fixtures: LAMMPS with the plugin and the command line in this process, and programs in processes
-of their own.
+"""Fixtures: LAMMPS with the plugin and the command line in this process, and programs in separate
+processes.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Leave the collected tests out of garbage collection: a million objects that stay to the end,
-    visited by each full collection, took a sixth of the time of all tests.
+    """Exclude the collected tests from garbage collection: each full collection visited a million
+    permanent objects, which took a sixth of the time of all tests.
     """
     gc.collect()
     gc.freeze()
@@ -105,7 +105,7 @@ def granwave(capfd):
 
 @pytest.fixture
 def process():
-    """Run the command line in a process of its own."""
+    """Run the command line in a separate process."""
 
     def run(
         *arguments: object, cwd: Path | None = None, timeout: float = 300

@@ -181,7 +181,7 @@ def load_case(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     Raises
     ------
     InputError
-        There is no such case, or it is wrong; the message lists all faults.
+        There is no such case, or it is invalid; the message lists all faults.
     """
     return load_assembly(case, overrides).case
 

@@ -116,7 +116,7 @@ def selection(
     Raises
     ------
     InputError
-        A value is wrong.
+        A value is invalid.
     """
     if region is not None:
         try:

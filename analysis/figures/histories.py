@@ -34,6 +34,7 @@ from granwave.analysis.figures.style import (
 from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.target import reached, unprotected
 from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
+from granwave.lammps_inputs.case.case import Case
 
 _NANO = 1e9  # nanoseconds in a second
 _MICRO = 1e6  # microseconds in a second
@@ -227,36 +228,54 @@ def impactor_velocity(result: Result) -> Drawing | None:
 
 def probes(result: Result) -> Drawing | None:
     """Draw the records of the probes, with a panel for each quantity."""
-    histories = set()
-    for probe in result.case.output.probes:
-        if probe.sphere is not None:
-            histories.add(f"sphere_{probe.sphere}")
-        if probe.contact:
-            histories.add("contact_{}_{}".format(*probe.contact))
+    histories = _probed(result.case)
     if "probes" not in result or not histories:
         return None
     time = result["probes/time"]
-    shown: dict[str, dict[str, NDArray]] = {}
     # without records of sensors
     names = [name for name in result.names("probes") if name.rsplit("_", 1)[0] in histories]
-    for match in filter(None, map(_PROBE.fullmatch, names)):
-        quantity = match["quantity"]
-        key = quantity if quantity in _QUANTITIES else quantity[0]
-        axis = "" if key == quantity else f", {quantity[1:]}"
-        curve = match["name"].replace("_", " ", 1).replace("_", "-") + axis
-        shown.setdefault(key, {})[curve] = result[f"probes/{match[0]}"]
-    figure, *stack = panels(0.5 + 1.5 * len(shown), rows=len(shown), sharex=True)
-    order = list(_QUANTITIES).index
-    for axes, key in zip(stack, sorted(shown, key=order), strict=True):
-        quantity, scale = _QUANTITIES[key]
-        for n, (curve, values) in enumerate(shown[key].items()):
+    curves = _probe_curves(result, names)
+    figure, *stack = panels(0.5 + 1.5 * len(curves), rows=len(curves), sharex=True)
+    for axes, (quantity, records) in zip(stack, curves.items(), strict=True):
+        title, scale = _QUANTITIES[quantity]
+        for n, (curve, values) in enumerate(records.items()):
             line = LINES[(n + n // len(LINES)) % len(LINES)]
             against_time(axes, time, values * scale, line, label=curve)
-        label(axes, y=quantity)
-    _name_curves(figure, stack, [list(shown[key]) for key in sorted(shown, key=order)])
-    units = {name: result.unit(f"probes/{name}").replace(" s-1", "_s") for name in names}
-    columns = {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names}
-    return Drawing(figure, {"time_s": time} | columns)
+        label(axes, y=title)
+    _name_curves(figure, stack, [list(records) for records in curves.values()])
+    columns = {"time_s": time}
+    for name in names:
+        unit = result.unit(f"probes/{name}").replace(" s-1", "_s")
+        columns[f"{name}_{unit}"] = result[f"probes/{name}"]
+    return Drawing(figure, columns)
+
+
+def _probed(case: Case) -> set[str]:
+    """Return the names of the spheres and contacts with a probe, as in the names of records."""
+    names = set()
+    for probe in case.output.probes:
+        if probe.sphere is not None:
+            names.add(f"sphere_{probe.sphere}")
+        if probe.contact:
+            first, second = probe.contact
+            names.add(f"contact_{first}_{second}")
+    return names
+
+
+def _probe_curves(result: Result, names: list[str]) -> dict[str, dict[str, NDArray]]:
+    """Return the records of probes by quantity, in the order of the panels, and by curve."""
+    curves: dict[str, dict[str, NDArray]] = {}
+    for name in names:
+        match = _PROBE.fullmatch(name)
+        if match is None:
+            continue
+        quantity = match["quantity"]
+        curve = match["name"].replace("_", " ", 1).replace("_", "-")
+        if quantity not in _QUANTITIES:  # a component, such as vz
+            curve = f"{curve}, {quantity[1:]}"
+            quantity = quantity[0]
+        curves.setdefault(quantity, {})[curve] = result[f"probes/{name}"]
+    return {quantity: curves[quantity] for quantity in _QUANTITIES if quantity in curves}
 
 
 def _name_curves(figure: Any, stack: list[Axes], names: list[list[str]]) -> None:

@@ -67,19 +67,25 @@ def packing_drawing(assembly: Assembly) -> Drawing:
     names = _materials(assembly)
     low = (position - diameter[:, None] / 2).min(axis=0)
     high = (position + diameter[:, None] / 2).max(axis=0)
-    margin = _MARGIN * float((high - low).max())
-    shape = (high - low + 2 * margin)[2] / (high - low + 2 * margin)[0]
-    figure = new_figure(WIDTH * min(max(float(shape), 0.5), _TALLEST), 2 * WIDTH)
+    extent = high - low
+    margin = _MARGIN * float(extent.max())
+    lower = _MILLI * (low - margin)
+    upper = _MILLI * (high + margin)
+    width, _, height = extent + 2 * margin
+    shape = min(max(float(height / width), 0.5), _TALLEST)
+    figure = new_figure(WIDTH * shape, 2 * WIDTH)
     views = figure.subplots(1, len(_VIEWS))
     for axes, (across, upward, along, title) in zip(views, _VIEWS, strict=True):
         order = np.argsort(-position[:, along], kind="stable")
-        _draw_discs(axes, position[order][:, [across, upward]], diameter[order], names[order])
-        axes.set_xlim(_MILLI * (low[across] - margin), _MILLI * (high[across] + margin))
-        edges = [_MILLI * (low[upward] - margin), _MILLI * (high[upward] + margin)]
-        axes.set_ylim(*(edges[::-1] if upward == 2 else edges))  # depth points down
+        centres = position[order][:, [across, upward]]
+        _draw_discs(axes, centres, diameter[order], names[order])
+        axes.set_xlim(lower[across], upper[across])
+        axes.set_ylim(lower[upward], upper[upward])
+        if upward == 2:  # depth points down
+            axes.invert_yaxis()
         axes.set_aspect("equal")
         axes.set(xlabel=f"${'xyz'[across]}$ (mm)", ylabel=f"${'xyz'[upward]}$ (mm)", title=title)
-        if high[across] - low[across] < _NARROW * (high - low).max():
+        if extent[across] < _NARROW * extent.max():
             axes.xaxis.set_major_locator(MaxNLocator(1))
     _draw_legend(figure, views[0], np.unique(names).tolist())
     return Drawing(figure, _table(assembly))

@@ -4,6 +4,7 @@ transmission.
 
 from __future__ import annotations
 
+import dataclasses
 from itertools import cycle
 from typing import Any
 
@@ -67,50 +68,102 @@ _MOST_OF_A_LINE = 12  # largest number of curves of a line of grains
 _WIDE = 0.05  # smallest / largest amplitude below which the axis is logarithmic
 
 
+@dataclasses.dataclass(frozen=True)
+class _ForcesAlong:
+    """Forces along a chain or a bar.
+
+    Attributes
+    ----------
+    name
+        Name of the part.
+    place
+        (n_places,), m.
+    force
+        (n_times, n_places), N.
+    """
+
+    name: str
+    place: NDArray[np.float64]
+    force: NDArray[np.float64]
+
+    @property
+    def largest(self) -> float:
+        """Largest magnitude of a force, N."""
+        return float(np.abs(self.force).max())
+
+    def of_wave(self) -> _ForcesAlong:
+        """Return the changes since the first instant."""
+        return dataclasses.replace(self, force=self.force - self.force[0])
+
+
 def force_map(result: Result) -> Drawing | None:
     """Draw the contact force, and the magnitude of the force in bars, in space and time."""
     if "chain" not in result or not np.any(result["chain/contact_force"]):
         return None
     time = result["chain/time"]
-    parts = [("chain", result["chain/contact_position"], result["chain/contact_force"])]
-    for bar in result.assembly.bars:
-        nodes = result[f"bars/{bar.name}/position"]
-        part = (
-            bar.name.replace("_", " "),
-            0.5 * (nodes[1:] + nodes[:-1]),
-            np.abs(result[f"bars/{bar.name}/force"]),
-        )
-        parts.insert(0 if bar.face == bar.last else len(parts), part)
-    waves = result["chain/contact_force"]
-    pressed = result.case.precompression is not None and np.any(waves[0] > 0)
-    if small := pressed and np.abs(waves - waves[0]).max() < waves[0].max():
-        parts = [
-            (name, place, force - force[0]) for name, place, force in parts
-        ]  # force of the waves only
-    largest = max(float(np.abs(force).max()) for _, _, force in parts) or 1.0
-    norm: Normalize = LogNorm(10**-_DECADES * largest, largest)
-    if small:
+    parts = _forces_along(result)
+    is_small = _is_small_wave(result)
+    if is_small:
+        parts = [part.of_wave() for part in parts]
+    largest = max(part.largest for part in parts) or 1.0
+    lowest = 10**-_DECADES * largest
+    norm: Normalize = LogNorm(lowest, largest)
+    if is_small:
         norm = SymLogNorm(largest / _LINEAR, vmin=-largest, vmax=largest)
-    colours = result.figure_options.colour_map or (WAVE_MAP if small else FORCE_MAP)
-    widths = [1.0 if name == "chain" else 0.7 for name, _, _ in parts]
+    colours = result.figure_options.colour_map or (WAVE_MAP if is_small else FORCE_MAP)
+    widths = [1.0 if part.name == "chain" else 0.7 for part in parts]
     width = 3.4 if len(parts) == 1 else 6.6
     figure, *row = panels(3.2, len(parts), width=width, sharey=True, width_ratios=widths)
     columns = {"time_s": time}
-    for axes, (name, place, force) in zip(row, parts, strict=True):
-        step = max(1, len(place) // _MOST_COLUMNS)
-        every = max(1, len(place) // 20)
-        shown = force[:, ::step]
-        if not small:
-            shown = np.where(shown > norm.vmin, shown, np.nan)
-        image = space_time_map(axes, place[::step], time, shown, norm, colours)
-        axes.set_title(name if len(parts) > 1 else "")
-        slug = name.replace(" ", "_")
-        for n in range(0, len(place), every):
-            columns[f"{slug}_at_{1e3 * place[n]:.4g}_mm_N"] = force[:, n]
+    for axes, part in zip(row, parts, strict=True):
+        step = max(1, len(part.place) // _MOST_COLUMNS)
+        shown = part.force[:, ::step]
+        if not is_small:
+            shown = np.where(shown > lowest, shown, np.nan)
+        image = space_time_map(axes, part.place[::step], time, shown, norm, colours)
+        axes.set_title(part.name if len(parts) > 1 else "")
+        columns |= _force_columns(part)
     label(row[0], y="Time (µs)")
-    quantity = "Dynamic force (N)" if small else "Force (N)"
+    quantity = "Dynamic force (N)" if is_small else "Force (N)"
     figure.colorbar(image, ax=row[-1], label=quantity)
     return Drawing(figure, columns)
+
+
+def _forces_along(result: Result) -> list[_ForcesAlong]:
+    """Return the forces in the chain and in the bars before and behind it, in this order."""
+    chain = _ForcesAlong("chain", result["chain/contact_position"], result["chain/contact_force"])
+    parts = [chain]
+    for bar in result.assembly.bars:
+        nodes = result[f"bars/{bar.name}/position"]
+        middles = 0.5 * (nodes[1:] + nodes[:-1])
+        force = np.abs(result[f"bars/{bar.name}/force"])
+        part = _ForcesAlong(bar.name.replace("_", " "), middles, force)
+        if bar.face == bar.last:
+            parts.insert(0, part)
+        else:
+            parts.append(part)
+    return parts
+
+
+def _is_small_wave(result: Result) -> bool:
+    """Return True if contacts are pressed at the start, and their forces change by less than the
+    largest static force.
+    """
+    force = result["chain/contact_force"]
+    if result.case.precompression is None or not np.any(force[0] > 0):
+        return False
+    return bool(np.abs(force - force[0]).max() < force[0].max())
+
+
+def _force_columns(part: _ForcesAlong) -> dict[str, NDArray[np.float64]]:
+    """Return the forces at some places, evenly spaced, by the name of the column."""
+    every = max(1, len(part.place) // 20)
+    slug = part.name.replace(" ", "_")
+    columns = {}
+    for n in range(0, len(part.place), every):
+        name = f"{slug}_at_{1e3 * part.place[n]:.4g}_mm_N"
+        columns[name] = part.force[:, n]
+    return columns
 
 
 def space_time_map(
@@ -289,14 +342,17 @@ def line_speeds(result: Result) -> Drawing | None:
         time = result[f"{group}/time"]
         ids = result[f"{group}/id"]
         speed = np.linalg.norm(result[f"{group}/velocity"], axis=2)
-        n = speed.shape[1]
-        chosen = np.unique(np.linspace(0, n - 1, min(n, _MOST_OF_A_LINE)).round().astype(int))
-        for column in chosen:
-            colour = colormaps["viridis"](0.9 * column / max(n - 1, 1))
-            name = {0: "first grain", n - 1: "last grain"}.get(int(column))
-            against_time(axes, time, speed[:, column], color=colour, linewidth=0.8, label=name)
-            columns[f"{line.name}_{ids[column]}_m_s"] = speed[:, column]
-        label(axes, y="Speed (m/s)", title=line.name if len(lines) > 1 else "", ylim=(0, None))
+        n_grains = speed.shape[1]
+        last = n_grains - 1
+        names = {0: "first grain", last: "last grain"}
+        places = np.linspace(0, last, min(n_grains, _MOST_OF_A_LINE))
+        for grain in np.unique(places.round().astype(int)):
+            colour = colormaps["viridis"](0.9 * grain / max(last, 1))
+            name = names.get(int(grain))
+            against_time(axes, time, speed[:, grain], color=colour, linewidth=0.8, label=name)
+            columns[f"{line.name}_{ids[grain]}_m_s"] = speed[:, grain]
+        title = line.name if len(lines) > 1 else ""
+        label(axes, y="Speed (m/s)", title=title, ylim=(0, None))
         axes.legend()
     return Drawing(figure, columns)
 

@@ -20,7 +20,7 @@ from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.run import Figures, figure_names
+from granwave.lammps_inputs.case.figures import Figures, figure_names
 from granwave.lammps_inputs.extensions import added_by_name, load
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -45,6 +45,8 @@ class RunFigure:
     adds
         Function that returns False for a result of which it repeats other figures: it is then drawn
         only on request.
+    needs
+        Runs that have the figure, in words; empty: the caption says enough.
     """
 
     caption: str
@@ -53,6 +55,7 @@ class RunFigure:
     shares_work_with: tuple[str, ...] = ()
     takes_long: bool = False
     adds: Callable[[Result], bool] | None = None
+    needs: str = ""
 
     def answers(self, result: Result) -> bool:
         """Return True unless it repeats other figures of this result."""
@@ -168,6 +171,22 @@ FIXED_PLANES = ("_principal", "_orthogonal")
 _LONG = ("wave_front", "directions")
 #: Figures of the core that repeat others of some runs.
 _ADDS = {"target": histories.target_moves}
+_CHAINS = "a chain"
+#: Runs that have a figure of the core, for those that not all runs have.
+_NEEDS = {
+    "along_chain": _CHAINS,
+    "force_map": _CHAINS,
+    "bead_velocities": _CHAINS,
+    "force_histories": _CHAINS,
+    "bars": "a chain with [bar]",
+    "probes": "a run with output.probes",
+    "accelerations": "a run with [[sensor]]",
+    "line_decay": "a run with [[line]]",
+    "line_speeds": "a run with [[line]]",
+    "force_at_depths": "a run with output.contact_forces = true, or a chain",
+    "target": "a target below the packing",
+    "transmission": "a load that oscillates",
+}
 
 
 def _figures() -> Iterator[tuple[str, RunFigure]]:
@@ -175,7 +194,17 @@ def _figures() -> Iterator[tuple[str, RunFigure]]:
     for name, function, caption, look in _TABLE:
         if not name.endswith("*"):
             adds = _ADDS.get(name)
-            yield name, RunFigure(caption, function, look, takes_long=name in _LONG, adds=adds)
+            yield (
+                name,
+                RunFigure(
+                    caption,
+                    function,
+                    look,
+                    takes_long=name in _LONG,
+                    adds=adds,
+                    needs=_NEEDS.get(name, ""),
+                ),
+            )
             continue
         for plane, where in _PLANES.items():
             yield (
@@ -191,6 +220,14 @@ def run_figures() -> dict[str, RunFigure]:
     for name, reference in added_by_name("figures").items():
         figures[name] = _added(reference)
     return {name: figures[name] for name in figure_names()}
+
+
+def why_not_drawn(name: str) -> str:
+    """Describe why a figure does not apply to a run."""
+    figure = run_figures()[name]
+    if figure.needs:
+        return f"does not apply to this run; expected {figure.needs}"
+    return f"does not apply to this run ({figure.caption})"
 
 
 def _added(reference: str) -> RunFigure:
@@ -255,7 +292,7 @@ def draw_figures(
         There is no figure of that name.
     InputError
         The environment does not give a number of processes, or ``[figures]`` of the case.toml there
-        is wrong.
+        is invalid.
     """
     folder = FigureFolder(directory)
     with Result(directory, assembly=assembly) as result:

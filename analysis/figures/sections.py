@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.colouring import (
@@ -114,26 +115,18 @@ def wave_front(result: Result) -> Drawing | None:
     colours = result.figure_options.colour_map or FORCE_MAP
     reached = np.max(forces, axis=0) >= low
     window = window_around(cut, reached, result.case.packing.diameter)
-    left, right, top, bottom = window
-    aspect = (bottom - top) / (right - left)
-    n_columns = 2 if aspect > _BROAD else 1
-    if aspect > _TALL:
-        n_columns = len(chosen)
-    n_rows = math.ceil(len(chosen) / n_columns)
-    panel = (WIDTH - 0.6 - 0.15 * n_columns) / n_columns * aspect + 0.3
-    figure = new_figure(min(n_rows * panel + 0.95, 8.5))
-    axes = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
-    for panel_axes, force, time in zip(axes.flat, forces, times, strict=False):
+    figure, panels, empty_panels = _panels_of_snapshots(len(chosen), _aspect(window))
+    for axes, force, time in zip(panels, forces, times, strict=True):
         colouring = Colouring(force, f"Contact force {label}", column, colours, low, high)
-        draw_discs(panel_axes, cut, force, colouring, radius, sticks=sticks_of(result, cut))
-        frame_axes(panel_axes, window)
-        panel_axes.set_title(instant(time), pad=2)
-    for empty in axes.flat[len(chosen) :]:
-        empty.set_visible(False)
+        draw_discs(axes, cut, force, colouring, radius, sticks=sticks_of(result, cut))
+        frame_axes(axes, window)
+        axes.set_title(instant(time), pad=2)
+    for axes in empty_panels:
+        axes.set_visible(False)
     figure.supxlabel(across_title(cut.plane), fontsize=8)
     figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
-    colour_bar(figure, list(axes.flat), colouring, np.concatenate(forces), location="top")
-    trim_height(figure, list(axes.flat))
+    colour_bar(figure, panels + empty_panels, colouring, np.concatenate(forces), location="top")
+    trim_height(figure, panels + empty_panels)
     repeat = len(chosen)
     columns = {
         "time_s": np.repeat(times, len(cut.index)),
@@ -143,6 +136,32 @@ def wave_front(result: Result) -> Drawing | None:
         column: np.concatenate(forces),
     }
     return Drawing(figure, columns)
+
+
+def _aspect(window: tuple[float, float, float, float]) -> float:
+    """Return the height of a window divided by its width."""
+    left, right, top, bottom = window
+    return (bottom - top) / (right - left)
+
+
+def _panels_of_snapshots(number: int, aspect: float) -> tuple[Figure, list[Axes], list[Axes]]:
+    """Return a figure with a panel for each snapshot, these panels, and those left empty.
+
+    Parameters
+    ----------
+    aspect
+        Height of a panel divided by its width.
+    """
+    n_columns = 2 if aspect > _BROAD else 1
+    if aspect > _TALL:
+        n_columns = number
+    n_rows = math.ceil(number / n_columns)
+    width = (WIDTH - 0.6 - 0.15 * n_columns) / n_columns
+    height = width * aspect + 0.3
+    figure = new_figure(min(n_rows * height + 0.95, 8.5))
+    axes = figure.subplots(n_rows, n_columns, sharex=True, sharey=True, squeeze=False)
+    panels = list(axes.flat)
+    return figure, panels[:number], panels[number:]
 
 
 def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawing | None:
@@ -165,19 +184,15 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     values = [colouring.values[cut.index] for colouring in colourings]
     beyond = spheres_beyond_law(result)[cut.index]
     window = window_around(cut, np.max(values, axis=0) >= colourings[0].low, diameter)
-    aspect = (window[3] - window[2]) / (window[1] - window[0])
-    height = (WIDTH - 0.6) * aspect + (0.25 if len(colourings) > 1 else 0.0)
-    figure = new_figure(
-        min(max(len(colourings) * height + 1.05, 1.9), 6.0 if len(colourings) == 1 else 8.0)
-    )
+    figure = new_figure(_height_of_sections(len(colourings), _aspect(window)))
     panels = figure.subplots(len(colourings), 1, sharex=True, squeeze=False)[:, 0]
     behind = _next_plane(result, cut)
+    radii = disc_radii(result, cut)
+    sticks = sticks_of(result, cut)
     for axes, colouring, shown in zip(panels, colourings, values, strict=True):
         if behind is not None:
             _draw_behind(axes, result, behind, colouring)
-        draw_discs(
-            axes, cut, shown, colouring, disc_radii(result, cut), beyond, sticks_of(result, cut)
-        )
+        draw_discs(axes, cut, shown, colouring, radii, beyond, sticks)
         frame_axes(axes, window)
         axes.set_title(colouring.title, pad=2)
         if beyond.any():
@@ -192,10 +207,25 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     panels[-1].set_xlabel(across_title(cut.plane))
     colour_bar(figure, list(panels), colourings[0], np.concatenate(values))
     columns = {"id": result["spheres/id"][cut.index], "across_m": cut.across, "down_m": cut.down}
-    columns |= {
-        colouring.column: shown for colouring, shown in zip(colourings, values, strict=True)
-    }
-    return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
+    for colouring, shown in zip(colourings, values, strict=True):
+        columns[colouring.column] = shown
+    columns["beyond_law"] = beyond.astype(int)
+    return Drawing(figure, columns)
+
+
+def _height_of_sections(number: int, aspect: float) -> float:
+    """Return the height of a figure of sections one above the other, inches.
+
+    Parameters
+    ----------
+    aspect
+        Height of a section divided by its width.
+    """
+    height = (WIDTH - 0.6) * aspect
+    if number == 1:
+        return min(max(height + 1.05, 1.9), 6.0)
+    with_title = height + 0.25
+    return min(max(number * with_title + 1.05, 1.9), 8.0)
 
 
 def _next_plane(result: Result, cut: SpheresOnPlane) -> SpheresOnPlane | None:

@@ -21,7 +21,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from queue import SimpleQueue
 from typing import Any
 
-from granwave.lammps_inputs.case.run import Figures, figure_names
+from granwave.lammps_inputs.case.figures import Figures, figure_names
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import available_memory
 

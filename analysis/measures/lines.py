@@ -17,6 +17,7 @@ the force of this contact.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -230,31 +231,54 @@ def fit_decay(distance: ArrayLike, peak: ArrayLike) -> TwoRegionDecay | None:
     if len(x) < 2 * _LEAST:
         return None
 
-    def misfit(border: float) -> tuple[float, Array]:
-        columns = np.stack([np.ones_like(x), x, np.maximum(x - border, 0.0)], axis=1)
-        found, *_ = np.linalg.lstsq(columns, y, rcond=None)
-        return float(np.sum((columns @ found - y) ** 2)), found
+    def misfit(border: float) -> float:
+        columns = _broken_line(x, border)
+        difference = columns @ _least_squares(columns, y) - y
+        return float(np.sum(difference**2))
 
+    candidates = _possible_borders(x)
+    border = min(candidates.tolist(), key=misfit)
+    if len(candidates) > 1:
+        refined = _refined(border, candidates, misfit)
+        if misfit(refined) < misfit(border):
+            border = refined
+    _, slope, bend = _least_squares(_broken_line(x, border), y)
+    single = float(np.polyfit(x, y, 1)[0])
+    return TwoRegionDecay(-float(slope), -float(slope + bend), border, -single, len(x))
+
+
+def _broken_line(x: Array, border: float) -> Array:
+    """Return the functions whose sum is a line that bends at a border: (n, 3)."""
+    beyond = np.maximum(x - border, 0.0)
+    return np.stack([np.ones_like(x), x, beyond], axis=1)
+
+
+def _least_squares(columns: Array, y: Array) -> Array:
+    """Return the coefficients of columns whose sum fits y best."""
+    coefficients, *_ = np.linalg.lstsq(columns, y, rcond=None)
+    return np.asarray(coefficients)
+
+
+def _possible_borders(x: Array) -> Array:
+    """Return borders to try, which leave enough points on each side."""
     low = x[_LEAST - 1]
     high = x[-_LEAST]
     if low == high:
-        candidates = np.array([low])
-    else:
-        inside = x[(x >= low) & (x <= high)]
-        candidates = np.unique(
-            np.concatenate([np.linspace(a, b, _TRIALS) for a, b in pairwise(inside)])
-        )
-    best = min(candidates.tolist(), key=lambda border: misfit(border)[0])
-    if len(candidates) > 1:
-        from scipy.optimize import minimize_scalar  # imported on demand: slow to load
+        return np.array([low])
+    inside = x[(x >= low) & (x <= high)]
+    intervals = [np.linspace(start, end, _TRIALS) for start, end in pairwise(inside)]
+    return np.unique(np.concatenate(intervals))
 
-        at = int(np.searchsorted(candidates, best))
-        bounds = candidates[max(at - 1, 0)], candidates[min(at + 1, len(candidates) - 1)]
-        refined = minimize_scalar(lambda border: misfit(border)[0], bounds=bounds, method="bounded")
-        best = float(refined.x) if misfit(float(refined.x))[0] < misfit(best)[0] else best
-    _, slope, bend = misfit(best)[1]
-    single = float(np.polyfit(x, y, 1)[0])
-    return TwoRegionDecay(-float(slope), -float(slope + bend), best, -single, len(x))
+
+def _refined(border: float, candidates: Array, misfit: Callable[[float], float]) -> float:
+    """Return the border of least misfit between the neighbours of a candidate."""
+    from scipy.optimize import minimize_scalar  # imported on demand: slow to load
+
+    at = int(np.searchsorted(candidates, border))
+    lower = candidates[max(at - 1, 0)]
+    upper = candidates[min(at + 1, len(candidates) - 1)]
+    found = minimize_scalar(misfit, bounds=(lower, upper), method="bounded")
+    return float(found.x)
 
 
 def parted_at(

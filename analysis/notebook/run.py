@@ -30,7 +30,7 @@ from granwave.analysis.result.not_a_run import why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.summary_table import SummaryRow, explanation, lines, rows_of, summary_rows
-from granwave.lammps_inputs.case.run import Figures, read_figures
+from granwave.lammps_inputs.case.figures import Figures, read_figures
 from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -288,7 +288,7 @@ class Run(Values):
         Raises
         ------
         InputError
-            A value is wrong, nothing is selected, or a selection does not apply to the table.
+            A value is invalid, nothing is selected, or a selection does not apply to the table.
         MissingDataError
             The run has no such table.
         """
@@ -481,9 +481,13 @@ class Run(Values):
             There is no figure of this name, or it does not apply to this run, or it has no curves
             to be overlaid.
         InputError
-            The axes do not suit the panels, or plane or depths are wrong.
+            The axes do not suit the panels, or plane or depths are invalid.
         """
-        from granwave.analysis.figures.run_figures import FIXED_PLANES, run_figures
+        from granwave.analysis.figures.run_figures import (
+            FIXED_PLANES,
+            run_figures,
+            why_not_drawn,
+        )
         from granwave.analysis.figures.series import draw_axes, no_figure
         from granwave.analysis.figures.user_axes import add_curves, plots_of
 
@@ -504,9 +508,7 @@ class Run(Values):
         with self._options(plane, depths) as options:
             axes = draw_axes(lambda: figure.draw(self.result), options.width, into)
         if axes is None:
-            raise MissingDataError(
-                f"{self.name}: figure {name} does not apply to this run ({figure.caption})"
-            )
+            raise MissingDataError(f"{self.name}: figure {name} {why_not_drawn(name)}")
         if against is not None:
             with against._options(plane, depths):
                 drawing = figure.draw(against.result)

@@ -26,7 +26,7 @@ from granwave.analysis.quantities import readable
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.scans.keys import key_of
-from granwave.lammps_inputs.case.run import FILM_FORMATS
+from granwave.lammps_inputs.case.figures import FILM_FORMATS
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import (
     FIGURES_DIRECTORY,

@@ -11,9 +11,8 @@ effective radius and fractions of dissipation.
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,57 +61,102 @@ def merge_dents(dents: Frame) -> Contacts:
     new[1:] = (first[1:] != first[:-1]) | (second[1:] != second[:-1])
     starts = np.flatnonzero(new)
     live = dents["live"][order] > 0.5
-
-    def total(*names: str) -> NDArray[np.float64]:
-        return sum((dents.get(name)[order] for name in names[1:]), start=dents.get(names[0])[order])
-
-    def now(*names: str) -> NDArray[np.float64]:
-        return sum(
-            (np.where(live, total(name), 0.0) for name in names[1:]),
-            start=np.where(live, total(names[0]), 0.0),
-        )
-
-    def never(name: str) -> NDArray[np.float64]:
-        return np.where(total(name) < 0, np.inf, total(name))
-
-    def arrival() -> NDArray[np.float64]:
-        """Times of arrival, from the dents that count."""
-        force = total("peak_force")
-        largest = np.maximum.reduceat(force, starts) if len(starts) else np.empty(0)
-        counts = force >= ARRIVED * np.repeat(largest, np.diff(np.append(starts, len(first))))
-        return np.where(counts, never("time_first"), np.inf)
-
-    def grown() -> NDArray[np.float64]:
-        return np.where(total("peak_overlap") > total("initial"), total("peak_overlap"), 0.0)
-
-    joined: dict[
-        str, tuple[np.ufunc, Callable[[], NDArray[np.float64]]]
-    ] = {  # made one by one: there are many rows
-        "overlap": (np.add, partial(now, "overlap")),
-        "force": (np.add, partial(now, "force")),
-        "tangential_force": (np.add, partial(now, "tangential_force")),
-        "peak_overlap": (np.maximum, partial(total, "peak_overlap")),
-        "initial_overlap": (np.maximum, partial(total, "initial")),
-        "grown_overlap": (np.maximum, grown),
-        "peak_force": (np.maximum, partial(total, "peak_force")),
-        "elastic_energy": (np.add, partial(now, "elastic", "elastic_tangential")),
-        "dissipated_energy": (np.add, partial(total, "dissipated", "friction", "viscous")),
-        "friction_energy": (np.add, partial(total, "friction")),
-        **(
-            {"viscous_energy": (np.add, partial(total, "viscous"))}
-            if "viscous" in dents.columns
-            else {}
-        ),
-        "time_first": (np.minimum, arrival),
-        "time_yield": (np.minimum, partial(never, "time_yield")),
-    }
+    rows = _DentRows(dents, order, starts, live)
+    # one column at a time: there are many rows
     merged: Contacts = {"i": first[starts], "j": second[starts]}
-    for name, (ufunc, column) in joined.items():
-        merged[name] = ufunc.reduceat(column(), starts) if len(starts) else np.empty(0)
-    merged["time_peak"] = never("time_peak")[starts]
+    merged["overlap"] = rows.added(rows.live("overlap"))
+    merged["force"] = rows.added(rows.live("force"))
+    merged["tangential_force"] = rows.added(rows.live("tangential_force"))
+    merged["peak_overlap"] = rows.largest(rows.all("peak_overlap"))
+    merged["initial_overlap"] = rows.largest(rows.all("initial"))
+    merged["grown_overlap"] = rows.largest(rows.grown_overlap())
+    merged["peak_force"] = rows.largest(rows.all("peak_force"))
+    merged["elastic_energy"] = rows.added(rows.live("elastic", "elastic_tangential"))
+    merged["dissipated_energy"] = rows.added(rows.all("dissipated", "friction", "viscous"))
+    merged["friction_energy"] = rows.added(rows.all("friction"))
+    if "viscous" in dents.columns:
+        merged["viscous_energy"] = rows.added(rows.all("viscous"))
+    merged["time_first"] = rows.earliest(rows.arrival_time())
+    merged["time_yield"] = rows.earliest(rows.time("time_yield"))
+    merged["time_peak"] = rows.time("time_peak")[starts]
     for name in _TIMES:
         merged[name] = _or_never(merged[name])
-    return merged | {"n_dents": np.diff(np.append(starts, len(first)))}
+    merged["n_dents"] = rows.n_of_pair()
+    return merged
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _DentRows:
+    """Dents, one pair after the other.
+
+    Attributes
+    ----------
+    dents
+        Dents in the order of the output.
+    order
+        Rows of the dents by pair: (n,).
+    starts
+        Position of the first dent of each pair in `order`: (n_pairs,).
+    is_live
+        True for dents that are in contact: (n,).
+    """
+
+    dents: Frame
+    order: NDArray[np.int64]
+    starts: NDArray[np.int64]
+    is_live: NDArray[np.bool_]
+
+    def all(self, *names: str) -> NDArray[np.float64]:
+        """Return the sum of columns."""
+        values = self.dents.get(names[0])[self.order]
+        for name in names[1:]:
+            values = values + self.dents.get(name)[self.order]
+        return values
+
+    def live(self, *names: str) -> NDArray[np.float64]:
+        """Return the sum of columns, 0 for dents that are not in contact."""
+        values = np.where(self.is_live, self.all(names[0]), 0.0)
+        for name in names[1:]:
+            values = values + np.where(self.is_live, self.all(name), 0.0)
+        return values
+
+    def time(self, name: str) -> NDArray[np.float64]:
+        """Return a column of times, infinite for events that did not occur."""
+        time = self.all(name)
+        return np.where(time < 0, np.inf, time)
+
+    def arrival_time(self) -> NDArray[np.float64]:
+        """Return times of arrival, infinite for dents whose force is small for their pair."""
+        force = self.all("peak_force")
+        largest = np.repeat(self.largest(force), self.n_of_pair())
+        return np.where(force >= ARRIVED * largest, self.time("time_first"), np.inf)
+
+    def grown_overlap(self) -> NDArray[np.float64]:
+        """Return the peak overlaps, 0 for dents that did not grow in this run."""
+        peak = self.all("peak_overlap")
+        return np.where(peak > self.all("initial"), peak, 0.0)
+
+    def n_of_pair(self) -> NDArray[np.int64]:
+        """Return the number of dents of each pair: (n_pairs,)."""
+        return np.diff(np.append(self.starts, len(self.order)))
+
+    def added(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the sum over the dents of each pair: (n_pairs,)."""
+        return self._joined(np.add, values)
+
+    def largest(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the largest value of each pair: (n_pairs,)."""
+        return self._joined(np.maximum, values)
+
+    def earliest(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the smallest value of each pair: (n_pairs,)."""
+        return self._joined(np.minimum, values)
+
+    def _joined(self, function: np.ufunc, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        if not len(self.starts):  # reduceat needs a start
+            return np.empty(0)
+        joined: NDArray[np.float64] = function.reduceat(values, self.starts)
+        return joined
 
 
 def _or_never(time: NDArray[np.float64]) -> NDArray[np.float64]:

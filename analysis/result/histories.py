@@ -27,8 +27,9 @@ as peaks. Its width is the time between the half heights.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -178,36 +179,29 @@ def line_groups(
         Count of the last instant.
     """
     rows = all_line_ids(assembly)
-    steps, frames = _instants(
-        directory, LINES_FILE, names(LINES), rows, last,
-        lambda _, frame: f"the snapshot of step {frame.step} holds {len(frame)} grains that are not the {len(rows)} of "
-        "the lines of the case",
-    )  # fmt: skip
-    motion = {
-        name: np.stack([frame.vector(*(f"{column}{axis}" for axis in "xyz")) for frame in frames])
-        for name, column in _MOTION.items()
-        if f"{column}x" in frames[0].columns
-    }
-    centre = dict(zip(assembly.ids.tolist(), assembly.positions(), strict=True))
+
+    def fault(_: Any, frame: Frame) -> str:
+        return (
+            f"the snapshot of step {frame.step} holds {len(frame)} grains that are not the "
+            f"{len(rows)} of the lines of the case"
+        )
+
+    steps, frames = _instants(directory, LINES_FILE, names(LINES), rows, last, fault)
+    motion = _motion_in(frames)
+    positions = assembly.positions()
+    centre = dict(zip(assembly.ids.tolist(), positions, strict=True))
     time = np.asarray(steps * timestep, dtype=np.float64)
-    # lateral is the horizontal axis of a packing in a vertical plane; elsewhere that most nearly
-    # normal to the line
-    extended = np.ptp(assembly.positions()[:, :2], axis=0) > _FLAT * assembly.case.packing.diameter
-    # arrivals refer to the largest initial speed given by the load, or for a force to the largest
-    # speed of all
-    speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
-    plate = assembly.case.load.plate
-    reference = max([*speeds, plate.velocity if plate is not None else 0.0])
+    extended = np.ptp(positions[:, :2], axis=0) > _FLAT * assembly.case.packing.diameter
+    reference = _reference_speed(assembly)
     groups: dict[str, dict[str, NDArray[np.generic]]] = {}
     for line in assembly.case.line:
         ids = np.array(line_ids(assembly, line))
         chosen = np.searchsorted(rows, ids)
-        position = np.array([centre[one] for one in ids.tolist()])
+        position = np.array([centre[sphere] for sphere in ids.tolist()])
         own = {name: values[:, chosen] for name, values in motion.items()}
         speed = np.asarray(np.linalg.norm(own["velocity"], axis=2), dtype=np.float64)
         pulses, row = first_pulses(time, speed, reference or float(speed.max(initial=0.0)))
-        way = np.abs(position[-1] - position[0])[:2]
-        lateral = np.argmax(extended) if np.count_nonzero(extended) == 1 else np.argmin(way)
+        lateral = _lateral_axis(position, extended)
         apart = np.linalg.norm(np.diff(position, axis=0), axis=1)
         groups[f"lines/{line.name}"] = {
             "time": time,
@@ -225,6 +219,44 @@ def line_groups(
             "largest_speed": speed.max(axis=0),
         }
     return groups
+
+
+def _motion_in(frames: Sequence[Frame]) -> dict[str, NDArray[np.float64]]:
+    """Return the recorded vectors of the grains of lines by name: (n_times, n, 3)."""
+    motion = {}
+    for name, column in _MOTION.items():
+        axes = [f"{column}{axis}" for axis in "xyz"]
+        if axes[0] in frames[0].columns:
+            motion[name] = np.stack([frame.vector(*axes) for frame in frames])
+    return motion
+
+
+def _reference_speed(assembly: Assembly) -> float:
+    """Return the speed that arrivals refer to: the largest initial speed given by the load, m/s;
+    0 if the load gives none, such as a force.
+    """
+    speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
+    plate = assembly.case.load.plate
+    if plate is not None:
+        speeds.append(plate.velocity)
+    return max(speeds, default=0.0)
+
+
+def _lateral_axis(position: NDArray[np.float64], extended: NDArray[np.bool_]) -> int:
+    """Return the horizontal axis, 0 or 1, of the lateral force on a line: that of a packing in a
+    vertical plane, or else the axis most nearly normal to the line.
+
+    Parameters
+    ----------
+    position
+        Centres along the line: (n, 3), m.
+    extended
+        True for the horizontal axes along which the packing extends: (2,).
+    """
+    if np.count_nonzero(extended) == 1:
+        return int(np.argmax(extended))
+    way = np.abs(position[-1] - position[0])[:2]
+    return int(np.argmin(way))
 
 
 ARRIVAL = 0.05  # fraction of the reference speed

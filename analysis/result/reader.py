@@ -29,7 +29,7 @@ from granwave.analysis.result.not_a_run import damage_of, why_no_run
 from granwave.analysis.result.trajectory import GROUP, QUANTITIES
 from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.run import Figures, read_figures
+from granwave.lammps_inputs.case.figures import Figures, read_figures
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.files import read_tables, regular
 from granwave.lammps_inputs.load_case import stored_case

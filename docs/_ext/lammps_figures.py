@@ -217,7 +217,7 @@ def contacts(run: Path) -> Figure:
         cmap="inferno_r",
     )
     axes.add_collection(lines)
-    figure.colorbar(lines, label="normal force over its mean")
+    figure.colorbar(lines, label="normal force / mean")
     axes.set(xlabel="x, mm", ylabel="y, mm", xlim=(-100, 100), ylim=(0, None))
     return figure
 
@@ -286,7 +286,7 @@ def chute(run: Path) -> Figure:
     figure, (left, right) = axes_of(2)
     step, speed, *_, shear, normal = np.loadtxt(run / "chute.txt").T
     left.plot(3e-5 * step, speed, label="mean speed, m/s")
-    left.plot(3e-5 * step, -shear / normal, lw=0.7, label="shear over normal force")
+    left.plot(3e-5 * step, -shear / normal, lw=0.7, label="shear / normal force")
     left.axhline(np.tan(np.radians(26)), color="k", ls=":", label="tan 26 degrees")
     left.set(xlabel="time, s", ylim=(0, 1.5))
     left.legend()

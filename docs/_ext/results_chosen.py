@@ -188,13 +188,13 @@ MORE = (
         "Chain in a tube: ",
         "confined-legends",
         "legends",
-        ("Slope of ln(decay of the force) with delta_hat, model of the source, on the scale",),
+        ("Slope of ln(decay of the force) against delta_hat, model of the source, on the scale",),
     ),
     (
         "Chain in a tube: ",
         "confined",
         "confined_scaling",
-        ("Power of the speed with the velocity, n = 8",),
+        ("Exponent of speed against velocity, n = 8",),
     ),
     ("Filter: ", "thesis-7", "peaks", ("Length of the leading wave in beads at contact 121",)),
     (

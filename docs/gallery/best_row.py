@@ -26,11 +26,11 @@ found = gw.design(
 with gw.style():
     figure, axes = plt.subplots()
     force = found.table["target_peak_force_N"]
-    axes.plot(found.table["number"], force, ".", label="each row")
+    axes.plot(found.table["number"], force, ".", label="each order")
     axes.step(
         found.table["number"], np.minimum.accumulate(force), where="post", label="best so far"
     )
-    axes.set(xlabel="rows that were run", ylabel="peak force on the wall (N)", yscale="log")
+    axes.set(xlabel="number of the run", ylabel="peak force on the wall (N)", yscale="log")
     axes.legend()
     figure.savefig("picture.png", dpi=150)
 

@@ -17,5 +17,5 @@ for name, file in (("packing_3d", "picture.png"), ("peak_force_principal", "sect
 
 print(f"spheres                 {run['n_spheres']}")
 print(f"largest contact force   {run['peak_force_N']:.1f} N")
-print(f"dissipated              {run['dissipated_fraction']:.3f} of the energy put in")
+print(f"dissipated              {run['dissipated_fraction']:.3f} of the input energy")
 print(f"contacts that yielded   {run['n_plastic_contacts']}")

@@ -11,8 +11,8 @@ import numpy as np
 import granwave as gw
 
 LOSSES = {
-    "no loss": {"time": 0.0},
-    "loss time 0.5 µs": {"time": 5e-7},
+    "no damping": {"time": 0.0},
+    "relaxation time 0.5 µs": {"time": 5e-7},
     "dashpot": {"dashpot": {"restitution": 0.9}},
 }
 peaks = {}

@@ -16,7 +16,7 @@ for force in forces:
     changes |= {"run.end_time": 1.3e-3 / force ** (1 / 6)}
     changes |= {
         "load.velocity": 1e-4 * force ** (5 / 6)
-    }  # equally small beside the static compression
+    }  # always small relative to the static compression
     run = gw.run("precompressed-chain", changes, directory="run", force=True)
     rise = (run.chain.contact_force - run.chain.contact_force[0]).values  # N, (n_times, n_contacts)
     first, last = run.chain.time.values[rise[:, [9, 49]].argmax(axis=0)]

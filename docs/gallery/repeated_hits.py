@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt
 
 import granwave as gw
 
-GAPS = {"kept": 0.1, "forgotten": 1e-9}  # diameters: a dent is forgotten beyond this gap
+GAPS = {"kept": 0.1, "forgotten": 1e-9}  # diameters: an indentation is forgotten beyond this gap
 hits = {dents: [] for dents in GAPS}
 for dents, gap in GAPS.items():
     for hit in range(1, 6):
@@ -27,13 +27,15 @@ with gw.style():
         shares, forces = (
             [run[name] for run in runs] for name in ("dissipated_fraction", "wall_peak_force_N")
         )
-        left.plot(range(1, 6), shares, line, color=colour, markersize=4, label=f"dents {dents}")
+        left.plot(
+            range(1, 6), shares, line, color=colour, markersize=4, label=f"indentations {dents}"
+        )
         right.plot(range(1, 6), forces, line, color=colour, markersize=4)
         for hit, (share, force) in enumerate(zip(shares, forces, strict=True), start=1):
             print(
-                f"dents {dents}, hit {hit}: {share:.3f} of the energy dissipated, {force:.0f} N at the bottom"
+                f"indentations {dents}, impact {hit}: {share:.3f} of the energy dissipated, {force:.0f} N at the bottom"
             )
-    left.set(xlabel="hit", ylabel="share dissipated", ylim=(0, 1))
+    left.set(xlabel="impact", ylabel="dissipated fraction", ylim=(0, 1))
     left.legend(loc="lower left")
-    right.set(xlabel="hit", ylabel="peak force at the bottom (N)", ylim=(0, None))
+    right.set(xlabel="impact", ylabel="peak force at the bottom (N)", ylim=(0, None))
     figure.savefig("picture.png", dpi=150)

@@ -31,6 +31,6 @@ with gw.style():
         normalised, share = np.array(points).T
         axes.semilogx(normalised, share, color=colour, marker=mark, markersize=3, label=material)
         print(f"{material:6}  dissipated at 0.1 m/s {share[0]:.3f}, at 20 m/s {share[-1]:.3f}")
-    axes.set(xlabel="normalised velocity", ylabel="share of the energy dissipated", ylim=(0, 1))
+    axes.set(xlabel="normalised velocity", ylabel="dissipated fraction", ylim=(0, 1))
     axes.legend()
     figure.savefig("picture.png", dpi=150)

@@ -1,8 +1,8 @@
 """The continuum case that a packing compares with, or the reverse, for ``granwave check``.
 
-Packing and continuum are compared at equal energy over sigma_y^2 D^3/E, with the diameter D of the
-spheres or of the punch. The counterpart has the same material and D, so that equal energies are
-equal inputs.
+Packing and continuum are compared at equal energy divided by sigma_y^2 D^3/E, with the diameter D
+of the spheres or of the punch. The counterpart has the same material and D, so that equal energies
+are equal inputs.
 """
 
 from __future__ import annotations

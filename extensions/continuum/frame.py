@@ -50,7 +50,7 @@ class ElementCase(abc.ABC):
         Raises
         ------
         InputError
-            The case is wrong; the message lists all faults.
+            The case is invalid; the message lists all faults.
         """
         known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
         errors = ErrorList(str(source), tuple(overridden), known)
@@ -78,7 +78,7 @@ class ElementCase(abc.ABC):
         Raises
         ------
         InputError
-            The file or an override is wrong; the message lists all faults.
+            The file or an override is invalid; the message lists all faults.
         """
         changes = parse_overrides(overrides)
         data = apply_overrides(read_toml(path), changes)

@@ -34,7 +34,7 @@ def design(
     directory
         Directory of the results; by default the name of the search, in the working directory.
     jobs
-        Number of simultaneous runs, by default the cores of this machine over the ranks.
+        Number of simultaneous runs, by default the cores of this machine divided by the ranks.
     ranks
         MPI ranks of each run.
     budget
@@ -54,7 +54,7 @@ def design(
     Raises
     ------
     InputError
-        The file is wrong, no design meets the limits known before a run, the directory holds
+        The file is invalid, no design meets the limits known before a run, the directory holds
         results or another search, or scikit-learn is missing. Nothing was run.
     KeyboardInterrupt
         The search was interrupted; ``resume=True`` continues it.

@@ -67,7 +67,7 @@ def infer(
     Raises
     ------
     InputError
-        The measurement, the case or an argument is wrong, or the equations do not determine the
+        The measurement, the case or an argument is invalid, or the equations do not determine the
         forces.
     """
     with words_of_python(*_OPTIONS):

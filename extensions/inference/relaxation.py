@@ -45,7 +45,7 @@ def stress_history(
     Raises
     ------
     InputError
-        An argument is wrong.
+        An argument is invalid.
 
     Examples
     --------

@@ -84,7 +84,7 @@ def infer(
     Raises
     ------
     InputError
-        There is no such table or run, it or the case is wrong, or the equations do not determine
+        There is no such table or run, it or the case is invalid, or the equations do not determine
         the forces.
     """
     from granwave.extensions.inference.forces.case import read_infer_case

@@ -48,7 +48,7 @@ from granwave.analysis.figures.style import (
 from granwave.analysis.measures.geometry import SpheresOnPlane as PlaneSection
 from granwave.analysis.result.reader import Result
 from granwave.extensions.pictures.packing3d import bar_location, draw_packing, packing_pixels
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replacing

@@ -22,6 +22,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -259,35 +260,47 @@ def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
 
     distance, n_around = _HOLES[kind]
     spheres = lattice.positions(1, lattice.n_spheres) / lattice.diameter
-    around = spheres
     periods = np.array([*lattice.lengths, 0.0]) / lattice.diameter
+    images = spheres
     if lattice.periodic:
-        around = np.concatenate(
-            [spheres + (i, j, 0) * periods for i, j in itertools.product((0, -1, 1), repeat=2)]
-        )
-    tree = KDTree(around)
+        shifts = [(i, j, 0) * periods for i, j in itertools.product((0, -1, 1), repeat=2)]
+        images = np.concatenate([spheres + shift for shift in shifts])
+    tree = KDTree(images)
     if kind == "octahedral":  # three pairs of spheres are opposite to each other
-        near = tree.query_ball_point(spheres, 2 * distance + _NEAR)
-        first = np.repeat(np.arange(len(spheres)), [len(others) for others in near])
-        second = np.array([*itertools.chain.from_iterable(near)], dtype=np.int64)
-        pairs = np.column_stack([first, second])
-        apart = np.linalg.norm(around[pairs[:, 1]] - spheres[pairs[:, 0]], axis=1)
-        pairs = pairs[np.abs(apart - 2 * distance) <= _NEAR]
-        found = (around[pairs[:, 1]] + spheres[pairs[:, 0]]) / 2
+        centres = _middles(spheres, images, tree, 2 * distance)
     else:  # a hole is above or below a sphere
-        found = np.concatenate([spheres + distance * _UP, spheres - distance * _UP])
+        centres = np.concatenate([spheres + distance * _UP, spheres - distance * _UP])
+    if not len(centres):
+        return np.empty((0, 3))
     if lattice.periodic:
-        low = spheres.min(axis=0)
-        found[:, :2] = low[:2] + np.mod(found[:, :2] - low[:2] + _NEAR, periods[:2]) - _NEAR
-    same = KDTree(found).query_ball_point(found, 100 * _NEAR) if len(found) else []
-    found = found[[min(rows) == row for row, rows in enumerate(same)]]  # each once
-    found = found[np.lexsort(np.round(found / (100 * _NEAR)).T)]
-    counts = np.array(
-        [len(one) for one in tree.query_ball_point(found, distance + 10 * _NEAR)]
-        if len(found)
-        else []
-    )
-    return np.asarray(found[counts == n_around] * lattice.diameter)
+        low = spheres.min(axis=0)[:2]
+        beyond = np.mod(centres[:, :2] - low + _NEAR, periods[:2])
+        centres[:, :2] = low + beyond - _NEAR
+    same = KDTree(centres).query_ball_point(centres, 100 * _NEAR)
+    is_first = [min(rows) == row for row, rows in enumerate(same)]
+    centres = centres[is_first]
+    places = np.round(centres / (100 * _NEAR))
+    centres = centres[np.lexsort(places.T)]
+    counts = tree.query_ball_point(centres, distance + 10 * _NEAR, return_length=True)
+    return np.asarray(centres[counts == n_around] * lattice.diameter)
+
+
+def _middles(
+    spheres: NDArray[np.float64], images: NDArray[np.float64], tree: Any, apart: float
+) -> NDArray[np.float64]:
+    """Return the middles between spheres and images at a distance: (n, 3), in diameters.
+
+    Parameters
+    ----------
+    tree
+        Tree of the images.
+    """
+    near = tree.query_ball_point(spheres, apart + _NEAR)
+    first = np.repeat(np.arange(len(spheres)), [len(others) for others in near])
+    second = np.fromiter(itertools.chain.from_iterable(near), dtype=np.int64)
+    distance = np.linalg.norm(images[second] - spheres[first], axis=1)
+    is_opposite = np.abs(distance - apart) <= _NEAR
+    return (images[second[is_opposite]] + spheres[first[is_opposite]]) / 2
 
 
 def with_added_grains(

@@ -26,6 +26,7 @@ from granwave.lammps_inputs.case.bodies import (
 )
 from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.contact.contact import RIGID, Contact, Pair
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Load
 from granwave.lammps_inputs.case.loads.registry import load_section
@@ -37,6 +38,7 @@ from granwave.lammps_inputs.case.material import (
     mass_of,
     presets,
 )
+from granwave.lammps_inputs.case.output import Output, Probe
 from granwave.lammps_inputs.case.packing.contact_ways import DAMPED
 from granwave.lammps_inputs.case.packing.packing import PackingSection
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Precompression
@@ -45,9 +47,6 @@ from granwave.lammps_inputs.case.run import (
     AUTO_FRAMES,
     DIVISION_KEYS,
     FRAMES_OF_A_FILM,
-    Figures,
-    Output,
-    Probe,
     RunSettings,
 )
 from granwave.lammps_inputs.case.schema import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.run import Probe
+from granwave.lammps_inputs.case.output import Probe
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.errors import Mismatch
 

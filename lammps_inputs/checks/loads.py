@@ -189,8 +189,8 @@ def _check_arrival(
         low = float(frequency[late].min())
         high = float(frequency[late].max())
         text = (
-            f"found {end:g} s, but waves of {low:.4g} to {high:.4g} Hz, which are slower near the "
-            f"edge of a band, travel from sphere {first} to {last} after "
+            f"found {end:g} s, but waves of {low:.4g} to {high:.4g} Hz, which are slow near the "
+            f"edge of a band, arrive from sphere {first} at sphere {last} after "
             f"{float(due[late].min()):.3g} to {float(due[late].max()):.3g} s: their transmission "
             "will be too small; use a longer run, fewer spheres between these two, or other "
             "frequencies"

@@ -54,7 +54,7 @@ MOST_DRAWN = 1_000_000  # largest number of spheres of a packing that is drawn b
 
 # bytes
 _PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the analysis, loaded
-# a sphere in LAMMPS and in the sorted snapshot; with friction in addition
+# a sphere in LAMMPS and in the sorted snapshot
 _SPHERE = 750.0
 _PAIR = 155.0  # 135 measured, and 16 of the front of the wave since
 _ROUGH_PAIR = 60.0
@@ -86,10 +86,16 @@ _INITIAL_FORCE = 70.0
 # bytes in scratch files of an analysis in parts
 _SCRATCH_SPHERE = 56.0
 _SCRATCH_PAIR = 150.0
-# measured with friction, all yielded
-_CHECKPOINT_SPHERE = 250.0
-_CHECKPOINT_PAIR = 250.0  # 240 measured: the records of both spheres
+# a sphere in a checkpoint: 264 measured without walls, 328 with a wall that it does not touch
+_CHECKPOINT_SPHERE = 330.0
+# a pair that has touched, the records of both spheres: 160, 240 with friction
+_CHECKPOINT_PAIR = 170.0
+_CHECKPOINT_ROUGH_PAIR = 80.0
 _CHECKPOINT_SLIPPING_PAIR = 630.0  # additional bytes with partial slip
+# Memory of the records that remain after a checkpoint, relative to their size in it: 1.2 measured
+_RECORDS = 1.2
+# time of the steps, s, from which a run is expected to write a checkpoint: half of the usual 60 s
+_CHECKPOINT_AFTER = 30.0
 _ROW = 400.0  # a row of the ledger
 # disk space of a particle at an instant of a chain's history, in rows of the ledger
 _ROWS_PER_PARTICLE = 0.25
@@ -149,14 +155,21 @@ def _of_part(assembly: Assembly) -> float:
     return at_once * (_ANALYSED_SPHERE + assembly.n_neighbours / n * _ANALYSED_PAIR)
 
 
-def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunSpace:
-    """Estimate the space that a run needs, bytes."""
+def expected_space(
+    assembly: Assembly, schedule: Schedule, n_ranks: int, time: float = 0.0
+) -> RunSpace:
+    """Estimate the space that a run needs, bytes; ``time`` is the longest time of its steps, s.
+
+    A rank collects its part of a checkpoint in memory before it is written.
+    """
     case = assembly.case
     n = assembly.n_particles
     pairs = assembly.n_neighbours
     touched = pairs * _reached(assembly)
-    kept_pair = _CHECKPOINT_PAIR + case.has_partial_slip * _CHECKPOINT_SLIPPING_PAIR
     of_step = _of_steps(assembly) / n_ranks
+    if time > _CHECKPOINT_AFTER:
+        records = _RECORDS * touched * _kept_pair(assembly)
+        of_step += (_of_checkpoint(assembly, touched) + records) / n_ranks
     part = _of_part(assembly)
     analysis = part
     if n <= ANALYSED_AT_ONCE:  # the first rank holds a complete small packing
@@ -180,11 +193,22 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunS
         + schedule.n_frames * (frame + _STORED_FRAME * n * _reached(assembly))
         + contacts
         + rows * _ROW,
-        disk_reserve=_scratch(assembly, touched)
-        + frame
-        + n * _CHECKPOINT_SPHERE
-        + pairs * kept_pair,
+        disk_reserve=_scratch(assembly, touched) + frame + _of_checkpoint(assembly, pairs),
     )
+
+
+def _kept_pair(assembly: Assembly) -> float:
+    """Estimate the size of a pair that has touched in a checkpoint, bytes."""
+    case = assembly.case
+    rough = case.has_friction * _CHECKPOINT_ROUGH_PAIR
+    return _CHECKPOINT_PAIR + rough + case.has_partial_slip * _CHECKPOINT_SLIPPING_PAIR
+
+
+def _of_checkpoint(assembly: Assembly, touched: float) -> float:
+    """Estimate the size of a checkpoint, bytes; ``touched`` is the number of pairs that have
+    touched.
+    """
+    return assembly.n_particles * _CHECKPOINT_SPHERE + touched * _kept_pair(assembly)
 
 
 def _scratch(assembly: Assembly, touched: float) -> float:

@@ -162,7 +162,8 @@ def plan(assembly: Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         ) from None
     _note_times(assembly, schedule)
     _note_gaps(assembly)
-    space = cost.expected_space(assembly, schedule, n_ranks)
+    times = cost.expected_wall_time(assembly, schedule, n_ranks=n_ranks, figures=figures)
+    space = cost.expected_space(assembly, schedule, n_ranks, times.most_steps)
     return Plan(
         name=case.name,
         n_spheres=assembly.n_spheres,
@@ -173,7 +174,7 @@ def plan(assembly: Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
-        times=cost.expected_wall_time(assembly, schedule, n_ranks=n_ranks, figures=figures),
+        times=times,
         zone=cost.expected_zone(assembly),
         limits=tuple(steps.timestep_limits(assembly, case.run.energy_tolerance))
         if schedule.adaptive

@@ -94,7 +94,7 @@ class FixWallGranHysteretic : public Fix {
   int pack_restart(int, double *) override;
   void unpack_restart(int, int) override;
   int size_restart(int) override;
-  int maxsize_restart() override { return size_restart(0); }
+  int maxsize_restart() override;
   void write_restart(FILE *) override;
   void restart(char *) override;
   double memory_usage() override;
@@ -168,6 +168,8 @@ class FixWallGranHysteretic : public Fix {
   double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);
   void unpack_reported(int i, const double *values);
+  static void reset_reported(double *reported);
+  bool is_new(int i) const;
   void push_support();
   void check_timestep(double contacts) const;
   void tally();

@@ -10,9 +10,12 @@
 #include "neighbor.h"
 #include "restart_state.h"
 
+#include <cstring>
+
 using namespace LAMMPS_NS;
 using namespace granwave;
 
+constexpr int N_NEW = 1;    // numbers in a restart file of a sphere that has not touched a wall
 constexpr double ROUNDING_OF_AXIS = 1e-9, VALID_LINE = 0.1;    // largest overlap of a line contact / radius
 
 FixWallGranHysteretic::~FixWallGranHysteretic()
@@ -261,10 +264,26 @@ void FixWallGranHysteretic::set_arrays(int i)
 {
   near[i] = touched[i] = 1;
   listed = false;
-  std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
+  reset_reported(array_atom[i]);
   histories.forget(i);
-  array_atom[i][TIME_FIRST] = array_atom[i][TIME_PEAK] = array_atom[i][TIME_YIELD] = -1.0;
   fronts[i] = Front();
+}
+
+/* Set the reported values of a sphere that has not touched a wall. */
+void FixWallGranHysteretic::reset_reported(double *reported)
+{
+  std::fill_n(reported, static_cast<int>(N_REPORTED), 0.0);
+  reported[TIME_FIRST] = reported[TIME_PEAK] = reported[TIME_YIELD] = -1.0;
+}
+
+/* True if the state of sphere i is that of one that has not touched a wall. */
+bool FixWallGranHysteretic::is_new(int i) const
+{
+  double reported[N_REPORTED];
+  reset_reported(reported);
+  const Front front;
+  return std::memcmp(reported, array_atom[i], sizeof(reported)) == 0 &&
+         std::memcmp(front.time, fronts[i].time, sizeof(front.time)) == 0 && histories.is_new(i);
 }
 
 int FixWallGranHysteretic::pack_exchange(int i, double *buf)
@@ -291,9 +310,13 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
   return n_state();
 }
 
+/* Of a sphere that has not touched a wall, only the size that its state would have is written. */
 int FixWallGranHysteretic::pack_restart(int i, double *buf)
 {
-  return seal_atom_state(lmp, i, buf, pack_exchange(i, buf + AtomState::HEAD));
+  double *const state = buf + AtomState::HEAD;
+  if (!is_new(i)) return seal_atom_state(lmp, i, buf, pack_exchange(i, state));
+  state[0] = n_state();
+  return seal_atom_state(lmp, i, buf, N_NEW);
 }
 
 void FixWallGranHysteretic::unpack_restart(int i, int nth)
@@ -301,19 +324,22 @@ void FixWallGranHysteretic::unpack_restart(int i, int nth)
   const AtomState state = atom_state(lmp, *this, i, nth);
   constexpr int N_BEFORE = N_REPORTED + Front::LEVELS;
   constexpr int N_BASIC = N_BEFORE + WallHistory::N_SIDES;
-  const bool whole =
-      has.n == 0 && (state.n == N_BASIC || state.n == N_BASIC + WallHistory::N_SPRINGS);    // friction is new, or gone
-  if (!whole && state.n != n_state())
+  const int n = state.n == N_NEW ? static_cast<int>(state.values[0]) : state.n;
+  const bool whole = has.n == 0 && (n == N_BASIC || n == N_BASIC + WallHistory::N_SPRINGS);    // friction is new, or gone
+  if (!whole && n != n_state())
     error->one(
         FLERR,
         "Restart file contains fix {} {} with another law or friction: define it again with the arguments of the file",
         STYLE, id);
   FixWallGranHysteretic::set_arrays(i);
+  if (state.n == N_NEW) return;
   unpack_reported(i, state.values);
   histories.unpack(i, state.values + N_BEFORE, state.n == N_BASIC);
 }
 
-int FixWallGranHysteretic::size_restart(int) { return AtomState::HEAD + n_state(); }
+int FixWallGranHysteretic::size_restart(int i) { return AtomState::HEAD + (is_new(i) ? N_NEW : n_state()); }
+
+int FixWallGranHysteretic::maxsize_restart() { return AtomState::HEAD + n_state(); }
 
 double FixWallGranHysteretic::memory_usage()
 {

@@ -103,7 +103,7 @@ void RegionWall::measure_curvature()
   const bool is_rim = !is_sphere && !region_->interior && normal[0] * normal[1] * normal[2] != 0.0;
   if (!nearest_.found || nearest_.radius == 0.0 || is_rim)
     throw std::invalid_argument("the outside of cylinder " + id_ +
-                                " has ends, whose curvature is not that of its side: give it the bounds INF INF");
+                                " has ends, whose curvature differs from that of its side: give it the bounds INF INF");
   curvature_ = (is_sphere ? 1.0 : 2.0) / nearest_.radius;
 }
 

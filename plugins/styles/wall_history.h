@@ -66,6 +66,18 @@ class WallHistory {
     std::fill_n(doubles(i), n_doubles(), 0.0);
   }
 
+  /* True if sphere i has the history of a sphere that has not touched a wall. */
+  bool is_new(int i) const
+  {
+    const auto zero = [](const auto *members, std::size_t bytes) {
+      const auto *const from = reinterpret_cast<const unsigned char *>(members);
+      return std::all_of(from, from + bytes, [](unsigned char byte) { return byte == 0; });
+    };
+    return zero(&sides_[at(i, 0)], WALLS * sizeof(WallSide)) &&
+           (!sprung_ || zero(&springs_[at(i, 0)], WALLS * sizeof(TangentialSpring))) &&
+           zero(doubles(i), n_doubles() * sizeof(double));
+  }
+
   double *pack(int i, double *to) const
   {
     for (int which = 0; which < WALLS; which++) to = to_doubles(sides_[at(i, which)], to);

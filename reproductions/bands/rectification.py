@@ -182,7 +182,7 @@ def pictures(runs):
         word = ("near", "far")[n]
         data |= {f"amplitude_m_{word}": size, f"power_W_{word}": through, f"small_W_{word}": small}
         data[f"load_power_W_{word}"] = given
-    left.set(xlabel="Amplitude of the drive (µm)", ylabel="Power through (W)")
+    left.set(xlabel="Amplitude of the drive (µm)", ylabel="Transmitted power (W)")
     left.legend()
     right.axhline(1.0, color="k", linewidth=0.6)
     right.loglog(1e6 * size, ratios(found), "o-", markersize=3, color="C2")

@@ -1,10 +1,10 @@
-"""Measured speeds of composite chains: reasons tried for the difference.
+"""Measured speeds of composite chains: tested reasons for the difference.
 
 Elastic composite chains are compared with the two measured speeds for several moduli of the brass,
 with Hertz's law and with the contact law of the source's finite elements, under the weight of the
 beads, and for other definitions of the arrival. The source suspects the properties of its
-materials. Its finite elements have a contact law of their own: Fig. 5 prints the exponent 1.554,
-and table 3 the force, both for spheres of 4.76 mm. The modulus of the brass is chosen to give the
+materials. Its finite elements have a different contact law: Fig. 5 prints the exponent 1.554, and
+table 3 the force, both for spheres of 4.76 mm. The modulus of the brass is chosen to give the
 measured speed with the longest section, and the result for the shortest section is compared with
 the measurement.
 """
@@ -32,14 +32,14 @@ LAWS = {"hertz": "Hertz's law", "power": "law of the source's elements"}
 
 
 def sections_by_law(runs):
-    """Chains of brass without weight, by their law and the beads in the section."""
+    """Chains of brass without weight, by contact law and number of beads in the section."""
     light = [run for run in runs if run.case.replace and run.case.precompression is None]
     return by(sections(light), lambda section: (section.case.contact.law, section.n))
 
 
 def speeds_of(runs):
-    """Moduli of the brass, GPa, and the speeds V at each, m/s, by the law and the beads in the
-    section.
+    """Moduli of the brass, GPa, and the speeds V for each modulus, m/s, by contact law and number
+    of beads in the section.
     """
     speeds = {}
     for key, group in sections_by_law(runs).items():
@@ -56,7 +56,7 @@ def steel_wave(run):
 
 
 def front_speed(section):
-    """Speed V by the times at which the forces reach a share of their first peaks, m/s."""
+    """Speed V from the times at which the forces reach a fraction of their first peaks, m/s."""
     arrivals = []
     for force in (section.incident, section.output):
         height = FRONT * first_peak(section.time, force)[1]

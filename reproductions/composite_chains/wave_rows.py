@@ -19,9 +19,10 @@ def of_reflections(waves, from_end):
     for key, wave in ((key, found[key]) for key in NAMES if key in found):
         remark = f"The force is {wave.force:.3g} N."
         if key == "BRW" and "FRW" not in found:
-            remark += (" No forward reflection above 0.5 % of the largest force follows. The forward "
-                       f"wave at {1e3 * waves.second.time:.3g} ms, with {waves.second.force:.3g} "
-                       "N, is the second wave of the incident train, which enters without a "
+            remark += (" No forward reflection above 0.5 % of the largest force follows. The "
+                       f"forward wave at {1e3 * waves.second.time:.3g} ms, with "
+                       f"{waves.second.force:.3g} N, is the second wave of the incident train, "
+                       "which enters without a "
                        "reflection.")
         if key == "FRW" and not wave.forth:
             remark += " A second wave travels back here at the same time, and the forces add up."
@@ -100,8 +101,9 @@ def of_pressure(section, source):
                  "source it falls.")
     ratio = hertz_von_mises_yield_factor(section.material.poisson_ratio)
     for name, printed, pressure in (("first", source[0], first), ("last", source[1], last)):
-        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}", "MPa",
-                     printed, pressure / ratio, where, "The source value is read here as the largest von Mises stress of its "
+        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}",
+                     "MPa", printed, pressure / ratio,
+                     where, "The source value is read here as the largest von Mises stress of its "
                             "elastic finite elements, below the surface. The source calls it "
                             "compressive and compares it with the yield strength.")
     fallen = source[1] / source[0]
@@ -161,7 +163,7 @@ def waves_and_energy(waves):
     for bead in (shown.first - 1, shown.last):
         left.axvline(place[chain.contact_between(bead)], color="k", linewidth=0.6, linestyle="--")
     left.axvline(place[k], color="0.6", linewidth=0.6, linestyle=":")
-    left.set(xlabel="Place (mm)", ylabel="Time (µs)")
+    left.set(xlabel="Position (mm)", ylabel="Time (µs)")
     figure.colorbar(mesh, ax=left, location="top", label="Force (N), negative in backward waves")
     right.semilogx(np.maximum(force, 1e-9 * force.max()), time)
     for name, wave in shown.reflections.items():

@@ -26,7 +26,7 @@ NEAR = 0.01  # diameters
 
 
 class Attenuation:
-    """Rates of the decay of a crystal along the two mirrored lines of the printed rate, 1/m."""
+    """Decay rates of a crystal along the two mirrored lines of the printed rate, 1/m."""
 
     def __init__(self, run):
         crystal = Crystal(run)
@@ -59,7 +59,9 @@ class Attenuation:
         return grains
 
     def seen_speeds(self, grains):
-        """Largest speeds of grains by the displacements between frames, mean over phases, m/s."""
+        """Largest speeds of grains from the displacements between frames, averaged over the phase
+        of the frames, m/s.
+        """
         moved = self.displacement[:, grains][:, :, ::2]
         largest = []
         for phase in np.arange(PHASES) / PHASES:
@@ -74,7 +76,7 @@ class Attenuation:
         return [np.interp(frames, self.time, part) for part in grain]
 
     def mean_rate(self, speeds):
-        """Mean rate of the fits of exponentials to lines of speeds, 1/m."""
+        """Mean rate of the exponentials that are fitted to lines of speeds, 1/m."""
         return np.mean([-np.polyfit(self.distance, np.log(line), 1)[0] for line in speeds])
 
 
@@ -96,7 +98,7 @@ def rates(samples):
 
 
 def spread(samples):
-    """Words on the rates of the samples, and on what a camera sees."""
+    """Text on the rates of the samples, and on rates seen by a camera."""
     found = rates(samples)
     seen = np.mean([one.seen for one in samples])
     words = f"At {FRAMES:.0f} frames/s the rate would be {seen:.2f}."

@@ -40,7 +40,7 @@ def title(series):
 def columns(series):
     force = [run.result["walls/bottom/force"] for run in series]
     return {
-        "Hit": list(range(1, len(series) + 1)),
+        "Impact number": list(range(1, len(series) + 1)),
         "Impact (m/s)": [run.case.load.velocity for run in series],
         "Dissipated (% of input)": [100 * run["dissipated_fraction"] for run in series],
         "Contacts with growing indentation": [run["n_plastic_contacts"] for run in series],
@@ -51,7 +51,7 @@ def columns(series):
 
 
 def tables(series):
-    yield "Hit by hit", columns(series)
+    yield "Values by impact", columns(series)
 
 
 def verdict(series):
@@ -69,10 +69,10 @@ def pictures(series):
     found = columns(series)
     figure = Figure((5.6, 2.3), layout="constrained")
     left, right = figure.subplots(1, 2)
-    left.bar(found["Hit"], found["Dissipated (% of input)"], color="C2", width=0.6)
-    right.bar(found["Hit"], found["Largest dynamic force at the bottom (N)"], width=0.6)
-    left.set(xlabel="Hit", ylabel="Dissipated (% of input)", xticks=found["Hit"])
-    right.set(xlabel="Hit", ylabel="Force at the bottom (N)", xticks=found["Hit"])
+    left.bar(found["Impact number"], found["Dissipated (% of input)"], color="C2", width=0.6)
+    right.bar(found["Impact number"], found["Largest dynamic force at the bottom (N)"], width=0.6)
+    left.set(xlabel="Impact", ylabel="Dissipated (% of input)", xticks=found["Impact number"])
+    right.set(xlabel="Impact", ylabel="Force at the bottom (N)", xticks=found["Impact number"])
     caption = (
         "Dissipated fraction and largest dynamic force at the bottom, by number of the impact. "
         "After the first impact contacts are elastic up to their earlier force: less energy is "

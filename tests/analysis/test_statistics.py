@@ -1,4 +1,6 @@
-"""Statistics of replicates: against scipy, closed forms, and the coverage of their intervals."""
+"""Statistics of replicates compared with scipy and closed forms, and the coverage of their
+intervals.
+"""
 
 from __future__ import annotations
 
@@ -177,7 +179,9 @@ DIMER = {
 
 @pytest.fixture(scope="module")
 def summaries(tmp_path_factory):
-    """Summaries of runs of spheres; most granular ones are golden, and held against runs there."""
+    """Summaries of runs of spheres; most granular summaries are golden outputs, which are compared
+    with runs there.
+    """
     place = tmp_path_factory.mktemp("runs")
     found = list(json.loads((FOLDER / SUMMARIES).read_text()).values())
     found += [
@@ -202,7 +206,7 @@ def test_every_value_has_an_entry_and_every_entry_a_value(summaries):
 
 @pytest.mark.xdist_group("summaries")
 def test_values_are_shown_with_their_digits(summaries):
-    """A number with decimals has a format where it is shown at the terminal."""
+    """Every number with decimals that the terminal shows has a format."""
     for entry in (*RUN_ROWS, *SCAN_COLUMNS):
         assert entry.digits or not any(
             isinstance(summary.get(entry.name), float) for summary in summaries
@@ -236,7 +240,7 @@ def test_value_without_an_entry_is_called_by_its_name():
 
 @pytest.fixture
 def ipython(monkeypatch):
-    """Stand-in for IPython, whose configuration tells what runs in it."""
+    """Replacement for IPython, whose configuration identifies the front end."""
     module = types.ModuleType("IPython")
     shell = types.SimpleNamespace(config={})
     module.get_ipython = lambda: shell

@@ -1,4 +1,4 @@
-"""Values of summary.json against closed forms and known counts."""
+"""Values of summary.json compared with closed forms and known counts."""
 
 from __future__ import annotations
 
@@ -72,8 +72,8 @@ def test_input_is_normalised_by_first_yield(tmp_path):
 
 
 def test_plastic_zone_counted_by_hand(tmp_path):
-    """Dents decay as exp(-(d/D - 1/2)/1.2) from 40 alpha_y: they reach alpha_y at (1/2 + 1.2 ln 40)
-    D.
+    """Indentations decay as exp(-(d/D - 1/2)/1.2) from 40 alpha_y, and reach alpha_y at (1/2 + 1.2
+    ln 40) D.
     """
     summary, case = summary_of(tmp_path, size=(12, 12, 8))
     lattice = assemble(case).lattice
@@ -138,7 +138,7 @@ def test_loaded_contacts_are_those_that_bore_a_force(tmp_path):
 
 
 def test_contacts_beyond_the_law_are_counted(tmp_path):
-    """0.2 R* is 418 alpha_y for these spheres: only contacts of the struck sphere are deeper."""
+    """0.2 R* is 418 alpha_y for these spheres: only contacts of the impacted sphere are deeper."""
     summary, case = summary_of(tmp_path, dent=430.0)
     law = sphere_contact(case)
     assert 0.2 * law.effective_radius / law.yield_overlap == pytest.approx(417.9, rel=1e-3)
@@ -210,7 +210,7 @@ def share_of(table):
 
 
 def test_values_are_explained(tmp_path):
-    """A report explains the values that a run has."""
+    """A report explains all values of a run."""
     summary, _ = summary_of(tmp_path)
     (group,) = model.meanings([summary])
     told = {row[1].text for row in group.blocks[0].rows}

@@ -1,4 +1,6 @@
-"""Results without extensions: report and loading of a run, messages on what extensions left."""
+"""Results without extensions: report and loading of a run, messages on files of missing
+extensions.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,7 @@ def without(left_out: str, place: Path, text: str) -> str:
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run, and folders that hold something else."""
+    """A run, and folders with other results."""
     folder = tmp_path_factory.mktemp("results")
     write_run(folder / "run")
     (folder / "empty").mkdir()
@@ -91,7 +93,9 @@ for name in ("run", "empty", "notes", "spectra", "design", "other", "none"):
 
 @pytest.mark.parametrize("left_out", ["waves", "all"])
 def test_a_missing_extension_is_named_by_what_it_left(place: Path, left_out: str) -> None:
-    """In a report, when the directory is loaded, and when something else would be written there."""
+    """The message appears in a report, on loading, and when other results would be written into the
+    directory.
+    """
     text = """
 import granwave.analysis.notebook.load as door
 from granwave.analysis.reports.report import write_report

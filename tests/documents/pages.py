@@ -1,4 +1,4 @@
-"""Pages of the documents, the README among them, as blocks of code that tests run, load or read."""
+"""Pages of the documents, including the README, as blocks of code that tests run, load or read."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class Block:
         ``shell``: commands that `make validate` runs; ``bash``: commands that it does not, as they
         take long or need another machine; ``python``, ``toml``, ``text``.
     caption
-        Name of the file that it is to be saved as, by the option ``caption`` or a first comment;
+        Name of the file under which it is saved, from the option ``caption`` or a first comment;
         empty for none.
     output
-        True if it shows lines of what the commands before it print.
+        True if it shows lines that the preceding commands print.
     """
 
     language: str
@@ -49,7 +49,7 @@ class Block:
 
 
 def pages() -> list[Path]:
-    """Return the README and the pages that are written by hand."""
+    """Return the README and the handwritten pages."""
     generated = ("docs/reference/styles", "docs/gallery/studies")
     found = sorted((ROOT / "docs").rglob("*.md"))
     return [
@@ -78,7 +78,9 @@ def name_of(page: Path) -> str:
 
 
 def write_files(page: Path, folder: Path) -> None:
-    """Write the files of a page, those with a caption, into a folder; LAMMPS scripts are run there."""
+    """Write the files of a page (blocks with a caption) into a folder; LAMMPS scripts are run
+    there.
+    """
     for block in blocks(page):
         if block.caption:
             (folder / block.caption).write_text(block.text, encoding="utf-8")

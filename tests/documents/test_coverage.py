@@ -1,4 +1,4 @@
-"""The page on coverage of the sources: made of the table and of the stored rows."""
+"""The page on coverage of the sources is generated from the table and the stored rows."""
 
 from __future__ import annotations
 
@@ -62,7 +62,10 @@ def test_every_study_that_compares_with_a_source_belongs_to_an_item(source):
     [
         ({"state": "partly", "why": "No value is printed."}, "| partly | No value is printed. |"),
         ({"what": "a*b"}, r"| a\*b |"),
-        ({"state": "works", "why": "", "differs": "12 % more."}, "| works | 12 % more. |"),
+        (
+            {"state": "works", "why": "", "differs": "12 % too large."},
+            "| works | 12 % too large. |",
+        ),
     ],
 )
 def test_a_changed_item_changes_the_page(change, says):

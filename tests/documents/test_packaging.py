@@ -1,5 +1,5 @@
-"""Recipes for conda, Spack and containers in docs/packaging: they ask for what the package asks
-for, in its version.
+"""Recipes for conda, Spack and containers in docs/packaging: they have the requirements and the
+version of the package.
 """
 
 from __future__ import annotations

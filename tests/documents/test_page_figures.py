@@ -1,4 +1,4 @@
-"""Figures of the pages: each is drawn by its script as it stands, and shown."""
+"""Figures of the pages: each is drawn by the present script, and shown on a page."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ WITHOUT_PICTURE = {
 
 @pytest.fixture(scope="module")
 def figures() -> ModuleType:
-    """Return the module that draws the figures, which is no part of a package."""
+    """Return the module that draws the figures, which belongs to no package."""
     path = ROOT / "docs" / "_ext" / "page_figures.py"
     spec = importlib.util.spec_from_file_location("page_figures", path)
     module = importlib.util.module_from_spec(spec)
@@ -35,7 +35,7 @@ def figures() -> ModuleType:
 
 
 def shown_pictures() -> set[Path]:
-    """Return the pictures that some page shows."""
+    """Return the pictures that are shown on some page."""
     shown = set()
     for page in pages():
         for name in SHOWN.findall(page.read_text(encoding="utf-8")):

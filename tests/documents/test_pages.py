@@ -1,4 +1,4 @@
-"""Pages: code, files, commands and names in them, and the questions that a reader has."""
+"""Pages: their code, files, commands and names, and the questions of readers."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_python(page, tmp_path, monkeypatch, capsys):
 
 
 def test_names_of_python():
-    """Functions of the package on the page on Python exist."""
+    """Functions of the package that the page on Python names exist."""
     (page,) = [
         page for page in WITH_PYTHON if page.name == "python.md" and page.parent.name == "howto"
     ]
@@ -112,7 +112,7 @@ def load(block: Block, folder: Path) -> None:
 
 
 def are_materials(data: dict) -> bool:
-    """True for a file of materials: its tables have the constants of one each."""
+    """True for a file of materials, each table of which has the constants of a material."""
     tables = [table for table in data.values() if isinstance(table, dict)]
     return bool(tables) and all("youngs_modulus" in table for table in tables)
 
@@ -122,7 +122,7 @@ FITTED = 'material = "brass"\n[contact]\nlaw = "elastoplastic"\npressure_limit =
 
 @pytest.mark.parametrize("page", WITH_FILES, ids=name_of)
 def test_files(page, tmp_path, monkeypatch):
-    """Grains that LAMMPS would have to make first are not made."""
+    """Grains that LAMMPS would have to generate first are not generated."""
     monkeypatch.chdir(tmp_path)
     write_files(page, tmp_path)
     (tmp_path / "fit").mkdir()  # what a command of the page on fits leaves
@@ -135,7 +135,7 @@ def test_files(page, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("page", WITH_COMMANDS, ids=name_of)
 def test_commands(page, tmp_path, monkeypatch):
-    """Every command is read by the parser, names what there is, and sets keys that its case has."""
+    """Every command is read by the parser, names existing objects, and sets keys of its case."""
     monkeypatch.chdir(tmp_path)
     write_files(page, tmp_path)
     made = known_directories(page) | {
@@ -156,9 +156,7 @@ def test_commands(page, tmp_path, monkeypatch):
 
 
 def check_command(verb: str, options: argparse.Namespace, made: Collection[str]) -> None:
-    """Check what a command names; ``made`` are directories and files that commands of its page
-    leave.
-    """
+    """Check the names in a command; ``made`` are directories and files from commands of its page."""
 
     def is_there(name: object) -> bool:
         in_checkout = str(name).startswith("reproductions/") and (ROOT / str(name)).is_file()
@@ -238,7 +236,7 @@ def test_every_value_of_a_summary_is_explained():
 
 
 def test_overrides_in_text_are_keys():
-    """Dotted keys in the running text, as ``run.end_time``, exist."""
+    """Dotted keys in the running text, such as ``run.end_time``, exist."""
     known = {f"{table.name}.{key.name}" for table in tables() for key in table.keys}
     heads = {key.partition(".")[0] for key in known} - {"scan"}
     for page in PAGES:
@@ -325,7 +323,7 @@ def test_questions_stand_on_the_first_page():
 
 
 def test_all_recipes_are_in_the_list():
-    """Each page of the folder is in the table of contents and in the table that says what one gets."""
+    """Each page of the folder is in the table of contents and in the table of results."""
     text = (HOWTO / "index.md").read_text(encoding="utf-8")
     for page in HOWTO.glob("*.md"):
         if page.stem != "index":

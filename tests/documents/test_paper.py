@@ -1,4 +1,4 @@
-"""The paper in the form that the Journal of Open Source Software asks for."""
+"""The paper has the format that the Journal of Open Source Software requires."""
 
 from __future__ import annotations
 
@@ -60,7 +60,9 @@ def test_its_pictures_are_there():
 
 
 def test_numbers_that_pages_have_too():
-    """Numbers in its sentences are those of the site's pages, which say where they were measured."""
+    """Numbers in its sentences agree with the pages of the site, which state where they were
+    measured.
+    """
     dents = (ROOT / "docs" / "explanation" / "contact-law.md").read_text(encoding="utf-8")
     once, shaken = (
         re.search(rf"^\| {start}.*$", dents, re.MULTILINE)[0]

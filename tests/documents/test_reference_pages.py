@@ -21,7 +21,7 @@ def test_pages_with_tables_are_found():
 
 @pytest.mark.parametrize("page", REFERENCE_PAGES.pages(), ids=name_of)
 def test_tables_are_those_of_the_code(page):
-    """If it fails: ``python docs/_ext/reference_pages.py`` writes them again."""
+    """If this test fails, ``python docs/_ext/reference_pages.py`` writes the tables again."""
     text = page.read_text(encoding="utf-8")
     assert REFERENCE_PAGES.filled(text) == text
 

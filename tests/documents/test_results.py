@@ -1,4 +1,4 @@
-"""The tables of results: made of the stored rows, and some of these run anew."""
+"""The tables of results are generated from the stored rows, some of which are computed again."""
 
 from __future__ import annotations
 
@@ -109,8 +109,8 @@ def test_remarks_are_notes_below_a_table():
 
 
 def test_what_is_far_off_is_named():
-    """Deviations of the list and the picture are those of the rows; each has a mark of its own, and
-    a reason.
+    """Deviations in the list and the picture agree with the rows; each has a distinct mark, and a
+    reason.
     """
     compared = [
         (name, key, row.kind, row.deviation)
@@ -142,7 +142,7 @@ def test_the_first_pages_have_few_rows():
 
 
 def test_the_stored_rows_are_those_of_the_code():
-    """A table that is stale names its suite, why, and what to run."""
+    """For a stale table the suite, the reason and the command are reported."""
     found = RESULTS.stale(STORED)
     assert not found, "\n" + "\n".join(f"{name}: {why}" for name, why in found.items())
 
@@ -180,7 +180,7 @@ def test_what_makes_a_table_stale(change, says):
 
 
 def test_a_suite_is_complete_only_if_every_present_point_is_done():
-    """Points of an earlier file, or all but one, do not make it complete."""
+    """A scan with points of an earlier file, or with a missing point, is not complete."""
     suite = RESULTS.SUITES["sphere-contacts"]
     ids = [point.id for point in load_scan("sphere-contacts", here=False).points]
 
@@ -207,7 +207,7 @@ def test_a_digest_sees_code_and_no_words(tmp_path):
 
 
 def test_a_digest_of_scripts_sees_what_makes_rows(tmp_path):
-    """Definitions that only figures, tables or nothing need are left out."""
+    """Definitions that are unused, or used only by figures and tables, are left out."""
     beside = tmp_path / "beside.py"
     beside.write_text("LIMIT = 2\n\n\ndef measured(runs):\n    return LIMIT\n")
     study = tmp_path / "study.py"
@@ -252,7 +252,9 @@ def test_every_study_of_a_source_has_its_rows_stored():
 
 
 def test_every_row_compares_something():
-    """A row has a value of ours, or one of theory beside its source's; a bound has no difference."""
+    """A row has our value, or a theoretical value together with the source value; a bound has no
+    difference.
+    """
     for _, _, record, row in ROWS:
         assert row.kind == record["kind"], row.quantity
         assert row.ours is not None or row.theory is not None, row.quantity

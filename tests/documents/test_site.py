@@ -77,7 +77,7 @@ def test_twelve_scripts_stand_on_the_first_page_with_few_lines_each():
 
 
 def test_the_lammps_script_of_the_first_page_runs(tmp_path):
-    """On the packing that the case file beside it writes; what was put in is found again."""
+    """The script uses the packing of the case file next to it; the energy input is recovered."""
     page = ROOT / "docs" / "index.md"
     write_files(page, tmp_path)
     (script,) = (block.text for block in blocks(page) if block.language == "LAMMPS")
@@ -117,7 +117,9 @@ def test_every_script_of_the_gallery_takes_less_than_a_minute(tmp_path, monkeypa
 
 
 def test_no_description_begins_with_an_accepted_value():
-    """The page makes a sentence of it: a word that must be typed would get a capital."""
+    """The page turns the text into a sentence: a word to be typed at its beginning would be
+    capitalised.
+    """
     accepted = {*export_names(), *QUANTITIES, *VIEWS}
     (verbs,) = (
         action
@@ -143,7 +145,7 @@ def cells(notebook: Path) -> list[dict]:
 
 
 def test_notebooks_have_no_outputs():
-    """Each begins with a title; outputs are made anew with the site."""
+    """Each notebook begins with a title; outputs are generated with the site."""
     assert len(NOTEBOOKS) >= 3 and IN_EVERY_TEST in [notebook.stem for notebook in NOTEBOOKS]
     for notebook in NOTEBOOKS:
         first, *rest = cells(notebook)

@@ -1,4 +1,4 @@
-"""Numbers on the pages of tutorials are those of the runs."""
+"""Numbers in the tutorials agree with the runs."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Promises that stay: results of 0.1, 0.2 and 0.3 are read, names of 0.3 are there, results of
-later formats are refused.
+"""Compatibility: results of 0.1, 0.2 and 0.3 are read, names of 0.3 exist, results of later formats
+are rejected.
 
-The archives hold small runs that these versions made: fcc spheres, a chain, a scan of two points;
+The archives contain small runs of these versions: fcc spheres, a chain, a scan of two points;
 without dumps, decks and figures. `promised.json` has the names of 0.3: commands and options, keys,
 values of summary.json, data sets, columns, styles.
 """
@@ -88,8 +88,8 @@ def test_figures_film_page_and_tables(earlier):
 
 
 def test_they_are_kept_and_replaced_as_results_are(earlier, capsys):
-    """Their files are known as granwave's own: refused without --force, a finished run is not
-    computed again.
+    """Their files are recognised as granwave's own: they are rejected without --force, and a
+    finished run is not computed again.
     """
     case = str(earlier / "run" / "case.toml")
     before = (earlier / "run" / "summary.json").read_bytes()
@@ -130,7 +130,7 @@ def test_styles_of_0_3(lammps):
 
 @pytest.fixture(scope="module")
 def now(tmp_path_factory) -> Path:
-    """A run and a scan of today, as those of the archives."""
+    """A present run and scan like those in the archives."""
     place = tmp_path_factory.mktemp("now")
     assert main(["run", "fcc-small", "-o", str(place / "run"), *SMALL, "--no-figures"]) == 0
     chain = [

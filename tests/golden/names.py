@@ -1,8 +1,8 @@
 """Golden names: what users type and read, kept in `NAMES`.
 
 Commands with their options, keys of all files, values of summaries, figures, built-in cases, scans
-and studies, and the names of Python. The package is asked for them where a user asks. A name that
-is missing is a break for users; a new one is added by
+and studies, and the names of Python. They are taken from the public interfaces of the package. A
+missing name breaks the code of users; new names are added by
 
     .venv/bin/python -m tests.golden.names        # all golden outputs: -m tests.golden.outputs
 """
@@ -32,7 +32,7 @@ from granwave.extensions.continuum.sphere_contact.figures import FIGURES as CONT
 from granwave.extensions.inference.forces.output import FIGURES as INFERENCE_FIGURES
 from granwave.extensions.waves.small_waves import FIGURES as SPECTRA_FIGURES
 from granwave.lammps_inputs import presets
-from granwave.lammps_inputs.case.run import figure_names
+from granwave.lammps_inputs.case.figures import figure_names
 from granwave.workflows import library
 from granwave.workflows.cli.keys.reference import tables
 from granwave.workflows.cli.parser import make_parser
@@ -122,7 +122,7 @@ def names_of(module: ModuleType) -> Iterable[str]:
 def members(cls: type) -> set[str]:
     """Public attributes and methods of a class that the package defines, fields included.
 
-    Of a case its tables and how it is written: what else it can be asked for serves the package.
+    Of a case only its tables and the methods that write it; its other attributes are internal.
     """
     if cls is granwave.Case:
         return {*tables_of_a_case(), "name", "to_dict", "to_toml"}
@@ -142,7 +142,7 @@ def tables_of_a_case() -> set[str]:
 
 
 def names() -> dict[str, Any]:
-    """All names, as `NAMES` holds them."""
+    """All names, in the form of `NAMES`."""
     return {
         "commands": commands(),
         "keys": keys(),
@@ -159,7 +159,7 @@ def kept() -> dict[str, Any]:
 
 
 def flat(content: Any, path: str = "") -> set[str]:
-    """Names with the tables that they stand in: ``commands: run: --np``."""
+    """Names with the tables that contain them: ``commands: run: --np``."""
     if isinstance(content, str):
         return {f"{path}{content}"}
     if isinstance(content, list):

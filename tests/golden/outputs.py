@@ -63,9 +63,9 @@ _OF_THE_MACHINE = {"wall_time_s": 1.0, "sphere_steps_per_s": 1.0, "versions": {}
 
 
 def granular_cases() -> list[str]:
-    """Names of the built-in cases that LAMMPS runs, but for those whose packing it makes too.
+    """Names of the built-in cases that LAMMPS runs, except cases whose packing it also makes.
 
-    Beds that were poured differ between processors, as the last bits grow in collisions.
+    Poured beds differ between processors, as differences in the last bits grow in collisions.
     """
     tables = {name: read_toml(library.find(name)) for name in library.names()}
     return [

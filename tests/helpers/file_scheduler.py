@@ -8,8 +8,8 @@ from xdist.scheduler import LoadGroupScheduling
 class FileScheduling(LoadGroupScheduling):
     """Schedule that gives the tests of a group, or else of a file, to one process.
 
-    Fixtures of a module are then made once, and not in each process; and a schedule of 10 000
-    single tests took seconds of its own, in the process that hands them out.
+    Fixtures of a module are then made once, and not in each process; and scheduling 10 000 single
+    tests took several seconds in the process that distributes them.
     """
 
     def _split_scope(self, nodeid: str) -> str:

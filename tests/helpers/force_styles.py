@@ -1,10 +1,10 @@
-"""Checks that LAMMPS's unit tests make of pair styles, fixes and computes, on the YAML files of
+"""The checks of LAMMPS's unit tests for pair styles, fixes and computes, with the YAML files of
 `plugins/unittest`.
 
 The files are in the format of LAMMPS's testers (its manual, "Developer/Unit tests"):
 `*-pair-*.yaml` of test_pair_style, `fix-timestep-*.yaml` of test_fix_timestep, `compute-*.yaml` of
-test_compute_style. `python -m tests.helpers.force_styles --update [FILE ...]` runs them and writes
-anew those whose values have changed.
+test_compute_style. `python -m tests.helpers.force_styles --update [FILE ...]` runs them and
+rewrites the files whose values have changed.
 """
 
 from __future__ import annotations
@@ -84,12 +84,12 @@ class StyleTester:
         self.lmp.commands_string(text)
 
     def fresh(self, *before: str) -> None:
-        """Begin from the input file, its geometry and the commands before it."""
+        """Run the commands before the input file, and read its geometry."""
         self.commands("\n".join([*before, self.config["pre_commands"]]))
         self.commands(f"include {FOLDER / self.config['input_file']}")
 
     def forces(self) -> None:
-        """Give pair style and coefficients, and the commands after them."""
+        """Run the commands of pair style and coefficients, and the commands after them."""
         if "pair_style" in self.config:
             self.commands(f"pair_style {self.config['pair_style']}")
             self.coefficients()
@@ -127,7 +127,9 @@ class StyleTester:
         coefficients: bool = True,
         dents: bool = True,
     ) -> None:
-        """Read the restart file in a cleared instance, and give the commands that it lacks."""
+        """Read the restart file in a cleared instance, and run the commands whose content it
+        lacks.
+        """
         self.commands(f"clear\nnewton on\nread_restart {self.folder}/{file}")
         if self.kind == "pair" and coefficients:
             self.coefficients()
@@ -183,7 +185,7 @@ class StyleTester:
         return {name: self.atoms(PER_ATOM[name]) for name in ("run_pos", "run_vel", "run_torque")}
 
     def reported(self) -> dict[str, np.ndarray]:
-        """Values of the fix or compute with the ID `test`, as far as it has them."""
+        """Available values of the fix or compute with the ID `test`."""
         if self.kind == "fix":
             get = self.lmp.extract_fix
             ways = {
@@ -207,7 +209,7 @@ class StyleTester:
 
 
 def differ(found: np.ndarray, stored: np.ndarray) -> float:
-    """Largest relative difference as LAMMPS's testers measure it: absolute where one of the two is
+    """Largest relative difference as LAMMPS's testers measure it: absolute if one of the values is
     0.
     """
     gap = np.abs(found - stored)
@@ -227,7 +229,7 @@ def stored(config: dict[str, str], name: str) -> np.ndarray:
 
 
 def block(lines: list[str], end: str = "\n") -> str:
-    """Literal block of YAML, as LAMMPS's own files have it."""
+    """Literal block of YAML, as in LAMMPS's own files."""
     if not lines:
         return '! ""'
     sign = ("2" if lines[0].startswith(" ") else "") + ("" if end else "-")

@@ -1,7 +1,7 @@
-"""Extensions hidden from a process, as if their folders were gone.
+"""Extensions hidden from a process, as if their folders did not exist.
 
-The environment variable ``GRANWAVE_WITHOUT`` says which; as a plugin of pytest (``-p
-tests.helpers.hidden``) this module leaves their tests out, and those that carry the marker
+The environment variable ``GRANWAVE_WITHOUT`` names them; as a plugin of pytest (``-p
+tests.helpers.hidden``) this module skips their tests, and tests with the marker
 ``needs_extension``.
 """
 
@@ -41,7 +41,7 @@ def importing_file() -> Path:
 
 
 class NoImport(importlib.abc.MetaPathFinder):
-    """Finder of modules that refuses those of the hidden extensions; a test that imports one is
+    """Finder of modules that rejects modules of the hidden extensions; a test that imports one is
     skipped, a module of the core fails.
     """
 
@@ -60,7 +60,7 @@ class NoImport(importlib.abc.MetaPathFinder):
 
 
 def hide() -> None:
-    """Refuse imports of the hidden extensions from now on."""
+    """Reject imports of the hidden extensions from now on."""
     sys.meta_path.insert(0, NoImport(hidden_names()))
 
 
@@ -70,7 +70,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Leave out the tests of hidden extensions."""
+    """Skip the tests of hidden extensions."""
     parts = collection_path.parts
     for name in hidden_names():
         if ("extensions", name) in itertools.pairwise(parts):
@@ -79,7 +79,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out tests of the core that look at what a hidden extension adds."""
+    """Skip tests of the core that concern additions of a hidden extension."""
     names = set(hidden_names())
     left_out = [
         item

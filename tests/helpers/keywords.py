@@ -1,4 +1,4 @@
-"""Options of a command against the keywords of its function in Python."""
+"""Comparison of the options of a command with the keywords of its Python function."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ def check_keywords(name: str, *own: str) -> None:
     Parameters
     ----------
     own
-        Options of the command line alone, besides those that change keys or print JSON.
+        Options that exist only on the command line, apart from options that change keys or print
+        JSON.
     """
     (command,) = (command for command in commands() if command.name == name)
     parser = argparse.ArgumentParser()

@@ -1,4 +1,4 @@
-"""The manual pages of the LAMMPS styles, and what their examples print."""
+"""The manual pages of the LAMMPS styles, and the output of their examples."""
 
 from __future__ import annotations
 
@@ -29,5 +29,5 @@ class Log:
             self.runs.append(dict(zip(columns, np.array(rows).T, strict=True)))
 
     def printed(self, words: str) -> float:
-        """The number behind these words, from the last line that begins with them."""
+        """The number after these words, from the last line that begins with them."""
         return float(re.findall(rf"^{words}: *(\S+)", self.text, re.MULTILINE)[-1])

@@ -1,4 +1,4 @@
-"""Surfaces of triangles, and STL files of them, as programs of design write them."""
+"""Surfaces of triangles, and STL files of them in the form that CAD programs write."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""Tables of the second solvers, which studies of the reproductions compare with.
+"""Tables of the second solvers, with which studies of the reproductions compare.
 
 Rows with cylinders (chapters 7 and 8 of the thesis) are solved by `symmetric_row`, packings of
-spheres (chapter 5) by the network of `twins.twin`. A table stands beside the study that reads it:
+spheres (chapter 5) by the network of `twins.twin`. A table is next to the study that reads it:
 
     .venv/bin/python -m tests.helpers.second_solver [CHAPTER ...]      # writes them anew
 
-All take some ten minutes. Tests solve parts of them again.
+All take some ten minutes. Tests recompute parts of them.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def cases(chapter: str, scans: list[str]) -> Iterator[Case]:
 
 
 def filter_cases() -> list[Case]:
-    """Rows of chapter 7 with cylinders beside all gaps."""
+    """Chains of chapter 7 with cylinders at all gaps."""
     return list(cases("chapter_7", [f"filter-{name}" for name in FILTERS]))
 
 
@@ -121,14 +121,14 @@ def switch_row(case: Case) -> Row:
 
 
 def impacts() -> list[tuple[str, int, bool]]:
-    """Packing, velocity, m/s, and whether the normals of the start are kept, of chapter 5."""
+    """Packing, velocity, m/s, and whether the initial normals are kept, of chapter 5."""
     true = [("small", velocity, False) for velocity in VELOCITIES]
     fixed = [("small", velocity, True) for velocity in VELOCITIES]
     return [*true, *fixed, ("reference", 5, True)]
 
 
 def impact(chosen: tuple[str, int, bool]) -> Row:
-    """Losses, peak force and yielded contacts of an impact of chapter 5.
+    """Dissipation, peak force and yielded contacts of an impact of chapter 5.
 
     The last layer of the reference packing is held for 1 ms; the small packing is free for 0.2 ms.
     """
@@ -168,12 +168,12 @@ def table(chapter: str) -> list[dict[str, str]]:
 
 
 def written(row: Row) -> dict[str, str]:
-    """Values of a row as a table holds them: numbers with seven digits."""
+    """Values of a row as stored in a table: numbers with seven digits."""
     return {key: value if isinstance(value, str) else f"{value:.7g}" for key, value in row.items()}
 
 
 def write(chapter: str) -> None:
-    """Solve all of a chapter and write its table; equal rows once."""
+    """Solve all rows of a chapter, equal rows only once, and write its table."""
     chosen, solve = CHAPTERS[chapter]
     rows = [written(solve(one)) for one in chosen()]
     with (THESIS / chapter / TABLE).open("w", encoding="utf-8", newline="") as stream:

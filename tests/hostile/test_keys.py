@@ -27,6 +27,8 @@ from granwave.lammps_inputs.case import (
     added_grains,
     bodies,
     boundary,
+    figures,
+    output,
     precompression,
     run,
     schema,
@@ -85,8 +87,8 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
         | {"boundary": {"bottom": {"bar": BAR, "material": BRASS}}}),
     (CASE, "precompression", precompression.Precompression, SPHERES | {"precompression": {"kind": "uniform", "pressure": 1e4}}),
     (CASE, "run", run.RunSettings, SPHERES),
-    (CASE, "output", run.Output, SPHERES | {"output": {}}),
-    (CASE, "figures", run.Figures, SPHERES | {"figures": {}}),
+    (CASE, "output", output.Output, SPHERES | {"output": {}}),
+    (CASE, "figures", figures.Figures, SPHERES | {"figures": {}}),
     (CASE, "absorb.1", bodies.Absorb, SPHERES | {"absorb": [{"layers": 1, "rate": 1e4}]}),
     (CASE, "pair.1", contact.Contact, PAIRED),
     (CASE, "pair.1", contact.Pair, PAIRED),
@@ -99,8 +101,8 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "boundary.sides_touch", boundary.Touched,
         SPHERES | {"boundary": {"x": "wall", "sides_touch": {"material": ["m"]}},
                    "material": BRASS | {"name": "m"}}),
-    (CASE, "output.probes.1", run.Probe, SPHERES | {"output": {"probes": [{"sphere": 3}]}}),
-    (CASE, "figures.plane", run.CutPlane,
+    (CASE, "output.probes.1", output.Probe, SPHERES | {"output": {"probes": [{"sphere": 3}]}}),
+    (CASE, "figures.plane", figures.CutPlane,
         SPHERES | {"figures": {"plane": {"normal": [1.0, 0.0, 0.0]}}}),
     (CASE, "grains.1.ring", Ring, CHAIN | FREE
         | {"grains": [{"ring": {"n": 2, "radius": 0.02, "z": 0.01}, "diameter": 0.004}]}),
@@ -251,7 +253,7 @@ def test_key(
 
 def test_the_tables_are_all_that_there_are() -> None:
     known = {section for _, _, section, _ in TABLES}
-    for module in (added_grains, bodies, boundary, contact, tables, run):
+    for module in (added_grains, bodies, boundary, contact, tables, run, output, figures):
         for name, value in vars(module).items():
             if dataclasses.is_dataclass(value) and value.__module__ == module.__name__:
                 fields = dataclasses.fields(value)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
+import signal
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from granwave.lammps_inputs.files import is_special, regular
-from tests.conftest import BIN, PLAIN
+from granwave.workflows.cli.main import main
 from tests.hostile.rows import faults_in
 
 CASE = ["fcc-small", "--set", "packing.size=[4,4,3]", "--set", "run.end_time=2e-5"]
@@ -27,24 +29,25 @@ MORE = ("data.granwave", "dumps/spheres.bin")
 LONGEST = 30  # s
 
 
-def granwave(*words: str, place: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [BIN / "granwave", *words],
-        cwd=place,
-        env=PLAIN,
-        capture_output=True,
-        text=True,
-        timeout=LONGEST,
-        stdin=subprocess.DEVNULL,
-    )
+def too_long(*_: object) -> None:
+    raise TimeoutError(f"longer than {LONGEST} s, perhaps for the writer of a pipe")
+
+
+@pytest.fixture
+def at_once() -> Iterator[None]:
+    """Fail a test that waits for the writer of a pipe."""
+    before = signal.signal(signal.SIGALRM, too_long)
+    signal.alarm(LONGEST)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Directory of a finished run."""
     place = tmp_path_factory.mktemp("finished")
-    done = granwave("run", *CASE, "-o", "out", "--no-figures", place=place)
-    assert done.returncode == 0, done.stderr
+    assert main(["run", *CASE, "-o", str(place / "out"), "--no-figures"]) == 0
     return place / "out"
 
 
@@ -53,13 +56,14 @@ PAIRS += [(".granwave", "force"), ("case.toml", "analyse")]
 PAIRS += [(name, command) for name in MORE for command in ("resume", "analyse")]
 
 
+@pytest.mark.usefixtures("at_once")
 @pytest.mark.parametrize(("name", "command"), PAIRS)
-def test_pipe(finished: Path, tmp_path: Path, name: str, command: str) -> None:
+def test_pipe(finished: Path, tmp_path: Path, granwave: Any, name: str, command: str) -> None:
     shutil.copytree(finished, tmp_path / "out")
     pipe = tmp_path / "out" / name
     pipe.unlink(missing_ok=True)
     os.mkfifo(pipe)
-    done = granwave(*COMMANDS[command], place=tmp_path)
+    done = granwave(*COMMANDS[command], cwd=tmp_path)
     faults = faults_in(done.stderr)
     assert done.returncode == 2
     assert len(faults) == 1

@@ -1,9 +1,9 @@
-"""Comparisons of kinds with texts: what differs between kinds belongs into their classes.
+"""Comparisons of kinds with texts: differences between kinds belong into their classes.
 
-A kind of load, packing, static load, bottom or sides is a class, with what it does as methods and
-flags. ``if case.load.kind == "plate"`` elsewhere is one more place to edit for a new kind.
-``python -m tests.house.kinds`` writes the number of such lines in each file to `EXCEPTIONS`; the
-tests allow no more of them, so that the list only becomes shorter.
+A kind of load, packing, static load, bottom or sides is a class with its behaviour as methods and
+flags. ``if case.load.kind == "plate"`` elsewhere is one more place to edit for a new kind. ``python
+-m tests.house.kinds`` writes the number of such lines in each file to `EXCEPTIONS`; the tests allow
+no more of them, so that the list only becomes shorter.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ def exceptions() -> dict[str, int]:
 
 
 def write_exceptions() -> None:
-    """Write the list of exceptions anew."""
+    """Write the list of exceptions again."""
     rows = [f'"{path}" = {len(numbers)}' for path, numbers in lines().items()]
     head = "# Written by `python -m tests.house.kinds`; the list only shrinks."
     EXCEPTIONS.write_text("\n".join([head, *rows]) + "\n", encoding="utf-8")

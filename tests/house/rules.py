@@ -1,4 +1,4 @@
-"""Rules of how a line is written that no linter has, on the syntax tree.
+"""Rules on code lines that no linter checks, on the syntax tree.
 
 ``python -m tests.house.rules`` writes the number of violations in each file to `EXCEPTIONS`; the
 tests allow no more of them, so that the list only becomes shorter.
@@ -156,7 +156,7 @@ def complex_functions() -> dict[str, list[str]]:
 
 
 def function_at(path: Path, row: int) -> str:
-    """Name of the function whose definition stands in a row of a file."""
+    """Name of the function whose definition is in a line of a file."""
     line = path.read_text(encoding="utf-8").splitlines()[row - 1]
     return line.split("def ", 1)[1].split("(", 1)[0].strip()
 
@@ -168,7 +168,7 @@ def exceptions() -> dict[str, dict]:
 
 @cache
 def counts() -> dict[str, dict[str, int]]:
-    """Violations of each rule in each file: how many."""
+    """Number of violations of each rule in each file."""
     table: dict[str, Counter[str]] = {rule: Counter() for rule in (*RULES, LONG_LINES)}
     for path in python_files():
         for rule, numbers in violations(path).items():
@@ -177,7 +177,7 @@ def counts() -> dict[str, dict[str, int]]:
 
 
 def write_exceptions() -> None:
-    """Write the list of exceptions anew; reasons that it holds stay."""
+    """Write the list of exceptions again; its reasons are kept."""
     accepted = exceptions().get("accepted", {}) if EXCEPTIONS.is_file() else {}
     lines = [
         "# Written by `python -m tests.house.rules`, but for [accepted]; each list only shrinks.",

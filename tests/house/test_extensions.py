@@ -1,4 +1,4 @@
-"""The core without its extensions: it imports none, names none, and works where each is hidden."""
+"""The core imports and names no extension, and works if any or all of them are hidden."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ROOMS = ("lammps_inputs", "analysis", "workflows", "plugins/laws", "plugins/pair
 
 
 def without(names: str, *words: object, cwd: Path | None = None) -> subprocess.CompletedProcess:
-    """Run granwave where these extensions are hidden."""
+    """Run granwave with these extensions hidden."""
     environment = os.environ | {WITHOUT: names, "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-m", "tests.helpers.hidden", *map(str, words)]
     return subprocess.run(
@@ -35,13 +35,13 @@ def without(names: str, *words: object, cwd: Path | None = None) -> subprocess.C
 
 
 def output(done: subprocess.CompletedProcess) -> str:
-    """Return what a command printed; it must have ended well."""
+    """Return the output of a command, which must have succeeded."""
     assert done.returncode == 0, done.stdout + done.stderr
     return str(done.stdout)
 
 
 def test_every_folder_is_an_extension():
-    """Each has its tests and pages beside it, and is found by its entry point."""
+    """Each extension has tests and pages, and is found by its entry point."""
     assert tuple(sorted(one.name for one in extensions() if (FOLDER / one.name).is_dir())) == NAMES
     for name in NAMES:
         assert list((ROOT / "tests" / "extensions" / name).glob("test_*.py")), name
@@ -112,7 +112,7 @@ def _commands_of(extension):
 @pytest.mark.validation
 @pytest.mark.parametrize("name", [ALL, *NAMES])
 def test_the_tests_of_the_core_pass_without(name):
-    """All of them where all extensions are hidden; where one is, those of the doors."""
+    """All tests of the core if all extensions are hidden; the tests of the interfaces if one is."""
     rooms = ROOMS if name == ALL else ("workflows/cli", "analysis/reports", "analysis/notebook")
     command = [sys.executable, "-m", "pytest", "-n", "2", "-p", "tests.helpers.hidden", "-q"]
     command += ["-p", "no:cacheprovider", *(f"tests/{room}" for room in rooms)]

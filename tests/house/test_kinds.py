@@ -1,4 +1,4 @@
-"""A kind is a class: nothing outside compares its name; the exceptions only become fewer."""
+"""A kind is a class: no code outside compares its name; the number of exceptions only decreases."""
 
 from __future__ import annotations
 

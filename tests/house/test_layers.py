@@ -171,7 +171,7 @@ FACE_FOR_TYPES = "granwave.workflows.package"
 
 @pytest.mark.parametrize("module", CORE)
 def test_the_core_imports_no_extension(module: str) -> None:
-    """Extensions say what they add; see `granwave.lammps_inputs.extensions.Extension`."""
+    """Extensions list their additions; see `granwave.lammps_inputs.extensions.Extension`."""
     source = MODULES[module].read_text(encoding="utf-8")
     if "granwave.extensions" not in source:
         return
@@ -270,7 +270,7 @@ NAME_A_SOURCE = (
 
 
 def test_the_packages_name_no_source() -> None:
-    """Values that others printed belong into reproductions/."""
+    """Printed values of other authors belong into reproductions/."""
     word = re.compile(r"(?<![a-z])(thesis|errat(a|um)|source 00[123])(?![a-z])", re.IGNORECASE)
     files = [path for name in PACKAGES[:4] for path in sorted((ROOT / name).rglob("*.*"))]
     files = [path for path in files if path.is_file() and path.parent.name != "__pycache__"]

@@ -2,8 +2,8 @@
 sources, and its tests pass there; contact laws that it changes are compiled there first.
 
 The text above the changes says what the patch shows, and names its tests in lines ``Tests: FILE
-FILE``. A patch that fits no longer is made anew: make the change by hand, ``git add -N .``, and put
-``git diff`` below that text.
+FILE``. If a patch no longer applies, write it again: make the change by hand, ``git add -N .``, and
+put ``git diff`` below that text.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ def link_all(folder: Path, files: Iterable[Path]) -> None:
 
 
 def link_built(package: Path) -> None:
-    """Link what the build made, such as the compiled plugin, from the installed package."""
+    """Link the build products, such as the compiled plugin, from the installed package."""
     for folder in (Path(), Path("plugins")):
         for file in (INSTALLED / folder).iterdir():
             link = package / folder / file.name
@@ -139,7 +139,7 @@ def test_every_patch_is_tried() -> None:
 
 @pytest.mark.parametrize("name", sorted(MOST_FILES))
 def test_each_patch_fits(name: str) -> None:
-    """A change of a line that a patch has in its context is seen at once."""
+    """A change of a line in the context of a patch is detected immediately."""
     checked = subprocess.run(
         ["git", "apply", "--check", str(PATCHES / f"{name}.patch")],
         cwd=ROOT,

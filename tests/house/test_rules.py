@@ -1,4 +1,4 @@
-"""Lines are written by the rules; the list of exceptions only becomes shorter."""
+"""Lines follow the rules; the list of exceptions only becomes shorter."""
 
 from __future__ import annotations
 

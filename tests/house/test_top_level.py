@@ -35,7 +35,7 @@ TOP = {
 
 
 def test_nothing_else_at_the_top() -> None:
-    """Directories of runs that were made here do not get into the repository."""
+    """Directories of runs are not added to the repository."""
     listing = subprocess.run(
         ["git", "-C", str(ROOT), "ls-files"], capture_output=True, text=True, check=False
     )

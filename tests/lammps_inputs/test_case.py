@@ -1,4 +1,4 @@
-"""Case files: overrides, the way through a file, warnings, and the table [figures]."""
+"""Case files: overrides, writing and reading again, warnings, and the table [figures]."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ import pytest
 
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.lammps_inputs import make_schedule
+from granwave.lammps_inputs.case.figures import CutPlane, Figures, figure_names
 from granwave.lammps_inputs.case.ids import INDEX
 from granwave.lammps_inputs.case.parse import parse_override
-from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM, CutPlane, Figures, figure_names
+from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
@@ -144,7 +145,9 @@ def test_every_third_sphere() -> None:
 
 
 def test_figures() -> None:
-    """Names are those of the figures that are drawn; values; a case without the table has none."""
+    """Names are the names of drawn figures; values are checked; a case without the table has no
+    settings.
+    """
     assert tuple(run_figures()) == figure_names()
     assert (
         "figures" not in (plain := case_from_dict(changed())).to_dict()

@@ -177,8 +177,8 @@ class TestSchedule:
     def test_two_thirds_of_the_snapshots_follow_the_wave(
         self, film: str, n: int, dense: int, end_time: float | str
     ) -> None:
-        """By default: evenly until the wave is at the bottom, and evenly to the end; of a run whose
-        end is not known as if that were at 1 ms, until the last time that it can have.
+        """Default snapshots: evenly spaced until the wave reaches the bottom, and evenly spaced to
+        the end; without a known end as if it were at 1 ms, up to the latest possible time.
         """
         case = make(run={"end_time": end_time}, figures={"film": film})
         schedule = make_schedule(case)
@@ -203,7 +203,7 @@ class TestSchedule:
         assert listed.frame_steps == (1000, 3000, 10_000)
 
     def test_snapshots_are_evenly_spread_where_no_wave_comes_first(self) -> None:
-        """The wave takes most of the run, or its arrival is not known."""
+        """The wave travels for most of the run, or its arrival is not known."""
         short = make_schedule(make(run={"end_time": 6e-5, "timestep": 1e-7}))
         assert np.ptp(np.diff([0, *short.frame_steps])) <= 1
         square = make_schedule(make((6, 6), "square", run={"timestep": 1e-7}))

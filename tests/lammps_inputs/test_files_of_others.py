@@ -1,6 +1,4 @@
-"""Command line and files of the user: they are kept and named in messages; unusual names, one
-process at a time.
-"""
+"""Files of the user are kept and named in messages; unusual names; one process at a time."""
 
 from __future__ import annotations
 

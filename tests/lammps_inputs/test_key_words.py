@@ -1,4 +1,4 @@
-"""Values of keys: counts, SI values, and hints at the key or the unit that was meant."""
+"""Values of keys: counts, SI values, and hints at the intended key or unit."""
 
 from __future__ import annotations
 
@@ -75,7 +75,9 @@ MANY = "packing.size: found [1200, 1200, 1200]: 1728000000 spheres require more 
 def test_large_counts(
     case: str, overrides: list[str], expected: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A run is refused; what this machine lacks is a warning of the plan for another one."""
+    """A run is rejected; in a plan for another machine, missing resources of this machine are only
+    a warning.
+    """
     begin = time.process_time()
     words = [word for override in overrides for word in ("--set", override)]
     lacks_memory = expected.endswith("require about")
@@ -275,7 +277,7 @@ def test_hints_of_continuum_cases_and_scans(tmp_path: Path) -> None:
 
 
 def test_files_with_similar_names_are_named_before_studies(tmp_path: Path) -> None:
-    """By the name without its suffix, which any two files have in common."""
+    """Files are compared by their names without the suffix, which all files share."""
     (tmp_path / "Impact.toml").write_text("")
     (tmp_path / "f.toml").write_text("")
     for name in ("Impact", "impac", "Imapct.toml"):

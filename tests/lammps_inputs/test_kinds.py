@@ -1,4 +1,4 @@
-"""Kinds of static loads, of bottoms and of sides: each has its classes, and flags that fit."""
+"""Kinds of static loads, bottoms and sides: each has its classes, and consistent flags."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def test_targets(bottom: object, expected: bool) -> None:
 
 
 def test_surfaces_without_an_echo() -> None:
-    """Half-spaces with a radius, and bars that go on: sqrt(E rho) A."""
+    """Half-spaces with a radius, and infinite bars: sqrt(E rho) A."""
     steel = presets()["steel"]
     bar = SUPPORTS["bar"](length=1.0, area=1e-4)
     impedance = 1e-4 * (steel.youngs_modulus * steel.density) ** 0.5

@@ -1,4 +1,4 @@
-"""Every kind of load keeps the contract of its base."""
+"""Every kind of load fulfils the contract of its base class."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_a_load_says_what_it_is(load: type[Load]) -> None:
 
 @every_load
 def test_the_section_has_the_keys_of_the_load(load: type[Load]) -> None:
-    """Keys that several loads have are the same field."""
+    """Keys that several loads share are the same field."""
     of_section = {field.name: field for field in dataclasses.fields(load_section())}
     for field in dataclasses.fields(load):
         description = info_of(field).description
@@ -33,7 +33,9 @@ def test_the_section_has_the_keys_of_the_load(load: type[Load]) -> None:
 
 @every_load
 def test_keys_of_other_loads_are_none(load: type[Load]) -> None:
-    """`run.case.load.amplitude` of an impact, as studies of all kinds of runs ask for it."""
+    """`run.case.load.amplitude` exists for an impact too, because studies use it for all kinds of
+    runs.
+    """
     made = load()
     numbers = ("spheres", "velocity", "angle", "spin")  # zero in loads that lack them
     for field in dataclasses.fields(load_section()):

@@ -1,4 +1,4 @@
-"""Very many errors of one file: the first ones, and how many more there are."""
+"""Very many errors in one file: the first errors and the number of the others are shown."""
 
 from __future__ import annotations
 

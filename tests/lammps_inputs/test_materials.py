@@ -1,4 +1,4 @@
-"""Materials, pairs of them, and the roots of their equations."""
+"""Materials, pairs of materials, and the roots of their equations."""
 
 from __future__ import annotations
 
@@ -91,7 +91,9 @@ def test_alumina_has_the_bulk_modulus_of_its_source() -> None:
 
 @pytest.mark.parametrize("name", ["glass", "alumina", "zirconia", "acrylic", "nylon", "ptfe"])
 def test_what_has_no_yield_strength_is_elastic_or_says_what_is_missing(name: str) -> None:
-    """A chain of it is checked with Hertz's law; the elasto-plastic one asks for the strength."""
+    """A chain of the material passes with Hertz's law; the elasto-plastic law requires the
+    strength.
+    """
     packing = {"kind": "chain", "size": 4, "diameter": 0.01}
     tables = {"name": "beads", "packing": packing, "material": name}
     assert case_from_dict({**tables, "contact": {"law": "hertz"}}).material.name == name
@@ -259,8 +261,8 @@ def test_a_spinning_striker(tmp_path: Path) -> None:
 
 
 def test_every_law_asked_for_is_that_of_the_pair(tmp_path: Path) -> None:
-    """In the compiled laws, and in a run: peak force and dent of the contact are on the pair's
-    loading curve.
+    """In the compiled laws and in a run, peak force and indentation of the contact are on the
+    loading curve of the pair.
     """
     import h5py
 
@@ -342,9 +344,7 @@ def test_same_zero_as_scipy(name: str, xtol: float) -> None:
 
 
 def test_same_places_as_scipy() -> None:
-    """So many cubic functions that each branch is taken; the places at which they are evaluated are
-    the same.
-    """
+    """Enough cubic functions to use every branch; they are evaluated at the same points."""
     rng = np.random.default_rng(3)
     for _ in range(200):
         a, b, c = rng.normal(size=3) * 10.0 ** rng.integers(-3, 3, 3)

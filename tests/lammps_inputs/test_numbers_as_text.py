@@ -1,4 +1,4 @@
-"""Numbers in text: what is one, and how they are written for LAMMPS."""
+"""Numbers in text: accepted forms, and the form written for LAMMPS."""
 
 from __future__ import annotations
 

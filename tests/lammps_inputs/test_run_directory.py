@@ -1,5 +1,5 @@
-"""Files of granwave in a directory of results: which it may overwrite, remove and move aside, and
-how often the marker that lists them is read.
+"""Files of granwave in a directory of results: files that it may overwrite, remove and move, and
+the number of reads of the marker that lists them.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def analysed(tmp_path_factory):
 
 @pytest.mark.parametrize("marker", [None, "", "{", "[]", '{"kind": 3}', '{"kind": "run"}'])
 def test_without_a_marker_nothing_is_granwaves(analysed, tmp_path, marker):
-    """Neither names nor contents of files tell; a run can be read all the same."""
+    """Neither names nor contents identify files of granwave; the run can nevertheless be read."""
     place = tmp_path / "r"
     shutil.copytree(analysed, place)
     (place / MARKER).unlink()

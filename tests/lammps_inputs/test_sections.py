@@ -38,7 +38,7 @@ def faults_of(**tables: Any) -> list[InputFault]:
 
 
 def test_every_key_has_a_type() -> None:
-    """A type in words, and a JSON Schema that is no shrug, for keys of all kinds of files."""
+    """Keys of all kinds of files have a type in words and a specific JSON Schema."""
     for table in reference.tables():
         for key in table.keys:
             assert key.accepts and key.json, f"{table.file} {table.name}.{key.name}"

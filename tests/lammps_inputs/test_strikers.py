@@ -151,7 +151,7 @@ def beside(**changes):
 
 
 def test_a_row_with_cylinders():
-    """Two cylinders beside a contact touch both spheres; their masses are those of cylinders."""
+    """Two cylinders at a contact touch both spheres; their masses are masses of cylinders."""
     made = assemble(case(grains=[beside()], boundary={"bottom": "free", "x": "wall"}))
     assert {tuple(pair) for pair in made.contacts().tolist()} == {
         (1, 2),
@@ -230,8 +230,8 @@ def test_powers_in_the_deck():
 
 
 def test_the_centre_of_a_rough_top_is_near_its_middle(tmp_path) -> None:
-    """The uppermost grain is in a corner; the lower one in the middle has room for a small striker
-    and not for a large one, which then rests on a neighbour.
+    """The uppermost grain is in a corner; the lower grain in the middle has space for a small
+    striker; a large striker rests on a neighbour.
     """
     (tmp_path / "grains.csv").write_text(
         "x,y,z,diameter\n0,0,-0.02,0.01\n0.02,0.02,0,0.01\n"

@@ -20,12 +20,12 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture
 def tester(lammps, tmp_path):
-    """StyleTester of a file, not begun yet."""
+    """StyleTester of a file, before its first step."""
     return lambda path: StyleTester(lammps(), path, tmp_path)
 
 
 def check(one: StyleTester, when: str, factor: float = 1.0) -> None:
-    """Assert that the values are those of the file."""
+    """Assert that the values agree with the file."""
     limit = factor * float(one.config["epsilon"])
     measured = one.measured(when)
     assert set(measured) == {
@@ -87,8 +87,8 @@ def check_contacts(one: StyleTester) -> None:
 
 @pytest.mark.parametrize("path", files("pair"), ids=lambda path: path.stem)
 def test_pair_style(tester, path):
-    """Forces at first and after 4 steps, and after restart and data files in between: as LAMMPS's
-    tester does it.
+    """Forces at first and after 4 steps, and after restart and data files in between: as in
+    LAMMPS's tester.
     """
     one = tester(path)
     folder = one.folder
@@ -212,8 +212,8 @@ CLOSED = {
 
 @pytest.mark.parametrize("name", CLOSED)
 def test_stored_forces_are_those_of_the_equations(name):
-    """First forces of the files, from the geometry that they read: contacts with and without dents,
-    across the boundary too.
+    """First forces of the files, computed from their geometry: contacts with and without dents,
+    also across the boundary.
     """
     config = load(FOLDER / f"atomic-pair-gran_hysteretic_{name}.yaml")
     data = (
@@ -271,8 +271,8 @@ FRICTION = FOLDER / "atomic-pair-gran_hysteretic_friction_dents.yaml"
     ],
 )
 def test_commands_that_change_nothing(tester, again):
-    """The style given again keeps its contacts, and extract has nothing to give: no parameter that
-    fix adapt could change.
+    """A repeated pair_style keeps its contacts, and extract returns nothing: fix adapt cannot
+    change a parameter.
     """
     one = tester(FRICTION)
     one.start()
@@ -287,8 +287,8 @@ def test_commands_that_change_nothing(tester, again):
 
 @pytest.mark.parametrize("how", ["neigh_modify exclude type 2 2", "pair_coeff 2 2 none 1.15e8 0.3"])
 def test_pairs_that_exert_no_force(tester, how):
-    """Excluded pairs, and those of law none, are as those that a hybrid style gives to another
-    style.
+    """Excluded pairs, and pairs of law none, behave like pairs that a hybrid style assigns to
+    another style.
     """
     law = "elastoplastic 1.15e8 0.3 5.5e5 friction 0.3"
     one = tester(FRICTION)

@@ -1,5 +1,5 @@
-"""A run in pieces, and one that goes on from a restart file, are the run at once; damaged restart
-files end in an error.
+"""A run in parts, and a run continued from a restart file, equal the uninterrupted run; damaged
+restart files give an error.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ RUNS = {
 
 
 def resumed(script: str, restart: Path) -> str:
-    """Script that goes on from a restart file, which holds spheres, groups and pair style."""
+    """Script that continues from a restart file, which contains spheres, groups and pair style."""
     words = ("neigh", "fix", "unfix", "compute", "thermo", "timestep", "variable")
     rest = [line for line in script.splitlines() if line.startswith(words)]
     head = [
@@ -202,7 +202,9 @@ LAWS = {
 
 @pytest.mark.parametrize("name", LAWS)
 def test_other_laws_after_a_restart_beside_a_processor_without_spheres(lmp, log_of, tmp_path, name):
-    """Both processors stop, or both go on: what the file holds is known to one of them only."""
+    """Both processors stop, or both continue, although only one of them knows the content of the
+    file.
+    """
     before, after, allowed = LAWS[name]
     places = [(-0.05, 0, 0), (-0.05, 0, 1.999 * R)]
     script = rubbing(places, before, box=[-0.1, 0.1, -0.02, 0.02, -0.02, 0.03])
@@ -271,8 +273,8 @@ def ours(data: bytes) -> list[int]:
 
 
 def test_a_damaged_byte_is_an_error(lammps, tmp_path):
-    """Any byte of settings, laws, contacts, forgotten contacts, walls and loads, and no signal and
-    no other result.
+    """Damage of any byte of settings, laws, contacts, forgotten contacts, walls and loads gives an
+    error, and no signal or different result.
     """
     lmp = lammps()
     places = [(0, 0, 0), (0, 0, 2 * R), (0, 0, 4 * R)]
@@ -301,7 +303,9 @@ def test_a_damaged_byte_is_an_error(lammps, tmp_path):
 
 
 def test_contacts_that_are_missing_are_an_error(lammps, tmp_path):
-    """The name of the fix that holds them is damaged: LAMMPS alone would go on without them."""
+    """The name of the fix that stores the contacts is damaged: LAMMPS by itself would continue
+    without them.
+    """
     lmp = lammps(
         rubbing([(0, 0, 0), (0, 0, 2 * R)], velocities=[(0, 0, 1), (0, 0, 0)]) + "run 300 post no"
     )

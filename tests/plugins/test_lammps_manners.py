@@ -37,7 +37,9 @@ def test_frozen_sphere(lammps):
 
 
 def test_dents_do_not_go_into_data_files(lammps, tmp_path):
-    """Data files contain positions and velocities, but no dents, for which LAMMPS has no section."""
+    """Data files contain positions and velocities, but no dents, because LAMMPS has no section for
+    them.
+    """
     lmp = lammps()
     collide(lmp)
     lmp.command(f"write_data {tmp_path}/all.data nocoeff")
@@ -130,7 +132,7 @@ def test_the_same_as_with_new_lists_in_every_step(lammps, law):
     ],
 )
 def test_a_sphere_at_rest_is_woken_by_whatever_moves_it(lammps, mover):
-    """A sphere far from the impacts, in the middle of a block that nothing has reached."""
+    """A sphere far from the impacts, in the middle of a block that no wave has reached."""
     found = []
     for lists in (SELDOM, EVERY_STEP):
         lmp = packing(lammps, BRASS, lists, "group pushed id 200")
@@ -168,8 +170,8 @@ def test_walls_and_spheres_from_afar_meet(lammps, what):
 @pytest.mark.parametrize("law", [BRASS, f"{BRASS} friction 0.3"])
 @pytest.mark.parametrize("radii", [(R, R), (R, 0.999 * R)])
 def test_the_order_in_memory_changes_no_bit(lammps, law, radii):
-    """In the order of their IDs rows of spheres are searched together, sorted into bins most of
-    them alone.
+    """In the order of their IDs, rows of spheres are searched together; sorted into bins, most are
+    searched one by one.
     """
     places = 2 * R * np.array([(x, y, z) for z in range(4) for y in range(5) for x in range(11)])
     rng = np.random.default_rng(1)
@@ -328,8 +330,8 @@ def dashpot(restitution: float) -> float:
 def chung_and_ooi(tangential: str) -> dict:
     """Test 4, with a restitution of 0.98 by the same dashpot.
 
-    Theirs may pull at the end, damps the tangential motion too and takes R as lever arm of the
-    slip: that makes the difference, which is largest in the spin.
+    Their force may be tensile at the end, damps the tangential motion too, and uses R as lever arm
+    of the slip; this explains the difference, which is largest in the spin.
     """
     return {
         "positions": [(0, 0, 0.00255)], "style": "hertz 7e10 0.33", "radius": 0.0025, "density": 2700.0, "timestep": 1e-8,

@@ -1,5 +1,5 @@
-"""Other commands of LAMMPS: the rows of plugins/doc/other_commands.toml, of which the manual's
-table is made.
+"""Other commands of LAMMPS: the rows of plugins/doc/other_commands.toml, from which the table of
+the manual is generated.
 """
 
 from __future__ import annotations
@@ -230,7 +230,7 @@ def hertz(overlap: float, radii: tuple[float, float]) -> float:
 
 
 def test_it_sets(lammps):
-    """Type: another law at the peak that is there; diameter: another overlap and radius."""
+    """A new type changes the law at the present peak; a new diameter changes overlap and radius."""
     one = "compute one all gran/hysteretic/contact 1 2\n"
     kinds = [f"pair_coeff 1 1 {BRASS}", f"pair_coeff 2 2 {HERTZ}", f"pair_coeff 1 2 {HERTZ}"]
     lmp = lammps(
@@ -262,8 +262,8 @@ def test_it_sets(lammps):
 
 
 def test_it_grows(lammps):
-    """Nothing moves, so that no list is made again; at last the sphere presses on another one and
-    on a wall.
+    """Nothing moves, so that no list is rebuilt; at the end the sphere presses on another sphere
+    and on a wall.
     """
     script = script_of(
         [*PAIR, (0.05, 0, 0)], radius=[R, R / 2, 1.1 * R], style=HERTZ, gap=1e-4,
@@ -279,7 +279,7 @@ def test_it_grows(lammps):
 
 
 def test_it_is_rigid(lammps):
-    """A sphere meets two that are one body: it comes back with a third of its speed."""
+    """A sphere hits a rigid pair of spheres and rebounds with a third of its speed."""
     places = [*PAIR, (0, 0, 4 * R)]
     body = "unfix motion\ngroup body id 2 3\ngroup free id 1\nneigh_modify exclude group body body\nfix rigid body rigid single\nfix motion free nve"
     lmp = lammps(
@@ -333,8 +333,8 @@ def tilted(script: str, tilt: float) -> str:
 
 
 def test_it_is_triclinic(lammps):
-    """The same lattice in a cell that is tilted by its length; then sheared, beside the energy of
-    its contacts.
+    """The same lattice in a cell that is tilted by its length, and then sheared, compared with the
+    energy of its contacts.
     """
     rng = np.random.default_rng(4)
     speeds = rng.uniform(-2, 2, (SIDE**3, 3))
@@ -360,7 +360,7 @@ def test_it_is_triclinic(lammps):
 
 @pytest.mark.parametrize("tilt", [0.0, 0.013])
 def test_a_dent_in_a_wall_passes_the_boundary_of_a_tilted_box(lammps, tilt):
-    """The place of the dent is that of an image: a second blow there is elastic."""
+    """The dent is at the position of an image: a second impact there is elastic."""
     floor = f"fix floor all wall/gran/hysteretic zplane {-R:.17g} NULL {BRASS}"
     script = script_of(
         [(0.01, 1e-9, 0)],
@@ -380,7 +380,9 @@ def test_a_dent_in_a_wall_passes_the_boundary_of_a_tilted_box(lammps, tilt):
 
 
 def test_it_has_metal_units(lammps):
-    """The restitution of spheres of 5 nm, whose mass is in grams per mole, is that of any size."""
+    """The restitution of spheres of 5 nm, whose mass is in grams per mole, equals the restitution
+    at any size.
+    """
     si = lammps()
     metal = lammps()
     collide(si)
@@ -418,7 +420,7 @@ def test_it_unfixes(lammps):
 
 
 def test_unfixed_cylinders_are_there_until_the_next_run(lammps):
-    """Energies between two runs are those of the contacts that are there."""
+    """Energies between two runs refer to the present contacts."""
     crossed = [(0, 0, 0), (0, 0, 2 * R), (0, 0, -2 * R)]
     fixes = f"fix floor all wall/gran/hysteretic zplane {-3 * R:.17g} NULL {HERTZ}\nfix round all gran/cylinder 1 0.02 1 0 0 2 0.02 0 1 0"
     lmp = lammps()

@@ -1,5 +1,5 @@
-"""Packings in random motion, with every kind of force: the ledger closes, losses grow, tables sum
-to it.
+"""Packings in random motion, with every kind of force: the energy balance closes, dissipation
+grows, tables sum to the totals.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ def table(path: Path) -> np.ndarray:
 @pytest.mark.parametrize("dents", ["", "-dents"])
 @pytest.mark.parametrize("model", MODELS)
 def test_restart_files_of_format_12_continue_as_they_did(lammps, tmp_path, model, dents):
-    """The files beside them have the state 300 steps later, as that version computed it."""
+    """The files next to them contain the state 300 steps later, as computed by that version."""
     name = f"{model}{dents}"
     contact = " ".join(f"c_c[{column}]" for column in range(1, 7))
     motion = "id x y z vx vy vz omegax omegay omegaz fx fy fz"
@@ -99,7 +99,7 @@ def test_a_record_has_only_what_is_in_use(lammps, tmp_path):
 
 
 def rubbed(lammps, law: str, between: str = ""):
-    """Packing in random motion, 600 steps on, with a command after the first half."""
+    """Packing in random motion for 600 steps, with a command after the first half."""
     places, speeds, spins = packing(2)
     lmp = lammps(rubbing(places, law, velocities=3 * speeds, spins=3 * spins))
     lmp.commands_string("compute dents all gran/hysteretic/local\nrun 300 post no\n")
@@ -108,7 +108,7 @@ def rubbed(lammps, law: str, between: str = ""):
 
 
 def live_contacts(lmp) -> np.ndarray:
-    """Rows of the contacts that are remembered, in the order of the IDs: (n_contacts, 20)."""
+    """Rows of the stored contacts, in the order of the IDs: (n_contacts, 20)."""
     rows = lmp.numpy.extract_compute("dents", 2, 2).copy()
     rows = rows[rows[:, IS_LIVE] == 1]
     return rows[np.lexsort(rows[:, IDS].T[::-1])]
@@ -198,7 +198,7 @@ def rows_of_dents(between: str = " ") -> list[str]:
 
 
 def test_dents_are_read_in_pieces(lammps, tmp_path):
-    """Rows that are filled up to a megabyte are more than one piece of the file."""
+    """Rows padded to a megabyte need more than one piece of the file."""
     (tmp_path / "short").write_text("".join(rows_of_dents()))
     (tmp_path / "long").write_text("".join(rows_of_dents(1_000_000 * " ")))
     same(dented_chain(lammps, tmp_path / "short"), dented_chain(lammps, tmp_path / "long"))
@@ -210,7 +210,7 @@ def test_dents_are_read_in_pieces(lammps, tmp_path):
 
 @pytest.mark.validation
 def test_a_file_of_dents_beyond_2_gigabytes(lammps, tmp_path):
-    """The rows stand behind 2.2e9 bytes of comments."""
+    """The rows follow 2.2e9 bytes of comments."""
     (tmp_path / "short").write_text("".join(rows_of_dents()))
     comment = f"#{998 * ' '}\n" * 1000
     with (tmp_path / "long").open("w", encoding="ascii") as file:
@@ -235,7 +235,9 @@ write_dump all custom out id x y z vx vy vz omegax omegay omegaz modify sort id 
 
 
 def test_contacts_are_read_on_two_processors(log_of, lammps, tmp_path):
-    """Every processor keeps the contacts of its own spheres: the same bits as on one."""
+    """Every processor keeps the contacts of its own spheres; results are bitwise identical to one
+    processor.
+    """
     law = LAWS["partial slip"]
     lmp = rubbed(lammps, law)
     contacts = contacts_of(lmp, tmp_path / "packing.restart")
@@ -263,7 +265,7 @@ FAULTS_ON_RANKS = {
 
 @pytest.mark.parametrize("name", FAULTS_ON_RANKS)
 def test_faults_of_a_file_of_dents_on_two_processors(lmp, tmp_path, name):
-    """The first line at fault is named, wherever its spheres are, and both processors stop."""
+    """The first invalid line is named, wherever its spheres are, and both processors stop."""
     lines, message = FAULTS_ON_RANKS[name]
     (tmp_path / "dents").write_text("".join(lines), encoding="ascii")
     (tmp_path / "in.chain").write_text(

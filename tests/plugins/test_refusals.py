@@ -1,4 +1,4 @@
-"""Words, values and commands that the styles refuse, with their messages."""
+"""Words, values and commands that the styles reject, with their messages."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Spheres that are deleted, replaced, lost or taken out of a group: what was remembered or counted
-of them.
+"""Spheres that are deleted, replaced, lost or removed from a group: their histories and their
+contributions to totals.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def columns_of(lmp, fix: str) -> np.ndarray:
 
 
 def dented(law: str = BRASS, **options) -> str:
-    """Two spheres that are pressed into each other, deeper than they will be later."""
+    """Two spheres that are pressed together, with a larger overlap than later."""
     return rubbing([(0, 0, 0), (0, 0, 2 * R - DEEP)], law, **options) + "run 0 post no\n"
 
 
@@ -43,14 +43,14 @@ def dented(law: str = BRASS, **options) -> str:
 
 @pytest.mark.parametrize("between", ["", "run 0 post no\n", "reset_timestep 0\n"])
 def test_a_new_sphere_has_no_dent_of_a_deleted_one_with_its_id(lammps, between):
-    """The force is that of a first contact, 103.57 N."""
+    """The force is the force of a new contact, 103.57 N."""
     lmp = lammps(dented() + DELETES + between + CREATES + "run 0 post no\n")
     assert value(lmp, "fz[2]") == pytest.approx(float(LAW.loading_force(SHALLOW)), rel=1e-9)
     assert value(lmp, "fz[2]") == pytest.approx(103.57, abs=5e-3)
 
 
 def test_a_sphere_that_stays_keeps_its_dent(lammps):
-    """Other spheres go and come: the dent is that of before."""
+    """Other spheres are deleted and added: the dent is unchanged."""
     text = dented().replace("run 0 post no\n", "")
     lmp = lammps(f"{text}create_atoms 1 single 0.02 0 0 units box\nset atom 3 diameter 0.01 density 8500\nrun 0 post no\n")  # fmt: skip
     lmp.commands_string(f"group other id 3\ndelete_atoms group other compress no\nset atom 2 z {2 * R - SHALLOW:.17g}\n")  # fmt: skip
@@ -69,7 +69,9 @@ def test_a_new_sphere_has_no_spring_of_a_deleted_one(lammps):
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_births_go_through_restart_files_and_ranks(log_of, ranks):
-    """A sphere that came in a run before the restart, and the one that replaces it after it."""
+    """A sphere that was added in a run before the restart, and the sphere that replaces it
+    afterwards.
+    """
     start = dented() + DELETES + CREATES + "run 1\nwrite_restart r\nclear\n"
     again = (
         "atom_modify map yes\nnewton off\ncomm_modify vel yes\nread_restart r\n"
@@ -83,7 +85,7 @@ def test_births_go_through_restart_files_and_ranks(log_of, ranks):
 @pytest.mark.parametrize("wall", [False, True])
 @pytest.mark.parametrize("change", ["group gone id 1\ndelete_atoms group gone compress no\n", "group gone id 1\ndelete_atoms group gone\n", "set atom 1 x 1e-4\n"])  # fmt: skip
 def test_states_of_a_restart_file_are_refused_by_other_spheres(lammps, tmp_path, wall, change):
-    """LAMMPS hands them out by the place in memory, and refuses new spheres by itself."""
+    """LAMMPS assigns IDs by the position in memory, and itself rejects new spheres."""
     fix = f"fix floor all wall/gran/hysteretic zplane {-R:.17g} NULL {HERTZ}\n" if wall else ""
     lammps(dented().replace("run 0", f"{fix}run 0") + f"write_restart {tmp_path}/r")
     reads = f"atom_modify map yes\nnewton off\ncomm_modify vel yes\nread_restart {tmp_path}/r\n"
@@ -101,7 +103,7 @@ def test_states_of_a_restart_file_are_refused_by_other_spheres(lammps, tmp_path,
 
 @pytest.mark.parametrize("law", [HERTZ, f"{HERTZ} friction 0.3 loss time 1e-7", f"{HERTZ} cohesion jkr 1.0"])  # fmt: skip
 def test_a_sphere_that_leaves_a_group_leaves_the_ledger_of_its_wall(lammps, law):
-    """Columns, force and energy are of the spheres that are left; losses stay."""
+    """Columns, force and energy refer to the remaining spheres; dissipated energies are kept."""
     wall = f"group sub id 1\nfix floor sub wall/gran/hysteretic zplane {-R:.17g} NULL {law}\n"
     wall += "thermo_style custom step f_floor f_floor[*]\ncomm_modify vel yes"
     places = [(0, 0, -1e-6), (0.02, 0, -2e-6)]
@@ -126,7 +128,9 @@ def test_a_sphere_that_leaves_a_group_leaves_the_ledger_of_its_wall(lammps, law)
 
 
 def test_cylinders_that_come_during_a_run_touch_the_wall(lammps):
-    """A sphere is made a cylinder during the run: the force is that of a line from then on."""
+    """A sphere becomes a cylinder during the run: from then on the force is the force of a line
+    contact.
+    """
     text = script_of([(0, 0, -1e-6), (0.03, 0, 0)], types=[1, 2], coefficients=["pair_coeff * * hertz 115e9 0.3"])  # fmt: skip
     rods = "fix rods all gran/cylinder 2 0.01 0 1 0\ngroup beads id 1\n"
     wall = f"fix floor beads wall/gran/hysteretic zplane {-R:.17g} NULL {HERTZ}\n"
@@ -143,7 +147,7 @@ LEAVES = [-0.03, 0.06, -0.05, 0.05, -0.05, 0.05]
 
 
 def leaving(load: str, extra: str = "") -> str:
-    """Pushed spheres of which the second leaves the box."""
+    """Loaded spheres, the second of which leaves the box."""
     fixes = f"{extra}fix push driven gran/load z {load}\nthermo_style custom step c_ke f_push f_push[*]\nthermo_modify lost ignore\ntimestep 1e-7"  # fmt: skip
     text = script_of([(0, 0, 0), (0.02, 0, 0)], velocities=[(0, 0, 0), (3000, 0, 0)], box=LEAVES, extra=fixes)  # fmt: skip
     return text.replace("boundary m m m", "boundary f f f")
@@ -167,8 +171,8 @@ def test_a_load_that_has_lost_all_its_spheres_is_an_error(lammps):
 
 
 def test_work_on_spheres_that_leave_the_group_of_a_displacement_stays(lammps):
-    """Free spheres: the work is their kinetic energy at the end less that of the start, whichever
-    of them the load had then.
+    """Free spheres: the work is the change of their kinetic energy, whichever of them were loaded
+    at the time.
     """
     extra = "group driven id 1 3\ngroup rest id 2\nunfix motion\nfix motion rest nve\nset atom 3 vz 3.0\n"
     third = "create_atoms 1 single -0.02 0 0 units box\nset atom 3 diameter 0.01 density 8500\n"

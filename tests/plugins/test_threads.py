@@ -1,5 +1,5 @@
-"""The plugin has no threads of its own; simulations and laws in several threads of a program have
-nothing in common.
+"""The plugin has no threads of its own; simulations and laws in several threads of a program are
+independent.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ AT_ONCE = 2
 
 
 def test_simulations_in_threads(lammps):
-    """Python's module of LAMMPS gives the interpreter free while a command runs."""
+    """LAMMPS's Python module releases the interpreter while a command runs."""
     places, speeds, spins = packing(2)
     law = (
         f"{BRASS} friction {MU} tangential partial_slip rolling sds mindlin 1.0 0.05 loss time 1e-7"

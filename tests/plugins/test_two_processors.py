@@ -1,4 +1,6 @@
-"""The same bits on one and on two processors, which spheres, springs and dents cross between."""
+"""Bitwise identical results on one and on two processors, between which spheres, springs and dents
+migrate.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ ENERGIES = ["c_en", "c_en[1]", "c_en[6]", "c_en[7]", "c_sums[1]", "c_sums[2]"]
 
 
 def sliders() -> str:
-    """Pressed spheres that slide across the boundary between processors and the periodic one."""
+    """Pressed spheres that slide across the boundary between processors and the periodic
+    boundary.
+    """
     extra = f"fix floor all wall/gran/hysteretic zplane {-R} NULL {BRASS} friction {MU}\nfix press all addforce 0 0 -400\n"
     return rubbing(
         [(-0.0101, 0, 0), (0.0299, 0.011, 0)], BRASS, velocities=[(20, 1, 0), (25, 0, 0)], spins=[(0, 0, 200)] * 2,
@@ -41,7 +45,7 @@ def sheet() -> str:
 
 
 def row_with_dents(folder) -> str:
-    """Row with dents in every second contact and in a wall, and `begin` after a run."""
+    """Chain with dents in every second contact and in a wall, and `begin` after a run."""
     n = 12
     dent = LAW.yield_overlap
     dents = (
@@ -152,7 +156,7 @@ def test_the_same_bits_where_one_is_empty(log_of, tmp_path, name):
 
 
 def compare(log_of, tmp_path, name, *, one_is_empty):
-    """Compare the bits of all spheres, and values to rounding, of two runs of a script."""
+    """Compare two runs of a script: all spheres bitwise, and values to rounding."""
     script, steps, values, further = RUNS[name]
     columns = f"id x y z vx vy vz omegax omegay omegaz tqx {further}"
     end = f"run {steps}\nwrite_dump all custom out {columns} modify sort id format float %.17g\n"

@@ -76,7 +76,9 @@ def test_example(lammps, library: Path, style: str):
 
 
 def test_law_of_the_plugin(lammps, library: Path):
-    """The energy of an elasto-plastic impact is the loss of the two spheres."""
+    """The dissipated energy of an elasto-plastic impact equals the kinetic energy lost by the two
+    spheres.
+    """
     instance = lammps(f"plugin load {library}")
     script = [
         "units si\natom_style sphere\natom_modify map array\ncomm_modify vel yes\nnewton off",

@@ -286,7 +286,7 @@ def collisions(pair: str) -> str:
 
 
 def chain(pair: str, energy: str, amplitude: float) -> str:
-    """Ten spheres with gaps: the first one is shaken, the last one is held."""
+    """Ten spheres with gaps: the first sphere is driven, the last sphere is held."""
     places = [f"create_atoms 1 single 0 0 {0.01002 * place!r}" for place in range(10)]
     return "\n".join(
         [

@@ -1,5 +1,5 @@
-"""The packages in ``dist``, which `make wheel` makes: their content, and an installation where no
-compiler is.
+"""The packages in ``dist``, which `make wheel` makes: their content, and an installation without a
+compiler.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def wheel() -> Path:
 def environment(wheel, tmp_path_factory) -> Run:
     """Install the wheel into a fresh environment, and return a function that runs its commands.
 
-    Their PATH has the environment's programs alone, and pip may build nothing.
+    Their PATH contains only the programs of the environment, and pip must not build anything.
     """
     root = tmp_path_factory.mktemp("user")
     subprocess.run([sys.executable, "-m", "venv", root / "env"], check=True)
@@ -77,7 +77,9 @@ def environment(wheel, tmp_path_factory) -> Run:
 
 
 def test_tag(wheel):
-    """The tag is of manylinux, so that pip takes the wheel, and of the Python that made it."""
+    """The tag is a manylinux tag, so that pip accepts the wheel, and a tag of the Python that built
+    it.
+    """
     assert re.fullmatch(
         rf"granwave-{re.escape(VERSION)}-{PYTHON}-{PYTHON}-manylinux_\d+_\d+_\w+(\.\w+)*\.whl",
         wheel.name,
@@ -118,7 +120,7 @@ def test_content_of_the_wheel(wheel):
 
 
 def test_the_source_distribution_has_what_git_has():
-    """All files that git keeps and nothing else; `make wheel` builds the wheel of it."""
+    """All files in git and no others; `make wheel` builds the wheel from them."""
     with tarfile.open(only(f"granwave-{VERSION}.tar.gz")) as archive:
         found = {name.partition("/")[2] for name in archive.getnames()}
     kept = subprocess.run(
@@ -152,7 +154,7 @@ def test_selftest(environment):
 
 def test_a_run_and_its_report(environment, wheel):
     """A small run on one rank and on two, its figures, and a report of both in all formats; the
-    core is enough but for PDF, whose extra is named.
+    core is sufficient except for PDF, whose extra is named.
     """
     small = ["--set", "packing.size=[8,8,5]", "--set", "run.end_time=1e-4"]
     environment("granwave", "run", "fcc-small", *small, "-o", "one")
@@ -185,8 +187,8 @@ def test_every_built_in_case_is_there(environment):
 
 
 def test_another_lammps_is_refused(environment):
-    """Another update of LAMMPS is named, with the remedy, by the doctor and before a run; the right
-    one works again.
+    """Another update of LAMMPS is named, with the remedy, by the doctor and before a run; with the
+    correct version everything works again.
     """
     (pin,) = (text for text in PROJECT["dependencies"] if text.startswith("lammps"))
     right = pin.partition("==")[2].rpartition(".")[0]

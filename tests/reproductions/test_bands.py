@@ -1,4 +1,4 @@
-"""Rows that are driven through their bands, with and without a tunnel (thesis 7.2)."""
+"""Chains that are driven at frequencies of their bands, with and without a tunnel (thesis 7.2)."""
 
 from __future__ import annotations
 
@@ -22,12 +22,14 @@ SCAN = BANDS / "tunnel-finite.toml"
 
 @pytest.fixture(scope="module")
 def rows_of_springs() -> list[Any]:
-    """Linear rows with a tunnel, by the approach of its walls."""
+    """Linear chains with a tunnel, by the approach of its walls."""
     return [finite.LinearRow(finite.Tunnel(a), list(finite.GAPS)) for a in finite.APPROACHES]
 
 
 def test_modes_without_a_tunnel() -> None:
-    """A row with a free and a fixed end has 2 sqrt(K/m) sin((2 j - 1) pi / (2 (2 n + 1)))."""
+    """A chain with a free and a fixed end has the frequencies 2 sqrt(K/m) sin((2 j - 1) pi / (2 (2
+    n + 1))).
+    """
     tunnel = finite.Tunnel(0.0)
     linear = finite.LinearRow(tunnel, [])
     free = finite.SPHERES - 1
@@ -37,7 +39,7 @@ def test_modes_without_a_tunnel() -> None:
 
 
 def test_peak_velocity_without_a_tunnel() -> None:
-    """In the band of an endless row a force A gives all spheres the velocity A / sqrt(K m); the
+    """In the band of an infinite chain a force A gives all spheres the velocity A / sqrt(K m); the
     front of the wave overshoots it, by the largest integral of Airy's function, 1.27.
     """
     tunnel = finite.Tunnel(0.0)
@@ -48,7 +50,7 @@ def test_peak_velocity_without_a_tunnel() -> None:
 
 
 def test_modes_of_a_tunnel(rows_of_springs: list[Any]) -> None:
-    """Their number is that of the free motions: spheres along, cylinders along and across."""
+    """Their number is the number of free motions: spheres along, cylinders along and across."""
     for linear, approach in zip(rows_of_springs, finite.APPROACHES, strict=True):
         assert len(linear.omega) == finite.SPHERES - 1 + 2 * len(finite.GAPS)
         third = finite.Tunnel(approach).edges[2]
@@ -58,7 +60,7 @@ def test_modes_of_a_tunnel(rows_of_springs: list[Any]) -> None:
 
 
 def test_scan_has_the_closed_forms() -> None:
-    """Overlaps, rings and walls of the scan are those of the static state of 7.5 to 7.7."""
+    """Overlaps, rings and walls of the scan agree with the static state of 7.5 to 7.7."""
     text = SCAN.read_text(encoding="utf-8")
     table = tomllib.loads(text)["zip"][0]
     for index, approach in enumerate(finite.APPROACHES):
@@ -97,7 +99,7 @@ def made_up(linear: Any, tunnel: Any, moved: float | None, frequency: float, for
 
 
 def test_rows_of_linear_runs(rows_of_springs: list[Any]) -> None:
-    """Velocities of the linear row give rows without a difference, and edges of both bands."""
+    """Velocities of the linear chain give rows without a difference, and edges of both bands."""
     linear = rows_of_springs[0]
     tunnel = finite.Tunnel(finite.APPROACHES[0])
     _, moved, _ = tunnel.geometry(tunnel.d0)

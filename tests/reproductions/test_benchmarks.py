@@ -1,5 +1,5 @@
-"""Benchmarks and chains of others, losses, and the contact law beside finite elements: small and
-made-up runs against their rows.
+"""Benchmarks and chains of other authors, damping, and the contact law compared with finite
+elements: rows of small and synthetic runs.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ CASE = {
 
 
 def rebound_of(run):
-    """Impact of the run, as the script takes it."""
+    """Impact of the run, in the form of the script."""
     return load_study(str(FOLDER / "impacts_oblique.py")).Rebound(run)
 
 
 @pytest.mark.parametrize("angle", [10, 60])
 def test_rebound_beside_partial_slip(tmp_path: Path, angle: float) -> None:
-    """Sliding is that of rigid bodies; where a part of the circle sticks, partial slip gives more
-    spin than one spring.
+    """Sliding follows the theory of rigid bodies; if part of the circle sticks, partial slip gives
+    more spin than one spring.
     """
     run = gw.run(
         "sphere-on-wall", CASE | {"load.angle": angle}, directory=tmp_path / "run", progress=False
@@ -74,8 +74,8 @@ SHORT = {"run.end_time": 3e-4, "run.frames": 2, "output.history": 1000}
 
 
 def test_tapered_chain_hands_on_less_than_hard_spheres(tmp_path: Path) -> None:
-    """The last of like beads gets nearly all; that of shrinking ones less than hard spheres would
-    hand on.
+    """The last of identical beads receives nearly all energy; the last of tapered beads less than
+    hard spheres would transmit.
     """
     shrinking = [{"index": [n], "diameter": 0.00952 * 0.9 ** (n - 1)} for n in range(2, 21)]
     runs = [
@@ -102,7 +102,9 @@ CHAIN = {"packing.size": 30, "run.end_time": 7e-4, "output.history": 1000, "run.
 
 @pytest.mark.validation
 def test_restitution_and_decay(tmp_path: Path) -> None:
-    """Restitution is that of the formulas; F^(-1/6), or ln F of a dashpot, is linear along a chain."""
+    """Restitution agrees with the formulas; F^(-1/6), or for a dashpot ln F, is linear along a
+    chain.
+    """
     runs = [
         gw.run(
             "elastic-impact",

@@ -248,8 +248,8 @@ def test_packings_collapse(packings: list[gw.Run]) -> None:
 
 
 def test_forces_and_energies_of_spheres(packings: list[gw.Run]) -> None:
-    """The first layers bear most in the preferred directions; few spheres do most of the
-    dissipation.
+    """The first layers carry the largest forces in the preferred directions; few spheres dissipate
+    most of the energy.
     """
     study = study_of("thesis/chapter_5/spheres.py", packings[:5])
     assert row(study, "Layers whose largest force").ours >= 3

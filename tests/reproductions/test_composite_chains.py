@@ -1,5 +1,5 @@
-"""Composite chains, and the homogeneous chain of the same source, against closed forms and the
-twin.
+"""Composite chains, and the homogeneous chain of the same source, compared with closed forms and
+the independent solver.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def study_in(script: str, runs: list[gw.Run]) -> Study:
 
 
 def columns(study: Study, name: str) -> dict[str, Any]:
-    """Data of the picture whose name ends so."""
+    """Data of the picture whose name ends with a text."""
     (picture,) = [picture for picture in study.pictures if picture.name.endswith(name)]
     return dict(picture.drawing.columns)
 
@@ -71,8 +71,8 @@ def test_homogeneous_chain_is_the_discrete_wave(homogeneous: Study) -> None:
 
 
 def test_contact_of_two_beads_of_the_homogeneous_chain(homogeneous: Study) -> None:
-    """Force against approach is Hertz's; the beads part when the twin's do, ten times sooner than
-    the source prints.
+    """Force against approach follows Hertz's law; the beads separate at the time of the independent
+    solver, ten times earlier than printed in the source.
     """
     exponent = row(homogeneous, "Exponent of force against approach, beads 5 and 6")
     assert (exponent.source, exponent.theory) == (1.554, 1.5)
@@ -239,7 +239,7 @@ def test_rows_beside_the_source(brass: Study) -> None:
 
 @pytest.fixture(scope="module")
 def soft(tmp_path_factory: pytest.TempPathFactory) -> gw.Run:
-    """The chain of six beads of PTFE, elastic, until waves are back from its end."""
+    """The elastic chain of six beads of PTFE, until waves return from its end."""
     changes = {"replace.1.material": "ptfe", "run.end_time": 1.3e-3, "output.history": 1300}
     return run(tmp_path_factory.mktemp("ptfe") / "run", "composite-chain", changes)
 
@@ -258,8 +258,8 @@ def ptfe_twin() -> Record:
 
 
 def test_output_of_ptfe_has_two_peaks(ptfe: Study, ptfe_twin: Record) -> None:
-    """Times and heights of both at the second contact behind the section, and of the train before
-    it, by the twin.
+    """Times and heights of both peaks at the second contact behind the section, and of the train
+    before it, compared with the independent solver.
     """
     for name, contact in (
         ("Second output peak / first output peak", 15),
@@ -278,7 +278,7 @@ def test_output_of_ptfe_has_two_peaks(ptfe: Study, ptfe_twin: Record) -> None:
 
 
 def test_the_train_needs_no_reflection() -> None:
-    """The second wave of the train is the same if the section never ends."""
+    """The second wave of the train is unchanged if the section is infinite."""
     chain = twin_of.Chain([STEEL_BEAD] * 8 + [PTFE_BEAD] * 12, "hertz")
     twin = chain.run(3.6e-4, 1e-7, velocity={0: 0.626}, every=2)
     force = twin.forces[:, 7]
@@ -288,7 +288,7 @@ def test_the_train_needs_no_reflection() -> None:
 
 
 def test_energy_by_section(soft: gw.Run, ptfe: Study, ptfe_twin: Record) -> None:
-    """The sum is that of the ledger; shares are the twin's."""
+    """The sum agrees with the energy record; the fractions agree with the independent solver."""
     data = columns(ptfe, "waves")
     twin = ptfe_twin
     time = data["elastic_time_s"]
@@ -320,8 +320,8 @@ def test_energy_by_section(soft: gw.Run, ptfe: Study, ptfe_twin: Record) -> None
 
 
 def test_energy_turns_back_in_ptfe_not_in_brass(brass: Study, ptfe: Study) -> None:
-    """Shares of the energy out of the section, at its third contact: of PTFE a hundred times as
-    much as of brass.
+    """Fraction of the energy leaving the section that travels back, at its third contact: a hundred
+    times as large for PTFE as for brass.
     """
     assert (
         row(brass, "Energy travelling back").ours < 0.01
@@ -371,8 +371,8 @@ def test_speed_over_that_in_steel(brass: Study) -> None:
 
 
 def test_friction_of_the_holder(tmp_path: Path) -> None:
-    """Friction of the weight takes little of the pulse; the ledger is friction times weight times
-    path.
+    """Friction due to the weight reduces the pulse only slightly; the recorded energy is friction
+    times weight times path.
     """
     runs = [
         run(tmp_path / f"{n}-{mu}", "composite-chain", changes | {"boundary.holder_friction": mu})
@@ -388,7 +388,7 @@ def test_friction_of_the_holder(tmp_path: Path) -> None:
 
 
 def test_losses_in_the_contacts(tmp_path: Path) -> None:
-    """The output pulse falls along the section; the source's speeds are beside ours."""
+    """The output pulse decreases along the section; speeds of the source are compared with ours."""
     loss = {"contact.loss": {"dashpot": {"restitution": 0.97}}}
     long = {"replace.1.index": {"first": 8, "last": 31}, "sensor.2.id": 33, "run.end_time": 8e-4}
     runs = [

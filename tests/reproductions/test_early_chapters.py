@@ -23,7 +23,9 @@ def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:
 
 @pytest.fixture(scope="module")
 def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
-    """Two pulses of one impulse, one of a tenth of it, and the first on an elastic chain."""
+    """Two pulses of equal impulse, one with a tenth of it, and the first pulse on an elastic
+    chain.
+    """
     directory = tmp_path_factory.mktemp("pulses")
     loads = [(20e3, 1e-5, "elastoplastic"), (40e3, 5e-6, "elastoplastic"), (2e3, 1e-5, "elastoplastic"),
              (20e3, 1e-5, "hertz")]  # fmt: skip
@@ -196,7 +198,7 @@ def test_pulses_in_a_bar(tmp_path: Path) -> None:
 
 @pytest.mark.validation
 def test_places_of_an_odd_bead(tmp_path: Path) -> None:
-    """A softer bead transmits least near the bar."""
+    """A softer bead reduces the transmission most near the bar."""
     kinds = [(name, name, 1) for name in ("brass", "aluminium", "steel")]
     kinds += [("brass", "aluminium", place) for place in (2, 5, 8)] + [("brass", "steel", 8)]
     runs = []
@@ -219,7 +221,7 @@ def test_places_of_an_odd_bead(tmp_path: Path) -> None:
 
 
 def test_properties_of_an_odd_bead(tmp_path: Path) -> None:
-    """Heavier and softer ones transmit less."""
+    """Heavier and softer beads transmit less."""
     changes = SHORT | {
         "output.history": 0,
         "replace.1.index": 4,

@@ -31,8 +31,8 @@ def run_of(case: str, directory: Path, beads: int, **changes: Any) -> gw.Run:
 
 
 def test_sizes_constants_and_balance() -> None:
-    """Check values of the same formulas; legends follow from a balance without rings, but for
-    12.5 and 18.4.
+    """Check values of the same formulas; the legends follow from an equilibrium without rings,
+    except 12.5 and 18.4.
     """
     study = study_of("thesis/chapter_6/confined_sizes.py", [None])  # type: ignore[list-item]
     checked = [row for row in study.rows if row.verification]
@@ -49,8 +49,8 @@ def test_small_spheres_in_balance() -> None:
 
 
 def test_waves_of_the_equations() -> None:
-    """Forces at contacts 21 and 51 as a program had them that is not kept, and a decay that
-    similarity of the wave makes uniform.
+    """Forces at contacts 21 and 51 from an earlier program, and a decay that is uniform because the
+    wave is self-similar.
     """
     row = waves.Rows.fitting([8, 8, 9], [0.0, 1.9e-3, 1.2e-3])
     force, time = waves.leading_wave(row, 1.0, struck=10, last=51)
@@ -65,7 +65,7 @@ def test_waves_of_the_equations() -> None:
 
 
 def test_similar_rows() -> None:
-    """Velocity, precompression and force that go together, in the equations."""
+    """Velocity, precompression and force scale together in the equations."""
     row = waves.Rows.fitting([8, 8], [4.8e-4, 4.8e-4 * 2**0.8])
     force, _ = waves.leading_wave(row, [1.0, 2.0], struck=10, last=40)
     assert np.log2(force[1, 39] / force[0, 39]) == pytest.approx(1.2, abs=3e-3)
@@ -86,7 +86,7 @@ def test_a_run_beside_the_equations(tmp_path: Path) -> None:
 
 
 def test_asymptotic_theory() -> None:
-    """Values as a program had them that is not kept, and tails that vanish with precompression."""
+    """Values of an earlier program, and tails that vanish with precompression."""
     limit = theory.LightSpheres(waves.Rows.fitting(8))
     assert limit.eta_hat == pytest.approx(0.5286, abs=1e-4)
     low, high = (theory.Travelling(limit, one) for one in (0.2, 0.4))
@@ -114,7 +114,7 @@ def test_legends_are_values_of_delta_hat() -> None:
 
 
 def test_delta_hat_by_the_force() -> None:
-    """A wave's own delta_hat is found from its largest force."""
+    """delta_hat of a wave is recovered from its largest force."""
     legends = load_study(str(CHAPTER / "legends.py"))
     limit = legends.LightSpheres(waves.Rows.fitting([8]))
     amplitude = 2e-5
@@ -157,7 +157,7 @@ def test_rows_that_yield(tmp_path: Path) -> None:
 
 
 def test_static_state(tmp_path: Path) -> None:
-    """Check values of two rows whose walls have moved in."""
+    """Check values of two rows whose walls have moved inwards."""
     n = 20
     short = {
         "packing.size": n, "hold.1.index": [1, n], "guide.1.index": {"first": 2, "last": n - 1}, "load.index": [4],
@@ -177,7 +177,7 @@ def test_static_state(tmp_path: Path) -> None:
 
 @pytest.mark.validation
 def test_grains_in_holes(tmp_path: Path) -> None:
-    """Steel in the holes: hardly another speed, a larger force at the bottom."""
+    """Steel in the holes hardly changes the speed, and increases the force at the bottom."""
     size = {
         "packing.size": [3, 4, 46], "load.index": {"first": 1, "last": 12}, "run.end_time": 6e-4, "run.frames": 121,
     }  # fmt: skip
@@ -204,7 +204,7 @@ def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:
 
 
 def test_row_without_cylinders(tmp_path: Path) -> None:
-    """Peaks of the second solver, and how far a wave moves a sphere."""
+    """Peaks of the second solver, and the displacement of a sphere by a wave."""
     bare = {
         "grains": [],
         "guide": [{"free": "z"}],
@@ -225,9 +225,7 @@ def test_row_without_cylinders(tmp_path: Path) -> None:
 
 
 def test_where_plates_put_cylinders(tmp_path: Path) -> None:
-    """Width of open gaps, and the place of loose cylinders; rigid plates make the first peak
-    another.
-    """
+    """Width of open gaps, and position of loose cylinders; rigid plates change the first peak."""
     gaps = {
         n: [[k, width] for k in range(14, 19)]
         for n, width in (("usual", 3.45424064e-4), ("wide", 3.72866858e-4))

@@ -1,5 +1,5 @@
-"""Packings and chains with a past: precompressed, settled, pressed and hit before; and what their
-scripts say of them.
+"""Packings and chains with a history: precompressed, settled, preloaded and hit before; and the
+texts of their scripts.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def made(script: str, *runs: gw.Run) -> Study:
 
 
 def test_impact_on_top_of_pressure(tmp_path: Path) -> None:
-    """It arrives earlier; what is lost counts from the static state."""
+    """The wave arrives earlier; dissipation counts from the static state."""
     small = {"packing__size": [6, 6, 4], "run__end_time": 1.5e-4}
     pressed = {"precompression": {"kind": "uniform", "pressure": 1e5}}
     without, under = runs = [
@@ -51,7 +51,7 @@ def test_impact_on_top_of_pressure(tmp_path: Path) -> None:
 
 def test_more_than_the_input_is_dissipated(tmp_path: Path) -> None:
     """A weak impact on contacts near yield causes the packing to settle under its load, and the
-    script says so.
+    script states this.
     """
     weak = {
         "packing__size": [5, 5, 3],
@@ -102,8 +102,8 @@ def test_preconditioned_chain_is_elastic_up_to_its_level(tmp_path: Path) -> None
 
 
 def test_packing_hit_three_times(tmp_path: Path) -> None:
-    """A hit starts from the dents of the previous one, and dissipates less, farther away from the
-    struck sphere.
+    """An impact starts with the indentations of the previous one, and dissipates less, farther away
+    from the impacted sphere.
     """
     small = {"packing__size": [6, 6, 4], "run__end_time": 3e-4}
     runs = [run("fcc-small", directory=tmp_path / "hit1", **small)]
@@ -141,7 +141,9 @@ def kept_and_forgotten(tmp_path_factory: pytest.TempPathFactory) -> dict[str, li
 
 
 def test_where_a_dent_is_met_again_it_counts(kept_and_forgotten: dict[str, list[gw.Run]]) -> None:
-    """One blow and a falling row hardly ask for the memory; loose and pressed packings do."""
+    """The memory hardly affects a single impact and a falling chain; it affects loose and preloaded
+    packings.
+    """
 
     def change(name: str, key: str) -> float:
         kept, forgotten = (one[key] for one in kept_and_forgotten[name])

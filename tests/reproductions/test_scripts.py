@@ -1,5 +1,5 @@
-"""Scripts of the reproductions: on the public Python door alone, short, and each named by a scan or
-suite beside it; captions of their figures.
+"""Scripts of the reproductions: they use only the public Python interface, are short, and are named
+by a scan or suite next to them; captions of their figures.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def name_of(path: Path) -> str:
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=name_of)
 def test_imports(path: Path) -> None:
-    """Nothing from inside the package."""
+    """Scripts import only public modules of the package."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         if isinstance(node, ast.ImportFrom):
@@ -63,7 +63,7 @@ def test_title_and_text(path: Path) -> None:
     ids=name_of,
 )
 def test_files_are_right(path: Path) -> None:
-    """Every scan and suite can be run, a scan with its suite; its first line says what it is."""
+    """Every scan and suite can be run, a scan with its suite; its first line describes it."""
     assert path.read_text(encoding="utf-8").startswith("# ")
     if path in SUITES:
         assert load_suite(path).scans
@@ -72,7 +72,7 @@ def test_files_are_right(path: Path) -> None:
 
 
 def test_every_study_is_made() -> None:
-    """By a scan or a suite of its folder."""
+    """Every script is named by a scan or a suite of its folder."""
     named = set()
     for path in FILES:
         study = tomllib.loads(path.read_text(encoding="utf-8")).get("study", [])
@@ -89,9 +89,7 @@ def _text(node):
 
 
 def _captions(file):
-    """Longest text of the caption of each figure of a script, without the numbers that it puts into
-    it.
-    """
+    """Longest text of the caption of each figure of a script, without inserted numbers."""
     for function in ast.parse(file.read_text(encoding="utf-8")).body:
         texts = {}
         for node in ast.walk(function):

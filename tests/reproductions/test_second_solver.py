@@ -1,5 +1,5 @@
-"""Tables of the second solvers beside the studies: parts of them are solved again, and all of them
-under the marker ``validation``.
+"""Tables of the second solvers next to the studies: parts are computed again, and all of them under
+the marker ``validation``.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def is_number(text: str) -> bool:
 
 
 def compare(chapter: str, chosen: list[Any]) -> None:
-    """Solve some of a chapter again, and find each in its table."""
+    """Compute some rows of a chapter again, and compare each with its table."""
     _, solve = second_solver.CHAPTERS[chapter]
     rows = second_solver.table(chapter)
     for one in chosen:
@@ -69,7 +69,7 @@ def test_a_row_stands_once(chapter: str) -> None:
 
 
 def test_table_of_the_page() -> None:
-    """Numbers on the page are those of the solver."""
+    """Numbers on the page agree with the solver."""
     rows = second_solver.table("chapter_5")
     small = [row for row in rows if row["packing"] == "small"]
     fractions = {(row["velocity_m_s"], row["normals"]): row["dissipated_fraction"] for row in small}

@@ -1,4 +1,4 @@
-"""Searches for a design against spaces that are small enough to try all, and against random search."""
+"""Searches for a design compared with complete small spaces, and with random search."""
 
 from __future__ import annotations
 

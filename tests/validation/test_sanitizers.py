@@ -72,8 +72,8 @@ def build(kind: str) -> Path:
 
 
 def reports(folder: Path) -> list[str]:
-    """Reports of the sanitizers: of leaks those with a function of ours, and where leaks could not
-    be looked for.
+    """Reports of the sanitizers: leaks only with a function of ours; and a note if leaks could not
+    be checked.
     """
     found = []
     for path in sorted(folder.glob("report.*")):

@@ -116,7 +116,9 @@ def test_normalised_velocities(process, tmp_path, velocity, normalised):
 
 
 def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
-    """Dissipated fraction, peak force and yielded contacts over the timestep; the thesis used 2 ns."""
+    """Dissipated fraction, peak force and yielded contacts against the timestep; the thesis used 2
+    ns.
+    """
     rows = {}
     for dt in (2e-7, 1e-7, 5e-8, 3e-8, 2e-9):
         case = load_case(
@@ -173,8 +175,8 @@ SMALL = ["packing.size=[16,16,8]"]
     ],
 )
 def test_an_automatic_timestep_changes_nothing_that_matters(tmp_path, case, changes):
-    """Against the fixed timestep that it begins with, to the end, when the spheres rattle: weak
-    contacts differ most.
+    """Compared with a fixed timestep equal to the first one, up to the end, when the spheres
+    rattle: weak contacts differ most.
     """
     found = {}
     chosen = library.load_case(case, changes)
@@ -245,8 +247,8 @@ _ELEMENTS = 1000  # of a finite-element mesh
 
 
 def smallest(scan: Scan) -> Scan:
-    """The points that cost least, cut short; among them one with the last value of the first key,
-    to vary it.
+    """The cheapest points, shortened; one of them has the last value of the first key, so that this
+    key varies.
     """
     cheap = sorted(scan.distinct.values(), key=lambda point: point.plan.wall_time)
     first = scan.varied[0]
@@ -257,7 +259,9 @@ def smallest(scan: Scan) -> Scan:
 
 
 def short(point: ScanPoint) -> ScanPoint:
-    """The point in a second or so, as far as its case allows: it ends sooner, on a coarser mesh."""
+    """The point shortened to about a second, if its case permits: an earlier end, or a coarser
+    mesh.
+    """
     tables = point.case.to_dict()
     struck = tables.get("load", {}).get("kind") == "impact"  # other loads may begin late
     share = max(_LONGEST / point.plan.wall_time, 0.0 if struck else _LEAST)

@@ -1,4 +1,4 @@
-"""Measurements of speed, on a small packing: what is timed, and what the results hold."""
+"""Measurements of speed, on a small packing: the measured parts, and the content of the results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Single contacts in Python: values of the literature, inverse and derivatives, wrong input."""
+"""Single contacts in Python: values of the literature, inverse and derivatives, invalid input."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SOFT = {
 
 @pytest.fixture(autouse=True)
 def nothing_warned_about(monkeypatch):
-    """Let each test see the warnings of its contacts."""
+    """Reset the warnings, so that each test receives the warnings of its contacts."""
     monkeypatch.setattr(contacts, "_warned", set())
 
 
@@ -80,7 +80,7 @@ def test_parallel_cylinders_in_plane_strain():
 
 
 def test_parallel_cylinders_of_finite_length_have_their_effective_radius():
-    """Half-spaces give way as under a cylinder of R* on a plane."""
+    """Half-spaces deform as under a cylinder of R* on a plane."""
     one, other = ({**ROD, "diameter": diameter} for diameter in (4e-3, 12e-3))
     alone = {**ROD, "diameter": 2 * (2e-3 * 6e-3 / 8e-3)}
     flat = {"shape": "plane", "material": BRASS}
@@ -129,8 +129,8 @@ def test_crossed_cylinders_follow_the_elliptic_integrals():
 
 
 def test_first_yield():
-    """Thesis 2: the closed forms of alpha_y and F_y of two brass spheres of 10 mm, as runs take
-    them.
+    """Thesis 2: the closed forms of alpha_y and F_y of two brass spheres of 10 mm, as used in
+    runs.
     """
     sphere = {"shape": "sphere", "diameter": 0.010, "material": "brass"}
     law = contact_of([material("brass")], [0.005])

@@ -1,5 +1,5 @@
-"""Files that are not what the run wrote, truncated, lost or edited: refused, or made again with
---resume, never mixed.
+"""Truncated, lost or edited files of a run are rejected, or made again with --resume, never
+mixed.
 """
 
 from __future__ import annotations
@@ -214,7 +214,7 @@ def test_a_full_disk_is_told_with_the_file_and_no_crash(process, run, small_disk
 )
 @pytest.mark.parametrize("left", [0, 4096])
 def test_good_files_stay_on_a_full_disk(run, small_disk, monkeypatch, capsys, words, name, left):
-    """One line, exit status 1, and what was there before is as it was."""
+    """One line, exit status 1, and existing files are unchanged."""
     shutil.copytree(run, small_disk / "r")
     monkeypatch.chdir(small_disk)
     for first in (words, "write two-spheres -o deck --force"):
@@ -268,7 +268,7 @@ READERS = (
 
 
 def damage(path: Path, share: float = 0.6) -> None:
-    """Change one byte to a digit that it is not."""
+    """Change one byte to a different digit."""
     content = bytearray(path.read_bytes())
     place = int(share * len(content))
     content[place] = ord("7") if content[place] != ord("7") else ord("8")

@@ -75,7 +75,7 @@ def as_lists(arguments: tuple[object, ...]) -> list[object]:
 
 
 def plain(answer: object) -> object:
-    """An answer as nested lists of numbers, to be compared."""
+    """A result as nested lists of numbers, for comparison."""
     if dataclasses.is_dataclass(answer):
         return [plain(getattr(answer, field.name)) for field in dataclasses.fields(answer)]
     if isinstance(answer, dict):

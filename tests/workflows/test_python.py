@@ -128,7 +128,7 @@ def test_directory_is_named_after_the_case(tmp_path, monkeypatch):
 
 
 def test_ranks(tiny, tmp_path):
-    """Any number of ranks gives the same bits."""
+    """Results are bitwise identical for any number of ranks."""
     again = gw.run("fcc-small", TINY, directory=tmp_path, ranks=2)
     assert again["n_ranks"] == 2 and again["peak_force_N"] == tiny["peak_force_N"]
     assert again.contacts.equals(tiny.contacts)

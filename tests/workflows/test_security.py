@@ -1,4 +1,4 @@
-"""Files from which nothing is run that the user has not named."""
+"""No code is run from files that the user has not named."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Payload:
 
 @pytest.mark.parametrize("name", ["grains.traj", "grains.pckl", "grains.npy", "grains.csv"])
 def test_pickled_grains_are_refused(tmp_path, name, capsys):
-    """Also with the head of ASE's old trajectories, which were pickled."""
+    """This includes files with the head of ASE's old trajectories, which were pickled."""
     mark = tmp_path / "executed"
     heads = {"grains.traj": b"PickleTrajectory", "grains.npy": b"\x93NUMPY\x01\x00"}
     (tmp_path / name).write_bytes(heads.get(name, b"") + pickle.dumps(Payload(mark)))
@@ -120,7 +120,7 @@ def test_pickled_grains_are_refused(tmp_path, name, capsys):
 
 
 def test_an_input_script_that_lies_there_is_not_executed(tmp_path, monkeypatch):
-    """LAMMPS scripts can run shell commands: neither analysis nor resuming runs one that somebody
+    """LAMMPS scripts can run shell commands: neither analysis nor resuming runs a script that was
     changed.
     """
     place = tmp_path / "run"

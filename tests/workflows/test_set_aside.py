@@ -1,4 +1,4 @@
-"""Results that --force moves into a directory beside them: nothing is lost."""
+"""Results that --force moves into a directory next to them: nothing is lost."""
 
 from __future__ import annotations
 

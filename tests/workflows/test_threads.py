@@ -1,5 +1,5 @@
-"""`granwave.run` in threads: the working directory and its files stay, and the results are those of
-runs one after another.
+"""`granwave.run` in threads: the working directory and its files are unchanged, and the results
+equal those of consecutive runs.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ ODD = "100% a*b “c” \"d\" $e 'f' # &"  # characters that LAMMPS replaces, or
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Working directory with files of the user that are named as those of a run."""
+    """Working directory with files of the user that have the names of files of a run."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "dumps").mkdir()
     for name in NAMES:
@@ -41,7 +41,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def untouched(place: Path) -> bool:
-    """True if the user's files are as they were, and the working directory is."""
+    """True if the user's files and the working directory are unchanged."""
     return Path.cwd() == place and all((place / name).read_text() == "mine" for name in NAMES)
 
 

@@ -1,5 +1,5 @@
-"""Files of the working directory that are named as modules or settings, and Python without
-assertions and docstrings.
+"""Files in the working directory with names of modules or settings, and Python without assertions
+and docstrings.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SETTINGS = b"text.usetex: True\nimage.cmap: no-such-map\naxes.facecolor: ff0000\
 
 @pytest.fixture
 def place(tmp_path) -> Path:
-    """Folder full of files that stop whoever takes them."""
+    """Folder of files that stop any process that loads them."""
     for name in MODULES:
         (tmp_path / f"{name}.py").write_text(CODE)
     for folder in ("granwave", "mpi4py"):
@@ -42,7 +42,7 @@ def place(tmp_path) -> Path:
 
 
 def do(place: Path, *words: str, **variables: str) -> str:
-    """Run the command there; it does its work and takes nothing of the folder."""
+    """Run the command there; it succeeds and loads no file of the folder."""
     environment = PLAIN | variables
     done = subprocess.run(
         [BIN / "granwave", *words],
@@ -85,7 +85,7 @@ def test_a_block_of_finite_elements(place):
 
 
 def test_settings_of_the_user(place, tmp_path):
-    """Settings that name a colour map or a typesetter that is not there."""
+    """Settings with a colour map or a typesetter that does not exist."""
     (place / "matplotlibrc").rename(place / "settings")
     (place / "settings").write_bytes(SETTINGS)
     do(

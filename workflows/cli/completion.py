@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from granwave.analysis.exports.names import export_names
 from granwave.analysis.quantities import entries
 from granwave.analysis.studies.registry import STUDIES
+from granwave.lammps_inputs.case.figures import figure_names
 from granwave.lammps_inputs.case.material import presets
-from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml

@@ -38,7 +38,7 @@ _NO_ROOM_FOR_LIBRARY = (
     "failed to map segment",
     "annot allocate memory",
 )  # messages of the loader of libraries
-_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
+_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is invalid input
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

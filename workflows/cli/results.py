@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.run import NO_NORMAL, Figures, figure_names
+from granwave.lammps_inputs.case.figures import NO_NORMAL, Figures, figure_names
 from granwave.lammps_inputs.case.schema import (
     ValidationError,
     declared_fields,
@@ -82,7 +82,7 @@ def figures(options: argparse.Namespace) -> int:
         helpers(number_expected(Figures(all=options.all), wanted)) as others,
     ):
         # loaded while the helpers load them too
-        from granwave.analysis.figures.run_figures import draw_figures
+        from granwave.analysis.figures.run_figures import draw_figures, why_not_drawn
         from granwave.analysis.figures.style import FigureFolder
         from granwave.analysis.result.reader import Result
 
@@ -106,9 +106,7 @@ def figures(options: argparse.Namespace) -> int:
     if options.all:
         return 0
     if left := [name for name in wanted or () if name not in {path.stem for path in drawn}]:
-        raise InputError(
-            f"--only: {', '.join(left)}: does not apply to this run, which has no such data"
-        )
+        raise InputError([f"--only: {name}: {why_not_drawn(name)}" for name in left])
     return 0
 
 
@@ -142,7 +140,7 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
     Raises
     ------
     InputError
-        A value is wrong; the message lists all faults.
+        A value is invalid; the message lists all faults.
     """
     types = {name: info_of(field).type for name, field in declared_fields(Figures).items()}
     changes = {}

@@ -193,7 +193,7 @@ def load_profile(path: str | Path) -> Profile:
     Raises
     ------
     InputError
-        The file is wrong; the message lists all faults.
+        The file is invalid; the message lists all faults.
     """
     data = read_toml(path)
     errors = ErrorList(str(path))

@@ -132,7 +132,7 @@ def case(source: CaseLike, changes: Mapping[str, Any] | None = None, /, **keys: 
     Raises
     ------
     InputError
-        There is no such case, or it is wrong; the message has a line for each fault.
+        There is no such case, or it is invalid; the message has a line for each fault.
     """
     with words_of_python():
         found: Case = read_case(source, changes, keys)[0]
@@ -183,7 +183,7 @@ def run(
     Raises
     ------
     InputError
-        The case is wrong, or the directory holds results or another case, or memory or disk space
+        The case is invalid, or the directory holds results or another case, or memory or disk space
         is insufficient. Nothing was run.
     RunError
         LAMMPS failed, or the energy balance was rejected; the results are kept.
@@ -419,7 +419,7 @@ def export(
     Raises
     ------
     InputError
-        A value is wrong, the directory holds no result, or a library is missing; nothing was
+        A value is invalid, the directory holds no result, or a library is missing; nothing was
         written.
     """
     from granwave.analysis.exports.export import export as export_directory

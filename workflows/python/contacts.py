@@ -103,7 +103,7 @@ def contact_force(
     Raises
     ------
     InputError
-        A body, the law, an option or an overlap is wrong; the message has a line for each fault.
+        A body, the law, an option or an overlap is invalid; the message has a line for each fault.
     """
     contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
     force = _given(np.where(now > -contact.neck_length, contact.force(now, peak), 0.0))

@@ -42,7 +42,7 @@ def read_case(
     Raises
     ------
     InputError
-        There is no such case, or it is wrong; the message has a line for each fault.
+        There is no such case, or it is invalid; the message has a line for each fault.
     """
     tables, path = _tables(source)
     changed = given_changes(changes, keys)

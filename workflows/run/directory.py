@@ -19,7 +19,8 @@ from granwave import __version__
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.run import DIVISION_KEYS, figure_names
+from granwave.lammps_inputs.case.figures import figure_names
+from granwave.lammps_inputs.case.run import DIVISION_KEYS
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.directories import check_disk

@@ -103,7 +103,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     Raises
     ------
     InputError
-        The file or any of its scans is wrong; the message lists all faults.
+        The file or any of its scans is invalid; the message lists all faults.
     PackingNotMadeError
         Packings of its scans are not made, and this is within `nothing_made`.
     """

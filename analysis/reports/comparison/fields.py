@@ -148,7 +148,7 @@ def scale_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
 
 
 def _differ_in_size(windows: Sequence[Window]) -> bool:
-    """Return True if a section would hardly be seen on the scale of another."""
+    """Return True if the sizes of the sections differ too much for one scale."""
     sizes = [max(right - left, bottom - top) for left, right, top, bottom in windows]
     return max(sizes) > _UNLIKE_SIZES * min(sizes)
 
@@ -192,7 +192,9 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
         columns |= _columns(run, first, "peak_force_difference_N", change)
     mappable = ScalarMappable(norm, colormaps[BOTH_SIDES_MAP])
     bar = figure.colorbar(mappable, ax=panels, location="top", aspect=28, shrink=0.9)
-    bar.set_label(f"Peak force minus {reference.label} (N); dots: lower")
+    is_dynamic = first.has_static or any(fields[run].has_static for run in changes)
+    force = "Peak dynamic force" if is_dynamic else "Peak force"
+    bar.set_label(f"{force} minus {reference.name} (N); dots: lower")
     bar.set_ticks(_ticks(largest))
     bar.minorticks_off()
     _mark_lower_half(bar.ax, norm)
@@ -217,7 +219,7 @@ def difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
     unlike = [run.name for run in others if not corresponding(fields[reference], fields[run])]
     if not unlike:
         return ""
-    return f"Without {', '.join(unlike)}: other grains than {reference.name}."
+    return f"Without {', '.join(unlike)}: the grains differ from those of {reference.name}."
 
 
 def _draw_changes(axes: Axes, field: ForceField, change: Array, norm: SymLogNorm) -> None:

@@ -41,6 +41,7 @@ _CLEAR = ("packing.size", "packing.diameter", "load.velocity")  # keys known by 
 _MOST_KEYS = 2  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
+_BETWEEN_DIFFERENCES = ", "
 _BETWEEN_WORDS = r"[-_ /]"  # separators in the name of a run
 _KILO = 1e3
 _MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
@@ -121,7 +122,7 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
     labels: list[str] = []
     for run, text in zip(runs, _texts(runs), strict=True):
         is_said = text == run.label or not text
-        label = _shortened(run.label if is_said else f"{run.label}: {text}")
+        label = _shortened(run.label if is_said else _with_differences(run.label, text))
         number = 1
         unique = label
         while unique in labels:
@@ -133,6 +134,16 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
     looks = {place: look for look, place in enumerate([*drawn_first, *others])}
     numbered = enumerate(zip(runs, labels, strict=True))
     return [ComparedRun(run, label, number, looks[number]) for number, (run, label) in numbered]
+
+
+def _with_differences(name: str, text: str) -> str:
+    """Return a label of the name and of as many differences of the case as it has room for."""
+    parts = text.split(_BETWEEN_DIFFERENCES)
+    label = f"{name}: {text}"
+    while len(label) > _LONGEST and len(parts) > 1:
+        parts.pop()
+        label = f"{name}: {_BETWEEN_DIFFERENCES.join(parts)}, …"
+    return label
 
 
 def spread_first(n_runs: int, most: int) -> list[int]:
@@ -285,7 +296,7 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
             for key, part in parts.items()
             if 0 < len(part) <= _LONGEST_VALUE and part not in in_name
         ]
-        texts.append(", ".join(said[:_MOST_KEYS]))
+        texts.append(_BETWEEN_DIFFERENCES.join(said[:_MOST_KEYS]))
     return texts
 
 

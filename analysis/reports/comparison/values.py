@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, unit_of_value
 from granwave.analysis.errors import did_you_mean
-from granwave.analysis.formatting.numbers import number, quantity_in
+from granwave.analysis.formatting.numbers import number, plain, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.subjects import (
@@ -52,6 +52,7 @@ _ROUNDING = 1e-12  # value / largest value of the runs that counts as zero
 _SAME = 1e-9  # relative difference of values that are equal
 _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
 _IN_SENTENCE = 3
+_PERCENT = 100.0
 
 
 @dataclass(frozen=True)
@@ -186,10 +187,14 @@ def sentence(
             return f"The requested values do not differ between {names}, or a run lacks them."
         return f"No result differs between {names}."
     distinct = [value for value in different if value.spread > _HARDLY]
+    if not distinct:
+        most = max(different, key=lambda value: value.spread)
+        percent = plain(f"{_PERCENT * math.expm1(most.spread):.2g}")
+        return f"Results differ by at most {percent} % ({_in_sentence(most.label)})."
     with_cases = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
-    for value in distinct or different:
+    for value in distinct:
         family = _family(value.name)
         if family not in families and len(chosen) < _IN_SENTENCE:
             families.add(family)
@@ -205,7 +210,7 @@ def factor(ratio: float) -> str:
 
 def _clause(value: ComparedValue, names: Sequence[str]) -> str:
     """Return label, values and ratio: ``peak force 1.2 kN (a) and 2.4 kN (b), a factor of 2``."""
-    label = value.label[:1].lower() + value.label[1:]
+    label = _in_sentence(value.label)
     named = list(zip(value.numbers, names, strict=True))
     joint = "and"
     if len(named) > 2:
@@ -216,6 +221,11 @@ def _clause(value: ComparedValue, names: Sequence[str]) -> str:
     if value.ratio is None:
         return text
     return f"{text}, a ratio of {factor(value.ratio)}"
+
+
+def _in_sentence(label: str) -> str:
+    """Return a label within a sentence."""
+    return label[:1].lower() + label[1:]
 
 
 def _outcomes(runs: Sequence[ComparedRun]) -> list[str]:

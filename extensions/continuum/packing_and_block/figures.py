@@ -394,7 +394,7 @@ def _front(result: Result, unit: float) -> DataFrame:
     -------
     DataFrame
         ``depth`` below the impacted sphere, m; ``largest`` peak force of a sphere, in the unit (N);
-        ``uniformity``, mean over largest: 1 where the front is planar.
+        ``uniformity``, mean / largest: 1 where the front is planar.
     """
     depth = result["spheres/position"][:, 2] - result.origin[2]
     inside = _in_cone(result)

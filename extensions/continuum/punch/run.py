@@ -176,7 +176,7 @@ class BlockRun(ElementRun):
         returned to it from them.
 
         The fastest wave travels at the longitudinal wave speed from the punch straight to the
-        boundary and back to the zone that holds 99 % of the plastic work.
+        boundary and back to the zone that contains 99 % of the plastic work.
         """
         solver = self.solver
         edge = self.case.punch.diameter / 2

@@ -348,7 +348,7 @@ def draw(contacts: list[Measured], constants: Mapping[str, float] | None, path: 
         axes.set(
             title=name, xscale="log", ylim=(-80, 80), xlabel="overlap / overlap at first yield"
         )
-    panels[0].set_ylabel("force over finite elements - 1 (%)")
+    panels[0].set_ylabel("force / finite elements - 1 (%)")
     panels[1].legend()
     figure.savefig(path, dpi=130)
     plt.close(figure)

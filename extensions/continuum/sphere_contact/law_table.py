@@ -1,4 +1,4 @@
-"""Finite-element contacts that the law ``elastoplastic-fe`` is fitted to, and their table.
+"""Finite-element contacts to which the law ``elastoplastic-fe`` is fitted, and their table.
 
     python -m granwave.extensions.continuum.sphere_contact.law_table DIR [--all] [--worker K/N]
 
@@ -43,7 +43,7 @@ _FEWEST = 20  # smallest number of entries of an unloading
 def contacts() -> dict[str, dict[str, float]]:
     """Return the contacts of ``law_contacts.csv`` by name.
 
-    ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and
+    ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus / yield strength), and
     of the second its ``radius, modulus, strength`` divided by the values of the first, and ``nu2``;
     values equal to the first sphere's are omitted. A radius of 100 means a flat. Names that begin
     with ``held`` are excluded from the fit. Two equal spheres to a depth of 0.88 R* are equivalent

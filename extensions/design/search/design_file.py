@@ -88,7 +88,7 @@ def load_problem(
     Raises
     ------
     InputError
-        The file or its case is wrong; the message has a line for each fault.
+        The file or its case is invalid; the message has a line for each fault.
     """
     path = Path("design")
     if isinstance(source, Mapping):

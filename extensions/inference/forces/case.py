@@ -336,7 +336,7 @@ def read_infer_case(path: str | Path, *, of_run: bool = False) -> InferCase:
     Raises
     ------
     InputError
-        The file cannot be read or is wrong; all faults are listed.
+        The file cannot be read or is invalid; all faults are listed.
     """
     tables = read_toml(path)
     errors = ErrorList(str(path), vocabulary=keys_of(InferCase.SECTIONS))

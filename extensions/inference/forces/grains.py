@@ -71,7 +71,7 @@ class MeasuredGrains:
         Average stresses: (n, 3) or (n, 6), Pa; stresses from strains are computed with the
         ``modulus``.
     compliance
-        Strain over stress: (n, k, k), 1/Pa; None if stresses were measured.
+        Compliance matrices, from stress to strain: (n, k, k), 1/Pa; None if stresses were measured.
     modulus
         Young's moduli: (n,), Pa; None if stresses were measured.
     passes_walls

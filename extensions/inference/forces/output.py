@@ -275,8 +275,7 @@ def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
     noise
         Noise / root mean square: (n,).
     error, spread
-        Errors of the forces / forces, means of the repetitions, and their standard
-        deviations: (n,).
+        Relative errors of the forces: means and standard deviations of the repetitions, (n,).
     """
     figure, axes = one_panel(
         2.4, "Noise of strains and accelerations (%)", "Error of the forces (%)"

@@ -55,8 +55,8 @@ def plan_experiment(
     case
         Case of the inference; None: friction and material of the run.
     noise
-        Errors of strains (and of accelerations, where these are not from frames) over their root
-        mean squares.
+        Errors of strains (and of accelerations, where these are not from frames) / their root mean
+        squares.
     frame_rate
         Frames per second from which accelerations are differentiated; None: accelerations are
         measured.

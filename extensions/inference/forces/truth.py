@@ -298,8 +298,8 @@ class Snapshots:
 
 
 def _refuse_unseen(result: Result, directory: str) -> None:
-    """Raise InputError for a run whose grains a camera could not see, and for a run without contact
-    forces.
+    """Raise InputError for a run whose grains are not visible to a camera, and for a run without
+    contact forces.
     """
     assembly = result.assembly
     if not result.case.output.contact_forces:

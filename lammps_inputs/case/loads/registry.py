@@ -17,7 +17,7 @@ from granwave.lammps_inputs.case.loads.plate import PlateLoad
 from granwave.lammps_inputs.case.loads.shapes import read_points
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
 from granwave.lammps_inputs.case.schema import ErrorList, info_of, read_table, show
-from granwave.lammps_inputs.case.schema.tables import FURTHER_KEYS
+from granwave.lammps_inputs.case.schema.reading import FURTHER_KEYS
 from granwave.lammps_inputs.errors import InputError, Mismatch
 from granwave.lammps_inputs.extensions import joined, loaded
 

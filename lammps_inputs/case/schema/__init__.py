@@ -3,7 +3,7 @@
 values      types of values: words, numbers and texts; how each reads a value
 compound    types of lists, and of values of several types
 fields      a function for each type, which makes the field of a section
-tables      reading a table into its section
+reading     a table to its section; missing and unknown keys
 faults      faults of values, collected for a file
 """
 
@@ -31,7 +31,7 @@ from granwave.lammps_inputs.case.schema.fields import (
     typed,
     vector,
 )
-from granwave.lammps_inputs.case.schema.tables import (
+from granwave.lammps_inputs.case.schema.reading import (
     REQUIRED,
     KeyInfo,
     TableType,

@@ -1,7 +1,7 @@
 """Types of lists, of tables, and of values of several types.
 
 `TableType`, the type of a table with a separate section, is in
-`granwave.lammps_inputs.case.schema.tables`, with the reader of tables.
+`granwave.lammps_inputs.case.schema.reading`, with the reader of tables.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ class ValidationError(Exception):
     expected
         Valid values, in words.
     key, found
-        Key inside of the value, a table, and the value there; empty if the value itself is wrong.
+        Key inside of the value, a table, and the value there; empty if the value itself is invalid.
     """
 
     def __init__(self, expected: str, key: str = "", found: Any = None) -> None:

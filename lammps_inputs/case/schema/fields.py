@@ -14,7 +14,7 @@ from granwave.lammps_inputs.case.schema.compound import (
     vector_type,
 )
 from granwave.lammps_inputs.case.schema.faults import ErrorList, unit_name
-from granwave.lammps_inputs.case.schema.tables import REQUIRED, KeyInfo, key_field
+from granwave.lammps_inputs.case.schema.reading import REQUIRED, KeyInfo, key_field
 from granwave.lammps_inputs.case.schema.values import (
     LARGEST_COUNT,
     ChoiceType,

@@ -82,7 +82,7 @@ def pictures(runs):
             "shading": "nearest",
         }
         image = axes.pcolormesh(1e3 * place, 1e6 * time, shown, **colours)
-        axes.set(xlabel="Place (mm)", title=name.replace("_", " "))
+        axes.set(xlabel="Position (mm)", title=name.replace("_", " "))
         some = np.linspace(0, len(place) - 1, 14).astype(int)
         data |= {f"{name}_at_{1e3 * place[n]:.4g}_mm_N": force[:, n] for n in some}
     row[0].set(ylabel="Time (µs)")

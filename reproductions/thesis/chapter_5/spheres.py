@@ -53,8 +53,8 @@ def struck_once(runs):
 
 
 def plane_spheres(run, across, along):
-    """Places of the spheres whose centres lie in the plane of two unit vectors through the impact
-    point, diameters, and their largest contact forces, N: (n_spheres, 2) and (n_spheres,).
+    """Positions of the spheres whose centres are in the plane of two unit vectors through the
+    impact point, diameters, and their largest contact forces, N: (n_spheres, 2) and (n_spheres,).
     """
     result = run.result
     offset = (result["spheres/position"] - result.origin) / run.case.packing.diameter

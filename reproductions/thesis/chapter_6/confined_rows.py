@@ -40,11 +40,11 @@ WHERE = "equations of symmetric motion"
 
 @dataclasses.dataclass(eq=False)
 class Rows:
-    """Rows that just touch everywhere; small spheres a ring, their diameter, radius of the tube,
-    what is taken off it.
+    """Rows in which all bodies just touch: number of small spheres per ring, their diameter, radius
+    of the tube, and its reduction.
 
-    Arrays have one value a row, in SI; a fraction as ``n`` makes a row that only the equations
-    have.
+    Arrays have one value per row, in SI units; rows with a fractional ``n`` exist only in the
+    equations.
     """
 
     n: np.ndarray
@@ -81,7 +81,7 @@ class Rows:
         self.eps, self.eta = self.mass / MASS, self.k_side * self.cosine**2.5 / K_BEADS
 
     def from_ring(self, inward):
-        """Force of its neighbours in the ring on a small sphere that is displaced inwards, N."""
+        """Force on a small sphere that is displaced inwards by its neighbours in the ring, N."""
         return 2 * self.k_ring * (2 * inward * self.chord) ** 1.5 * self.chord
 
     def outward(self, inward):
@@ -103,7 +103,7 @@ class Rows:
 
 
 class ConfinedRun(GrainRow):
-    """A run of such a row with an impacted bead."""
+    """A run of a confined row with an impacted bead."""
 
     def __init__(self, run):
         super().__init__(run)
@@ -123,7 +123,7 @@ class ConfinedRun(GrainRow):
 
     @property
     def profile(self):
-        """Contacts that the wave has passed, and their largest forces over E* R*^2."""
+        """Contacts that the wave has passed, and their largest forces / (E* R*^2)."""
         return np.arange(self.struck, self.passed + 1.0), self.peaks[self.struck - 1 :] / FORCE
 
     def probe(self, bead, quantity):

@@ -22,12 +22,12 @@ from granwave.measures import first_peak, width
 LEGENDS = (0.09, 0.22, 0.36)  # of figure 6.10, by rising a
 ENDS = {"axial": 4.0, "radial": 0.5}  # of the axes of figure 6.10
 NEAR = (-2, 10)  # time axis of figure 6.10
-TO_30_MM = 2**0.25  # the source's unit of velocity for beads of 15 mm, over that for 30 mm
+TO_30_MM = 2**0.25  # source's unit of velocity: 15 mm beads / 30 mm beads
 LIGHTER = 0.9  # density of lighter small spheres, relative to that of the beads
 CONTACT = 100
 LAST = 200
 ROUNDS = 6  # of the search of A by the force
-SLOPE = "Slope of ln(decay of the force) with delta_hat"
+SLOPE = "Slope of ln(decay of the force) against delta_hat"
 FIGURE = "thesis figure 6.11"
 
 
@@ -52,12 +52,12 @@ class Legends:
         return [Travelling(PrintedSpheres(self.runs[0].rows), one) for one in LEGENDS]
 
     def corrected(self):
-        """The same by the corrected equations."""
+        """Waves by the corrected equations."""
         return [Travelling(self.limit, one) for one in LEGENDS]
 
 
 def select(runs):
-    """The rows; none without initial normals."""
+    """The rows; empty without initial normals."""
     confined = [ConfinedRun(run) for run in runs if run.case.contact.normals == "initial"]
     return [Legends(sorted(confined, key=lambda run: (run.n, run.a)))] if confined else []
 
@@ -88,7 +88,7 @@ def slope(x, y):
 
 
 def energy_decays(limit, delta_hat):
-    """Decay of the energy in theory, by the corrected (6.18)."""
+    """Theoretical decay of the energy, by the corrected (6.18)."""
     return np.array([Travelling(limit, one).energy_decay for one in delta_hat])
 
 
@@ -162,7 +162,7 @@ def of_slopes(legends):
 
 
 def of_lighter(legends):
-    """Row of the slopes with lighter small spheres, by the equations of the source's model."""
+    """Row of the slopes with lighter small spheres, by the equations of the model of the source."""
     rows = [run.rows for run in legends.runs]
     columns = [(one.n, one.small, one.tube, one.shrinks, LIGHTER * one.density) for one in rows]
     joined = SourceRows(*(np.concatenate(parts) for parts in zip(*columns, strict=True)))

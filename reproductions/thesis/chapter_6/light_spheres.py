@@ -42,7 +42,9 @@ TAIL = 30.0
 
 
 class LightSpheres:
-    """A row in the limit of light small spheres, by its numbers (6.8), with the wall of the thesis."""
+    """A row in the limit of light small spheres, by its parameters (6.8), with the wall of the
+    thesis.
+    """
 
     def __init__(self, rows):
         self.n, self.eps, self.eta, self.tangent = (
@@ -79,7 +81,7 @@ class PrintedSpheres(LightSpheres):
 
 
 def series_at(z, coefficients):
-    """Displacement over A, 1/(1 + exp(C1 z + C3 z^3 + ...)) (6.14)."""
+    """Displacement / A: 1/(1 + exp(C1 z + C3 z^3 + ...)) (6.14)."""
     exponent = (coefficients * z[:, None] ** (2 * np.arange(len(coefficients)) + 1)).sum(axis=1)
     return 1 / (1 + np.exp(np.clip(exponent, -500.0, 500.0)))
 
@@ -145,7 +147,7 @@ class Travelling:
         return found[:3], found[3]
 
     def _drive(self):
-        """Follow the small spheres, as oscillators of unit mass, by velocity Verlet."""
+        """Integrate the small spheres, as oscillators of unit mass, by velocity Verlet."""
         limit = self.limit
         c = self.speed
         self.time = np.linspace(-(REACH - 1) / c, (REACH - 1 + TAIL) / c, INSTANTS)

@@ -18,10 +18,10 @@ WHERE = "thesis (6.7)"
 
 
 class SourceRows(Rows):
-    """Rows of the source's model."""
+    """Rows of the model of the source."""
 
     def __post_init__(self):
-        """Use its constants: those of the wall and of the rings differ."""
+        """Use the constants of the source, which differ for the wall and the rings."""
         super().__post_init__()
         self.k_wall = self.k_thesis_wall
         self.k_ring = np.zeros_like(self.k_ring)
@@ -39,7 +39,7 @@ class SourceRows(Rows):
 
 
 class SourceWindow(Window):
-    """Motion with the initial directions."""
+    """Motion with the initial contact directions."""
 
     def take(self, rows):
         """Set the properties of the followed rows."""
@@ -57,7 +57,7 @@ class SourceWindow(Window):
 
 
 def select(runs):
-    """The rows by n and a; none without initial normals."""
+    """The rows by n and a; empty without initial normals."""
     confined = [ConfinedRun(run) for run in runs if run.case.contact.normals == "initial"]
     return [sorted(confined, key=lambda run: (run.n, run.a))] if confined else []
 
@@ -75,7 +75,7 @@ def rows(runs):
     for run, force in zip(runs, solved(runs), strict=True):
         for contact in [one for one in CONTACTS if one <= len(run.peaks)]:
             yield gw.Row(
-                f"Peak force over E* R*^2, contact {contact}, {run.label}", "1e-4",
+                f"Peak force / (E* R*^2), contact {contact}, {run.label}", "1e-4",
                 ours=1e4 * run.peaks[contact - 1] / FORCE, theory=1e4 * force[contact - 1] / FORCE,
                 verification=True, where=WHERE, digits=4,
             )  # fmt: skip
@@ -104,7 +104,7 @@ def pictures(runs):
             data |= {f"{name}_contact": contact, f"{name}_force": force}
         axes.set(xlabel="Contact", ylim=(0, None))
         axes.legend(fontsize=7)
-    panels[0].set(ylabel="Peak force over $E^* R^{*2}$ ($10^{-4}$)")
+    panels[0].set(ylabel="Peak force / ($E^* R^{*2}$) ($10^{-4}$)")
     caption = (
         "Peak forces along chains with 6 to 9 small spheres per ring by the model of the source, "
     )

@@ -1,4 +1,4 @@
-"""Curves of contact laws, and coefficients of restitution against runs."""
+"""Curves of contact laws, and coefficients of restitution compared with runs."""
 
 from __future__ import annotations
 
@@ -206,7 +206,9 @@ def test_the_summary_has_the_error_bars_of_the_law(tmp_path, study):
 
 
 def test_bodies_that_still_touch_at_the_end_have_none(tmp_path):
-    """A blow at 0.05 m/s lasts 75 us; the automatic end comes after 50 us, in which nothing yields."""
+    """An impact at 0.05 m/s lasts 75 us; the automatic end is after 50 us, during which nothing
+    yields.
+    """
     changes = {"load.velocity": 0.05, "run.frames": 2}
     found = [
         run_case(
@@ -220,7 +222,7 @@ def test_bodies_that_still_touch_at_the_end_have_none(tmp_path):
 
 @pytest.mark.parametrize("in_order", [True, False])
 def test_rows_out_of_the_order_of_measurement_are_named(caplog, in_order):
-    """Unloading from the peak, and from a half of it, after loading as a whole."""
+    """Unloading from the peak and from half of it, after complete loading."""
     rise = np.linspace(0.0, 1e-5, 101)
     turn = rise[-1] if in_order else rise[50]
     overlap = np.concatenate([rise, np.linspace(turn, 3e-6, 60)])

@@ -112,7 +112,7 @@ def test_staging_that_is_left_undone_leaves_nothing(tmp_path):
 
 
 def test_some_tables_alone(run, scan, tmp_path):
-    """Tables of an earlier export stay; unknown names and other formats are refused."""
+    """Tables of an earlier export are kept; unknown names and other formats are rejected."""
     output = tmp_path / "out"
     export(run, "csv", output, only=["energy"])
     (placed,) = export(run, "csv", output, only=["contacts"])

@@ -1,4 +1,6 @@
-"""Exports to CSV and NetCDF: values read by other programs are bitwise those of result.h5."""
+"""Exports to CSV and NetCDF: values read by other programs are bitwise identical to those of
+result.h5.
+"""
 
 from __future__ import annotations
 

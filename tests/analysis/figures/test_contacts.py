@@ -1,4 +1,6 @@
-"""Figures of contacts, and of a line in place and time: what they show, and of which runs."""
+"""Figures of contacts, and of a line in position and time: their content, and the runs that have
+them.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from granwave.analysis.figures import contacts
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.measures.contact_forces import exponential_tail
-from granwave.lammps_inputs.case.run import Figures, usual_figure_names
+from granwave.lammps_inputs.case.figures import Figures, usual_figure_names
 from tests.helpers.made_up import synthetic
 
 DIAMETER = synthetic.DIAMETER
@@ -24,7 +26,7 @@ OF_CONTACTS = ("contact_network", "force_distribution", "line_diagram")
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """Directory of a made-up run of FCC, analysed."""
+    """Directory of an analysed synthetic run of FCC."""
     directory = tmp_path_factory.mktemp("run")
     write_result(synthetic.write_run(directory, synthetic.make_case(size=(6, 6, 4))))
     return directory
@@ -47,7 +49,9 @@ def lines_of(drawing):
 
 
 def test_figures_drawn_by_name_stay(tmp_path, monkeypatch):
-    """They are drawn again with the usual ones, until ``figures.only`` names others."""
+    """Figures on request are drawn again together with the default figures, until ``figures.only``
+    names others.
+    """
     monkeypatch.setenv(PROCESSES, "1")
     write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 2)))
     folder = tmp_path / "figures"
@@ -76,14 +80,14 @@ def test_figures_drawn_by_name_stay(tmp_path, monkeypatch):
 )
 def test_figures_that_apply(tmp_path, options, expected):
     """A lone sphere has no contacts; less than ten loaded contacts have no distribution, and a
-    layer that is struck across has no line.
+    layer that is hit from the side has no line.
     """
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(**options)))
     assert {name for name in OF_CONTACTS if drawn(tmp_path, name) is not None} == expected
 
 
 def test_lines_are_as_thick_as_forces(run):
-    """And go from centre to centre."""
+    """Lines go from centre to centre."""
     drawing = drawn(run, "contact_network")
     widths, ends = lines_of(drawing)
     force = drawing.columns["peak_force_N"]
@@ -103,7 +107,9 @@ def test_lines_are_as_thick_as_forces(run):
 
 
 def test_a_contact_across_periodic_sides_is_two_lines(tmp_path):
-    """One from each grain, of one diameter; none goes through the packing."""
+    """A contact across a boundary has a line of one diameter from each grain; no line crosses the
+    packing.
+    """
     case = synthetic.make_case(size=(6, 6, 4), boundary={"sides": "periodic"})
     write_result(synthetic.write_run(tmp_path, case))
     drawing = drawn(tmp_path, "contact_network")
@@ -117,7 +123,7 @@ def test_a_contact_across_periodic_sides_is_two_lines(tmp_path):
 
 
 def test_a_chain_lies(tmp_path):
-    """Its depth goes from left to right, 30 diameters at most."""
+    """The depth of a chain increases from left to right, up to 30 diameters."""
     write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 50)))
     axes = drawn(tmp_path, "contact_network").figure.axes[0]
     left, right = axes.get_xlim()
@@ -126,14 +132,14 @@ def test_a_chain_lies(tmp_path):
 
 
 def test_a_large_network_is_a_picture(run, monkeypatch):
-    """Beyond a number of lines a PDF would be slow to show."""
+    """A PDF with very many lines is slow to display, so that they become a bitmap."""
     monkeypatch.setattr(contacts, "_MOST_VECTORS", 5)
     artists = drawn(run, "contact_network").figure.axes[0].collections
     assert all(artist.get_rasterized() for artist in artists)
 
 
 def test_distribution_of_exponential_forces(run, monkeypatch):
-    """Its densities are those of the exponential, its decay is that of the tail."""
+    """The densities agree with the exponential distribution, and the decay with the fitted tail."""
     force = np.random.default_rng(3).exponential(7.0, 5000)
     state = contacts.ContactForces("peak", None, np.arange(5000), np.arange(5000), force)
     monkeypatch.setattr(contacts, "contact_forces", lambda result: [state])
@@ -157,7 +163,7 @@ def test_distribution_of_exponential_forces(run, monkeypatch):
     [(1e-9, "12 contacts, all with 20 N"), (0.01, "12 contacts, 20 N to 22.2 N")],
 )
 def test_forces_that_are_alike_are_a_band(run, monkeypatch, spread, text):
-    """The figure says that they have no distribution."""
+    """The figure states that nearly equal forces have no distribution."""
     ids = np.arange(12)
     state = contacts.ContactForces("static", 0.0, ids, ids, 20.0 * (1 + spread * ids))
     monkeypatch.setattr(contacts, "contact_forces", lambda result: [state])
@@ -175,7 +181,7 @@ def test_forces_that_are_alike_are_a_band(run, monkeypatch, spread, text):
 
 
 def test_wide_forces_are_on_a_logarithmic_axis(run):
-    """Its bins hold all contacts."""
+    """The bins contain all contacts."""
     drawing = drawn(run, "force_distribution")
     columns = drawing.columns
     with Result(run) as result:
@@ -209,7 +215,7 @@ def test_diagram_of_a_line(run):
 
 
 def test_the_front_of_a_chain_lies_on_the_fitted_line(tmp_path):
-    """The first loads of contacts are at 1000 m/s in the made-up run."""
+    """In the synthetic run, contacts are first loaded by a front with 1000 m/s."""
     draw = synthetic.write_run(tmp_path, synthetic.make_case("chain", 20))
     write_result(draw)
     drawing = drawn(tmp_path, "line_diagram")

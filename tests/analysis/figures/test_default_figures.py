@@ -1,4 +1,4 @@
-"""Figures that are drawn unless others are asked for."""
+"""Figures that are drawn by default."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from granwave.analysis import Result, write_result
 from granwave.analysis.figures.run_figures import chosen_figures, run_figures
-from granwave.lammps_inputs.case.run import (
+from granwave.lammps_inputs.case.figures import (
     FIGURES_BY_DEFAULT,
     Figures,
     figure_names,
@@ -29,7 +29,7 @@ PACKING = {
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """Directory of a made-up run of FCC, analysed."""
+    """Directory of an analysed synthetic run of FCC."""
     directory = tmp_path_factory.mktemp("run")
     write_result(synthetic.write_run(directory, synthetic.make_case(size=(6, 6, 4))))
     return directory
@@ -57,7 +57,7 @@ def test_an_extension_says_which_of_its_figures_wait_for_their_name():
 
 
 def test_a_small_error_does_not_widen_its_axis(run):
-    """The axis of the balance spans four decades of errors, whatever the smallest one."""
+    """The axis of the energy balance error spans four decades, whatever the smallest error."""
     with Result(run) as result:
         drawing = run_figures()["energies"].draw(result)
     residual = np.asarray(drawing.columns["residual_over_input"])
@@ -67,7 +67,9 @@ def test_a_small_error_does_not_widen_its_axis(run):
 
 
 def test_the_orthogonal_plane_shows_the_spheres_behind_it(run):
-    """In its file are the spheres on the plane only; the pale ones fill the gaps between them."""
+    """The data file contains only the spheres on the plane; pale spheres fill the gaps between
+    them.
+    """
     with Result(run) as result:
         drawing = run_figures()["peak_force_orthogonal"].draw(result)
         principal = run_figures()["peak_force_principal"].draw(result)

@@ -1,5 +1,5 @@
-"""Figures that fail: each costs itself alone, and is named with its reason; axes without a span and
-without values.
+"""Figures that fail: the other figures are drawn, and the failed figure is named with the reason;
+axes without a range and without values.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.scans import figures as scan_figures
 from granwave.analysis.studies import study as studies
 from granwave.analysis.studies.study import Picture, Row
-from granwave.lammps_inputs.case.run import CutPlane, Figures
+from granwave.lammps_inputs.case.figures import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.main import main
 from tests.helpers.made_up import synthetic
@@ -114,7 +114,7 @@ def test_a_part_of_a_study_that_fails_costs_no_other(monkeypatch):
 
 @pytest.mark.needs_extension("continuum")
 def test_one_layer_is_reported(tmp_path, caplog):
-    """Its plastic zone has no depth, so that there is nothing to draw on a logarithmic axis."""
+    """The plastic zone has no depth, so that a logarithmic axis has no values."""
     settings = ["packing.kind=square", "packing.size=[6,6]", "run.end_time=3e-5"]
     common = ["--no-figures", *(word for setting in settings for word in ("--set", setting))]
     changes = {
@@ -133,7 +133,7 @@ def test_one_layer_is_reported(tmp_path, caplog):
 
 @pytest.mark.parametrize(("scale", "low", "high"), [("linear", 1.81, 1.996), ("log", 0.634, 5.7)])
 def test_equal_values_leave_a_span(scale, low, high):
-    """Packing and block of the equal input that `granwave check` prints, equal to six digits."""
+    """Packing and block with the equal input that `granwave check` prints, equal to six digits."""
     with style():
         figure, axes = panels(2.0)
     axes.plot([1.900830, 1.900834], [3.0, 5.0], "o")
@@ -160,7 +160,9 @@ def result(run):
     "normal", [(1, 0, 0), (0, 2, 0), (0, 0, -1), (1, 1, 0), (1, 2, 3), (-1, 0, 2)]
 )
 def test_axes_of_a_plane(normal):
-    """They are orthonormal, lie in the plane, and depth goes down, or y where there is none."""
+    """The axes are orthonormal and in the plane; depth points down, or y if the plane has no
+    depth.
+    """
     plane = own_plane(normal, None)
     assert plane.across @ plane.across == pytest.approx(
         1
@@ -172,7 +174,7 @@ def test_axes_of_a_plane(normal):
 
 
 def test_discs_of_a_plane_are_the_cuts_of_the_spheres(result):
-    """Every sphere that the plane x = const cuts, with the radius of its cut."""
+    """All spheres that the plane x = const cuts, with the radii of their sections."""
     middle = float(result.origin[0]) + 0.001
     result.figure_options = Figures(plane=CutPlane((1.0, 0.0, 0.0), (middle, 0.0, 0.0)))
     drawing = sections.peak_force_section(result, "section")

@@ -1,4 +1,4 @@
-"""Figures: the set that is drawn, and their data files."""
+"""Figures: the drawn set, and the data files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from granwave.analysis.figures.grain_discs import draw_discs
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.measures.target import unprotected
 from granwave.lammps_inputs import struck_spheres
-from granwave.lammps_inputs.case.run import (
+from granwave.lammps_inputs.case.figures import (
     FIGURES_AFTER_ADDED,
     FIGURES_BEFORE_ADDED,
     usual_figure_names,
@@ -49,7 +49,7 @@ def makes_sense(directory, case):
 
 @pytest.mark.parametrize("end_time", [1.5e-4, 6e-4])
 def test_wave_front_is_shown_over_the_passage_of_the_wave(tmp_path, end_time):
-    """However many snapshots are taken, and however long the run goes on."""
+    """The result does not depend on the number of snapshots or the duration of the run."""
     run = {"end_time": end_time, "frames": 121}
     case = synthetic.make_case("fcc", (8, 8, 6), load={"velocity": 5.0}, run=run)
     run_case(case, tmp_path, figures=False)
@@ -135,7 +135,9 @@ def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):
 
 
 def test_data_beside_a_figure(tmp_path):
-    """The largest peak force of the plane is at the struck sphere; the law was exceeded there."""
+    """The largest peak force of the plane is at the impacted sphere, where the range of the law was
+    exceeded.
+    """
     case = synthetic.make_case()
     analyse(synthetic.write_run(tmp_path, case, dent=450.0))
     folder = tmp_path / "figures"
@@ -179,7 +181,7 @@ def test_the_legend_of_the_energies_lies_on_no_curve(tmp_path):
 
 
 def test_spheres_beyond_the_law_keep_their_colour():
-    """They have a black ring around it."""
+    """Spheres beyond the range of the law have a black ring."""
     place = np.array([0.0, 0.01])
     cut = SimpleNamespace(across=place, down=place)
     colouring = Colouring(np.array([1.0, 5.0]), "", "", "viridis", 1.0, 10.0)
@@ -196,7 +198,7 @@ def test_spheres_beyond_the_law_keep_their_colour():
 
 
 def test_captions_say_what_to_look_for():
-    """In two lines of a report."""
+    """The caption has two lines in a report."""
     for name, figure in run_figures().items():
         assert figure.look.endswith("."), name
         assert 20 < len(figure.look) <= 130, name

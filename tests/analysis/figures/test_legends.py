@@ -1,4 +1,4 @@
-"""Legends stand where they cover no curve."""
+"""Legends are placed where they cover no curve."""
 
 from __future__ import annotations
 

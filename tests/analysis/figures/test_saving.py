@@ -1,4 +1,4 @@
-"""Files of figures: pictures, and text and fonts of PDFs."""
+"""Files of figures: bitmaps, and text and fonts of PDFs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def drawing() -> style.Drawing:
 
 
 def usual_drawing() -> style.Drawing:
-    """The same with the labels that ours get when they are saved."""
+    """The same figure with the labels that granwave adds when it saves a figure."""
     found = drawing()
     plain_powers(found.figure)
     return found
@@ -67,7 +67,7 @@ def saved(tmp_path):
 
 
 def test_saved_as_matplotlib_saves_it(saved, tmp_path):
-    """The same picture, though the layout is computed once and not by each file."""
+    """The picture is unchanged although the layout is computed only once and not for each file."""
     with style.style():
         usual_drawing().figure.savefig(tmp_path / "usual.png")
     with Image.open(saved.with_suffix(".png")) as ours, Image.open(tmp_path / "usual.png") as usual:
@@ -87,7 +87,7 @@ def test_fonts_of_a_pdf_are_truetype_without_further_tables(saved):
 
 
 def test_text_and_glyphs_of_a_pdf_are_those_of_matplotlib(saved, tmp_path):
-    """The same text; and no glyph that it would not have, which has ligatures beside those in use."""
+    """The text is unchanged, and the font contains no unused glyphs, such as ligatures."""
     with style.style():
         usual = usual_drawing()
         usual.figure.savefig(tmp_path / "usual.png")
@@ -125,7 +125,9 @@ def labels(axis) -> list[str]:
     ],
 )
 def test_labels_of_logarithmic_axes(low, high, across, up):
-    """Plain text; numbers where they are short; on the axis across no more than there is room for."""
+    """Labels are plain text, and short numbers are written out; the horizontal axis has no more
+    labels than fit.
+    """
     with style.style():
         figure = style.new_figure(2.2)
         axes = figure.subplots()
@@ -140,7 +142,7 @@ def test_labels_of_logarithmic_axes(low, high, across, up):
 @pytest.mark.parametrize("high", [1.3, 2.5, 9.0, 12.0, 52.0, 400.0, 3e4, 2e9, 1e25])
 @pytest.mark.parametrize("low", [1.0, 0.021, 3e-7])
 def test_labels_on_narrow_panels_do_not_touch(low, high):
-    """Labels of each axis, and of an axis on top of it, are apart."""
+    """Labels of each axis, and of an axis above it, do not overlap."""
     with style.style():
         figure = style.new_figure(1.4)
         row = figure.subplots(1, 3)
@@ -169,7 +171,9 @@ def test_labels_on_narrow_panels_do_not_touch(low, high):
     ("decades", "on_axes", "on_bar"), [(1.5, True, True), (3, True, False), (5, False, False)]
 )
 def test_ticks_between_powers_of_ten(decades, on_axes, on_bar):
-    """They end where there are many decades, of colour bars, which are small, before those of axes."""
+    """Minor ticks are omitted if there are many decades; for colour bars, which are small, earlier
+    than for axes.
+    """
     with style.style():
         figure = style.new_figure(2.0)
         axes = figure.subplots()
@@ -182,8 +186,8 @@ def test_ticks_between_powers_of_ten(decades, on_axes, on_bar):
 
 
 def test_pictures_in_a_pdf(tmp_path):
-    """An artist that is to be pixels is one in the PDF too, at its place; the rest stays lines and
-    text.
+    """A rasterised artist is a bitmap in the PDF too, at its position; the other artists remain
+    lines and text.
     """
     with style.style():
         figure = style.new_figure(2.0)

@@ -1,10 +1,14 @@
-"""Figures drawn by several processes: the same files, order, errors and warnings as by one."""
+"""Figures drawn by several processes: the same files, order, errors and warnings as with one
+process.
+"""
 
 from __future__ import annotations
 
 import logging
 import os
+import shutil
 import sys
+from pathlib import Path
 
 import h5py
 import matplotlib
@@ -17,19 +21,37 @@ from granwave.analysis.figures import side_by_side, style
 from granwave.analysis.figures.run_figures import _shares, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.pipeline import analyse
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers.made_up import synthetic
 
 NAMES = ("energies", "probes", "impactor_velocity", "bottom_force")
 
 
-@pytest.fixture
-def run(tmp_path):
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
     """Finished run of a packing, without figures."""
-    directory = synthetic.write_run(tmp_path / "run", synthetic.make_case("fcc", (6, 6, 4)))
+    folder = tmp_path_factory.mktemp("finished") / "run"
+    directory = synthetic.write_run(folder, synthetic.make_case("fcc", (6, 6, 4)))
     write_result(directory)
     return directory
+
+
+@pytest.fixture(scope="module")
+def before(finished, tmp_path_factory):
+    """Figures of the run, drawn by one process."""
+    directory = tmp_path_factory.mktemp("drawn") / "run"
+    shutil.copytree(finished, directory)
+    with pytest.MonkeyPatch.context() as alone:
+        alone.setenv(PROCESSES, "1")
+        draw_figures(directory, names=NAMES)
+    return files(directory)
+
+
+@pytest.fixture
+def run(finished, tmp_path):
+    """Copy of the finished run."""
+    return Path(shutil.copytree(finished, tmp_path / "run"))
 
 
 @pytest.fixture
@@ -62,7 +84,9 @@ def damage(directory, change):
 
 @pytest.mark.needs_extension("pictures")
 def test_files_are_those_of_one_process(run, several, monkeypatch):
-    """In the order asked for, the two of a share among them; settings of matplotlib change nothing."""
+    """Figures are in the requested order, including two that share their work; settings of
+    matplotlib have no effect.
+    """
     names = ("energies", "packing_3d", "probes", "packing_3d_dissipation", "bottom_force")
     before = drawn_by_one(run, monkeypatch, names)
     seen = []
@@ -81,8 +105,7 @@ def test_files_are_those_of_one_process(run, several, monkeypatch):
     assert {name.split(".")[0] for name in before} == set(names) - {"probes"}
 
 
-def test_helpers_draw(run, several, monkeypatch):
-    before = drawn_by_one(run, monkeypatch)
+def test_helpers_draw(run, before, several, monkeypatch):
     with side_by_side.helpers(len(NAMES)) as others, style.style():
         monkeypatch.setattr(others, "_take", lambda _: ())
         outcomes = list(others.draw(NAMES, never, (run, NAMES, Figures())))
@@ -93,7 +116,7 @@ def test_helpers_draw(run, several, monkeypatch):
 
 
 def test_figures_that_no_longer_apply_are_removed(run, several):
-    """Names that are no figure, and a directory without results, are errors."""
+    """Unknown names of figures, and a directory without results, are errors."""
     draw_figures(run, names=("energies", "impactor_velocity"))
     damage(
         run,
@@ -110,7 +133,7 @@ def test_figures_that_no_longer_apply_are_removed(run, several):
 
 
 def test_an_error_comes_at_its_place(run, several):
-    """The figures before it have been written, and those after it not."""
+    """The figures before the failing one have been written, the figures after it have not."""
     damage(run, lambda file: file.__delitem__("energy/struck_velocity"))
     seen = []
     with pytest.raises(MissingDataError, match="struck_velocity"):
@@ -140,8 +163,7 @@ def test_a_file_of_others_is_left_alone(run, several, caplog):
 
 
 @pytest.mark.parametrize("moment", ["before", "after"])
-def test_helpers_that_die(run, several, monkeypatch, moment):
-    before = drawn_by_one(run, monkeypatch)
+def test_helpers_that_die(run, before, several, monkeypatch, moment):
     with side_by_side.helpers(len(NAMES)) as others:
         processes = others._processes
         take = others._take
@@ -160,8 +182,7 @@ def test_helpers_that_die(run, several, monkeypatch, moment):
     assert files(run) == before
 
 
-def test_no_python_for_helpers(run, several, monkeypatch):
-    before = drawn_by_one(run, monkeypatch)
+def test_no_python_for_helpers(run, before, several, monkeypatch):
     monkeypatch.setattr(sys, "executable", "/nowhere/python")
     draw_figures(run, names=NAMES)
     assert files(run) == before
@@ -219,7 +240,9 @@ def test_analysis_starts_helpers(tmp_path, monkeypatch, several):
 
 @pytest.mark.needs_extension("pictures")
 def test_shares_hold_every_figure_once():
-    """The long ones first, and the two that share their work together; others in their order."""
+    """Slow figures come first, and two figures that share their work stay together; the others keep
+    their order.
+    """
     names = tuple(run_figures())
     shares = _shares(names)
     assert sorted(number for share in shares for number in share) == list(range(len(names)))

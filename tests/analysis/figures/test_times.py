@@ -14,7 +14,7 @@ from granwave.analysis.formatting.numbers import instant, size_text
     ("end", "title", "last"), [(4e-3, "Time (µs)", "4000"), (12e-3, "Time (ms)", "12")]
 )
 def test_long_records_are_shown_in_milliseconds(end: float, title: str, last: str) -> None:
-    """The tick at the end of the record has its time in the unit of the title."""
+    """The tick at the end of the record uses the unit of the axis title."""
     figure, axes = panels(2.0)
     time = np.linspace(0.0, end, 50)
     against_time(axes, time, time)

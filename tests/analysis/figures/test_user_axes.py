@@ -15,7 +15,7 @@ from tests.helpers.made_up import synthetic
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """Two made-up runs of FCC."""
+    """Two synthetic runs of FCC."""
     made = []
     for name, velocity in (("slow", 2.0), ("fast", 5.0)):
         case = synthetic.make_case(size=(6, 6, 4), load={"velocity": velocity})
@@ -52,7 +52,7 @@ def test_axes_that_do_not_suit(runs, axes):
 
 
 def test_a_plane_holds_for_one_figure(runs, axes):
-    """As text, as a normal, and as a table."""
+    """The plane is given as text, as a normal, and as a table."""
     for plane in ("y", (0, 1, 0), {"normal": [0.0, 1.0, 0.0]}):
         axes[0].clear()
         runs[0].figure("peak_force_section", ax=axes[0], plane=plane)
@@ -87,7 +87,7 @@ def test_curves_of_another_run(runs, axes):
 
 
 def test_points_of_another_run_stay_points(runs, axes):
-    """Ends of error bars are no curves; each label occurs once."""
+    """Caps of error bars are not counted as curves; each label occurs once."""
     slow, fast = runs
     force = slow.figure("peak_force_depth", ax=axes[0], against=fast)
     added = [line for line in force.lines if fast.directory.name in str(line.get_label())]

@@ -45,7 +45,7 @@ def plate(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def chain(tmp_path_factory):
-    """A chain that is recorded in time."""
+    """A chain with a history."""
     directory = tmp_path_factory.mktemp("chain")
     bar = {"length": 0.4, "area": 127e-6, "elements": 20, "material": "steel"}
     run_case(
@@ -57,7 +57,7 @@ def chain(tmp_path_factory):
 
 
 def edited(line: int, edit: Callable[[list[str]], list[str]]) -> Damage:
-    """Change the words of a line."""
+    """Replace the words of a line."""
 
     def damage(path: Path) -> None:
         lines = path.read_text().splitlines()
@@ -446,7 +446,7 @@ def test_script_changed_after_a_run_is_told(by_hand, caplog):
 
 
 def test_directories_without_digests(by_hand):
-    """Directories of earlier versions have none."""
+    """Directories of earlier versions contain no checksums."""
     marker = by_hand / ".granwave"
     marker.write_text(marker.read_text().replace('"digests"', '"other"'))
     (by_hand / SCRIPT).write_text("")

@@ -1,4 +1,6 @@
-"""Analysis in parts, and dumps in several files: the same values as of one part and one file."""
+"""Analysis in parts, and dumps in several files: the values equal those of one part and one
+file.
+"""
 
 from __future__ import annotations
 
@@ -95,7 +97,9 @@ def values_in(directory: Path) -> dict[str, object]:
 def in_parts(
     directory: Path, at_once: int, processes: Processes = ALONE
 ) -> tuple[dict[str, object], dict[str, object]]:
-    """Analyse a run with so many spheres at once: values of result.h5, and the summary."""
+    """Analyse a run in parts of a number of spheres; return the values of result.h5 and the
+    summary.
+    """
     write_result(directory, at_once=at_once, processes=processes)
     return values_in(directory), summarise(directory, at_once=at_once, processes=processes)
 
@@ -139,8 +143,8 @@ BOTH = """
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """Runs on two ranks: as if on two nodes, with a file from each; with a file of both; and with
-    the parts of this node.
+    """Runs on two ranks: as if on two nodes with a file from each; with a common file; and with
+    only the files of this node.
     """
     place = tmp_path_factory.mktemp("runs")
     for name, parts in (("node", True), ("one", False), ("parts", True)):
@@ -223,7 +227,7 @@ def test_missing_part(run, name, message):
 
 
 def test_last_part_of_a_run_that_did_not_finish(run):
-    """Nothing but the ids tells that there were more ranks."""
+    """Only the ids show that there were more ranks."""
     for name in ("spheres.1.bin", "contacts.1.dump"):
         (run / "dumps" / name).unlink()
     with pytest.raises(
@@ -269,7 +273,7 @@ def test_contacts_cut_at_the_end_of_a_row(run):
 
 
 def test_parts_of_another_run(run):
-    """As of LAMMPS run by hand, first on three ranks and then on two."""
+    """Files as from LAMMPS run by hand, first on three ranks and then on two."""
     shutil.copy(run / "dumps" / "spheres.1.bin", run / "dumps" / "spheres.2.bin")
     with pytest.raises(OutputFormatError, match="holds 213 spheres that are not the 144"):
         analyse(run, figures=False)
@@ -277,7 +281,7 @@ def test_parts_of_another_run(run):
 
 @pytest.mark.parametrize("form", ["binary", "text"])
 def test_resumed_run(tmp_path, monkeypatch, caplog, form):
-    """It may have another number of ranks, and writes files of its own."""
+    """The continued run may have another number of ranks, and writes separate files."""
     case = case_of(
         output=IN_PARTS | {"dump_format": form}, boundary={"bottom": "wall"}, size=(4, 4, 3)
     )
@@ -338,7 +342,7 @@ ON_RANKS = """
 def on_ranks(
     run: Path, number: int, *words: str, **variables: str
 ) -> subprocess.CompletedProcess[str]:
-    """Analyse a run on so many ranks, 20 spheres in a part."""
+    """Analyse a run on a number of ranks, with 20 spheres per part."""
     script = run.parent / "on_ranks.py"
     script.write_text(textwrap.dedent(ON_RANKS))
     command = [
@@ -361,7 +365,7 @@ def on_ranks(
     "number", [2, *(pytest.param(number, marks=pytest.mark.validation) for number in (3, 10))]
 )
 def test_ranks_give_the_same_bits(run, number):
-    """With ten ranks the first only takes what the others make."""
+    """With ten ranks the first rank only collects the results of the others."""
     before = values_in(run), (run / "summary.json").read_text()
     done = on_ranks(run, number)
     assert done.returncode == 0, done.stderr
@@ -424,7 +428,7 @@ def test_files_of_others_are_not_overwritten(tmp_path):
 
 
 def test_figures_of_a_large_packing_are_left_out(run, monkeypatch, caplog):
-    """Only those in time are drawn, which read no value of all spheres or contacts."""
+    """Only figures against time are drawn, which do not read values of all spheres or contacts."""
     drawn = []
     read = []
     monkeypatch.setattr(pipeline, "MOST_DRAWN", 100)

@@ -1,5 +1,5 @@
-"""Arrival of a wave, and its speed: the same wherever a packing lies, and with however many digits
-its places are written.
+"""Arrival and speed of a wave do not depend on the position of a packing, nor on the number of
+digits of its coordinates.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ BLOCK = {
 
 
 def of_file(tables: dict, places: np.ndarray, form: str = "%.17g") -> Case:
-    """The case with the spheres of its lattice at these places, written in this form."""
+    """The case with the spheres of its lattice at these positions, written in this format."""
     rows = "".join(f"{form % x},{form % y},{form % z},{D}\n" for x, y, z in places.tolist())
     packing = {"kind": "file", "grains": f"x,y,z,diameter\n{rows}"}
     return case_from_dict(tables | {"packing": packing})
@@ -54,23 +54,23 @@ def speed_of(case: Case, directory) -> float:
 
 @pytest.fixture(scope="module")
 def twin():
-    """Contact forces of the chain in time, from a solver of its own."""
+    """Contact forces of the chain against time, from an independent solver."""
     chain = Chain([Bead(radius=D / 2)] * 20, "hertz", right=RIGID)
     return chain.run(6e-4, 2e-8, velocity={0: 1.0}, every=5)
 
 
 @pytest.fixture(scope="module")
 def speed(twin):
-    """Slope over the deeper ten beads: their upper contacts have risen to 10 % of their largest
-    force.
+    """Slope over the deepest ten beads, at the times when their upper contacts reach 10 % of their
+    largest force.
     """
     arrivals = [arrival(twin.times, force, 0.1 * force.max()) for force in twin.forces.T[:19]]
     return np.polyfit(arrivals[9:], D * np.arange(10, 20), 1)[0]
 
 
 def test_speed_of_the_twin_is_that_of_a_solitary_wave(twin, speed):
-    """Nesterenko's speed of a long wave, with the force of the middle of the chain; the wave is 5
-    beads long, and 1.2 % faster.
+    """Nesterenko's speed of a long wave for the force in the middle of the chain; the discrete
+    wave, 5 beads long, is 1.2 % faster.
     """
     force = np.median(twin.peak_force[8:16])
     stiffness = 2 * BRASS["youngs_modulus"] / (D * BRASS["density"] ** 1.5 * 0.91)
@@ -85,8 +85,8 @@ def test_speed_of_a_chain_wherever_it_lies(tmp_path, speed, z):
 
 @pytest.mark.parametrize("form", ["%.17g", "%.8g", "%.6g"])
 def test_speed_of_a_chain_with_any_number_of_digits(tmp_path, speed, form):
-    """Six digits leave gaps of 0.1 to 0.3 um, which delay the wave by their width over the speed of
-    the beads.
+    """Six digits leave gaps of 0.1 to 0.3 um, which delay the wave by their width divided by the
+    speed of the beads.
     """
     case = of_file(CHAIN, places_of(CHAIN) + np.array([0.0, 0.0, 0.01234567891]), form)
     assert speed_of(case, tmp_path) == pytest.approx(speed, rel=2e-3)
@@ -94,7 +94,9 @@ def test_speed_of_a_chain_with_any_number_of_digits(tmp_path, speed, form):
 
 @pytest.mark.validation
 def test_speed_of_a_chain_of_twelve_thousand_beads(tmp_path, speed):
-    """Beads at 100 m overlap by rounding: no wave has been there, as at the wall below them."""
+    """Beads at 100 m overlap by rounding, which does not count as the arrival of a wave, nor does
+    it at the wall below them.
+    """
     case = case_from_dict(CHAIN | {"packing": {"kind": "chain", "size": 12_000, "diameter": D}})
     assert speed_of(case, tmp_path) == pytest.approx(speed, rel=2e-3)
     with Result(tmp_path) as result:

@@ -23,14 +23,16 @@ START = 1.0
 
 
 def sample(seed: int, number: int = 2000) -> np.ndarray:
-    """Draw exponential values beyond `START`, as many below it of another kind."""
+    """Draw exponential values above `START`, and the same number of other values below it."""
     random = np.random.default_rng(seed)
     beyond = START + random.exponential(1 / DECAY, number)
     return np.concatenate([random.uniform(0.0, START, number), beyond])
 
 
 def test_an_exponential_sample_gives_its_decay():
-    """Without bias: the mean of many deviations, in units of the error, is that of chance."""
+    """The estimate has no bias: the mean of many deviations, in units of the error, is within
+    chance.
+    """
     tails = [exponential_tail(sample(seed), START) for seed in range(200)]
     deviations = np.array([(tail.decay - DECAY) / tail.error for tail in tails])
     assert {tail.count for tail in tails} == {2000}
@@ -40,7 +42,7 @@ def test_an_exponential_sample_gives_its_decay():
 
 
 def test_even_quantiles_of_an_exponential_are_one():
-    """A sample without chance: its decay is 1.5 up to the width of its steps."""
+    """A deterministic sample: its decay is 1.5 up to the width of its steps."""
     levels = (np.arange(5000) + 0.5) / 5000
     tail = exponential_tail(START - np.log1p(-levels) / DECAY, START)
     assert tail.decay == pytest.approx(DECAY, rel=1e-3)
@@ -60,7 +62,7 @@ def test_nine_values_have_no_tail():
 
 
 def test_largest_forces_of_contacts(tmp_path):
-    """Forces of the table, of a part of the spheres where one is asked for."""
+    """Forces of the table, optionally of a part of the spheres."""
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(size=(4, 4, 3))))
     with Result(tmp_path) as result:
         (peak,) = contact_forces(result)
@@ -94,7 +96,7 @@ def pressed_chain(tmp_path_factory):
 
 def test_forces_at_rest_and_at_the_instant_of_the_largest_energy(pressed_chain):
     """Each contact of a pressed chain carries the static force; the instant has the elastic energy
-    of the ledger.
+    of the energy record.
     """
     with Result(pressed_chain) as result:
         static, instant, peak = contact_forces(result)

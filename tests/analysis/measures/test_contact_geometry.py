@@ -1,4 +1,4 @@
-"""Places of contacts: points, normals, depths and distances."""
+"""Geometry of contacts: points, normals, depths and distances."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tests.helpers.made_up import synthetic
 
 @pytest.mark.parametrize("sides", ["free", "periodic"])
 def test_a_contact_is_a_radius_from_both_spheres(tmp_path, sides):
-    """Also across periodic sides, where it is next to the first sphere."""
+    """Across periodic sides the point of contact is next to the first sphere."""
     case = synthetic.make_case(size=(6, 6, 4), boundary={"sides": sides})
     write_result(synthetic.write_run(tmp_path, case))
     with Result(tmp_path) as result:

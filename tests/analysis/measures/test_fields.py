@@ -91,7 +91,7 @@ def result(tmp_path):
 
 
 def test_rays_find_the_decay_and_are_equal(result):
-    """Dents, and with them forces, depend on the distance from the struck sphere only."""
+    """Indentations, and thus forces, depend only on the distance from the impacted sphere."""
     rays = dissipation.rays(result)
     first_dent = synthetic.DENT * result.law.yield_overlap
     assert rays.peak_force.shape[1] == 3
@@ -157,7 +157,9 @@ def test_decay_of_exponential_forces():
 
 
 def test_decay_of_a_packing_is_the_better_law(result, monkeypatch):
-    """Neither the struck layer nor the deepest one is fitted; layers that still rise are not."""
+    """The impacted layer, the deepest layer, and layers whose force still increases are excluded
+    from the fit.
+    """
     depth, force = dissipation.peak_force_by_depth(result)
     twins = {
         ForceDecay: stats.linregress(depth[1:-1], np.log(force[1:-1])),

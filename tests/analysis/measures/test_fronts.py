@@ -40,7 +40,7 @@ def test_arrivals_of_a_made_up_run_lie_on_the_line(tmp_path, kind, size):
 
 
 def test_the_axis_has_one_grain_of_each_layer(tmp_path):
-    """In FCC each third lies on the axis, the others 0.58 diameters from it."""
+    """In FCC every third grain is on the axis, the others are 0.58 diameters away from it."""
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(size=(9, 9, 7))))
     with Result(tmp_path) as result:
         (motion,) = line_motions(result, result.origin, DOWN)
@@ -53,7 +53,7 @@ def test_the_axis_has_one_grain_of_each_layer(tmp_path):
 
 
 def test_the_axis_of_a_load_from_the_side(tmp_path):
-    """It is a row of a square layer."""
+    """The line is a row of a square layer."""
     write_result(synthetic.write_run(tmp_path, synthetic.make_case("square", (7, 5))))
     with Result(tmp_path) as result:
         (motion,) = line_motions(result, result.origin, np.array([1.0, 0.0, 0.0]))
@@ -64,7 +64,9 @@ def test_the_axis_of_a_load_from_the_side(tmp_path):
 
 @pytest.mark.parametrize(("force", "tolerance"), [(None, 1e-9), (20.0, 0.01)])
 def test_speed_of_a_chain_is_that_of_the_summary(tmp_path, force, tolerance):
-    """Under a static load the front is that of the velocity here, of the force there."""
+    """Under a static load the front follows from the velocity on a line, and from the force
+    elsewhere.
+    """
     pressed = {"precompression": {"kind": "uniaxial", "force": force}} if force else {}
     case = synthetic.make_case(
         "chain",

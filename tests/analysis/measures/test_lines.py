@@ -119,7 +119,7 @@ def test_front_speed_and_distribution() -> None:
 
 
 def test_row_in_a_tube(tmp_path: Path) -> None:
-    """Contacts of the beads alone, from 1; rings between wall and beads in balance."""
+    """Only contacts of beads, numbered from 1; rings in equilibrium between wall and beads."""
     changes = {
         "packing.size": 16, "grains.1.repeat.times": 15, "hold.1.index": [1, 16], "load.index": [3],
         "precompression": {"kind": "walls", "tube": 1.425e-5}, "run.end_time": 1.2e-4,
@@ -184,8 +184,8 @@ def test_as_a_tree(monkeypatch, by_tree, n_places):
 
 
 def test_of_equal_distances_the_first():
-    """Struck spheres lie in symmetric groups: a sphere between them belongs to the first, with a
-    tree or without.
+    """Impacted spheres form symmetric groups: a sphere between them belongs to the first group,
+    with and without a tree search.
     """
     _, row = nearest(
         np.zeros((2, 3)), np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
@@ -204,16 +204,14 @@ def test_long_waves_of_a_chain() -> None:
 
 
 def test_lattice_waves_lie_between_small_pulses_and_the_uncompressed_chain() -> None:
-    """Nesterenko's wave of a continuum has the speed sqrt(8/15) f^(1/6) over c0 for large f =
-    F_m/F0.
-    """
+    """Nesterenko's wave of a continuum has the speed sqrt(8/15) f^(1/6) c0 for large f = F_m/F0."""
     assert lattice_speed(np.array([1.0, 1.01])) == pytest.approx([1, 1 + 0.01 / 18], rel=2e-4)
     over = lattice_speed(np.array([1e5]))[0] / (math.sqrt(8 / 15) * 1e5 ** (1 / 6))
     assert over == pytest.approx(discrete_speed(), rel=2e-3)
 
 
 def test_crests_of_a_struck_linear_line() -> None:
-    """Closed form against integrated equations of motion (k = m = v = 1)."""
+    """Closed form compared with integrated equations of motion (k = m = v = 1)."""
     n = 40
     dt = 2e-3
     u = np.zeros(n)

@@ -1,4 +1,4 @@
-"""Dissipation against velocity: the quadratic law, of few points."""
+"""Dissipation against velocity: the quadratic law from a few points."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Solitary wave of a material and a diameter: a computed chain is its twin."""
+"""Solitary wave of a material and a diameter, compared with a computed chain."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from granwave.workflows import load_case, run_case
 
 
 def test_the_wave_of_a_computed_chain(tmp_path):
-    """Speed and bead velocity at the peak force of a contact in its middle."""
+    """Speed and bead velocity at the peak force of a contact in the middle of the chain."""
     case = load_case("homogeneous-chain")
     run_case(case, tmp_path, figures=False)
     run = Run(tmp_path)

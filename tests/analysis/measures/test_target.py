@@ -127,9 +127,7 @@ def test_a_heavy_plate_is_a_wall_and_a_light_one_a_mass():
 
 
 def test_an_endless_bar_is_a_damper():
-    """Before a reflection could return, a bar with its own impedance at the end acts as a damper: v
-    = F / Z.
-    """
+    """Before a reflection returns, a bar acts as a damper with its impedance: v = F / Z."""
     case = sphere(**{"boundary.bottom": BAR})
     target = target_of(assemble(case))
     impedance = 1e-4 * math.sqrt(target.material.youngs_modulus * target.material.density)

@@ -1,4 +1,6 @@
-"""Transmission of rows: fits of made-up signals, and driven chains beside the linear chain."""
+"""Transmission of chains: fits of synthetic signals, and driven chains compared with the linear
+chain.
+"""
 
 from __future__ import annotations
 
@@ -65,7 +67,7 @@ def test_transfer_of_a_delayed_and_weakened_signal():
 
 @pytest.fixture(scope="module")
 def swept(tmp_path_factory):
-    """The case of a driven row, shorter, under a sweep across its cut-off frequency."""
+    """The case of a driven chain, shortened, under a sweep across its cut-off frequency."""
     folder = tmp_path_factory.mktemp("swept") / "run"
     case = load_case("driven-row", {"packing.size": 40, "load": SWEEP, "run.end_time": 9e-3})
     run_case(case, folder, figures=False)
@@ -73,7 +75,7 @@ def swept(tmp_path_factory):
 
 
 def test_a_row_passes_all_below_its_cut_off(swept):
-    """An endless linear row: 1 below omega_c = 2 sqrt(k/m), little above it."""
+    """An infinite linear chain: 1 below omega_c = 2 sqrt(k/m), small above it."""
     with Result(swept) as result:
         found = transmission_of(result)
         assembly = result.assembly
@@ -102,7 +104,9 @@ def test_values_that_mean_nothing_under_a_load_that_goes_on(swept):
 
 
 def test_attenuation_above_the_cut_off(tmp_path):
-    """(q - sqrt(q^2 - 1))^2 for every bead, with q = f/f_c: the evanescent wave of a linear row."""
+    """(q - sqrt(q^2 - 1))^2 for every bead, with q = f/f_c: the evanescent wave of a linear
+    chain.
+    """
     load = {
         "kind": "force",
         "shape": "harmonic",
@@ -160,9 +164,7 @@ def test_a_matched_end_reflects_little(tmp_path):
 
 
 def test_power_and_losses_of_small_motions(tmp_path):
-    """In the gap of a row that loses energy: motion and power of the steady response, K - i omega
-    C.
-    """
+    """In the band gap of a damped chain: motion and power of the steady response, K - i omega C."""
     frequency = np.array([2.1e4])
     impedance = 500.0
     amplitude = 1e-9
@@ -193,8 +195,8 @@ def test_power_and_losses_of_small_motions(tmp_path):
 
 
 def test_a_row_on_a_damper(tmp_path):
-    """The damper bears the 20 N; behind the contact with its plate it takes waves of the row's
-    impedance.
+    """The damper carries the 20 N; behind the contact with its plate it absorbs waves with the
+    impedance of the chain.
     """
     impedance = 255.0
     changes = {"packing.size": 20, "boundary.bottom": {"damper": {"damping": impedance}}, "absorb": [],
@@ -234,7 +236,7 @@ def test_a_row_on_a_damper(tmp_path):
     ],
 )
 def test_runs_that_may_be_too_short_are_not_refused(caplog, changes):
-    """Some of these are warned of, as small waves near the cut-off are."""
+    """Some of these cases cause a warning, as small waves near the cut-off do."""
     assembly = assemble(load_case("driven-row", changes))
     assert assembly.n_spheres == 60
     warned = "run.end_time: found" in caplog.text
@@ -275,7 +277,7 @@ def test_late_frequencies_of_a_sweep_are_warned_of(caplog):
 
 
 def test_a_wave_packet_takes_its_time():
-    """Group velocities of rows of one and of two masses, from their dispersion relations."""
+    """Group velocities of chains with one and two masses, from their dispersion relations."""
     one = row_of(assemble(load_case("driven-row")))
     omega = math.sqrt(one.stiffness[0] / one.mass[0])
     half = np.array([0.1, 0.9, 0.999])  # of the cut-off, sin(q/2)
@@ -306,8 +308,8 @@ def test_no_impedance_matches_a_row_without_static_force():
 
 @pytest.mark.parametrize("frequency", [4e3, 9e3, 1.5e4])
 def test_a_run_transmits_what_the_linear_response_says(tmp_path, frequency):
-    """Steel and aluminium in turn, shaken at one end: amplitudes of runs within 2 % of `granwave
-    transmission`.
+    """Alternating steel and aluminium, driven at one end: amplitudes of runs within 2 % of
+    `granwave transmission`.
     """
     load = {
         "kind": "displacement",
@@ -353,8 +355,8 @@ def test_branches_of_rising_and_falling_amplitude():
 
 
 def test_amplitude_of_a_driven_row_rises_and_falls(tmp_path):
-    """A light load: the row answers in proportion, with one state; the share of the second harmonic
-    rises with the load.
+    """Under a light load the chain responds proportionally, with one state; the fraction of the
+    second harmonic increases with the load.
     """
     load = {
         "kind": "displacement",
@@ -384,8 +386,8 @@ def test_amplitude_of_a_driven_row_rises_and_falls(tmp_path):
 
 
 def test_a_driven_packing_transmits_what_the_linear_response_says(tmp_path):
-    """The top layer of an FCC packing is shaken: amplitudes down a line of a run, and from the
-    springs.
+    """The top layer of an FCC packing is driven: amplitudes along a line of a run, compared with
+    the springs.
     """
     top = list(range(1, 13))
     down = [1 + 12 * layer for layer in range(16)]

@@ -1,4 +1,4 @@
-"""Sizes of the plastic zone between layers, the impact axis, and what yields without dissipation."""
+"""Sizes of the plastic zone between layers, the impact axis, and yielding without dissipation."""
 
 from __future__ import annotations
 
@@ -36,7 +36,9 @@ def analysed(directory, **options):
 
 
 def test_straight_between_layers():
-    """Half the energy in the first layer, half in the second: 75 % lie half-way between them."""
+    """Half the energy in the first layer, half in the second: the 75 % depth is half-way between
+    them.
+    """
     depth = np.array([0.0, 0.0, 1.0])
     energy = np.array([1.0, 1.0, 2.0])
     assert interpolated_extent(depth, energy, 0.75) == pytest.approx(0.5)
@@ -56,7 +58,9 @@ def test_parts_without_energy_and_the_order_of_the_rows_do_not_matter():
 
 
 def test_exponential_decay_in_layers_has_its_closed_form():
-    """Layers k hold r^k: all down to layer k hold 1 - r^(k + 1), and straight lines between."""
+    """Layer k contains r^k: all layers down to k contain 1 - r^(k + 1), with linear interpolation
+    between them.
+    """
     ratio = 0.5
     layers = np.arange(60)
     energy = ratio**layers * (1 - ratio)
@@ -68,7 +72,7 @@ def test_exponential_decay_in_layers_has_its_closed_form():
 
 
 def test_the_size_rises_with_the_load_where_that_of_layers_stands():
-    """A zone that grows a little at a time: every step shows, and none exceeds a layer."""
+    """A zone that grows in small steps: its size increases in every step, by less than a layer."""
     depth = np.arange(30.0)
     lengths = np.linspace(1.5, 1.9, 21)
     energies = [np.exp(-depth / length) for length in lengths]
@@ -122,7 +126,9 @@ def test_the_axis_goes_through_the_centroid_of_the_impacted_spheres(tmp_path, sp
 
 
 def test_the_axis_of_spheres_across_a_periodic_side(tmp_path):
-    """Two impacted spheres that touch across the side have their middle there, not inside."""
+    """The centre of two impacted spheres that touch across a periodic side is at the side, not
+    inside.
+    """
     size = (6, 6, 4)
     summary = analysed(
         tmp_path,
@@ -154,7 +160,9 @@ def test_strikers_in_a_hollow_hit_the_spheres_that_they_touch(tmp_path):
 
 
 def test_the_default_law_dissipates_nothing_just_beyond_first_yield():
-    """Up to the number that the pages give, with a dent all the same: unloading gives all back."""
+    """Up to the overlap given on the pages a contact has an indentation, but unloading returns all
+    energy.
+    """
     law = sphere_contact(synthetic.make_case())
     scaled = np.linspace(1.0, 1.2, 2001)
     lost = np.array([law.dissipated_energy(peak * law.yield_overlap) for peak in scaled])

@@ -55,8 +55,8 @@ SIZES = {
 
 
 def sizes_of(n):
-    """Return the sizes of the zone of the n-th point, which is one per cent larger than the one
-    before.
+    """Return the sizes of the zone of the n-th point, which is one per cent larger than the
+    previous point.
     """
     return {name: value * (1 + 0.01 * n) for name, value in SIZES.items()}
 
@@ -150,8 +150,8 @@ def test_estimate_against_the_room(size, velocity, reaches):
 
 
 def test_estimate_is_one_of_the_normalised_energy():
-    """Spheres of half the diameter, twice as stiff and a quarter as dense: the same zone in
-    diameters.
+    """Spheres with half the diameter, twice the stiffness and a quarter of the density have the
+    same zone in diameters.
     """
     one = expected_zone(assemble(make([24, 24, 12])))
     law = {
@@ -255,8 +255,8 @@ def test_run_says_that_its_zone_is_cut(capfd, tmp_path):
 
 @pytest.fixture
 def scan(tmp_path):
-    """Scan of five velocities; the zone of the fourth reaches a boundary, a reflected wave came
-    back in the third.
+    """Scan of five velocities; the zone of the fourth reaches a boundary, a reflected wave returned
+    in the third.
     """
     write_scan(tmp_path, grid(load__velocity=[1, 2, 5, 10, 20]))
     result = ScanResult(tmp_path)

@@ -50,9 +50,7 @@ def summary_of(directory, dent=synthetic.DENT, **options):
 
 
 def test_ten_equal_parts():
-    """Nine tenths of 1 do not sum to 0.9 in floating point: the ninth part reaches 90 %
-    nevertheless.
-    """
+    """Nine times 0.1 is not 0.9 in floating point; the ninth part nevertheless reaches 90 %."""
     distance = np.arange(1.0, 11.0)
     energy = np.full(10, 0.1)
     found = [extent_holding(distance, energy, share / 100) for share in SHARES]
@@ -81,7 +79,7 @@ def test_order_does_not_matter():
 
 
 def test_exponential_decay():
-    """The share s of a density exp(-z/L) is above the depth -L ln(1 - s)."""
+    """The fraction s of a density exp(-z/L) is above the depth -L ln(1 - s)."""
     depth = (np.arange(200_000) + 0.5) * 1e-4
     for share in SHARES:
         found = extent_holding(depth, np.exp(-depth), share / 100)
@@ -137,7 +135,7 @@ def test_packing_by_counting(tmp_path):
 
 
 def test_friction_does_not_count(tmp_path):
-    """Frictional loss at a distant sphere does not change the zone."""
+    """Frictional dissipation at a distant sphere does not change the zone."""
     before = summary_of(tmp_path, contact={"friction": 0.1})
     with h5py.File(tmp_path / "result.h5", "r+") as file:
         for name in ("dissipated_energy", "friction_energy"):
@@ -148,7 +146,7 @@ def test_friction_does_not_count(tmp_path):
 
 
 def test_parts_of_the_packing_are_read_once(tmp_path, monkeypatch):
-    """A packing in parts has the same zone, with one look at each part."""
+    """A packing in parts has the same zone, and each part is read once."""
     summary_of(tmp_path)
     with Result(tmp_path) as result:
         whole = zone_summary(result)
@@ -218,7 +216,9 @@ def test_below_yield_the_zone_is_empty(tmp_path):
 
 
 def test_energy_at_a_wall_stays_with_the_sphere_there(tmp_path):
-    """Layer on a rigid floor, in which only the contact of the struck sphere with the floor yields."""
+    """Layer on a rigid floor, in which only the contact of the impacted sphere with the floor
+    yields.
+    """
     case = synthetic.make_case("square", (5, 5), load={"velocity": 1.0}, run={"end_time": 4e-5})
     summary = run_case(case, tmp_path, figures=False).summary
     assert summary["n_plastic_contacts"] == 0
@@ -265,8 +265,8 @@ def test_periodic_zone_meets_its_image(tmp_path):
 
 @pytest.mark.parametrize(("end", "growing"), [(1.2, False), (1.05, True)])
 def test_yield_that_still_moves_out_at_the_end(tmp_path, end, growing):
-    """Contacts of a synthetic run yield the later the farther out they are: in a chain the deepest
-    one last.
+    """Contacts of a synthetic run yield later at larger distances; in a chain the deepest contact
+    yields last.
     """
     summary_of(tmp_path, kind="chain", size=8, dent=30.0)
     with h5py.File(tmp_path / "result.h5", "r+") as file:
@@ -280,8 +280,8 @@ def test_yield_that_still_moves_out_at_the_end(tmp_path, end, growing):
 
 
 def test_wave_returns_in_a_chain(tmp_path):
-    """Contact k of a synthetic run peaks at (k + 1/2) D / (1000 m/s) + 2 us; the ledger dissipates
-    evenly.
+    """Contact k of a synthetic run peaks at (k + 1/2) D / (1000 m/s) + 2 us; the dissipation in the
+    energy record grows uniformly.
     """
     n = 6
     summary = summary_of(tmp_path, kind="chain", size=n, dent=3.0)
@@ -350,8 +350,8 @@ def test_tiny_packing_is_cut_on_all_sides(tmp_path):
 
 
 def test_no_wave_returns_faster_than_sound_in_brass(tmp_path):
-    """Rounding loads a contact of the side within some steps, which is no arrival; a wave takes x /
-    4260 m/s to the side at least, and (x + x - r) / 4260 m/s to be back.
+    """Rounding loads a contact at the side within some steps, which is no arrival; a wave takes at
+    least x / 4260 m/s to the side and (x + x - r) / 4260 m/s to return.
     """
     case = synthetic.make_case("fcc", (8, 8, 5), load={"velocity": 5.0}, run={"end_time": 1e-4})
     summary = run_case(case, tmp_path, figures=False).summary
@@ -387,7 +387,7 @@ def block():
 
 
 def test_elements_weigh_with_their_volume(block):
-    """A share s of a uniform density in a cylinder of radius a and height h is within h s, a
+    """The fraction s of a uniform density in a cylinder of radius a and height h is within h s, a
     sqrt(s) and the volume V s.
     """
     sizes = block.zone_summary()

@@ -1,4 +1,4 @@
-"""Runs and scans as the notebook shows them."""
+"""Runs and scans in notebooks."""
 
 from __future__ import annotations
 
@@ -193,7 +193,7 @@ def test_figures_are_handed_over(run, directory):
 
 
 def test_figures_that_apply_are_listed(run):
-    """Figures of a packing; each of them is drawn."""
+    """All figures of a packing are drawn."""
     assert {"energies", "peak_force_principal"} <= set(run.figures)
     assert not {"bars", "force_map", "transmission"} & set(run.figures)
     assert all(

@@ -1,4 +1,4 @@
-"""First section of a report: the sentence, the figure and the table that answer."""
+"""First section of a report: main sentence, figure and table."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ CHROMIUM = (
 
 
 def scan_with(directory, points, share, **more):
-    """Scan whose dissipated share is a function of the labels."""
+    """Scan whose dissipated fraction is a function of the labels."""
     scan = write_scan(directory, points, **more)
     for point in ScanResult(scan).points:
         path = scan / "points" / point.id / "summary.json"
@@ -145,7 +145,7 @@ def test_one_run(tmp_path):
 
 
 def test_several_runs(tmp_path):
-    """The first section is their comparison."""
+    """The first section is the comparison of the runs."""
     runs = [write_run(tmp_path / f"r{v}", figures=False, load__velocity=v) for v in (1, 2, 4)]
     sentence, *others = blocks(build(runs, tmp_path), "short")
     assert sentence.tone == "lead" and sentence.text.startswith("The runs differ most in ")
@@ -157,7 +157,7 @@ def test_several_runs(tmp_path):
 
 
 def test_a_study_speaks_for_its_scan(tmp_path):
-    """The sentence and the figure at the top are those of a study with a verdict."""
+    """The sentence and the figure at the top come from a study with a verdict."""
     scan = scan_with(tmp_path / "scan", POINTS, lambda p: 0.5 + 0.01 * p["load.velocity"])
     inputs = read_inputs([scan], tmp_path)
     assert [type(block) for block in answer_blocks(inputs)] == [Note, DocumentTable]
@@ -171,8 +171,8 @@ def test_a_study_speaks_for_its_scan(tmp_path):
     CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)"
 )
 def test_on_the_first_screen(tmp_path):
-    """The answer is on the first screen; tables are copied, figures enlarged; dark screens have
-    light letters.
+    """The main result is on the first screen; tables can be copied and figures enlarged; the dark
+    mode has light letters.
     """
     scan = scan_with(tmp_path / "scan", POINTS, lambda p: 0.5 + 0.01 * p["load.velocity"])
     draw_scan_figures(scan, pdf=False)
@@ -198,7 +198,9 @@ def test_on_the_first_screen(tmp_path):
 
 
 def test_nothing_varies_in_a_scan_so_nothing_is_drawn(tmp_path):
-    """Without the flat figure and the table; the figure stays among the others."""
+    """The first section omits the constant figure and its table; the figure remains among the
+    others.
+    """
     scan = scan_with(tmp_path / "scan", grid(load__velocity=[1, 2]), lambda _: 0.5)
     draw_scan_figures(scan, pdf=False)
     report = build([scan], tmp_path)
@@ -207,8 +209,8 @@ def test_nothing_varies_in_a_scan_so_nothing_is_drawn(tmp_path):
 
 
 def test_scans_of_a_suite(tmp_path):
-    """The report has the name of the suite; of many scans the first is shown, and the others
-    unfold.
+    """The report has the name of the suite; of many scans the first is shown and the others are
+    folded.
     """
     names = [f"scan-{n}" for n in range(5)]
     for name in names:
@@ -269,7 +271,9 @@ def test_verdicts_begin_a_report_and_are_said_once():
 
 
 def test_a_run_that_ends_before_its_load_begins(tmp_path):
-    """Nothing yields and nothing comes in: no zone is told, and why there is no balance is."""
+    """Without yielding and energy input, no zone is reported, and a reason is given for the missing
+    energy balance.
+    """
     write_run(
         tmp_path / "late",
         energy_input_J=0.0,

@@ -1,4 +1,4 @@
-"""Reports in a browser and on paper, without duplicates, and refused inputs and places."""
+"""Reports in a browser and on paper, without duplicates, and rejected inputs and paths."""
 
 from __future__ import annotations
 
@@ -98,7 +98,9 @@ def test_in_a_browser(runs, tmp_path):
 
 
 def test_on_paper(runs, tmp_path):
-    """Printed, all is unfolded and no table is wider than the page; afterwards it is as before."""
+    """When printed, all sections are unfolded and no table is wider than the page; afterwards the
+    page is unchanged.
+    """
     write_report(runs, tmp_path / "report.html")
     with Browser(CHROMIUM, tmp_path / "profile") as browser:
         browser.open((tmp_path / "report.html").as_uri(), 1200)
@@ -122,8 +124,8 @@ def test_on_paper(runs, tmp_path):
 
 @pytest.mark.parametrize("alone", [True, False])
 def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
-    """A two-column figure has the font size of the page, alone in its gallery or not; others share
-    a row.
+    """A two-column figure has the font size of the page, whether it is alone in its gallery or not;
+    other figures share a row.
     """
     run = write_run(tmp_path / "run", figures=False)
     (run / "figures").mkdir()
@@ -234,9 +236,7 @@ def repeated(report: Report) -> dict[str, list[object]]:
 
 
 def test_report_of_a_scan(tolerances):
-    """Figures of studies are files, too; the studies show them with the packing that they belong
-    to.
-    """
+    """Figures of studies are also files; the studies show them together with their packing."""
     report = build([tolerances], tolerances)
     assert not any(repeated(report).values()), repeated(report)
     figures = [

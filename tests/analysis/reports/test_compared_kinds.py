@@ -1,4 +1,4 @@
-"""Runs of different kinds side by side: keys that are listed, and one colour for each run."""
+"""Runs of different kinds side by side: listed keys, and one colour for each run."""
 
 from __future__ import annotations
 
@@ -27,20 +27,22 @@ def runs():
 
 
 def test_keys_of_all_kinds_and_those_that_differ_within_a_kind():
-    """The lattices of two packings are listed beside a block; what a kind alone has is not."""
+    """The lattices of two packings are listed together with a block; keys of a single kind are
+    not.
+    """
     keys = ["material.name", "packing.kind", "contact.friction", "mesh.size"]
     assert comparable_keys(keys, runs()) == ["material.name", "packing.kind"]
 
 
 def test_a_run_has_one_colour_in_all_figures():
-    """A figure without the second run leaves the colour of the third as it is."""
+    """A figure without the second run does not change the colour of the third."""
     compared = [ComparedRun(run, f"run {n}", n, look=n) for n, run in enumerate(runs())]
     drawn = _styles([compared[0], compared[2]])
     assert [look["color"] for look in drawn.values()] == [COLOURS[0], COLOURS[2]]
 
 
 def test_runs_beyond_those_drawn_are_spread_evenly():
-    """The first and the last run are drawn, and each of the drawn has a look of its own."""
+    """The first and the last run are drawn, and each drawn run has a distinct style."""
     places = spread_first(24, 12)
     assert sorted(places) == list(range(24))
     assert min(places[:12]) == 0
@@ -50,7 +52,7 @@ def test_runs_beyond_those_drawn_are_spread_evenly():
 
 
 def test_runs_are_listed_by_the_reason():
-    """Each reason is said once; runs in a row are a range."""
+    """Each reason is stated once; consecutive runs are written as a range."""
     names = [SimpleNamespace(label=f"a #{n}") for n in range(5)]
     compared = [ComparedRun(run, run.label, n, look=n) for n, run in enumerate(names)]
     lacking = {run: "few rows" for run in compared[:3]} | {compared[4]: "a block"}

@@ -1,4 +1,4 @@
-"""Comparison of runs: real small ones, made-up curves with known answers, measured curves."""
+"""Comparison of runs: small runs, synthetic curves with known results, measured curves."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ CASES = {
 
 
 class BlockKind(ReportKind):
-    """Runs of a block, as an extension brings them."""
+    """Runs of a block, as provided by an extension."""
 
     result_kind = "block"
     noun = "continuum run"
@@ -66,7 +66,7 @@ class BlockKind(ReportKind):
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
-    """Small runs of packings and chains, without figures of their own."""
+    """Small runs of packings and chains, without figures."""
     folder = tmp_path_factory.mktemp("compared")
     for name, (case, changes) in CASES.items():
         run_case(load_case(case, changes), folder / name, figures=False)
@@ -103,7 +103,7 @@ def test_lattices(place):
 
 
 def test_values_are_those_of_the_summaries(place):
-    """Ratios too; the table begins with what differs most."""
+    """The table includes ratios, and begins with the largest difference."""
     table = compared(place, "fcc", "fast").table
     summaries = [
         json.loads((place / name / "summary.json").read_text()) for name in ("fcc", "fast")
@@ -119,7 +119,7 @@ def test_values_are_those_of_the_summaries(place):
 
 
 def test_velocities(place):
-    """Grains correspond, so that their forces are subtracted; labels say what differs."""
+    """Grains correspond, so that their forces are subtracted; labels state the differences."""
     comparison = compared(place, "fcc", "fast")
     columns = drawn(comparison)["peak_force_difference"].columns
     runs = [gw.load(place / name) for name in ("fcc", "fast")]
@@ -154,7 +154,7 @@ def test_chains_to_the_bead(place):
 
 
 def test_nothing_is_left_out_without_a_name(place):
-    """Packing and chain: each figure names the run that it lacks, with the reason."""
+    """Packing and chain: each figure names the run that is missing, with the reason."""
     comparison = compared(place, "fcc", "chain")
     caption = comparison.caption("bottom_force")
     assert "Not drawn: chain (the force on its bottom is not recorded)." in caption
@@ -174,7 +174,7 @@ def test_energies_close(place):
 
 
 def test_decay_of_a_power():
-    """A power is found again, without an error."""
+    """The fit recovers an exact power, with zero error."""
     depth = np.arange(9) * 0.008
     force = 40.0 * (np.maximum(depth, 1e-9) / 0.01) ** -1.5
     fit = power_decay(depth, force, 0.01)
@@ -205,6 +205,16 @@ def test_a_value_that_is_zero_everywhere_is_no_answer(tmp_path):
     values = compared_values(subjects)
     assert "dissipated_fraction" not in [value.name for value in values]
     assert "10 N (soft) and 25 N (hard), a ratio of 2.5" in sentence(values, subjects)
+
+
+def test_results_that_hardly_differ_have_no_ratio_of_one(tmp_path):
+    runs = [
+        write_run(tmp_path / name, figures=False, dissipated_fraction=0.5, peak_force_N=force)
+        for name, force in (("one", 10.0), ("other", 10.0001))
+    ]
+    subjects = compared_runs(read_inputs(runs, tmp_path).runs)
+    text = sentence(compared_values(subjects), subjects)
+    assert text == "Results differ by at most 0.001 % (peak contact force, excluding walls)."
 
 
 def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsys):
@@ -255,7 +265,7 @@ def test_all_runs_have_the_law_that_fits_them_better():
 
 
 def protected(tmp_path, **values) -> list[str]:
-    """Sentences on protection of made-up runs, whose values are in lists by key."""
+    """Sentences on protection for synthetic runs, whose values are in lists by key."""
     numbers = dict.fromkeys(
         ("peak_reduction", "energy_input_J", "wall_peak_force_N", "zone_depth_90_interpolated_m")
     )
@@ -325,7 +335,9 @@ def test_an_unfinished_run_is_named(tmp_path):
 
 @pytest.mark.parametrize("head", ["time_us,force_kN", "t (µs); F (kN)", "t [us]\tF [kN]"])
 def test_a_measured_curve(place, tmp_path, head):
-    """The curve of a run itself, in other units, with a tenth more: rms and peak differ by it."""
+    """The curve of the run itself, in other units and multiplied by 1.1: rms and peak differ by a
+    tenth.
+    """
     run = compared(place, "fcc", "hcp").runs[0]
     curve = force_at_bottom(run)
     sign = next(letter for letter in (";", "\t", ",") if letter in head)
@@ -339,7 +351,7 @@ def test_a_measured_curve(place, tmp_path, head):
 
 
 def test_shift_and_scale(tmp_path):
-    """They are those asked for, and are said in the caption."""
+    """Shift and scale have the requested values, and are stated in the caption."""
     file = tmp_path / "measured.csv"
     file.write_text("time_ms,force_N\n0,0\n1,5\n2,0\n")
     measured = read_measured(file, ("s", "N"), shift=1e-3, scale=2.0)
@@ -351,7 +363,7 @@ def test_shift_and_scale(tmp_path):
 
 
 def test_units_below_the_names(tmp_path):
-    """As an oscilloscope writes them."""
+    """The tables have the format of an oscilloscope."""
     file = tmp_path / "scope.csv"
     file.write_text('# scope\n"Time","Ch1"\n"ms","kN"\n0,0\n1,5\n2,0\n')
     measured = read_measured(file, ("s", "N"))
@@ -361,7 +373,7 @@ def test_units_below_the_names(tmp_path):
 
 
 def test_a_measured_curve_in_words(tmp_path):
-    """The distance, both peaks with their times, and a peak outside of the measured range."""
+    """The misfit, both peaks with their times, and a peak outside the measured range."""
     file = tmp_path / "measured.csv"
     file.write_text("time_ms,force_N\n0,0\n1,10\n2,0\n")
     measured = read_measured(file, ("s", "N"))

@@ -76,7 +76,9 @@ def test_static_force_is_pressure_times_area(comparison):
 
 
 def test_protection_is_ranked_by_dynamic_forces(comparison):
-    """The total peak force of the pressed packing is larger, and said to contain the static one."""
+    """The total peak force of the preloaded packing is larger, and a note states that it contains
+    the static force.
+    """
     pressed, loose = (force_at_bottom(run).y for run in comparison.runs)
     rises = {"pressed": pressed.max() - pressed[0], "loose": loose.max()}
     best = min(rises, key=lambda name: rises[name])
@@ -123,7 +125,7 @@ def test_a_small_force_is_not_hidden(comparison, ratio, scale):
 
 
 def test_a_run_without_force_in_the_measured_range(tmp_path):
-    """Rounding is no peak."""
+    """A rise by rounding is no peak."""
     (tmp_path / "m.csv").write_text("time_us,force_N\n0,0\n10,50\n20,5\n")
     measured = read_measured(tmp_path / "m.csv", ("s", "N"))
     curve = SampledCurve(np.array([0.0, 2e-5, 4e-5]), np.array([0.0, 1e-6, 60.0]))
@@ -144,7 +146,7 @@ def test_replaced_beads_in_words():
 
 
 def test_layers_that_the_wave_has_just_reached_are_left_out(tmp_path):
-    """The head of the front would span decades of the axis."""
+    """The precursor of the front would span decades of the axis."""
     changes = {"packing.size": 60, "run.end_time": 4e-4}
     run_case(load_case("elastic-impact", changes), tmp_path / "short", figures=False)
     inputs = read_inputs([tmp_path / "short"], tmp_path)

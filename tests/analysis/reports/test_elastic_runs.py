@@ -14,7 +14,7 @@ from tests.helpers.made_up.synthetic_report import blocks, build, write_run
 
 @pytest.fixture
 def elastic(tmp_path):
-    """Two runs of which no contact dissipates."""
+    """Two runs in which no contact dissipates energy."""
     directories = []
     for name, force in (("soft", 10.0), ("hard", 25.0)):
         run = write_run(
@@ -52,7 +52,7 @@ def test_two_elastic_runs_do_not_lead_with_zero(elastic, tmp_path):
 
 
 def test_the_figure_of_elastic_runs_is_not_empty(elastic, tmp_path):
-    """It shows kinetic and elastic energy, and no panel of what none dissipated."""
+    """The figure shows kinetic and elastic energy, and has no panel of dissipation."""
     comparison = compare_runs(read_inputs(elastic, tmp_path).runs)
     drawing = comparison.drawing("energies")
     panels = [axes.get_ylabel() for axes in drawing.figure.axes]
@@ -66,7 +66,7 @@ def test_the_figure_of_elastic_runs_is_not_empty(elastic, tmp_path):
 
 
 def test_an_elastic_run_and_another_are_compared_by_dissipation(elastic, tmp_path):
-    """A value that is zero in one of them is in the table, without a ratio."""
+    """A value that is zero in one run is in the table, without a ratio."""
     plastic = write_run(tmp_path / "plastic", figures=False, dissipated_fraction=0.8)
     comparison = compare_runs(read_inputs([elastic[0], plastic], tmp_path).runs)
     row = comparison.table.loc["dissipated_fraction"]

@@ -1,5 +1,5 @@
-"""First sentences and values of the reports of runs that are no simple impacts, and of what is no
-run.
+"""First sentences and values of reports on runs that are no simple impacts, and on results that are
+no runs.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def test_values_of_yielding_where_the_law_yields(law, shown):
 
 
 def test_a_target_comes_first():
-    """Force that it bore, how much less than without the packing, and the same of the ground."""
+    """Force on the target, its reduction by the packing, and both values for the ground."""
     bottom = {"plate": {"mass": 0.5}, "material": {"name": "steel"}}
     run = run_with(
         {"boundary.bottom": bottom, "packing.kind": "fcc"}, energy_input_J=0.05, dissipated_fraction=0.8, peak_force_N=696.8,
@@ -118,7 +118,7 @@ def test_lines_and_sensors():
 
 
 def test_symbols_are_defined_with_their_values(tmp_path):
-    """F_y and alpha_y of two spheres of the run, with the energy put in; of elastic ones the
+    """F_y and alpha_y of two spheres of the run, with the energy input; for elastic spheres the
     largest force.
     """
     run = write_run(tmp_path / "run", energy_input_J=0.05, peak_force_N=700.0)

@@ -31,7 +31,7 @@ from granwave.analysis.reports.report import html_page, markdown, parts, write_r
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers.made_up.synthetic_report import blocks, build, nasty_inputs, write_inputs
 
-#: A section, a file beside the report, or a table in the page.
+#: A section, a file next to the report, or a table in the page.
 LINK = r"#[a-z]+|[\w%./~-]+|data:text/csv;base64,[\w+/=]+"
 
 
@@ -43,7 +43,7 @@ def runs(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def nasty(tmp_path_factory):
-    """Inputs all of whose texts would break a page that takes them as they are."""
+    """Inputs whose texts would break a page that does not escape them."""
     return nasty_inputs(tmp_path_factory.mktemp("nasty"))
 
 
@@ -146,7 +146,7 @@ def objects(pdf: bytes) -> bytes:
 
 
 def test_pdf_is_the_page_on_paper(runs, tmp_path):
-    """A4 landscape with a title, letters of its own, and folded tables unfolded; no link to a file."""
+    """A4 landscape with a title, embedded fonts, and unfolded tables; no link to a file."""
     pdf = write_report(runs, tmp_path / "report.pdf").read_bytes()
     inside = objects(pdf)
     assert len(re.findall(rb"/Type /Page\b", inside)) > 3
@@ -174,8 +174,8 @@ def test_pdf_is_the_page_on_paper(runs, tmp_path):
 
 
 def test_tables_of_a_pdf_fill_its_page():
-    """The grounds of the heads of their columns reach from margin to margin, as the line below a
-    title does.
+    """The backgrounds of the column headings extend from margin to margin, like the line below a
+    title.
     """
     table = DocumentTable(
         "Two",
@@ -195,7 +195,7 @@ def test_tables_of_a_pdf_fill_its_page():
 
 
 def test_pdf_reads_nothing_but_its_page(runs, tmp_path, monkeypatch):
-    """A picture from the disk or the network would stay out, even if a text got past the escapes."""
+    """Images from the disk or the network are not loaded, even if a text is not escaped."""
     secret = tmp_path / "secret.png"
     secret.write_bytes(Path(__file__).with_name("test_formats.py").read_bytes())
     form = '<body><img src="{}"><p>text</p></body>'
@@ -236,7 +236,7 @@ def test_pdf_without_its_library(runs, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("columns", [3, 12, 13, 40])
 def test_wide_tables_in_parts(columns):
-    """Every part has the key columns, no column is lost, and the order stays."""
+    """Every part has the key columns, no column is missing, and the order is kept."""
     heads = tuple(TableColumn(f"c{n}", key=n in (0, 2)) for n in range(columns))
     rows = tuple(tuple(Cell(f"{row}.{n}") for n in range(columns)) for row in range(2))
     found = parts(DocumentTable("Points", heads, rows))

@@ -10,6 +10,7 @@ import pytest
 
 from granwave.analysis.document.model import cell_in_unit, shared_units, units_of_values
 from granwave.analysis.formatting.numbers import column_unit
+from granwave.analysis.formatting.values import ratio_in_words
 from granwave.analysis.reports.comparison.subjects import compared_runs, value_text
 from granwave.analysis.reports.setting import differing, setting_of
 from tests.helpers.made_up.synthetic_report import build, write_run
@@ -100,7 +101,7 @@ def test_keys_without_effect_do_not_differ():
 
 
 def test_an_unfinished_run_is_not_ranked(tmp_path):
-    """Its zone is small because it has hardly begun; a badge says that it is not finished."""
+    """The zone is small because the run has hardly started; a badge marks the run as unfinished."""
     paths = []
     for name, depth in (("a", 0.02), ("b", 0.03), ("c", 0.001)):
         values = {"zone_depth_90_interpolated_m": depth, "end_time_s": 1e-4}
@@ -131,3 +132,21 @@ def test_energies_of_a_table_have_one_unit():
     summaries = [{"energy_elastic_J": 1e-9, "energy_input_J": 2.0}]
     units = units_of_values(keys, summaries)
     assert [units[key] for key in keys] == [("J", 1.0), ("J", 1.0), ("N", 1.0)]
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("Speed over c0, force added 10 N", "Speed divided by c0, force added 10 N"),
+        (
+            "Restitution with a rate, over that without",
+            "Restitution with a rate, divided by that without",
+        ),
+        ("Largest difference over all N2", None),
+        ("First peak: spread over the numbers of cylinders", None),
+        ("N2 over which V approaches its limit", None),
+        ("Impulse: integral of the force over time", None),
+    ],
+)
+def test_ratios_are_in_words(name, expected):
+    assert ratio_in_words(name) == (expected or name)

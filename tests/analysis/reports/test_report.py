@@ -44,7 +44,7 @@ def runs(tmp_path):
 
 @pytest.fixture(scope="module")
 def both(tmp_path_factory):
-    """Such inputs, which no test changes, and their report."""
+    """Inputs that no test changes, and their report."""
     place = tmp_path_factory.mktemp("both")
     found = write_inputs(place)
     return found, build(found, place)
@@ -191,7 +191,7 @@ def test_badges_of_several_runs_count(both):
     ],
 )
 def test_the_accepted_error_is_that_of_the_run(tmp_path, error, text, tone):
-    """A run that was accepted is not called poor; the same where only its case says the limit."""
+    """The balance of an accepted run is not called poor, also if only the case states the limit."""
     recorded = write_run(
         tmp_path / "new",
         figures=False,
@@ -248,7 +248,7 @@ def test_contacts_beyond_the_law_and_a_refused_run_are_told(tmp_path):
     "reason", ["energy balance refused", "refused"]
 )  # of spheres, of finite elements
 def test_refused_runs_are_marked_and_not_compared(tmp_path, reason):
-    """Also those without a run.json, such as blocks."""
+    """This includes runs without a run.json, such as blocks."""
     runs = [write_run(tmp_path / name, figures=False, **values) for name, values in
             (("good", {}), ("bad", {"end_reason": reason}))]  # fmt: skip
     report = build(runs, tmp_path)
@@ -314,7 +314,9 @@ def test_replicates_have_mean_and_confidence(tmp_path):
 
 @pytest.mark.needs_extension("continuum")
 def test_versions_common_once_and_differences_by_run(tmp_path):
-    """Programs of another kind of run are no difference: continuum runs need no LAMMPS."""
+    """Programs of another kind of run do not count as a difference: continuum runs need no
+    LAMMPS.
+    """
     several = {
         "first": {"granwave": "1", "lammps": "2"},
         "second": {"granwave": "1", "lammps": "3"},

@@ -119,7 +119,7 @@ def test_means_of_rounding():
 
 
 def test_bottoms_of_runs_are_told_in_one_column(tmp_path):
-    """Bottoms that are a wall, a plate, a half-space and a bar; units and single values are in the
+    """Runs on a wall, a plate, a half-space and a bar; units and common values are in the
     settings.
     """
     bottoms = {

@@ -124,7 +124,9 @@ def test_dissipation_at_a_rigid_wall_belongs_to_the_sphere(run):
 
 
 def test_the_largest_force_at_a_wall_is_told_from_that_between_spheres(run):
-    """A floor contact carries more than any pair: each value says which contacts it counts."""
+    """A floor contact carries more than any pair: the description of each value states which
+    contacts it includes.
+    """
     row = np.array([[144, 0, 0, 1e-5, 1e6, 2e-4, 1e-5, 2e-5, 1.5e-5]])
     synthetic.write_custom(
         run / "dumps" / "wall_bottom.dump", synthetic.WALL_COLUMNS, row, synthetic.STEPS
@@ -138,9 +140,7 @@ def test_the_largest_force_at_a_wall_is_told_from_that_between_spheres(run):
 
 
 def test_dents_of_one_pair_are_merged(run):
-    """A forgotten dent and a new one: the largest peak, the sum of the energies, the earliest
-    times.
-    """
+    """A forgotten and a new indentation: largest peak, sum of the energies, earliest times."""
     dents = next(contacts_at_end(run).frames()).values
     old = dents[0].copy()
     new = dents[0].copy()
@@ -327,7 +327,7 @@ def test_a_run_without_friction_has_none(result):
 
 
 def test_only_dents_that_grew_have_yielded(tmp_path):
-    """Initial dents near the impact have become deeper, the others are unchanged."""
+    """Initial indentations near the impact have become deeper, the others are unchanged."""
     before = 8e-6
     case = synthetic.make_case(contact={"law": "elastoplastic", "initial_overlap": before})
     with Result(write_result(synthetic.write_run(tmp_path, case))) as result:
@@ -340,7 +340,7 @@ def test_only_dents_that_grew_have_yielded(tmp_path):
 
 
 def test_radii_of_their_own_change_the_laws():
-    """Since alpha_y is proportional to R*, that of every pair is that of its law."""
+    """Since alpha_y is proportional to R*, every pair has the alpha_y of its own law."""
     replaced = [{"index": [40, 41], "diameter": 0.008, "material": "steel"}]
     case = synthetic.make_case(packing={"diameter_scatter": 4e-6}, replace=replaced)
     assembly = assemble(case)
@@ -361,7 +361,7 @@ def test_radii_of_their_own_change_the_laws():
 
 @pytest.fixture(params=["by a tree", "all pairs"])
 def search(request, monkeypatch):
-    """Both ways of the search, whatever the number of spheres."""
+    """Both search methods, for any number of spheres."""
     monkeypatch.setattr(contacts, "_FEW", 0 if request.param == "by a tree" else 1000)
 
 
@@ -395,7 +395,7 @@ def test_search_finds_what_touches_a_large_sphere():
 
 
 def test_ctrl_c_waits_for_the_file_and_keeps_the_old_one(tmp_path: Path) -> None:
-    """An error that leaves a write within HDF5 ends the program by a signal."""
+    """An exception that leaves a write function within HDF5 ends the program by a signal."""
     path = tmp_path / "x.h5"
     written = False
     with new_hdf5(path) as file:

@@ -1,4 +1,4 @@
-"""Opening a finished run is reading: its case is parsed, and nothing about it is checked again."""
+"""Opening a finished run only reads it: the case is parsed and not checked again."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _CHECKS = ("check_together", "check_case", "warn_about")
 
 @pytest.fixture
 def poor_machine(monkeypatch):
-    """A machine without memory; returns the names of the checks that were made on it."""
+    """A machine without memory; returns the names of the checks that were made."""
     loading = sys.modules[case_from_dict.__module__]  # the package has a function of that name
     made: list[str] = []
 

@@ -1,5 +1,5 @@
 """Appearance of the figures of a scan: labels without overlap inside the figure, curves of one
-kind, data of zeros only.
+kind, data with zeros only.
 """
 
 from __future__ import annotations
@@ -194,7 +194,7 @@ def rows_of(path):
 
 
 def test_a_key_that_sorts_the_points_tells_the_curves_apart(tmp_path):
-    """Curves are drawn although each velocity occurs with one number of struck spheres only."""
+    """Curves are drawn although each velocity occurs with only one number of impacted spheres."""
     points = [
         {"load.velocity": v, "load.spheres": n}
         for n, speeds in ((1, (1, 4, 9)), (3, (2, 5, 8)))
@@ -264,8 +264,8 @@ def restitution_scan(directory):
 
 
 def test_keys_of_two_values_and_constant_quantities_have_no_axis(tmp_path):
-    """Only what changes along the velocity is drawn; of curves that step from zero to one value
-    nothing is.
+    """Only quantities that change with the velocity are drawn; curves that step from zero to one
+    value are not.
     """
     names = {path.stem for path in draw_scan_figures(restitution_scan(tmp_path), pdf=False)}
     assert {"peak_force_vs_load_velocity", "dissipated_fraction_vs_load_velocity"} <= names
@@ -284,7 +284,9 @@ def test_the_peak_force_on_the_bottom_is_drawn_in_newtons(tmp_path):
 
 
 def test_a_sphere_on_a_wall_has_its_peak_force(tmp_path):
-    """Its contact is no contact between spheres; curves are named by sizes and bottoms."""
+    """The contact of a sphere with a wall is no contact between spheres; curves are named by sizes
+    and bottoms.
+    """
     drawing = drawings(ScanResult(restitution_scan(tmp_path)))["peak_force_vs_load_velocity"]
     force = np.array(drawing.columns["peak_force_over_yield_force"])
     assert force[:3] == pytest.approx(force[3:])
@@ -296,7 +298,7 @@ def test_a_sphere_on_a_wall_has_its_peak_force(tmp_path):
 
 
 def test_a_quantity_that_its_scale_makes_constant_is_drawn_in_its_unit(tmp_path):
-    """Forces that follow the yield force exactly show how it grows with the diameter."""
+    """Forces proportional to the yield force show its growth with the diameter."""
     scan = write_scan(tmp_path, grid(packing__diameter=[0.005, 0.01, 0.02]))
     columns = drawings(ScanResult(scan))["peak_force_vs_packing_diameter"].columns
     force = np.array(columns["peak_force_N"])

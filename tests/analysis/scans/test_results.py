@@ -124,7 +124,7 @@ def test_units():
 
 
 def test_a_scan_without_a_finished_point(tmp_path):
-    """Keys keep their names where a summary has the same."""
+    """Keys keep their names if a summary has values of the same name."""
     write_scan(tmp_path, [{"name": "one"}, {"name": "two"}])
     table = scan_table(ScanResult(tmp_path))
     assert table["name"] == table["summary.name"] == ["one", "two"]
@@ -302,7 +302,7 @@ def test_categories_as_bars(tmp_path):
 
 
 def test_keys_varied_together_and_text_with_commas(tmp_path):
-    """Size that varies with the kind: curves over the one, bars by the other, no legend; it is
+    """Size and kind vary together: curves against one, bars by the other, no legend; the size is
     quoted in a CSV file.
     """
     zipped = [
@@ -384,7 +384,7 @@ def test_wave_speed_takes_the_first_arrival_of_deep_layers(tmp_path):
 
 
 def test_wave_speed_of_a_hertz_chain(granwave, tmp_path):
-    """Speed of a solitary wave after Nesterenko, with the peak force of the chain."""
+    """Nesterenko's speed of a solitary wave with the peak force of the chain."""
     settings = [
         "contact.law=hertz",
         "packing.kind=chain",
@@ -408,8 +408,8 @@ def test_wave_speed_of_a_hertz_chain(granwave, tmp_path):
 
 
 def test_wave_speed_in_a_packing_that_yields(lmp, tmp_path):
-    """The front comes before the peak force, and gets ahead of it, since the wave spreads and gets
-    longer: in the deeper half it is less than 10 % faster.
+    """The front precedes the peak force, increasingly so because the wave spreads: in the deeper
+    half it is less than 10 % faster.
     """
     settings = [
         "packing.size=[14,14,14]",

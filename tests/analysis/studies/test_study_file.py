@@ -102,7 +102,9 @@ def test_a_scan_names_it_relative_to_its_own_file(
 def test_a_later_report_loads_no_code_unasked(
     tmp_path: Path, study: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """The path that a scan's directory holds is not enough: it may come from someone else."""
+    """The path stored in the directory of a scan is not sufficient: the directory may be from
+    another person.
+    """
     scan = write_scan(tmp_path / "scan", grid(load__velocity=[1, 2]), study=[str(study)])
     assert studies_of(read_inputs([scan], tmp_path)) == []
     assert f"--study {study}" in caplog.text
@@ -123,7 +125,7 @@ def test_a_later_report_loads_no_code_unasked(
 def test_a_file_that_is_no_study_is_refused_before_anything_runs(
     tmp_path: Path, text: str | None, says: str
 ) -> None:
-    """By scans, suites and reports alike."""
+    """This holds for scans, suites and reports."""
     if text is not None:
         (tmp_path / "study.py").write_text(text)
     (tmp_path / "scan.toml").write_text(SCAN)
@@ -140,7 +142,7 @@ def test_a_file_that_is_no_study_is_refused_before_anything_runs(
 
 
 def test_studies_without_rows_stand_in_a_report(tmp_path: Path) -> None:
-    """Two of the same text, of which the second has nothing to show."""
+    """Two studies with the same text, the second of which has no content."""
     paths = [tmp_path / "one.py", tmp_path / "two.py"]
     for path in paths:
         path.write_text(
@@ -157,7 +159,7 @@ def test_studies_without_rows_stand_in_a_report(tmp_path: Path) -> None:
 def test_a_study_that_fails_costs_no_report(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """It is named with the line of its fault."""
+    """The study is named with the line of its fault."""
     (tmp_path / "bad.py").write_text('"""Bad."""\ndef rows(runs):\n    return [1 / 0]\n')
     (tmp_path / "misspelt.py").write_text(
         '"""Misspelt."""\ndef rows(runs):\n    yield runs[0]["peak_forc_N"]\n'
@@ -295,7 +297,7 @@ def test_twins_differ_in_what_is_named_alone() -> None:
 
 
 def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
-    """Each of the runs that its scans share, and none of which a study takes nothing."""
+    """All runs that the scans share are listed, except runs that no study uses."""
     for name, text in (("all", ""), ("none", "def select(runs): return []\n")):
         (tmp_path / f"{name}.py").write_text(
             f"def tables(runs): yield 'Count', {{'Runs': [len(runs)]}}\n{text}"

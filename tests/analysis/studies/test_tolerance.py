@@ -79,7 +79,7 @@ def summary_of(case: Case, **others: Any) -> dict[str, Any]:
 
 
 def write(directory: Path, settings: Iterable[dict[str, Any]], **others: Any) -> list[Path]:
-    """Directories of runs, by what differs from a synthetic case."""
+    """Directories of runs, by their differences from a synthetic case."""
     written = []
     for n, labels in enumerate(settings):
         case = case_of(labels)
@@ -94,7 +94,7 @@ def write(directory: Path, settings: Iterable[dict[str, Any]], **others: Any) ->
 def settings(
     scatters: Iterable[float], frictions: Iterable[float] = (0.0,), seeds: int = 6, **others: Any
 ) -> list[dict]:
-    """Every combination, ideal ones once; scatters in um."""
+    """Every combination, ideal packings once; scatters in um."""
     return [
         {
             "packing.diameter_scatter": 1e-6 * scatter,
@@ -286,7 +286,7 @@ def test_the_ideal_packing_is_missed_only_where_it_was_asked_for(tmp_path: Path)
 
 
 def test_real_packings(tmp_path: Path) -> None:
-    """Gaps delay the wave; the table is that of the runs."""
+    """Gaps delay the wave; the table contains the values of the runs."""
     size = {"packing.size": [6, 6, 4], "run.end_time": 2e-4}
     for name, scatter, seed in (
         ("ideal", 0.0, 1),

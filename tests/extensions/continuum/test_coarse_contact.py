@@ -2,9 +2,9 @@
 (composite source, Fig. 5).
 
 The source finds 1.554 with elements of 0.025 mm at the contact of spheres of 4.76 mm, whose contact
-radius at its 27 N is 0.060 mm. So coarse a mesh makes the exponent a matter of its penalty and of
-the range of the fit; resolved spheres have 1.503, as half-spheres are stiffer than the half-spaces
-of Hertz's theory.
+radius at its 27 N is 0.060 mm. On such a coarse mesh the exponent depends on the penalty and on the
+range of the fit; resolved spheres give 1.503, as half-spheres are stiffer than the half-spaces of
+Hertz's theory.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ CASE = {
 
 
 def exponents(case: SphereContactCase) -> list[float]:
-    """Exponents of fits from 1, 5 and 20 % of the largest force on, and of a fit of the forces
-    themselves.
+    """Exponents of logarithmic fits above 1, 5 and 20 % of the largest force, and of a fit of the
+    forces.
     """
     run = ContactRun(case)
     run.integrate()
@@ -51,7 +51,7 @@ def test_resolved_spheres() -> None:
 def test_elements_of_the_source(
     monkeypatch: pytest.MonkeyPatch, penalty: float, lowest: float, highest: float
 ) -> None:
-    """Penalty over the stiffness of an element; ours is 20."""
+    """Penalty / stiffness of an element; ours is 20."""
     monkeypatch.setattr(solver, "PENALTY", float(penalty))
     monkeypatch.setattr(mesh_module, "core_size", lambda _: 4 * ELEMENT)
     monkeypatch.setattr(mesh_module, "squares", lambda _: 4)

@@ -16,7 +16,7 @@ UNIT = "energy_input_over_sigma2_D3_E"
 
 
 def settings(changes: list[str]) -> list[str]:
-    """Options that make these changes of a case."""
+    """Options for these changes of a case."""
     words = []
     for change in changes:
         words += ["--set", change]
@@ -24,7 +24,7 @@ def settings(changes: list[str]) -> list[str]:
 
 
 def plan_of(words, capsys):
-    """Return what granwave check says of a command that would run a case."""
+    """Return the output of granwave check for a command that would run a case."""
     without_directory = words[: words.index("-o")] if "-o" in words else words
     assert main(["check", *without_directory, "--json"]) == 0
     return json.loads(capsys.readouterr().out)

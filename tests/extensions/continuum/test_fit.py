@@ -57,8 +57,8 @@ def sampled(
 def measured(
     noise: float = 0.0, jitter: float = 0.0, cycles=((60, 0.5), (150, 0.8), (300, 0.0))
 ) -> dict[str, np.ndarray]:
-    """Overlap and force in the order of measurement: loaded, partly unloaded and reloaded through
-    the cycles.
+    """Overlap and force in the order of measurement: loading, then partial unloading and reloading
+    in cycles.
     """
     path = []
     here = 0.0
@@ -278,8 +278,8 @@ def test_files(tmp_path, capsys):
 
 
 def test_the_fitted_case_runs(granwave, tmp_path):
-    """Unmodified fit.toml, of a material of the user: in a collision, peak and loss are those of
-    the fitted law.
+    """Unmodified fit.toml for a material of the user: peak force and dissipation of a collision
+    follow the fitted law.
     """
     write_csv(measured(), tmp_path / "m.csv")
     (tmp_path / "mine.toml").write_text(
@@ -346,7 +346,9 @@ def test_wrong_curves(tmp_path, text, message):
     [("overlap_mm", "force_kN", (1e3, 1e-3)), ("displacement_um", "force_N", (1e6, 1.0))],
 )
 def test_eight_points_in_other_units(tmp_path, caplog, length, force, factors):
-    """A constant of them is fitted; those that stay are said before the reason."""
+    """One of the constants is fitted; the constants that keep their values are named before the
+    reason.
+    """
     overlap = LENGTH * np.arange(1, 9) * 5.0
     rows = zip(factors[0] * overlap, factors[1] * LAW.loading_force(overlap), strict=True)
     (tmp_path / "c.csv").write_text(

@@ -1,4 +1,4 @@
-"""Fit of measured restitution: recovery, error bars, what is not determined, files and messages."""
+"""Fit of measured restitution: recovery, error bars, undetermined constants, files and messages."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ VELOCITY = np.geomspace(0.005, 10.0, 15)
 
 
 def collided(law=LAW, mass: float = MASS, velocity=VELOCITY) -> np.ndarray:
-    """Coefficients of restitution of collisions that are integrated in time: no energies of the
-    law's closed forms.
+    """Coefficients of restitution of collisions integrated in time, without the closed forms of the
+    energies.
     """
     return np.array([law.collide(mass, float(v), steps=4000)["restitution"] for v in velocity])
 
@@ -70,7 +70,7 @@ def test_yield_strength_of_exact_rebounds():
 
 
 def test_a_material_without_a_yield_strength():
-    """Young's modulus is the start of the search; nothing is published to compare with."""
+    """The search starts at Young's modulus; there are no published constants for comparison."""
     bare = dataclasses.replace(BRASS, yield_strength=None)
     found = fit_restitution(rebounds_of(VELOCITY, RESTITUTION), [bare], [R])
     assert found.value(YIELD) == pytest.approx(STRENGTH, rel=1e-4)
@@ -87,7 +87,7 @@ def test_further_constants():
 
 
 def test_sphere_on_a_plane_of_another_material():
-    """The effective mass is that of the sphere; the softer material yields."""
+    """The effective mass is the mass of the sphere; the softer material yields."""
     steel = material("steel")
     law = contact_of([steel, TRUE], [R, math.inf])
     mass = 4 / 3 * math.pi * R**3 * steel.density

@@ -1,4 +1,4 @@
-"""Zero of the overlap in `granwave fit`: curves whose gauge reads something at the touch."""
+"""Zero of the overlap in `granwave fit`: curves with a nonzero reading at first contact."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ def test_error_bars_of_the_zero():
 
 
 def test_a_good_curve_keeps_its_zero(caplog):
-    """Without a shift the zero is 0 within its uncertainty, and no message speaks of it."""
+    """Without a shift the zero is 0 within its uncertainty, and no message mentions it."""
     curve = sampled(0.01, 2, turns=(), law=PUBLISHED)
     with caplog.at_level(logging.WARNING, "granwave"):
         fit_law(curve, [BRASS], [R], FEW)
@@ -101,7 +101,7 @@ def test_a_curve_that_cannot_be_fitted_names_the_shift():
 
 @pytest.mark.parametrize("zero", [-40e-6, 0.0, 3e-6, 80e-6])
 def test_start_of_the_search(zero):
-    """It needs no more than to lie near, in terms of the whole curve of 480 um."""
+    """The initial estimate only has to be near, relative to the complete curve of 480 um."""
     curve = shifted(sampled(0.01, 4, turns=()), -zero)
     assert estimated_zero(curve, PUBLISHED) == pytest.approx(zero, abs=5e-6)
 

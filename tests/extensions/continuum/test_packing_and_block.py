@@ -84,7 +84,7 @@ def impacts(suite: Path) -> Impacts:
 def test_refused_runs_are_left_out_of_the_comparison(
     suite: Path, tmp_path: Path, monkeypatch
 ) -> None:
-    """Blocks too, which have no run.json."""
+    """This includes blocks, which have no run.json."""
     monkeypatch.setattr(comparison, "pictures_of", lambda *_: ())  # drawn elsewhere
     for point in sorted((suite / "continuum" / "points").iterdir())[:1]:
         shutil.copytree(point, tmp_path / "bad")
@@ -102,7 +102,7 @@ def test_refused_runs_are_left_out_of_the_comparison(
 
 
 def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> None:
-    """With the reason: friction, another packing."""
+    """Excluded runs are listed with the reason: friction, another packing."""
     whole = list(read_inputs([suite], suite).whole())
     runs = [run.kind.study_run(run) for run in whole]
     first = next(run for run in whole if isinstance(run.kind, GranularKind))
@@ -252,7 +252,9 @@ def notes_on_zones(impacts: Impacts) -> list[str]:
 
 
 def test_the_influence_of_the_bounds_is_computed_or_not_told(impacts: Impacts) -> None:
-    """No number of other runs: none without two sizes, the differences of these runs with them."""
+    """The numbers come from these runs only: none without two sizes, their differences with two
+    sizes.
+    """
     assert any("no impact was computed in two packings" in text for text in notes_on_zones(impacts))
     assert len(zone.differences_by_size(impacts, "packing")) == 0
     one = impacts.reference[2:3]

@@ -1,5 +1,5 @@
-"""Continuum solver against theory: waves, yield, patch tests, contact, energy; then its input and
-output.
+"""Continuum solver compared with theory: waves, yield, patch tests, contact, energy; then its input
+and output.
 """
 
 from __future__ import annotations
@@ -257,7 +257,7 @@ def test_contact_keeps_momentum_and_never_pulls():
 
 @pytest.mark.parametrize("taper", [0.0, 1e-4])
 def test_nodes_lie_where_the_contact_ends(taper):
-    """It spreads over the edge as (taper sigma_y/E)^(2/3)."""
+    """The contact spreads over the edge as (taper sigma_y/E)^(2/3)."""
     end = contact_end(0.005, taper, BRASS.yield_strength / BRASS.youngs_modulus)
     assert 0.005 - taper <= end <= 0.005
     ends = [contact_end(0.005, taper, strain) - 0.005 + taper for strain in (1e-3, 8e-3)]
@@ -505,9 +505,7 @@ def test_command_line(granwave, tmp_path, monkeypatch, capfd):
 
 @pytest.mark.parametrize("total", [6.5, 0.8, 0.0123, 2e-5, None])
 def test_a_bar_ends_at_its_total(total):
-    """Whatever the size of the total, and where the last place lies beyond it; without a total it
-    goes on.
-    """
+    """The bar works for any total, also if the last position is beyond it, and without a total."""
     digits = digits_of(total)
     shown = 0.0
     end = None if total is None else round(total, digits)

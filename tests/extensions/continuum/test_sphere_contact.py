@@ -66,7 +66,9 @@ def values_of(case):
 
 
 def strain(nodes, elements, displacement, *, steps=1, material=ELASTIC, pace=0.0):
-    """State and nodal forces after ``displacement(positions)``, in equal parts, from no stress."""
+    """State and nodal forces after ``displacement(positions)``, applied in equal steps from the
+    stress-free state.
+    """
     rate = material.rate_sensitivity, material.reference_rate
     constants = np.array(
         [[*material.lame, material.yield_strength, 0.0, material.hardening_modulus, *rate]]
@@ -237,8 +239,8 @@ def test_energy_is_balanced_and_nothing_moves(brass):
 
 
 def test_law_is_met(brass):
-    """Beyond the transition from Hertz; within it the law is up to 16 % low, and so it is on fine
-    meshes.
+    """Beyond the transition from Hertz's law; within it the force of the law is up to 16 % too low,
+    also on fine meshes.
     """
     _, summary = brass
     assert abs(summary["force_deviation_elastic_rms_percent"]) < 2.5
@@ -357,8 +359,8 @@ def test_calculix_finds_the_same_force(tmp_path):
     "material", [(70e9, 0.4, 150e6, 0.05), (200e9, 0.2, 800e6, 0.0), (50e9, 0.45, 100e6, 0.02)]
 )
 def test_fitted_law_holds_for_materials_in_calculix(tmp_path, material):
-    """Materials that took no part in the fit, by another program; `elastoplastic` is up to 31 %
-    off.
+    """Materials that were not used in the fit, computed by another program; `elastoplastic`
+    deviates by up to 31 %.
     """
     modulus, ratio, strength, hardening = material
     case = case_of(elements=1500, max_overlap=0.05, unloadings=0)
@@ -383,10 +385,10 @@ def test_fitted_law_holds_for_materials_in_calculix(tmp_path, material):
 
 def calculix_curve(folder, case, material=(115e9, 0.3, 550e6, 0.0), fineness=6):
     """Overlap and force of CalculiX, m and N, of a material: modulus and yield strength in Pa,
-    hardening over the modulus.
+    hardening / modulus.
 
-    With 6 elements on the finest length, nearly incompressible ones are too stiff: 12 lower their
-    force by 6 %, 20 by 7 %.
+    With 6 elements on the finest length, nearly incompressible materials are too stiff: 12 elements
+    lower the force by 6 %, 20 by 7 %.
     """
     mesh = half_sphere(1e3 * RADIUS, 1e3 * core_size(case), fineness)  # mm, N, MPa
     (folder / "job.inp").write_text(calculix_deck(mesh, 1e3 * case.max_overlap / 2, *material))
@@ -463,8 +465,8 @@ def calculix_deck(mesh, displacement, modulus, ratio, strength, hardening):
 
 
 def rate_errors(metal, velocity, **run):
-    """Force of law elastoplastic-fe over finite elements, minus 1, at a velocity and slowly:
-    overlaps over that at first yield.
+    """Force of law elastoplastic-fe / force of the finite elements, minus 1, at a velocity and
+    quasi-statically; overlaps relative to first yield.
     """
     found = []
     for speed in (velocity, 0.0):
@@ -490,7 +492,7 @@ STEEL_4340 = {
 
 @pytest.mark.validation
 def test_law_and_finite_elements_depend_on_the_rate_alike():
-    """At 100 m/s, where the yield strength is 1.14 to 1.16 times the slow one."""
+    """At 100 m/s, where the yield strength is 1.14 to 1.16 times the quasi-static strength."""
     fast, slow = rate_errors(STEEL_4340, 100.0, elements=500, max_overlap=0.03)
     assert np.abs(fast - slow).max() < 0.02
     assert np.abs(fast).max() < 0.04

@@ -80,7 +80,7 @@ def test_all_designs_of_a_small_space(searched):
 
 
 def test_a_run_ends_after_the_peak(searched):
-    """A run goes on where the force has not fallen to a tenth at the end of the file's time."""
+    """A run is continued if the force has not fallen to a tenth at the end time of the file."""
     directory, _ = searched
     runs = [gw.load(directory / row["directory"]) for row in rows_of(directory)]
     assert all(has_passed(target_force(run.directory)[1]) for run in runs)
@@ -219,8 +219,8 @@ def test_values_that_are_no_numbers_fail(folder):
 
 
 def test_far_worse_designs_are_not_run_further(folder):
-    """Designs are compared in the same runs: one that is better throughout is not lost for its fast
-    first blow.
+    """Designs are compared by the same runs: a better design is not discarded because of its fast
+    first impact.
     """
     problem = problem_of(folder, uncertainty={"velocity": [0.5, 10.0], "replicates": 2})
     best = Design(1, {}, "complete", objectives={"target_peak_force_N": 50.0})
@@ -243,8 +243,8 @@ def test_far_worse_designs_are_not_run_further(folder):
 
 @pytest.mark.validation
 def test_the_best_are_run_again_in_full_and_their_neighbours_too(folder):
-    """A search of few, coarse runs: the ranking and the case of the best are of full ones, in the
-    same directories.
+    """A search with few, coarse runs: ranking and best case come from full runs, in the same
+    directories.
     """
     tables = {
         **problem_of(folder).tables,

@@ -1,4 +1,6 @@
-"""Files of a search: keys, layers, limits that are known before a run, refusals, and the plan."""
+"""Files of a search: keys, layers, limits that are known before a run, rejected input, and the
+plan.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of the best design, and what they find."""
+"""Checks of the best design, and their findings."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def test_guards_change_one_thing():
 
 
 def test_what_the_run_of_the_best_tells(folder, tmp_path):
-    """Overlaps beyond the law, beads that fly off, an impulse that still comes in, an end of a
-    range: each is said.
+    """Overlaps beyond the law, beads that fly away, an impulse that has not ended, and an end of a
+    range are reported.
     """
     import h5py
     import numpy as np
@@ -120,7 +120,9 @@ def test_passed_forces_and_late_impulses():
 
 
 def test_range_under_checks_is_of_further_runs_of_the_best_design():
-    """Neighbours are other designs; a further run that changes nothing leaves the value an end."""
+    """Neighbours are different designs; if a further run gives no change, the value remains at the
+    end of its range.
+    """
     changes = {"wider": -0.61, "longer": 0.0, "stiffer": 1.29, "neighbour-1": 7.0, "moved": -0.9}
     name = "target_peak_force_N"
     guards = [{"name": check, "changes": {name: change}} for check, change in changes.items()]

@@ -1,4 +1,4 @@
-"""Searches from their files to the best design whose runs are formulas with a known optimum."""
+"""Complete searches whose runs are replaced by formulas with a known optimum."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def test_words_integers_and_a_range_some_of_which_are_no_packings(search):
 
 
 def test_a_limit_that_the_best_stands_at(search):
-    """The force falls with the diameter, until six beads have the mass allowed."""
+    """The force decreases with the diameter, until six beads reach the mass limit."""
     variables = {
         "packing.diameter": {"low": 0.002, "high": 0.03},
         "load.velocity": {"low": 1.0, "high": 5.0},
@@ -206,7 +206,7 @@ def test_an_objective_that_nothing_changes(search):
 
 @pytest.mark.validation
 def test_the_front_of_all_rows(search):
-    """Force and mass of rows of three materials: most of the front of 243 rows in 60 of them."""
+    """Force and mass of chains of three materials: 60 of 243 designs find most of the front."""
     soft = {"stainless-steel": 1.0, "ptfe": 0.1, "aluminium": 0.5}
 
     def force(materials):
@@ -240,7 +240,7 @@ def test_the_front_of_all_rows(search):
 
 @pytest.mark.validation
 def test_killed_again_and_again_it_finds_the_same(search):
-    """Several runs of each design, some pruned; coarse runs first; designs next to the best;
+    """Several runs of each design, some pruned; coarse runs first; designs next to the best design;
     limits.
     """
     more = {

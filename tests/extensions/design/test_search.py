@@ -33,7 +33,7 @@ RANGES = Space(tuple(read_variable(f"x.{n}", {"low": 0.0, "high": 1.0}) for n in
 
 
 def of_beads(values):
-    """Force behind beads: soft ones at the ends, stiff ones inside, and interfaces help."""
+    """Force behind beads: soft beads at the ends, stiff beads inside, and interfaces reduce it."""
     soft = [value == "ptfe" for value in values.values()]
     interfaces = sum(a != b for a, b in itertools.pairwise(soft))
     return 100 * math.exp(

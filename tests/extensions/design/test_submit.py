@@ -20,7 +20,7 @@ PROFILE = '[cluster]\nscheduler = "slurm"\npartition = "main"\ntime = 10\nnodes 
 
 
 def design(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """Run `granwave design beads.toml -o out --submit profile.toml` with more words."""
+    """Run `granwave design beads.toml -o out --submit profile.toml` with further words."""
     (folder / "profile.toml").write_text(PROFILE)
     command = [
         sys.executable, "-P", "-m", "granwave.workflows", "design", "beads.toml", "-o", "out",

@@ -1,4 +1,4 @@
-"""Variables of a design file: values, coordinates, neighbours, and what is refused."""
+"""Variables of a design file: values, coordinates, neighbours, and rejected input."""
 
 from __future__ import annotations
 

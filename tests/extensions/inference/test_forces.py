@@ -41,7 +41,7 @@ def discs(x, stress, acceleration=0.0, spin=0.0, turning=0.0):
 
 
 def test_a_disc_between_two_walls():
-    """Stress -2 F/(pi R) across it."""
+    """Stress -2 F/(pi R) across the disc."""
     force = 1234.5
     walls = {"left": StraightWall((0, 0), (1, 0)), "right": StraightWall((2 * RADIUS, 0), (-1, 0))}
     found = infer(discs([[RADIUS, 0]], [[-2 * force / (np.pi * RADIUS), 0, 0]]), walls, EXACT)
@@ -53,7 +53,7 @@ def test_a_disc_between_two_walls():
 
 
 def test_a_row_of_three_that_is_pushed():
-    """Forces 3 m a, 2 m a, m a, and none at the far side."""
+    """Forces 3 m a, 2 m a, m a, and zero at the far side."""
     acceleration = 1000.0
     forces = MASS * acceleration * np.array([3, 2, 1, 0])
     x = [[RADIUS * (1 + 2 * k), 0.0] for k in range(3)]
@@ -84,7 +84,7 @@ def test_a_spinning_disc_bears_the_stress_of_the_closed_form():
 
 @pytest.mark.parametrize("state", ["plane-stress", "plane-strain", "space"])
 def test_stiffness_is_hookes(state):
-    """Against the strains of a bar, a strip and a block."""
+    """Compared with the strains of a bar, a strip and a block."""
     modulus = 70e6
     ratio = 0.4
     inverse = np.linalg.inv(stiffness(np.array([modulus]), np.array([ratio]), state)[0])
@@ -96,10 +96,11 @@ def test_stiffness_is_hookes(state):
 
 
 def cube(rng, sliding=0.0):
-    """A cube of 27 spheres in a box, with random forces in the cones of friction, a part of them on
-    the border, and the state that these give.
+    """A cube of 27 spheres in a box, with random forces in the cones of friction, some of them on
+    the cone, and the resulting state.
 
-    Accelerations and stresses are sums over contacts, written out here; the forces balance nothing.
+    Accelerations and stresses are sums over contacts, computed here; the forces are not in
+    equilibrium.
     """
     n_side = 3
     radius = 0.004
@@ -167,8 +168,8 @@ def test_spheres_in_space_are_exact():
 
 
 def test_spheres_in_space_stay_within_their_cones():
-    """With wrong stresses: no pull, no more than friction; and no small change of the forces fits
-    better.
+    """With wrong stresses: no tension, no tangential force above the friction limit; and no small
+    change of the forces fits better.
     """
     rng = np.random.default_rng(6)
     grains, walls, true = cube(rng)
@@ -196,7 +197,9 @@ def test_spheres_in_space_stay_within_their_cones():
     ],
 )
 def test_contacts_that_slide_have_a_component_less(force, expected):
-    """One of two in the plane, two of three in space; without friction one, without load none."""
+    """A sliding contact has one of two free components in the plane, two of three in space; without
+    friction one, without load none.
+    """
     force = np.array(force)
     free = freedom(force, np.full(4, 0.3), np.zeros_like(force))
     assert len(free.held) == expected
@@ -244,7 +247,7 @@ def test_chi_squared_of_discs_counts_what_the_noise_leaves():
 
 
 def random_plane(n_contacts, rng):
-    """A random sparse problem as large as that of a crystal."""
+    """A random sparse problem of the size of a crystal."""
     rows = 6 * n_contacts // 5
     matrix = sparse.random_array(
         (2 * rows, 2 * n_contacts), density=0.1, rng=rng, data_sampler=rng.normal
@@ -355,7 +358,9 @@ def state_of(name, time, times=(0.5e-3,)):
 
 
 def measured(grains, noise, rng):
-    """Grains with errors that are a share of the root mean squares, and their standard deviations."""
+    """Grains with errors that are a fraction of the root mean squares, and their standard
+    deviations.
+    """
     size = relative_noise(grains, noise)
     strain = np.einsum("nij,nj->ni", grains.compliance, grains.stress)
     strain = strain + size.strain * rng.normal(size=strain.shape)
@@ -374,7 +379,7 @@ def error(found, true):
 
 
 def errors(name, noise, times, repetitions):
-    """Mean errors with equal and white weights over instants and repetitions."""
+    """Errors with equal and white weights, averaged over instants and repetitions."""
     rng = np.random.default_rng(11)
     found = []
     for instant in times:
@@ -403,7 +408,9 @@ def test_exact_data_give_exact_forces(name):
 
 
 def true_of_more(name):
-    """True forces of the candidates within 0.02, most of which bear none."""
+    """Forces of the candidates agree with the true forces within 0.02; most candidates carry no
+    force.
+    """
     grains, walls, true = state_of(name, 0.5e-3)
     few, many = (
         find_contacts(grains, walls, tolerance) for tolerance in (EQUAL.contact_tolerance, 0.02)
@@ -416,7 +423,9 @@ def true_of_more(name):
 
 @pytest.mark.parametrize("name", plane_crystal.CRYSTALS)
 def test_errors_under_noise(name):
-    """Within 20 % of those of the other program; correlated weights do better than white ones."""
+    """Errors are within 20 % of the other program; correlated weights give smaller errors than
+    white weights.
+    """
     equal, white, correlated = errors(name, 0.05, (0.5e-3,), 2)
     assert [equal, white] == pytest.approx(PRINTED[name][0.05], rel=0.2)
     assert correlated < 1.02 * white
@@ -431,7 +440,7 @@ def test_errors_under_noise_at_three_instants(name, noise):
 
 
 def test_error_bars_tell_the_errors():
-    """Squares of the errors over those of the standard errors are one on average."""
+    """The squares of errors / standard errors are one on average."""
     rng = np.random.default_rng(2)
     exact, walls, true = state_of("centred-square", 0.5e-3)
     ratio = []

@@ -1,4 +1,4 @@
-"""``granwave infer``: tables, time series, runs, and the answers to bad input."""
+"""``granwave infer``: tables, time series, runs, and the messages for invalid input."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ HEADER = "id,x_m,y_m,radius_m,ax_m_s2,ay_m_s2,exx,eyy,exy"
 
 
 def column(acceleration: float) -> list[str]:
-    """Rows of three discs that are pushed from the left, with the strains of plane stress."""
+    """Chains of three discs that are pushed from the left, with the strains of plane stress."""
     forces = MASS * acceleration * np.array([3, 2, 1, 0])
     stress = -(forces[:3] + forces[1:]) * RADIUS / (np.pi * RADIUS**2 * LENGTH)
     strain = (np.stack([stress, -RATIO * stress], axis=1) / MODULUS).tolist()
@@ -107,7 +107,7 @@ def test_noise_gives_errors_and_figures(infer, tmp_path):
 
 
 def test_a_series_is_differentiated(infer):
-    """Discs that start from rest: places a t^2/2, of which differences are exact."""
+    """Discs that start from rest: positions a t^2/2, whose differences are exact."""
     acceleration = 500.0
     rate = 8000.0
     still = [row.split(",") for row in column(acceleration)]
@@ -213,8 +213,8 @@ def run_of_spheres(tmp_path_factory):
 
 
 def test_a_run_is_measured_exactly(run_of_spheres, tmp_path, monkeypatch, capsys):
-    """Forces of LAMMPS, tangential ones and those of walls among them, come back from motion and
-    mean stress.
+    """Forces of LAMMPS, including tangential and wall forces, are recovered from motion and mean
+    stress.
     """
     monkeypatch.chdir(tmp_path)
     assert main(["infer", str(run_of_spheres), "--json", "--no-figures"]) == 0
@@ -237,8 +237,8 @@ def test_a_run_is_measured_exactly(run_of_spheres, tmp_path, monkeypatch, capsys
 
 
 def test_cylinders_of_a_file_and_grains_that_touch_nothing(tmp_path, monkeypatch, capsys):
-    """Two cylinders collide beside a third; the measurement is in the plane, and leaves that one
-    out.
+    """Two cylinders collide next to a third; the measurement is in the plane and excludes the third
+    cylinder.
     """
     monkeypatch.chdir(tmp_path)
     Path("grains.csv").write_text(
@@ -263,8 +263,8 @@ def test_cylinders_of_a_file_and_grains_that_touch_nothing(tmp_path, monkeypatch
 
 
 def test_a_striker_from_outside_passes_the_wall(tmp_path, monkeypatch, capsys):
-    """A sphere that comes through a side wall: forces are exact, also from the table that was made
-    of the run.
+    """A sphere that comes through a side wall: forces are exact, also from the table written from
+    the run.
     """
     monkeypatch.chdir(tmp_path)
     packing = {"kind": "sc", "size": [3, 3, 1], "diameter": 0.01}

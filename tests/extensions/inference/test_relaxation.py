@@ -1,4 +1,6 @@
-"""Stress from a strain history: closed forms of a Prony series, and the answers to bad input."""
+"""Stress from a strain history: closed forms of a Prony series, and the messages for invalid
+input.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ def test_a_held_strain_relaxes_with_the_modulus() -> None:
     ("rise", "printed"), [(1.25e-3, 740e6), (2.1e-3, 530e6), (2.4e-3, 480e6), (10.3e-3, 150e6)]
 )
 def test_an_even_rise_has_the_printed_secant_moduli(rise: float, printed: float) -> None:
-    """One step is exact, and so are many; the printed values are rounded to 10 MPa."""
+    """One step and many steps are exact; the printed values are rounded to 10 MPa."""
     once = gw.stress_history([0.0, rise], [0.0, 0.01], LONG, TERMS)[-1] / 0.01
     time = np.linspace(0.0, rise, 101)
     often = gw.stress_history(time, 0.01 * time / rise, LONG, TERMS)[-1] / 0.01

@@ -1,1 +1,1 @@
-"""Tests of small waves about a static state."""
+"""Tests of poured and compressed packings."""

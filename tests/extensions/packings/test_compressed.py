@@ -1,4 +1,4 @@
-"""Compressed packings: pressure and solid fraction are met, in balance, jammed as published."""
+"""Compressed packings reach pressure and solid fraction in equilibrium, and jam as published."""
 
 import json
 import subprocess
@@ -64,8 +64,8 @@ def made(path):
 
 
 def hertz_contacts(bed):
-    """Return pairs, differences of places, overlaps and forces of equal spheres, from their places
-    alone.
+    """Return pairs, differences of positions, overlaps and forces of equal spheres, from their
+    positions only.
     """
     first, second = np.triu_indices(len(bed.grains), 1)
     apart = bed.grains.position[second] - bed.grains.position[first]
@@ -78,14 +78,14 @@ def hertz_contacts(bed):
 
 @pytest.fixture(scope="module")
 def endless_case(tmp_path_factory):
-    """Return the case of an endless packing without friction."""
+    """Return the case of a periodic packing without friction."""
     folder = tmp_path_factory.mktemp("endless")
     return case_file(folder, boundary=ENDLESS, pressure=PRESSURE)
 
 
 @pytest.fixture(scope="module")
 def endless(endless_case):
-    """Return recipe and packing of an endless packing without friction."""
+    """Return recipe and packing of a periodic packing without friction."""
     return made(endless_case)
 
 
@@ -226,7 +226,9 @@ def test_frictionless_spheres_jam_as_published(tmp_path, seed):
 
 
 def test_the_pressure_is_met_with_friction_once_the_grains_are_at_rest(tmp_path):
-    """Moving grains carry a part of a small pressure, which is gone when they are at rest."""
+    """Moving grains contribute to a small pressure; the contribution vanishes when they are at
+    rest.
+    """
     small = PRESSURE / 300
     path = case_file(tmp_path, boundary=ENDLESS, contact={"friction": 0.3}, pressure=small)
     _, bed = made(path)

@@ -25,7 +25,7 @@ FCC = math.pi / (3 * math.sqrt(2))
 
 
 def fcc(n=6):
-    """Return a periodic block of fcc with layers along z: its places, pairs and periods."""
+    """Return positions, pairs and periods of a periodic block of fcc with layers along z."""
     lattice = Lattice("fcc", (n, n, 9), 1.0, periodic=True)
     pairs = np.concatenate(list(lattice.pairs())) - 1
     return lattice.positions(1, lattice.n_spheres), pairs, lattice.lengths
@@ -66,7 +66,9 @@ def test_anisotropy_of_parallel_contacts_is_one():
 
 
 def test_walls_hold_grains_too():
-    """A pyramid of four grains on a floor: the top one rests on three, each on the floor and it."""
+    """A pyramid of four grains on a floor: the top grain rests on three grains, each in contact
+    with the floor and the top grain.
+    """
     pairs = np.array([[0, 3], [1, 3], [2, 3], [0, 1], [0, 2], [1, 2]])
     floor = np.array([1, 1, 1, 0])
     assert without_rattlers(4, pairs, least=3).all()

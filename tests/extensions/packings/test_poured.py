@@ -1,4 +1,6 @@
-"""Poured beds: made once and shared, the same for a seed, at rest; an impact closes its energy."""
+"""Poured beds: made once and shared, equal for equal seeds, at rest; the energy balance of an
+impact closes.
+"""
 
 import json
 import multiprocessing
@@ -175,7 +177,9 @@ def static_record(directory):
 
 
 def test_springs_of_a_bed_go_on_without_a_jump(folder, tmp_path):
-    """With the springs of the bed all grains are in balance at once; without them they are not."""
+    """With the springs of the bed all grains are in equilibrium at the first step; without them
+    they are not.
+    """
     case = load_case(case_file(folder))
     _, bed = made(folder)
     weight = TABLES["material"]["density"] * np.pi / 6 * (bed.grains.diameter**3).sum() * GRAVITY
@@ -345,7 +349,9 @@ def hertz(overlap, radius):
 
 
 def test_without_friction_a_bed_is_in_balance(tmp_path):
-    """Forces from the places alone, by Hertz's law of pairs and of planes, carry each weight."""
+    """Forces computed from the positions by Hertz's law, of pairs and planes, carry the weight of
+    each grain.
+    """
     _, bed = made(tmp_path, friction=0.0)
     position = bed.grains.position
     radius = bed.grains.diameter / 2
@@ -376,7 +382,7 @@ def scan_file(folder, text):
 
 
 def test_a_plan_counts_the_beds_of_a_scan_and_makes_none(tmp_path, capsys):
-    """Three seeds with two speeds are three beds, whose costs are shown."""
+    """Three seeds with two speeds need three beds, whose costs are shown."""
     text = "[grid]\npacking.seed = [1, 2, 3]\nrun.end_time = [1e-3, 2e-3]\n"
     path = scan_file(tmp_path, text)
     with nothing_made(), pytest.raises(PackingNotMadeError) as raised:

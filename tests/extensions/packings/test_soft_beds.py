@@ -1,4 +1,4 @@
-"""A bed that was settled with soft grains, and is struck as a hard material."""
+"""A bed that was settled with soft grains, and is impacted as a hard material."""
 
 import json
 
@@ -84,7 +84,9 @@ def test_a_soft_bed_is_soon_in_balance_and_closes_its_energy(hard, tmp_path):
 
 
 def test_grains_that_still_roll_are_named_and_not_fatal(hard, tmp_path, caplog):
-    """The net forces of single grains are compared with their weight, and with that of the bed."""
+    """The net forces of single grains are compared with their weight and with the weight of the
+    bed.
+    """
     assembly = load_assembly(hard)
     stage = {
         "residual": 2e-3, "largest_force": 0.5, "contacts": 600, "yielded": 0, "stored": 1e-6,
@@ -151,7 +153,9 @@ def hardened(tables):
 
 
 def test_a_soft_bed_without_friction_finds_a_new_balance(tmp_path, caplog):
-    """Forces carry the weight with the hard material; the static stage has nothing left to do."""
+    """With the hard material the forces carry the weight, and the static stage needs no
+    iterations.
+    """
     tables = without_friction(tmp_path)
     assembly = assembly_from_dict(hardened(tables))
     assert "1000 times as large as the load" in caplog.text
@@ -170,9 +174,7 @@ def test_a_soft_bed_without_friction_finds_a_new_balance(tmp_path, caplog):
     weight = bodies.dead_load[:, 2].sum()
     assert np.abs(net).max() < 2e-7 * force.max()
     assert force[contacts.wall == "bottom"].sum() == pytest.approx(weight, rel=1e-5)
-    path = tmp_path / "hard.toml"
-    path.write_text(tomli_w.dumps(hardened(tables)))
-    run = run_case(load_case(path), tmp_path / "run", figures=False)
+    run = run_case(assembly.case, tmp_path / "run", figures=False)
     names, values = (tmp_path / "run" / "dumps" / "prestage.txt").read_text().splitlines()
     stage = dict(zip(names.removeprefix("# ").split(), map(float, values.split()), strict=True))
     assert stage["iterations"] < 20
@@ -194,7 +196,7 @@ def test_a_soft_bed_without_friction_is_told_from_its_own_and_from_rounding(tmp_
 
 
 def test_a_soft_bed_without_friction_that_finds_no_balance_is_an_error(tmp_path, monkeypatch):
-    """The message names the remedy, which works: a bed of its own modulus needs no search."""
+    """The remedy in the message works: a bed with the modulus of the case needs no search."""
     tables = without_friction(tmp_path)
     monkeypatch.setattr(smoothed, "_ROUNDS", 1)
     monkeypatch.setattr(smoothed, "_ROUNDS_AT_END", 1)
@@ -207,7 +209,9 @@ def test_a_soft_bed_without_friction_that_finds_no_balance_is_an_error(tmp_path,
 
 
 def test_smoothed_overlaps_and_their_slopes():
-    """They solve a (a - d) = s^2, across gaps too, and are the overlaps far from touching."""
+    """The smoothed overlaps solve a (a - d) = s^2, across gaps too, and equal the overlaps far from
+    touching.
+    """
     overlap = np.array([-1e-3, -1e-6, 0.0, 1e-6, 1e-3])
     smoothing = 1e-7
     values, slope = smoothed_overlaps(overlap, smoothing)

@@ -97,7 +97,7 @@ def test_both_ways_of_painting_agree():
 
 
 def test_the_surface_of_a_packing_is_found_once(tmp_path, monkeypatch):
-    """Both pictures of a packing cut open are painted on one surface; another result has its own."""
+    """Both pictures of a cut packing share one surface; another result has a separate surface."""
     found = []
     find = packing3d.lit_surface
     monkeypatch.setattr(packing3d, "lit_surface", lambda *rest: found.append(0) or find(*rest))
@@ -126,8 +126,8 @@ def test_a_cylinder_covers_its_outline(half):
 
 
 def test_cylinders_hide_spheres_and_each_other():
-    """From above: an upright cylinder hides the sphere below it, and is itself crossed by a lying
-    one that is higher.
+    """Seen from above, an upright cylinder hides the sphere below it, and is partly hidden by a
+    horizontal cylinder above it.
     """
     camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
     centres = np.array([[0.0, 0, 0], [0, 0, 2], [0, 0, 3.2]])

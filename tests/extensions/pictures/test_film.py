@@ -1,5 +1,5 @@
-"""Films: pictures of every snapshot, one scale, a clock; files that programs open; errors in one
-line.
+"""Animations: a picture of every snapshot, a common scale, the time; files that other programs
+open; errors in one line.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from granwave.analysis.figures.style import style
 from granwave.analysis.result.reader import Result
 from granwave.extensions.pictures import films, terminal
 from granwave.extensions.pictures.films import scene, size_of, write_film
-from granwave.lammps_inputs.case.run import CutPlane, Figures
+from granwave.lammps_inputs.case.figures import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
 from granwave.workflows.cli.main import main
@@ -122,7 +122,7 @@ def test_a_film_that_is_stopped_leaves_nothing(chain, tmp_path):
     ("name", "view"), [("chain", None), ("packing", "section"), ("packing", "3d")]
 )
 def test_films_of_a_given_size(packing, chain, tmp_path, name, view):
-    """Exactly that size, with the colour bar beside the picture."""
+    """The animation has exactly the requested size, with the colour bar next to the picture."""
     options = Figures(plane=CutPlane((1.0, 1.0, 0.0)), colour_map="plasma")
     directory = {"chain": chain, "packing": packing}[name]
     write_film(directory, tmp_path / "a.gif", view=view, size=(320, 180), options=options)
@@ -141,7 +141,7 @@ def test_films_of_a_given_size(packing, chain, tmp_path, name, view):
     ("name", "view"), [("packing", "orthogonal"), ("packing", "3d"), ("chain", None)]
 )
 def test_pictures_are_those_of_whole_figures(packing, chain, name, view):
-    """A moving part below a still part gives the picture of the figure drawn as a whole."""
+    """A moving part below a static part gives the same picture as the complete figure."""
     with Result(packing if name == "packing" else chain) as result, style():
         pictures = list(films.film_pictures(scene(result, "force", view), 600))
         for number in (1, len(pictures) - 1):

@@ -1,6 +1,4 @@
-"""Page of a run: what is on it, that it asks the network for nothing, and its controls in a
-browser.
-"""
+"""Page of a run: its content, no network requests, and its controls in a browser."""
 
 from __future__ import annotations
 
@@ -20,7 +18,7 @@ from granwave.analysis import write_result
 from granwave.analysis.result.reader import Result
 from granwave.extensions.pictures.view import page, scene
 from granwave.extensions.pictures.view.scene import LEVELS, fields, instants_of
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
@@ -113,7 +111,7 @@ def test_walls_cuts_and_texts(run, tmp_path):
 
 @pytest.mark.parametrize(("kind", "size"), [("chain", 12), ("square", (5, 5))])
 def test_other_packings(tmp_path, kind, size):
-    """Chains and layers hide nothing: they open uncut."""
+    """Chains and layers have no hidden spheres, and are shown uncut."""
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(kind, size)))
     made = page.write_view(tmp_path)
     assert made.path == tmp_path / "view.html"
@@ -150,7 +148,7 @@ def test_a_chain_has_its_history():
 
 
 def test_fewer_spheres_and_snapshots(run, tmp_path, monkeypatch):
-    """The spheres nearest to the struck one stay, and the page says so."""
+    """The spheres nearest to the impacted sphere are kept, and the page states this."""
     made = page.write_view(run, tmp_path / "a.html", spheres=20, frames=3)
     assert (made.n_spheres, made.n_frames) == (20, 3)
     assert "the 20 spheres nearest to the impacted sphere, of 144, 3 of 4 snapshots" in made.note
@@ -181,7 +179,7 @@ def test_colours_and_limits_of_the_case(run):
 
 
 def test_only_data_is_loaded(run, tmp_path):
-    """The page forbids itself whatever is not in it."""
+    """The page forbids all external content."""
     text = page.write_view(run, tmp_path / "a.html").path.read_text(encoding="utf-8")
     (policy,) = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]+)"', text)
     assert policy.startswith("default-src 'none'") and "http" not in policy and "*" not in policy

@@ -1,11 +1,13 @@
-"""Products that cannot be made here are said before the run, and cost no result after it."""
+"""Products that cannot be made on this machine are reported before the run, and do not affect its
+results.
+"""
 
 from __future__ import annotations
 
 import pytest
 
 from granwave.analysis import pipeline
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.checks import products
 from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.extensions import WITHOUT

@@ -1,4 +1,4 @@
-"""Exports to ParaView and OVITO: their values are bitwise those of result.h5."""
+"""Exports to ParaView and OVITO: their values are bitwise identical to result.h5."""
 
 from __future__ import annotations
 
@@ -39,7 +39,9 @@ def arrays_of(data):
 
 
 def read_vtp(path):
-    """Points, connectivity, and the arrays of points, cells and the file, as ParaView reads them."""
+    """Points, connectivity, and the arrays of points, cells and the file, in the form that ParaView
+    reads.
+    """
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 

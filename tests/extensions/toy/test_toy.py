@@ -1,7 +1,7 @@
 """An extension from outside adds a lattice, a load, a value, a figure and a command.
 
-Its sources are those of the page "Your own extension". They are installed into a folder of their
-own, as pip leaves a package: the modules, and a dist-info with the entry point.
+The page "Write an extension" shows its sources. They are installed into a separate folder in the
+form of a package installed by pip: the modules, and a dist-info with the entry point.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def install(site: Path, name: str, folder: Path = HERE / "toy") -> None:
 
 @pytest.fixture(scope="module")
 def granwave(tmp_path_factory: pytest.TempPathFactory) -> Granwave:
-    """Function that runs a command of granwave where the toy is installed."""
+    """Function that runs a command of granwave with the toy extension installed."""
     site = tmp_path_factory.mktemp("site")
     install(site, "toy")
     return runner(site)
@@ -70,7 +70,7 @@ def runner(site: Path) -> Granwave:
 
 
 def output(done: subprocess.CompletedProcess) -> str:
-    """Return what a command printed; it must have ended well."""
+    """Return the output of a command, which must have succeeded."""
     assert done.returncode == 0, done.stdout + done.stderr
     return str(done.stdout)
 
@@ -85,7 +85,7 @@ def folder(granwave: Granwave, tmp_path_factory: pytest.TempPathFactory) -> Path
 
 
 def test_the_page_has_all_files():
-    """Each is included, and no line of a file that is shown in parts is left out."""
+    """Each file is included, and no line of a file that is shown in parts is missing."""
     text = PAGE.read_text(encoding="utf-8")
     for path in (HERE / "pyproject.toml", HERE / "case.toml", *(HERE / "toy").glob("*.py")):
         assert f"../../{path.relative_to(ROOT)}\n" in text, path.name
@@ -168,7 +168,7 @@ def test_without_it_the_case_is_wrong_and_the_rest_works(granwave, folder):
     ],
 )  # fmt: skip
 def test_clashes_and_faults_name_the_extension(tmp_path, field, message):
-    """One message, before anything is run; it says how to leave the extension out."""
+    """A single message before anything is run; it explains how to disable the extension."""
     site = tmp_path / "site"
     install(site, "toy")
     other = tmp_path / "other"

@@ -1,4 +1,4 @@
-"""Bands against closed forms, the theory of lines, and speeds that runs gave."""
+"""Bands compared with closed forms, the theory of lines, and speeds of runs."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def test_diatomic_chain():
     ],
 )
 def test_tunnel_of_cylinders(stiffness, acoustic, low, high, third):
-    """Thesis 7.12 put right: spheres with a pair of cylinders in each gap, between two walls,
+    """Thesis 7.12, corrected: spheres with a pair of cylinders in each gap, between two walls,
     within 0.2 %.
     """
     between, beside, wall = stiffness
@@ -182,8 +182,8 @@ def test_fcc_under_pressure_from_all_sides():
 
 
 def test_square_with_friction_turns():
-    """Springs of Mindlin hold a square lattice: transverse waves, and rotations with a cut-on at 8
-    k_t (R/..)/I.
+    """Mindlin's springs stabilise a square lattice: transverse waves, and rotations with a cut-on
+    at 8 k_t (R/..)/I.
     """
     case = endless("square", [5, 5], ALL_ROUND, contact={"law": "hertz", "friction": 0.3})
     found = band_structure(assemble(case), "0,0,0; 314.159265358979,0,0", points=3)
@@ -289,7 +289,8 @@ def test_floppy_modes_are_left_blank_where_allowed():
 
 
 def test_bcc_under_pressure_buckles():
-    """Eight contacts hold no shear of the cube; the static force F/d of each then makes it grow.
+    """Eight contacts do not resist shear of the cube; the static force F/d of each contact then
+    makes it grow.
 
     k along [110], moving along [1-10]: nothing but -F/d of the four contacts along [11z] remains.
     """
@@ -313,7 +314,9 @@ def test_bcc_under_pressure_buckles():
 
 
 def test_beads_that_roll_like_gears_are_named():
-    """Neighbours that turn against each other slip nowhere, so that friction does not hold them."""
+    """Neighbours that rotate in opposite directions do not slip, so that friction does not
+    stabilise them.
+    """
     case = endless("square", [4, 4], ALL_ROUND, contact={"law": "hertz", "friction": 0.3})
     with pytest.raises(
         InputError, match=r"1 of 3 modes .* 100 % rotating about z .like gears.* rotation = true"

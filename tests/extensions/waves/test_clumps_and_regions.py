@@ -1,4 +1,4 @@
-"""Clumps and walls of regions, which small waves do not know."""
+"""Clumps and walls of regions, which small waves do not support."""
 
 from __future__ import annotations
 

@@ -100,8 +100,8 @@ def test_python_gives_datasets(row):
 
 
 def test_a_finished_run_serves_as_a_case(row, capsys):
-    """The state that its static stage left; bands, and modes with its wall, as computed from the
-    case.
+    """The state after the static stage; bands, and modes with the wall, agree with those computed
+    from the case.
     """
     run = gw.run("row.toml", run__end_time=2e-6, run__frames=2, load__velocity=1e-3, progress=False)
     np.testing.assert_allclose(gw.bands(run).frequency, gw.bands("row.toml").frequency, rtol=1e-6)

@@ -91,8 +91,8 @@ def test_a_longer_cell_folds_the_bands():
 
 
 def test_filter_row_is_in_static_balance():
-    """Thesis 7.1, gamma 0.56, a = 8e-4: each wall bears 29.668 N of each cylinder, which moves
-    3.60653 um.
+    """Thesis 7.1, gamma 0.56, a = 8e-4: each wall carries 29.668 N from each cylinder, which moves
+    by 3.60653 um.
     """
     n = 5
     case = load_case("filter-row", {"packing.size": n, "load.index": [2], "hold": [{"index": [1, n]}],
@@ -115,7 +115,7 @@ def pile(
     friction: float = 0.0,
     **more,
 ):
-    """Endless pile of grains (z, diameter, shape, length, axis) that repeats along z, under a
+    """Infinite pile of grains (z, diameter, shape, length, axis), periodic along z, under a
     force.
     """
     text = "x,y,z,diameter,shape,length,axis_x,axis_y,axis_z\n" + "".join(
@@ -130,8 +130,8 @@ def pile(
 
 
 def row_of_cylinders(friction: float, law: str = "line", diameters=(0.006,)):
-    """Endless row of parallel cylinders along z under 50 N, which move along x and z and turn about
-    y.
+    """Infinite chain of parallel cylinders along z under 50 N, which move along x and z and rotate
+    about y.
     """
     places = np.cumsum(diameters) - np.array(diameters) / 2
     grains = [
@@ -176,7 +176,7 @@ def test_row_of_parallel_cylinders(law):
 
 
 def test_sizes_of_lines_have_laws_of_their_own():
-    """Two diameters in turn: alternating masses, and the springs of unlike radii."""
+    """Two alternating diameters: alternating masses, and springs of dissimilar radii."""
     case = row_of_cylinders(0.0, "hertz", (0.006, 0.003))
     springs = cell_state(assemble(case)).network.turned_off("z").springs
     contact = pair_contact(case, 1, 2)
@@ -188,8 +188,8 @@ def test_sizes_of_lines_have_laws_of_their_own():
 
 
 def test_crossed_cylinders_move_along_their_axes_without_force():
-    """A pile of crossed cylinders: the static force neither turns nor resists a shift along an
-    axis.
+    """A pile of crossed cylinders: the static force does not rotate, and does not resist a shift
+    along an axis.
     """
     case = pile("0.002,0.004,cylinder,0.02,1,0,0", "0.007,0.006,cylinder,0.02,0,1,0")
     network = cell_state(assemble(case)).network

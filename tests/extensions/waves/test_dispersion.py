@@ -10,7 +10,7 @@ import pytest
 from granwave.analysis import write_result
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.case.run import usual_figure_names
+from granwave.lammps_inputs.case.figures import usual_figure_names
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
 from tests.helpers.made_up import synthetic
@@ -29,7 +29,7 @@ CHAIN = {
 
 @pytest.fixture(scope="module")
 def chain(tmp_path_factory):
-    """Directory of a run of a chain under 20 N, hit weakly."""
+    """Directory of a run of a chain under 20 N with a weak impact."""
     directory = tmp_path_factory.mktemp("dispersion") / "run"
     run_case(case_from_dict(CHAIN), directory, figures=False)
     return directory
@@ -42,7 +42,7 @@ def drawn(directory):
 
 
 def test_the_ridge_of_a_run_is_the_band_of_its_static_state(chain):
-    """And the band is 2 sqrt(k/m) |sin(k D/2)|, with the stiffness of Hertz's law under 20 N. Near
+    """The band is 2 sqrt(k/m) |sin(k D/2)|, with the stiffness of Hertz's law under 20 N. Near
     the edge of the zone the short record bends the ridge by 1.1 %.
     """
     columns = drawn(chain).columns

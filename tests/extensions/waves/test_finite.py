@@ -1,5 +1,5 @@
-"""Modes and transmission of finite packings and slabs against closed forms; states of cases and of
-runs; space-time transform.
+"""Modes and transmission of finite packings and slabs compared with closed forms; states of cases
+and of runs; space-time transform.
 """
 
 from __future__ import annotations
@@ -51,7 +51,9 @@ def test_modes_of_a_chain_with_one_end_held():
 
 
 def test_density_of_states_of_many(monkeypatch):
-    """By moments it is that of all modes, smoothed: the same share below a frequency."""
+    """From moments the density of states is that of all modes, smoothed: the same fraction is below
+    a frequency.
+    """
     state = packing_state(
         assemble(
             endless(
@@ -90,8 +92,8 @@ def test_transmission_of_a_chain():
 
 
 def test_matched_end_and_layer_do_not_reflect():
-    """All beads move alike, and the phase is that of the wave; a matched end is exact, to the
-    highest frequencies.
+    """All beads have the same amplitude, and the phase of the wave; a matched end is exact up to
+    the highest frequencies.
     """
     network = chain(160, "wall").network
     for end, tolerance, frequency in (
@@ -109,7 +111,7 @@ def test_matched_end_and_layer_do_not_reflect():
 
 
 def test_turning_as_a_whole_costs_nothing():
-    """Grains with tangential springs that turn together as a rigid body; the static force turns
+    """Grains with tangential springs that rotate together as a rigid body; the static force rotates
     with them.
     """
     rng = np.random.default_rng(2)
@@ -198,7 +200,7 @@ def test_effective_masses_of_dashpots(driven, tables, masses):
 
 
 def test_bcc_between_walls_buckles():
-    """The balance of even forces is found, and the modes that leave it are counted."""
+    """The equilibrium of equal forces is found, and its unstable modes are counted."""
     load = {"kind": "uniaxial", "pressure": 1e6}
     state = packing_state(
         assemble(endless("bcc", [4, 4, 6], load, boundary={"sides": "periodic", "bottom": "wall"}))
@@ -209,7 +211,7 @@ def test_bcc_between_walls_buckles():
 
 
 def test_a_bottom_that_is_a_damper():
-    """Two beads, of closed form: the second between the driven one and a plate without mass on a
+    """Two beads in closed form: the second is between the driven bead and a massless plate on a
     damper.
     """
     case = endless("chain", 2, AXIAL, boundary={"bottom": {"damper": {"damping": 40.0}}})
@@ -236,8 +238,8 @@ def test_a_bottom_that_is_a_damper():
 
 @pytest.mark.parametrize("n", [4_100, 20_000])
 def test_static_states_of_long_chains(n):
-    """As many iterations as beads would be needed, and beads that move far together are no large
-    step.
+    """Otherwise the iterations would grow with the number of beads; beads that move far together do
+    not count as a large step.
     """
     state = packing_state(assemble(load_case("precompressed-chain", [f"packing.size={n}"])))
     assert state.residual < 1e-6 and len(state.network.springs) == n - 1
@@ -265,7 +267,9 @@ def layers(kind="fcc", size=(3, 4, 4), **changes):
     "load", [{"kind": "uniaxial", "pressure": 1e6}, {"kind": "gravity", "acceleration": 9.81}]
 )
 def test_modes_of_a_packing_are_bands_of_its_column(load):
-    """At the wave vectors that fit into a packing with periodic sides; under its own weight too."""
+    """Modes at the wave vectors that are compatible with periodic sides, also under the weight of
+    the packing.
+    """
     case = layers(precompression=load)
     own = cell_state(assemble(case), slab=True)
     whole = packing_state(assemble(case))
@@ -280,8 +284,8 @@ def test_modes_of_a_packing_are_bands_of_its_column(load):
 
 
 def test_columns_on_a_rigid_wall():
-    """Simple cubic under a load along z: each column is a row that ends at the wall, and nothing
-    couples them.
+    """Simple cubic under a load along z: each column is an independent chain that ends at the
+    wall.
     """
     found = band_structure(
         assemble(layers("sc", (3, 3, 3), contact={"law": "hertz"})),
@@ -368,7 +372,7 @@ def test_attenuation_from_the_faces_is_that_of_the_whole_cell(monkeypatch, direc
 
 
 def test_attenuation_of_a_long_cell():
-    """A chain of 100 beads as one cell: cosh of half of the decay from bead to bead is f/f_c."""
+    """A chain of 100 beads as one cell: cosh of half the decay per bead is f/f_c."""
     case = load_case("precompressed-chain", {"packing.size": 100, "boundary.bottom": "periodic",
                                              "replace": [{"index": [1], "diameter": 9.52e-3 * (1 + 1e-12)}]})  # fmt: skip
     network = cell_state(assemble(case)).network
@@ -382,8 +386,8 @@ def test_attenuation_of_a_long_cell():
 
 
 def test_ridge_is_the_band_of_the_chain():
-    """A struck line of masses, v_n = J_2n-2 + J_2n of 2 w t: the ridge is w |sin(kh/2)|/pi, within
-    1 %.
+    """An impact on a line of masses, v_n = J_2n-2 + J_2n of 2 w t: the ridge is w |sin(kh/2)|/pi,
+    within 1 %.
     """
     unit = 5e4
     h = 0.01
@@ -414,8 +418,8 @@ def test_uneven_places_are_refused():
 
 
 def test_a_matched_end_keeps_its_side_walls():
-    """A row between walls that hold its beads along it by friction, as springs to the ground: waves
-    above their frequency travel on, slower ones decay from bead to bead, and nothing comes back.
+    """A chain between walls whose friction acts as springs to the ground: waves above their
+    frequency propagate, slower waves decay from bead to bead, and nothing is reflected.
     """
     walls = {"kind": "walls", "x_force": 400.0, "force": 20.0}
     case = endless(

@@ -34,9 +34,7 @@ def small_waves(tmp_path_factory):
 
 
 def test_bands_have_a_report(small_waves):
-    """Speed and edge of the band are those of the dispersion relation; the diagram stands at the
-    top.
-    """
+    """Speed and band edge agree with the dispersion relation; the diagram is at the top."""
     report = build([small_waves], small_waves.parent)
     summary = json.loads((small_waves / "bands.json").read_text())
     edge = math.sqrt(4 * summary["contact_stiffness_N_per_m"] / MASS) / (2 * math.pi)

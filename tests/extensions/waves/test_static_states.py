@@ -1,4 +1,6 @@
-"""Static states of cases against those of runs, for every kind of packing, support and load."""
+"""Static states of cases compared with those of runs, for every kind of packing, support and
+load.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,7 @@ GUIDED = [{"index": [1, 2, 3, 4, 5], "directions": "xy"}]
 
 
 def file_of(places: list[tuple[float, float, float]]) -> dict[str, Any]:
-    """Equal grains at places in diameters, as a packing."""
+    """A packing of equal grains at positions given in diameters."""
     rows = [",".join(repr(D * part) for part in place) + f",{D}" for place in places]
     return {"kind": "file", "grains": "\n".join(["x,y,z,diameter", *rows]) + "\n"}
 
@@ -201,8 +203,8 @@ def test_a_case_has_the_state_of_its_run(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("dents", [{}, {"initial_overlap": 2e-6}])
 def test_contacts_that_yield(dents: dict[str, Any], tmp_path: Path) -> None:
-    """Damped motion overshoots: contacts of the run are up to 0.2 % stiffer. Dents of walls are as
-    deep as those of pairs.
+    """Damped motion overshoots: contacts of the run are up to 0.2 % stiffer. Indentations at walls
+    are as deep as those of pairs.
     """
     law = {"law": "elastoplastic", "friction": 0.3} | dents
     case = case_of(COLUMN, WALLS, boundary=BOX, contact=law)
@@ -322,8 +324,8 @@ def test_states_that_nothing_holds(
 
 @pytest.mark.parametrize("static", [WALLS, PRESSED | {"x_force": 240.0}])
 def test_bands_between_walls_of_friction(static: dict[str, Any], tmp_path: Path) -> None:
-    """The lowest frequency of a row is that of a bead on the springs of its walls; of 24 beads each
-    bears its part of the force on the walls.
+    """The lowest frequency of a row is that of a bead on the springs of its walls; each of 24 beads
+    carries its part of the force on the walls.
     """
     case = case_of(CHAIN | {"size": 24}, static, boundary=BOX, contact=ROUGH)
     own = band_structure(assemble(case), points=5)
@@ -341,8 +343,8 @@ def test_bands_between_walls_of_friction(static: dict[str, Any], tmp_path: Path)
 
 @pytest.mark.parametrize("stiffness", [None, (2e5, 0.3)])
 def test_a_bead_that_resists_rolling_and_twisting(stiffness: tuple[float, float] | None) -> None:
-    """On a wall under 20 N: it slides and rolls on springs of friction and of rolling, and turns
-    about the normal on that of twisting.
+    """On a wall under 20 N a sphere slides and rolls on the springs of friction and rolling, and
+    rotates about the normal on the spring of twisting.
     """
     rolling: dict[str, Any] = {"coefficient": 0.01}
     twisting: dict[str, Any] = {"coefficient": 1e-5}
@@ -386,7 +388,9 @@ def test_damping_of_rolling_is_no_part_of_a_steady_motion() -> None:
 
 
 def test_a_bead_rolls_in_a_run_as_its_modes_say(tmp_path: Path) -> None:
-    """Spun about y on its wall, a bead moves along x at both frequencies of sliding and rolling."""
+    """A bead with a spin about y on its wall moves along x at both frequencies of sliding and
+    rolling.
+    """
     contact = ROUGH | {"rolling": {"coefficient": 0.05, "stiffness": 2e6}}
     case = case_of(
         file_of([(0.0, 0.0, 0.0)]),
@@ -411,7 +415,7 @@ def test_a_bead_rolls_in_a_run_as_its_modes_say(tmp_path: Path) -> None:
 
 
 def test_five_steel_beads_along_their_row() -> None:
-    """26.0 to 44.3 kHz, as a run gave before: sliding along the walls, and turning."""
+    """26.0 to 44.3 kHz, as in an earlier run: sliding along the walls, and rotation."""
     case = case_of(COLUMN, WALLS, boundary=BOX, contact=ROUGH, material="steel")
     network = packing_state(assemble(case)).network
     assert (len(network.springs), len(network.supports)) == (4, 21)

@@ -1,7 +1,7 @@
-"""States of a plane crystal of soft cylinders under a falling plate, with known contact forces, of
-the solver in `plane_twin`.
+"""States of a plane crystal of soft cylinders under a falling plate, with known contact forces,
+from the solver in `plane_twin`.
 
-Across and down, as in that solver; SI units, all per metre of length.
+Coordinates point across and down, as in that solver; SI units, per metre of length.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ class Snapshot:
     Attributes
     ----------
     second
-        Rows of the partners, or -1, -2, -3, -4 for left, right, floor, plate.
+        Indices of the partners, or -1, -2, -3, -4 for left wall, right wall, floor, plate.
     levels
-        Across of the side walls, down of floor and plate, m.
+        Positions of the side walls (across) and of floor and plate (down), m.
     """
 
     position: Array
@@ -70,7 +70,7 @@ class Snapshot:
 
 
 def snapshots(name: str, times: tuple[float, ...]) -> list[Snapshot]:
-    """Drop the plate on a crystal, and return its state at these times, s."""
+    """Drop the plate on a crystal, and return the states at these times, s."""
     discs = Discs(CRYSTALS[name], RADIUS, MODULUS, POISSON, DENSITY, FRICTION, LOSS, PLATE_MASS, PLATE_SPEED,
                   constant_spring=True, reach=3.0)  # fmt: skip
     return [

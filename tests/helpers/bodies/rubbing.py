@@ -56,7 +56,7 @@ def state(lmp, *names) -> dict[str, np.ndarray]:
 
 
 def same(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> None:
-    """Assert that all arrays have the same bits."""
+    """Assert that all arrays are bitwise identical."""
     for name, values in one.items():
         assert np.array_equal(values, other[name]), name
 

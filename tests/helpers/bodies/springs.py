@@ -27,7 +27,7 @@ def network(
     period: float,
     ground: list[tuple[int, tuple[float, float, float], float]] = (),
 ) -> Network:
-    """A row along z of springs without static force: (first, second, cells between, normal,
+    """A chain of springs along z without static force: (first, second, cells between, normal,
     stiffness).
     """
     first, second, image, normal, stiffness = (np.array(one) for one in zip(*pairs, strict=True))

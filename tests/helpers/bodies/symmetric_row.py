@@ -1,16 +1,17 @@
-"""Second solver: symmetric motion of a row of spheres with two cylinders beside some of its gaps,
+"""Second solver: symmetric motion of a chain of spheres with two cylinders at some of its gaps,
 between two walls.
 
-The two cylinders of a gap move alike, so one of them is followed: its place along the row and its
-distance from the axis. Spheres move along the row alone; the first and the last are held, or the
-last rests on a block. Contacts are elastic, and act along the present line of centres:
+The two cylinders of a gap have the same motion, so only one of them is computed: its position along
+the chain and its distance from the axis. Spheres move only along the chain; the first and the last
+are held, or the last rests on a block. Contacts are elastic, and act along the present line of
+centres:
 
     sphere - sphere, cylinder or block   F = K alpha^1.5
     cylinder - wall                      F = alpha L / (V |W(-alpha d/(2 e L^2))|), W: lower branch of Lambert's W
 
-(Puttock & Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9). A wall rubs
-with f F against the velocity of a cylinder along the row; cylinders do not turn. It shares no code
-with granwave.
+(Puttock & Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9). The friction f
+F of a wall opposes the velocity of a cylinder along the chain; cylinders do not rotate. The solver
+shares no code with granwave.
 """
 
 from __future__ import annotations
@@ -65,26 +66,26 @@ def line_force(overlap: float, compliance: float, length: float, diameter: float
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class SymmetricRow:
-    """A row at rest before its walls move in.
+    """A chain at rest before its walls move inwards.
 
     Attributes
     ----------
     place
-        Of the spheres along the row, rising: (n,), m.
+        Positions of the spheres along the chain, rising: (n,), m.
     along, across
-        Places of one cylinder of each pair, along the row and from its axis: (m,), m.
+        Positions of one cylinder of each pair, along the chain and from its axis: (m,), m.
     gap
         Number of the gap of each pair: it may touch the spheres gap and gap + 1, from 0: (m,).
     radius, small, length
-        Of spheres and cylinders, m.
+        Radii of spheres and cylinders, and length of the cylinders, m.
     mass, small_mass
-        Of a sphere and a cylinder, kg.
+        Masses of a sphere and a cylinder, kg.
     sphere_stiffness, side_stiffness
         K between spheres, and between sphere and cylinder, N/m^1.5.
     compliance
         V of cylinder and wall, 1/Pa.
     wall
-        Distance of a wall from the axis, after it moved in, m.
+        Distance of a wall from the axis after its inward displacement, m.
     friction
         f of the walls.
     block_stiffness
@@ -141,7 +142,9 @@ class SymmetricRow:
         )
 
     def at_rest(self) -> Array:
-        """Distances of the cylinders from the axis in balance between wall and spheres: (m,), m."""
+        """Distances of the cylinders from the axis in equilibrium between wall and spheres: (m,),
+        m.
+        """
         found = self.across.copy()
         for pair, (gap, along, across) in enumerate(
             zip(self.gap, self.along, self.across, strict=True)
@@ -169,7 +172,7 @@ class SymmetricRow:
         return found
 
     def wall_force(self) -> Array:
-        """Forces on a wall in balance, by pair: (m,), N."""
+        """Forces on a wall in equilibrium, by pair: (m,), N."""
         return np.array(
             [
                 line_force(y + self.small - self.wall, self.compliance, self.length, 2 * self.small)
@@ -180,15 +183,18 @@ class SymmetricRow:
     def struck(
         self, sphere: int, velocity: float, end: float, step: float = 5e-8
     ) -> tuple[Array, Array]:
-        """Largest force of each contact, N, and its time, s, after a sphere, from 0, got a velocity."""
+        """Largest force of each contact, N, and its time, s, for an initial velocity of one sphere
+        (counted from 0).
+        """
         time, force, _ = self.motion(sphere, velocity, end, step)
         return force.max(axis=0), time[force.argmax(axis=0)]
 
     def motion(
         self, sphere: int, velocity: float, end: float, step: float = 5e-8
     ) -> tuple[Array, Array, Array]:
-        """Instants, s, and forces of the contacts of spheres, N: (n_times,), (n_times, n - 1), after
-        a sphere, from 0, got a velocity (velocity Verlet); displacements at the end, m: (n,).
+        """Times, s, and forces of the contacts of spheres, N: (n_times,), (n_times, n - 1), for an
+        initial velocity of one sphere, counted from 0 (velocity Verlet); displacements at the end,
+        m: (n,).
         """
         n_steps = math.ceil(end / step)
         step = end / n_steps
@@ -215,8 +221,8 @@ def soft_material(case: Case) -> Material:
 
 
 def _grains_of(case: Case) -> tuple[Array, Array, Array, float, float]:
-    """Places of the spheres along the row; of one cylinder of each pair its place along the row and
-    its distance from the axis; radius and length of the cylinders (0 without any).
+    """Positions of the spheres along the chain; position along the chain and distance from the axis
+    of one cylinder of each pair; radius and length of the cylinders (0 without any).
     """
     grains = case.packing.grains
     if grains is None:

@@ -1,4 +1,4 @@
-"""A sphere thrown at walls in LAMMPS: its radius, its steps, and its state."""
+"""A sphere that hits walls in LAMMPS: its radius, its steps, and its state."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STEP = 2e-8
 
 
 def thrown(lmp: Any, place: Any, velocity: Any, steps: int, walls: str) -> None:
-    """Throw a sphere at walls, which are the last fixes."""
+    """Run a sphere that hits walls, which are the last fixes."""
     text = script_of(
         [place],
         radius=R,
@@ -27,5 +27,5 @@ def thrown(lmp: Any, place: Any, velocity: Any, steps: int, walls: str) -> None:
 
 
 def state(lmp: Any) -> np.ndarray:
-    """Place, velocity and spin of the sphere."""
+    """Position, velocity and spin of the sphere."""
     return np.concatenate([lmp.numpy.extract_atom(name)[0] for name in ("x", "v", "omega")])

@@ -1,5 +1,5 @@
-"""Two touching spheres and their LAMMPS output; free spheres with a load on them, and the balance
-of its work.
+"""Two touching spheres and their LAMMPS output; free spheres under a load, and its energy
+balance.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def collide(lmp, speed=2.0, steps=20000, **options):
 
 
 def restitution(lmp, speed=2.0) -> float:
-    """Coefficient of restitution of that collision."""
+    """Coefficient of restitution of the collision of the two spheres."""
     return (value(lmp, "vz[2]") - value(lmp, "vz[1]")) / speed
 
 

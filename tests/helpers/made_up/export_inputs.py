@@ -37,7 +37,7 @@ def write_periodic_run(directory: Path) -> Path:
 
 
 def write_chain_run(directory: Path) -> Path:
-    """Run of LAMMPS of a chain in front of a bar, with output over time."""
+    """LAMMPS run of a chain in front of a bar, with output over time."""
     bar = {"length": 0.1, "area": 1e-4, "elements": 20, "material": "steel"}
     return _run(
         synthetic.make_case("chain", 6, run={"end_time": 1e-4, "frames": 2}, output={}, bar=bar),

@@ -1,5 +1,5 @@
 """Files of runs on the disk: summaries, and runs that tests damage, without the checksums that
-would tell it first.
+would detect the damage first.
 """
 
 from __future__ import annotations

@@ -59,13 +59,13 @@ def make_case(
 
 
 def write_run(directory: Path, case: Case, dent: float = DENT) -> Path:
-    """Write a run in which every touching pair has a dent that decreases with the distance from the
-    struck sphere.
+    """Write a run in which every touching pair has an indentation that decreases with the distance
+    from the impacted sphere.
 
-    With friction every contact also has a frictional loss of `RUBBED` times its plastic loss; with
-    ``contact.initial_overlap`` each has such an initial dent. Displacements of sphere n at frame m
-    are (m n, 0, m) 1e-9 m; a contact at the distance d from the struck sphere was first loaded at d
-    / (1000 m/s).
+    With friction every contact also has a frictional dissipation of `RUBBED` times its plastic
+    dissipation; with ``contact.initial_overlap`` each has this initial indentation. Displacements
+    of sphere n at frame m are (m n, 0, m) 1e-9 m; a contact at the distance d from the impacted
+    sphere was first loaded at d / (1000 m/s).
     """
     deck = write_deck(case, directory)
     packing = build_packing(case)
@@ -165,7 +165,9 @@ def write_frames(path: Path, positions, contacts, ids, steps: Sequence[int] = (0
 
 
 def write_ledger(path: Path, lost: float, law, rubbed: float = 0.0) -> None:
-    """Ledger of 251 rows that balances up to `BALANCE`; three quarters of the input are dissipated."""
+    """Energy record of 251 rows with an energy balance error of `BALANCE`; three quarters of the
+    input are dissipated.
+    """
     unit = law.yield_force * law.yield_overlap if math.isfinite(law.yield_overlap) else 1e-3
     given = (lost + rubbed) / 0.75 if lost else 8000 * unit
     share = np.linspace(0, 1, 251)

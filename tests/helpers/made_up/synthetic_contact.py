@@ -23,8 +23,8 @@ def write_contact(
     force: float = 1.0,
     material: dict[str, Any] | None = None,
 ) -> Path:
-    """Write a run whose finite elements are 15 % above the law to 10 alpha_y, 5 % below it beyond,
-    and a difference.
+    """Write a run whose finite-element force is 15 % above the law up to 10 alpha_y, 5 % below it
+    beyond, plus a given difference.
     """
     folder.mkdir()
     overlap = np.geomspace(0.3 * YIELD, 0.2 * RADIUS, 2000)

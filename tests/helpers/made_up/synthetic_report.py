@@ -1,4 +1,4 @@
-"""Runs and scans that no engine made, for reports of them, and ways to look into a report."""
+"""Synthetic runs and scans for reports, and functions that read parts of a report."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def write_inputs(directory: Path) -> list[Path]:
 
 
 def nasty_inputs(directory: Path) -> list[Path]:
-    """A run and a scan, all of whose texts would break a page that takes them as they are."""
+    """A run and a scan whose texts would break a page that does not escape them."""
     run = write_run(directory / "a<b>&'c", name=NASTY, end_reason=NASTY, versions={NASTY: NASTY})
     draw(run, 'x<y>"&')
     case = (run / "case.toml").read_text() + f"[{json.dumps('<i>')}]\nx = {json.dumps(NASTY)}\n"
@@ -102,12 +102,12 @@ def nasty_inputs(directory: Path) -> list[Path]:
 
 
 def build(directories: Sequence[Path], base: Path, *studies: str) -> Report:
-    """The content of their report, with studies beside those that scans name."""
+    """The content of their report, with studies in addition to those that scans name."""
     return build_report(read_inputs(directories, base), studies)
 
 
 def blocks(report: Report, slug: str) -> list:
-    """Blocks of a section, those of its groups included."""
+    """Blocks of a section, including the blocks of its groups."""
     section = next(section for section in report.sections if section.slug == slug)
     found = []
     for block in section.blocks:

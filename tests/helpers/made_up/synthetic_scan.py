@@ -1,4 +1,4 @@
-"""Directories of scans that no engine made: every number in them follows from the labels."""
+"""Synthetic directories of scans: every number in them follows from the labels."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ def write_scan(
     Parameters
     ----------
     failed
-        Why points failed, by number from 1.
+        Reasons of failed points, by number from 1.
     missing
-        Numbers of points that were never begun.
+        Numbers of points that were never started.
     study
         Studies that the scan names.
     """
@@ -81,7 +81,7 @@ def point_id(labels: Labels) -> str:
 
 
 def finish_point(folder: Path, labels: Labels) -> None:
-    """Write what a finished run leaves, as far as a scan reads it."""
+    """Write the files of a finished run that a scan reads."""
     case = case_of(labels)
     (folder / "case.toml").write_text(case.to_toml(), encoding="utf-8")
     write_json(folder / "point.json", {"state": "finished", "attempts": 1, "reason": None})
@@ -144,5 +144,5 @@ def summary_of(case: Case) -> dict[str, Any]:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write a file as the engine does."""
+    """Write a file in the format of the scan engine."""
     path.write_text(json.dumps(content), encoding="utf-8")

@@ -1,1 +1,1 @@
-"""Programs that tests start or look at: a browser, a cluster, the command line, scripts."""
+"""Programs that tests start or observe: a browser, a cluster, the command line, scripts."""

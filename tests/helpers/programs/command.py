@@ -19,8 +19,8 @@ from granwave.workflows.cli.main import main
 def command(
     words: Sequence[str], folder: Path, capfd: pytest.CaptureFixture[str]
 ) -> subprocess.CompletedProcess[str]:
-    """Run ``granwave`` with these words in a folder, as a process of its own would, but a second
-    sooner.
+    """Run ``granwave`` with these words in a folder, as in a separate process but a second
+    faster.
     """
     capfd.readouterr()
     with pytest.MonkeyPatch.context() as patch, _started_anew():

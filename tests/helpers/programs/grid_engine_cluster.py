@@ -70,7 +70,9 @@ SCHEDULE = {"schedule_interval": "0:0:1", "flush_submit_sec": "1", "flush_finish
 
 @pytest.fixture(scope="module")
 def grid_engine() -> Iterator[dict[str, str]]:
-    """Environment of the commands of a cluster; skip if none is possible here."""
+    """Environment of the commands of a cluster; skip if a cluster cannot be started on this
+    machine.
+    """
     with (Path(tempfile.gettempdir()) / "granwave-test-gridengine.turn").open("w") as turn:
         fcntl.flock(turn, fcntl.LOCK_EX)
         if reason := _missing():

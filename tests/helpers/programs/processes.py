@@ -37,7 +37,7 @@ def children(process: int) -> list[int]:
 
 
 def alive(process: int) -> bool:
-    """Return True for a process that is there and has not ended."""
+    """Return True for an existing process that has not ended."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:

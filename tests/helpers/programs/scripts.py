@@ -1,4 +1,4 @@
-"""Rows and pictures of scripts of the reproductions, of runs made by tests."""
+"""Rows and pictures of scripts of the reproductions, from runs of tests."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def study_of(script: str, runs: Sequence[gw.Run]) -> Study:
 
 
 def row(study: Study, start: str) -> Row:
-    """Return the row whose quantity begins so."""
+    """Return the row whose quantity begins with a text."""
     (found,) = [row for row in study.rows if row.quantity.startswith(start)]
     return found
 

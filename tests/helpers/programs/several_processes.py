@@ -11,7 +11,7 @@ from granwave.lammps_inputs.processes import Processes
 
 
 class SeveralProcesses(Processes):
-    """So many processes, which work on tasks in turn; to be used in a ``with`` block."""
+    """Processes that work on tasks in turn; to be used in a ``with`` block."""
 
     def __init__(self, number: int) -> None:
         self.number = number

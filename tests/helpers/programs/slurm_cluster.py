@@ -42,8 +42,8 @@ WORKING = {"idle", "mixed", "allocated", "completing"}  # states of a node
 
 @pytest.fixture(scope="module")
 def slurm() -> Iterator[tuple[str, ...]]:
-    """Names of the nodes of a cluster, for the tests of one module at a time; skip if none is
-    possible here.
+    """Names of the nodes of a cluster, for the tests of one module at a time; skip if a cluster
+    cannot be started on this machine.
     """
     with (Path(tempfile.gettempdir()) / "granwave-test-slurm.turn").open("w") as turn:
         fcntl.flock(turn, fcntl.LOCK_EX)
@@ -180,7 +180,7 @@ def _is_up() -> bool:
 
 
 def _remove() -> None:
-    """Undo a start, whole or not."""
+    """Undo a complete or incomplete start."""
     state = _state()
     if state is None:
         return
@@ -209,7 +209,7 @@ def _remove() -> None:
 
 
 def _process(state: Path, name: str) -> int | None:
-    """Process of a daemon of ours, None if it has ended: the number in the pid file must still
+    """Process of one of our daemons, None if it has ended: the number in the pid file must still
     belong to that program.
     """
     try:
@@ -223,7 +223,9 @@ def _process(state: Path, name: str) -> int | None:
 
 
 def _state() -> Path | None:
-    """State directory of the cluster that slurm.conf describes, None without a slurm.conf of ours."""
+    """State directory of the cluster that slurm.conf describes, None without a slurm.conf that
+    these tests wrote.
+    """
     with contextlib.suppress(OSError):
         first = CONF.read_text().partition("\n")[0]
         return Path(first.removeprefix(MARK)) if first.startswith(MARK) else None

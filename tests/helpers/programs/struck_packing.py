@@ -1,8 +1,8 @@
-"""An fcc packing struck by a sphere, computed by LAMMPS with its own law ``mdr`` or with ours: the
-comparison of docs/explanation/contact-law.md.
+"""An impact of a sphere on an fcc packing, computed by LAMMPS with its own law ``mdr`` or with
+ours: the comparison of docs/explanation/contact-law.md.
 
 Brass spheres of 5 mm radius without friction or damping; the bottom layer is held, and the sides
-are free. The impactor is one more sphere, which hits a sphere of the surface head-on.
+are free. The impactor is an additional sphere, which hits a sphere of the surface head-on.
 """
 
 from __future__ import annotations

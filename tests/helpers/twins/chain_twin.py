@@ -1,4 +1,4 @@
-"""Independent solver of chains of spheres between walls or elastic bars, in numpy: for tests and
+"""Independent solver for chains of spheres between walls or elastic bars, in numpy: for tests and
 comparison only.
 
 A chain is a row of nodes connected by links: beads by contacts, the nodes of a bar by linear
@@ -103,7 +103,7 @@ class Hertz:
         self.peak = np.zeros(len(stiffness))
 
     def force(self, overlap: np.ndarray) -> np.ndarray:
-        """Forces at these overlaps, which become history."""
+        """Return the forces at these overlaps, which become part of the history."""
         pressed = np.maximum(overlap, 0.0)
         np.maximum(self.peak, pressed, out=self.peak)
         return self.k * pressed * np.sqrt(pressed)
@@ -113,12 +113,12 @@ class Hertz:
         return 0.4 * self.k * np.maximum(overlap, 0.0) ** 2.5
 
     def dissipated(self) -> np.ndarray:
-        """Energy lost for good, J."""
+        """Dissipated energy, J."""
         return np.zeros(len(self.k))
 
 
 class Bilinear:
-    """Bilinear law of Walton and Braun; ``beta`` is residual over largest overlap."""
+    """Bilinear law of Walton and Braun; ``beta`` is residual / largest overlap."""
 
     def __init__(
         self, stiffness, radius, modulus, strength, beta: float = 0.8, slope: float = 18.5
@@ -129,7 +129,7 @@ class Bilinear:
         self.peak = np.zeros(len(self.k))
 
     def force(self, overlap):
-        """Forces at these overlaps, which become history."""
+        """Return the forces at these overlaps, which become part of the history."""
         np.maximum(self.peak, overlap, out=self.peak)
         return self.unloading * np.maximum(overlap - self.beta * self.peak, 0.0)
 
@@ -138,7 +138,7 @@ class Bilinear:
         return 0.5 * self.unloading * np.maximum(overlap - self.beta * self.peak, 0.0) ** 2
 
     def dissipated(self):
-        """Energy lost for good, J."""
+        """Dissipated energy, J."""
         return 0.5 * self.k * self.beta * self.peak**2
 
 
@@ -187,7 +187,7 @@ class Elastoplastic(Hertz):
             self.exponent[young] = np.maximum(law.n, steep)
 
     def force(self, overlap):
-        """Forces at these overlaps, which become history."""
+        """Return the forces at these overlaps, which become part of the history."""
         force = super().force(overlap)
         (k,) = np.nonzero((self.peak > self.yield_overlap) & (overlap > 0))
         if len(k):
@@ -215,7 +215,7 @@ class Elastoplastic(Hertz):
         return energy
 
     def dissipated(self):
-        """Energy lost for good, J."""
+        """Dissipated energy, J."""
         energy = np.zeros(len(self.k))
         (k,) = np.nonzero(self.highest)
         back = self.top[k] * (self.highest[k] - self.rest[k]) / (self.exponent[k] + 1)

@@ -1,10 +1,10 @@
-"""An independent solver of crystals of discs in the plane: numpy alone, no code shared with the
-package or the plugin.
+"""An independent solver for plane crystals of discs, in numpy: it shares no code with the package
+or the plugin.
 
-Per metre of the cylinders: line contacts in plane strain (Johnson, 1985, eq. 5.57), a loss time,
-Coulomb friction with a tangential spring, plane motion with rotation, rigid walls left, right and
-below, and a rigid plate on the top that moves along z. z points down, as in the package. Fixed
-steps of velocity Verlet.
+All values are per metre of the cylinders. It has line contacts in plane strain (Johnson, 1985, eq.
+5.57), a relaxation time, Coulomb friction with a tangential spring, plane motion with rotation,
+rigid walls left, right and below, and a rigid plate on the top that moves along z. z points down,
+as in the package. The integration is velocity Verlet with a fixed timestep.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class Discs:
     constant_spring
         True for a tangential spring whose stiffness does not follow the contact.
     reach
-        Distance up to which grains may meet later, in radii.
+        Distance within which grains may touch later, in radii.
     """
 
     centres: np.ndarray
@@ -128,8 +128,8 @@ class Discs:
         self.dt = 0.02 / np.sqrt(8 * 1.2 * plain / 2 / self.mass)
 
     def forces(self, dt: float) -> tuple[np.ndarray, np.ndarray, float]:
-        """Return forces, torques and the force on the plate; with ``dt`` springs advance and losses
-        are counted.
+        """Return forces, torques and the force on the plate; with ``dt`` springs advance and
+        dissipated energies are summed.
         """
         r = self.radius
         n = self.n

@@ -1,5 +1,5 @@
-"""Viscoelastic contacts in two other ways: by a solver of ordinary differential equations of scipy,
-and as a foundation of many springs, each of which relaxes.
+"""Viscoelastic contacts computed in two independent ways: by a solver of ordinary differential
+equations of scipy, and as a foundation of many springs, each of which relaxes.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ def relaxation(branches: Branches, time: NDArray) -> NDArray:
 def collision(
     law: Callable[[float], float], mass: float, speed: float, branches: Branches, longest: float
 ) -> float:
-    """Restitution of two bodies with this effective mass (kg) and force of the law at an overlap.
+    """Restitution of two bodies with this effective mass (kg), for a law that gives the force at an
+    overlap.
 
     The force is P less the weighted delayed forces q, with dq/dt = (P - q)/tau. The collision ends
-    where it vanishes.
+    when the force vanishes.
 
     Parameters
     ----------
@@ -60,7 +61,7 @@ def chain(
     """Largest force of each contact (N), (n - 1,), of ``n`` bodies that just touch, of which the
     first has a speed.
 
-    Where the delayed forces exceed P, the surfaces have parted, and these forces take its place.
+    Where the delayed forces exceed P, the surfaces have separated, and these forces take its place.
     """
     weights, times = np.array(branches).T
     delayed = (n - 1, len(weights))
@@ -92,8 +93,8 @@ def foundation(
     """Force (N) and stored energy (J) of a foundation that a growing overlap (m) presses, each
     (n_times,).
 
-    Hertz's P is the sum of springs that are met one after the other: that which is met at r has the
-    stiffness dk/dr for the overlap beyond r, with the slope k of P.
+    Hertz's P is the sum of springs that touch one after the other: the spring that touches at the
+    overlap r has the stiffness dk/dr for the overlap beyond r, with the slope k of P.
     """
     edges = np.linspace(0.0, overlap.max(), n_springs + 1) ** 2 / overlap.max()
     stiffness = np.diff(1.5 * constant * np.sqrt(edges))

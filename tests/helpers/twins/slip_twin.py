@@ -1,9 +1,9 @@
-"""Partial slip by many springs over the reach of the circle (method of dimensionality reduction),
-without the plugin.
+"""Partial slip by many springs along the diameter of the contact circle (method of dimensionality
+reduction), without the plugin.
 
-Elastic sphere and rigid plane, in space: springs at fixed, equally spaced places, each with its own
-elongation and its own limit by the overlap above it, where the program has a few cells that follow
-the circle.
+Elastic sphere and rigid plane, in space: springs at fixed, equally spaced positions, each with an
+elongation and a limit that follows from the overlap there. The program instead has a few cells that
+follow the circle.
 """
 
 from __future__ import annotations

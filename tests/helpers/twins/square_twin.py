@@ -1,4 +1,4 @@
-"""Independent solver of elastic spheres and planes without friction, by scipy in three dimensions:
+"""Independent solver for elastic spheres and planes without friction, by scipy in three dimensions:
 for tests only.
 """
 
@@ -28,7 +28,7 @@ class Plane:
 
 @dataclasses.dataclass(frozen=True)
 class Spheres:
-    """Spheres of one material: places (n, 3), radii (n,), velocities (n, 3); SI units."""
+    """Spheres of one material: positions (n, 3), radii (n,), velocities (n, 3); SI units."""
 
     place: Array
     radius: Array
@@ -42,7 +42,7 @@ class Spheres:
         return self.density * 4 / 3 * np.pi * self.radius**3
 
     def acceleration(self, place: Array) -> Array:
-        """Hertz's forces of all pairs and planes over the masses: (n, 3)."""
+        """Accelerations by Hertz's forces of all pairs and planes: (n, 3)."""
         apart = place[:, None] - place[None]
         distance = np.linalg.norm(apart, axis=2) + np.eye(len(place))
         both = self.radius[:, None] + self.radius[None]

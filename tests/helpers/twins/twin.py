@@ -149,7 +149,7 @@ class Network:
     pairs
         (n_pairs, 2), indices from 0.
     fixed_normals
-        True: contacts keep the normals of the start.
+        True: contacts keep their initial normals.
     held
         Indices of spheres that do not move.
     """
@@ -235,5 +235,5 @@ class Network:
         return self.force_y * self.alpha_y * sum(self.law.dissipated(p) for p in yielded)
 
     def largest_force(self) -> float:
-        """Largest force that a contact ever had, N: that of its largest overlap."""
+        """Largest force of a contact so far, N, at its largest overlap."""
         return self.force_y * self.law.loading(float(self.peak.max()))

@@ -1,5 +1,5 @@
-"""Chains of elastic spheres with viscous losses by a solver of ordinary differential equations of
-scipy.
+"""Chains of elastic spheres with viscous damping, solved by scipy's solver of ordinary differential
+equations.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ def power(constant: float, exponent: float) -> Law:
 def forces(
     overlap: NDArray, rate: NDArray, law: Law, mass: float, time: float = 0.0, dashpot: float = 0.0
 ) -> NDArray:
-    """Forces with a loss time, or with the factor of a dashpot; ``mass`` is that of one of two
-    equal spheres.
+    """Forces with a relaxation time, or with the factor of a dashpot; ``mass`` is the mass of one
+    of two equal spheres.
     """
     pressed = np.maximum(overlap, 0.0)
     force, slope = law(pressed)
@@ -37,7 +37,7 @@ def forces(
 
 
 def collision(law: Law, mass: float, speed: float, **loss: float) -> float:
-    """Restitution of two equal bodies of this mass that meet with a speed."""
+    """Restitution of two equal bodies of this mass that collide at a speed."""
     found = chain(law, mass, 2, speed, end=None, **loss)
     return float(found["velocity"][1, -1] - found["velocity"][0, -1]) / speed
 
@@ -45,7 +45,7 @@ def collision(law: Law, mass: float, speed: float, **loss: float) -> float:
 def chain(
     law: Law, mass: float, n: int, speed: float, end: float | None, **loss: float
 ) -> dict[str, NDArray]:
-    """Row of ``n`` bodies that just touch, of which the first has a speed.
+    """Chain of ``n`` bodies that just touch; the first has an initial speed.
 
     Returns
     -------

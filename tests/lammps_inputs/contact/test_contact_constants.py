@@ -112,8 +112,8 @@ def test_what_is_accepted_is_continuous_and_passive(own):
 
 
 def test_exponent_is_raised_as_far_as_it_takes():
-    """Exponents are raised far beyond first yield, with published constants only up to a peak of
-    1.09 alpha_y.
+    """The unloading exponent is increased far beyond first yield; with the published constants only
+    up to a peak of 1.09 alpha_y.
     """
     own = {"residual_slope": 0.1, "residual_offset": 0.1, "unloading_exponent": 1.05}
     compiled = law(**own)
@@ -214,8 +214,8 @@ def test_deck(tmp_path):
 
 
 def test_a_run_with_them(granwave, tmp_path):
-    """Contact with a wall and analysis: energy is balanced, and the loss is not that of the
-    published law.
+    """Contact with a wall and analysis: the energy balance closes, and the dissipation differs from
+    the published law.
     """
     given = [f"--set=contact.{name}={number}" for name, number in OTHER.items()]
     words = (

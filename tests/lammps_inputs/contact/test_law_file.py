@@ -1,4 +1,4 @@
-"""A contact law that is pulled in from another file."""
+"""A contact law that a case reads from another file."""
 
 from __future__ import annotations
 
@@ -39,7 +39,9 @@ def case_file(tmp_path):
 
 
 def test_the_law_of_a_file_next_to_the_case(case_file, tmp_path, monkeypatch):
-    """From any folder; own keys come before those of the file, and its other tables are left."""
+    """The file is read from any folder; keys of the case have precedence, and other tables of the
+    file are ignored.
+    """
     monkeypatch.chdir("/")
     case = load_case(case_file)
     assert (case.contact.law, case.contact.pressure_limit) == ("elastoplastic", 2.3)

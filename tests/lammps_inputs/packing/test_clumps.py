@@ -1,4 +1,4 @@
-"""Clumps in tables and cases: numbers, contacts, the deck, and what is refused."""
+"""Clumps in tables and cases: numbers, contacts, the deck, and rejected input."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Disorder, unlike spheres and initial dents of a packing."""
+"""Disorder, dissimilar spheres and initial indentations of a packing."""
 
 from __future__ import annotations
 
@@ -310,7 +310,7 @@ class TestVacancies:
 
     def test_a_striker_can_sit_in_one(self) -> None:
         """Striker between the two spheres next to a vacancy at the edge of a square packing, as
-        near as diameters permit.
+        close as the diameters permit.
         """
         tables = {"vacancies": [5], "diameter_scatter": 1e-6}
         case = packing_of(
@@ -380,8 +380,8 @@ class TestReplaced:
 
 
 def test_timestep_counts_the_slope_of_dents(tmp_path: Path) -> None:
-    """Unloading is steeper: with dents far beyond the peak overlap the balance closes as well as
-    without.
+    """Unloading is steeper: with indentations far beyond the peak overlap the energy balance closes
+    as well as without.
     """
     changes = {"packing.size": 30, "run.end_time": 2e-4, "run.frames": 2}
     one = load_case("preconditioned-chain", changes | {"contact.initial_overlap": {"force": 1e4}})

@@ -30,7 +30,7 @@ PAIR = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.00999,0.01\n"
 
 
 def rounded(lattice: Lattice, form: str) -> str:
-    """Table of a lattice with numbers of this form."""
+    """Table of a lattice with numbers in this format."""
     rows = []
     for place in lattice.positions(1, lattice.n_spheres).tolist():
         rows.append(",".join(form % value for value in [*place, lattice.diameter]))
@@ -93,7 +93,7 @@ def test_rounding_bounds_the_gaps_of_contacts() -> None:
 
 
 def test_touching_cylinders_and_images() -> None:
-    """Two cylinders along y beside a sphere, and a row that touches its own image."""
+    """Two cylinders along y next to a sphere, and a chain that touches its own image."""
     text = (
         "x,y,z,diameter,length\n0,0,0,0.01,0\n"
         "0.00800001,0.001,0,0.006,0.01\n-0.008,0,1e-8,0.006,0.01\n"

@@ -1,4 +1,4 @@
-"""Grains at places of their own, held grains, chosen grains, and further materials."""
+"""Grains at given positions, held grains, selected grains, and further materials."""
 
 from __future__ import annotations
 
@@ -263,8 +263,8 @@ def test_dents_of_a_tube_are_where_its_grains_touch() -> None:
     ("fcc", "octahedral", 6, 64), ("hcp", "octahedral", 6, 64), ("fcc", "tetrahedral", 4, 128), ("hcp", "tetrahedral", 4, 128),
 ])  # fmt: skip
 def test_grains_in_holes(periodic: bool, kind: str, holes: str, n: int, n_holes: int) -> None:
-    """In endless layers there is one octahedral hole to each sphere of a pair of layers, and two
-    tetrahedral ones.
+    """In periodic layers each sphere of a pair of layers has one octahedral and two tetrahedral
+    holes.
     """
     ratio = {"octahedral": 2**0.5 - 1, "tetrahedral": 1.5**0.5 - 1}[holes]
     tables = case_of(packing={"kind": kind, "size": [4, 4, 5], "diameter": 0.01},
@@ -297,7 +297,7 @@ HOSTILE = [
 @pytest.mark.parametrize("name", HOSTILE)
 def test_any_name_in_one_line_is_read_again(name: str, tmp_path: Path) -> None:
     """Names of materials and groups, in a table of grains, in [[grains]] and [[hold]], and in the
-    case that a run keeps.
+    stored case of a run.
     """
     soft = {"youngs_modulus": 70e9, "poisson_ratio": 0.3, "density": 2700.0, "yield_strength": 3e8}
     quoted = '"' + name.replace('"', '""') + '"'

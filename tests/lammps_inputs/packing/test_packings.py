@@ -1,4 +1,4 @@
-"""Packings and plane crystals: places, contacts, periods, faults."""
+"""Packings and plane crystals: positions, contacts, periods, faults."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Walls of regions in a case: their words, faces, distances, deck and refusals."""
+"""Walls of regions in a case: their words, faces, distances, deck and rejected input."""
 
 from __future__ import annotations
 

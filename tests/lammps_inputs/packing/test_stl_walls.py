@@ -1,4 +1,6 @@
-"""Surfaces of triangles of STL files in a case: units, place, deck, stored case, and refusals."""
+"""Surfaces of triangles of STL files in a case: units, position, deck, stored case, and rejected
+input.
+"""
 
 from __future__ import annotations
 

@@ -77,14 +77,16 @@ def test_behind_a_plane_wave_all_spheres_move() -> None:
 
 
 def test_a_block_is_active_as_a_whole() -> None:
-    """A block of 33 spheres around each row of the wave."""
+    """A block of 33 spheres around each chain that carries the wave."""
     alone = CUBE.active((1, 1, 1), 4.0)[1]
     blocks = dataclasses.replace(CUBE, block=32.0).active((1, 1, 1), 4.0)[1]
     assert alone == pytest.approx(blocks * (1.0 + 2 * 4.0 / 3) / (33.0 + 2 * 4.0 / 3))
 
 
 def test_the_front_of_a_wave_is_a_diamond() -> None:
-    """Half of a square of side 20, halved by the top: an area of 100, and the loaded sphere."""
+    """A square of side 20, halved in both directions by the top: an area of 100, and the loaded
+    sphere.
+    """
     wave = dataclasses.replace(CUBE, block=100.0)  # whole rows
     assert wave.active((1, 1, 1), 10.0)[1] == pytest.approx((100 + 20 + 10 + 1) / 1600, rel=0.02)
     assert wave.active((1, 1, 2), 10.0)[0] == pytest.approx((100 + 20 + 10 + 1) / 1600, rel=0.02)
@@ -104,7 +106,7 @@ MEASURED = {
 
 @pytest.mark.parametrize("costs", MEASURED, ids=["friction", "no friction"])
 def test_waiting_is_that_measured(costs: StepCosts) -> None:
-    """Each within 20 %, all together within 10 %."""
+    """Each time is within 20 %, and their sum within 10 %."""
     assembly = load_assembly(library.find("fcc-impact"), {"packing.size": [48, 48, 24]})
     wave = wave_of(assembly)
     distances = np.linspace(0.0, wave.farthest, 500)

@@ -1,4 +1,4 @@
-"""Files in the forms of other programs and of spreadsheets, each of the same two grains."""
+"""Files in the formats of other programs and of spreadsheets, all with the same two grains."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ with zipfile.ZipFile(SPREADSHEET, "w") as archive:
 
 
 def vtk_51() -> str:
-    """Return a legacy file as ParaView writes it today, with metadata and words."""
+    """Return a legacy file in ParaView's present format, with metadata and words."""
     return (
         "# vtk DataFile Version 5.1\nvtk output\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n"
         "0.01 0.02 0.005 0.01 0.02 0.015 \n\nMETADATA\nINFORMATION 0\n\nVERTICES 3 2\n"
@@ -252,7 +252,9 @@ CLUMPS_OF_OTHERS = {
 
 @pytest.mark.parametrize("name", CLUMPS_OF_OTHERS)
 def test_clumps_of_other_programs(name: str, tmp_path: Path) -> None:
-    """Numbers of any start, and -1 or 0 for grains in none: two grains overlap as one body."""
+    """Clump numbers start anywhere, with -1 or 0 for single grains; two overlapping grains form one
+    body.
+    """
     head, form, numbers = CLUMPS_OF_OTHERS[name]
     rows = [
         form.format(x=x, clump=clump) for x, clump in zip((0.0, 0.009, 0.05), numbers, strict=True)
@@ -283,7 +285,9 @@ def test_decimal_commas_far_below_the_names(tmp_path: Path) -> None:
 
 
 def test_units_of_a_dump_are_above_its_first_step(tmp_path: Path) -> None:
-    """As ``dump_modify units yes`` writes them; in another unit the grains are 100 times as far."""
+    """Dumps with ``dump_modify units yes``; in another unit the grains are 100 times as far
+    apart.
+    """
     grains = read(tmp_path / "g", f"ITEM: UNITS\ncgs\n{DUMP}{DUMP}")
     assert grains.position == pytest.approx(np.array(PLACES) / 100)
     assert "found the units lj" in fault(tmp_path / "lj", f"ITEM: UNITS\nlj\n{DUMP}")
@@ -296,7 +300,9 @@ def test_units_of_a_dump_are_above_its_first_step(tmp_path: Path) -> None:
 def test_units_of_lammps(
     style: str, length: float, velocity: float, density: float, tmp_path: Path
 ) -> None:
-    """Velocities of micro and nano are micrometres a microsecond and nanometres a nanosecond."""
+    """Velocities in the units micro and nano are micrometres per microsecond and nanometres per
+    nanosecond.
+    """
     head = f"LAMMPS data file via write_data, timestep = 0, units = {style}"
     motion = "\nVelocities\n\n1 0 0 7 0 0 0\n2 0 0 0 0 0 0\n"
     grains = read(tmp_path / "g", data(SPHERES, "Atoms # sphere", head) + motion)
@@ -310,7 +316,7 @@ def test_units_of_lammps(
 
 
 def h5md(unit: Any, steps_of_velocity: list[int]) -> bytes:
-    """Return a trajectory of two steps, whose velocities have steps of their own."""
+    """Return a trajectory of two steps, with separate steps for the velocities."""
     content = io.BytesIO()
     with h5py.File(content, "w") as file:
         group = file.create_group("particles/all")
@@ -374,7 +380,7 @@ FAULTS = [
     (lzma.compress(b"x" * 999)[:-40], "found a .xz file that cannot be unpacked"),
     (ARCHIVE.getvalue()[:-40], "found a .zip file that cannot be unpacked"),
     (gzip.compress(b"x" * 999)[:-9], "found a .gz file that cannot be unpacked"),
-    ("version https://git-lfs.github.com/spec/v1\n", "found a pointer of Git LFS"),
+    ("version https://git-lfs.github.com/spec/v1\n", "found a Git LFS pointer"),
     ("<!doctype html><html></html>", "found a web page"),
     (b"CDF\x01" + bytes(99), "found a NetCDF file, expected a file of grains; write the grains"),
     (b"\xf6" + 7 * b"\xff" + b"DUMPCUSTOM" + bytes(99),

@@ -1,4 +1,4 @@
-"""Other tables in the forms that people have: of a load, of a measured contact, of rows alone."""
+"""Other tables in common formats: a load, a measured contact, plain rows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Facts of single programs' files that are more than places and sizes."""
+"""Content of the files of single programs in addition to positions and sizes."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def test_old_particles_of_mfix(row: str, place: list[float], tmp_path: Path) -> 
 
 
 def test_box_and_sizes_of_packing_generation(tmp_path: Path) -> None:
-    """The final solid fraction is that of the grains, whatever diameters the file has."""
+    """The final solid fraction determines the diameters, whatever diameters the file has."""
     path = tmp_path / "packing.xyzd"
     without = read(path, writers.xyzd())
     assert "no file packing.nfo in the folder of the packing" in notes(without)
@@ -155,7 +155,7 @@ def test_spheres_of_packing_generation_in_single_precision(tmp_path: Path) -> No
 
 
 def test_values_of_cells_of_vtk_are_passed_over(tmp_path: Path) -> None:
-    """There may be more or fewer cells than points."""
+    """The number of cells may differ from the number of points."""
     cells = "CELL_DATA 1\nSCALARS pressure float\nLOOKUP_TABLE default\n3\n"
     text = writers.vtk_ascii().replace("POINT_DATA", f"{cells}POINT_DATA")
     grains = read(tmp_path / "grains.vtk", text)
@@ -182,7 +182,7 @@ Particles 2
 
 
 def test_a_restart_file_of_mercury_of_version_2(tmp_path: Path) -> None:
-    """Springs are behind the values of a particle, which has no species."""
+    """Springs follow the values of a particle, which has no species."""
     grains = read(tmp_path / "grains.restart", OF_VERSION_2)
     assert grains.position[:, 2].tolist() == [0.3, 0.4]
     assert grains.spin[0].tolist() == [1, 2, 3]
@@ -215,7 +215,7 @@ def test_particles_of_mercury_without_angles(tmp_path: Path) -> None:
 
 
 def test_velocities_u_v_w(tmp_path: Path) -> None:
-    """As in the tables of MFiX; u alone has no meaning."""
+    """Columns as in the tables of MFiX; `u` without `v` and `w` has no meaning."""
     text = "X,Y,Z,phase_id,diameter,density,U,V,W\n0,0,0,1,.01,1000,1,2,3\n"
     grains = read(tmp_path / "particle_input.csv", text)
     assert grains.velocity.tolist() == [[1, 2, 3]]
@@ -234,5 +234,5 @@ def test_velocities_u_v_w(tmp_path: Path) -> None:
     (b"\x16\0\0\0\0\0\0\0serialization::archive\x12\0", "found a simulation of YADE (O.save)"),
 ])  # fmt: skip
 def test_advice_fits_the_file(text: str | bytes, message: str, tmp_path: Path) -> None:
-    """The columns of the advice are read as they stand there."""
+    """The column names of the advice can be used unchanged."""
     assert message in fault(tmp_path / "grains.txt", text)

@@ -1,4 +1,4 @@
-"""Packings of other programs: every reader gives the grains that were written, to the last bit."""
+"""Packings of other programs: every reader returns the written grains, bitwise."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_grains_of_every_format_are_those_that_were_written(name: str, tmp_path:
 
 
 def test_every_format_has_a_file_here(tmp_path: Path) -> None:
-    """All but ASE, whose formats keep fewer digits."""
+    """All formats except those of ASE, which keep fewer digits."""
     seen = set()
     for name, content in writers.FILES.items():
         path = writers.write(tmp_path / name, content())
@@ -298,7 +298,9 @@ OF_EACH_READER = (
 
 
 def impact(path: Path, directory: Path) -> dict[str, Any]:
-    """Return the summary of a run of the grains of a file, whose velocities are 0 without any."""
+    """Return the summary of a run with the grains of a file, at rest if the file has no
+    velocities.
+    """
     tables = {
         "packing": {"kind": "file", "file": str(path)},
         "material": "brass",

@@ -1,4 +1,4 @@
-"""Tables of text in the forms that people have."""
+"""Text tables in common formats."""
 
 from __future__ import annotations
 

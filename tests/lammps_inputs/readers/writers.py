@@ -1,5 +1,5 @@
-"""The same three grains as files of many programs, made here; places, sizes and velocities keep
-every bit.
+"""The same three grains as files of many programs; positions, sizes and velocities keep every
+bit.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def molecule() -> str:
 
 
 def liggghts_step() -> str:
-    """Return a step of LIGGGHTS, whose type stands twice."""
+    """Return a step of LIGGGHTS, in which the type occurs twice."""
     lines = ["ITEM: TIMESTEP", "100", "ITEM: NUMBER OF ATOMS", "3"]
     lines += ["ITEM: BOX BOUNDS ff ff ff", *map(_numbers, BOX)]
     names = "id type type x y z ix iy iz vx vy vz fx fy fz omegax omegay omegaz radius"
@@ -219,7 +219,7 @@ def xyz() -> str:
 
 
 def _packed(array: np.ndarray) -> bytes:
-    """Return an array as VTK packs it: sizes of its blocks, and a block."""
+    """Return an array in VTK's compressed form: sizes of its blocks, and a block."""
     raw = array.astype("<f8").tobytes()
     block = zlib.compress(raw)
     head = struct.pack("<4I", 1, len(raw), 0, len(block))

@@ -1,4 +1,4 @@
-"""Further fixes: friction of the holder of a chain, damping layers and ends, elastic bars with a
+"""Further fixes: friction of the guide of a chain, damping layers and ends, elastic bars with a
 load and their flat faces.
 """
 
@@ -19,8 +19,8 @@ HOLDER = f"fix holder all gran/holder z {MU} {G}"
 
 
 def beads(lammps, n=1, speed=0.0, extra=HOLDER, dt=1e-6, gap=0.0):
-    """Beads in a row, the first with a speed; the energy is that of the contacts, of motion and of
-    the holder.
+    """A chain of beads, the first with a speed; energies of the contacts, of the motion and of the
+    guide.
     """
     lmp = lammps()
     places = [(0, 0, k * (0.01 + gap)) for k in range(n)]
@@ -32,8 +32,8 @@ def beads(lammps, n=1, speed=0.0, extra=HOLDER, dt=1e-6, gap=0.0):
 
 @pytest.mark.parametrize("dt", [1e-6, 7e-6, 1e-4])
 def test_a_sliding_bead_stops_where_it_must(lammps, dt):
-    """While it slides, the holder took what the motion lost; path v^2/(2 mu g), all kinetic energy
-    is taken; it then rests, exactly.
+    """While a bead slides, the guide dissipates its kinetic energy; after the path v^2/(2 mu g) all
+    of it is dissipated, and the bead is exactly at rest.
     """
     speed = 0.05
     lmp = beads(lammps, speed=speed, dt=dt)
@@ -53,8 +53,8 @@ def test_a_sliding_bead_stops_where_it_must(lammps, dt):
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.999, 1.5])
 def test_a_pulled_bead_is_held_or_slides(lammps, share):
-    """Below the limit it stays exactly where it is and nothing is lost; above, it is accelerated by
-    the difference.
+    """Below the limit the bead stays exactly at rest without dissipation; above, the difference
+    accelerates it.
     """
     pull = "variable pull equal {share}*{MU}*{G}*mass(all)\nfix pull all addforce 0 0 v_pull\n"
     lmp = beads(lammps, extra=pull.format(share=share, MU=MU, G=G) + HOLDER)
@@ -67,8 +67,8 @@ def test_a_pulled_bead_is_held_or_slides(lammps, share):
 
 
 def test_the_energy_of_a_collision_closes(lammps):
-    """Three beads, one of which hits the others after a flight: kinetic + stored + taken by the
-    holder is the input.
+    """Three beads, one of which hits the others after a flight: kinetic energy + stored energy +
+    dissipation of the guide = input.
     """
     lmp = beads(lammps, 3, speed=0.2, dt=1e-7, gap=1e-5)
     lmp.command("run 0 post no")
@@ -85,7 +85,7 @@ BEAD = 8500 * np.pi / 6 * 0.01**3
 
 
 def lone(lammps, words, dt=1e-6):
-    """One sphere that moves and turns; `words` are those of the fix."""
+    """One sphere that moves and rotates; `words` are the arguments of the fix."""
     lmp = lammps()
     text = script_of([(0, 0, 0)], style=STEEL, velocities=[(1.0, -2.0, 3.0)], box=[-0.1, 0.1] * 3)
     turning = "unfix motion\nfix motion all nve/sphere\nset atom 1 omega 100.0 0.0 -300.0"
@@ -177,7 +177,9 @@ def test_bar_carries_the_pulse_at_its_speed_and_keeps_the_energy(lammps):
 
 
 def test_bar_goes_on_from_a_restart_on_other_processors(log_of, tmp_path):
-    """Bonds, dents, work and impulse are written by one processor during the pulse and read by two."""
+    """Bonds, indentations, work and impulse are written by one processor during the pulse and read
+    by two.
+    """
     script = bar(60, beads=5, load="half-sine 5000 4e-5")[0].replace(
         "timestep", "timestep 2.4e-8\n# was"
     )
@@ -200,7 +202,7 @@ def test_bar_goes_on_from_a_restart_on_other_processors(log_of, tmp_path):
 def on_a_face(
     lmp, face_mass=1e12, law="elastoplastic 115e9 0.3 550e6 210e9 0.3 INF", speed=2.0, steps=20000
 ):
-    """A sphere thrown at a particle of radius 0."""
+    """A sphere that hits a particle of radius 0."""
     laws = ["pair_coeff 1 1 hertz 1e9 0.3", "pair_coeff 2 2 hertz 1e9 0.3", f"pair_coeff 1 2 {law}"]
     extra = f"set atom 2 density {face_mass}\ncompute end all gran/hysteretic/contact 1 2\ncompute atoms all gran/hysteretic/atom\n"
     extra += "thermo_style custom step c_ke pe c_ep[1] c_ep[2] c_ep[4] c_end[3]\n"

@@ -102,7 +102,9 @@ SMOOTH = {
 
 
 def smooth_force(shape: str, time):
-    """The smooth shapes, once more; noise has the same phases in any program that uses splitmix64."""
+    """The smooth shapes from independent formulas; noise has the same phases in any program that
+    uses splitmix64.
+    """
     at = np.asarray(time)
     rise = lambda since, ramp: np.where(since < ramp, np.sin(np.pi * since / (2 * ramp)) ** 2, 1.0)  # noqa: E731
     if shape == "harmonic":
@@ -202,7 +204,9 @@ def test_group_shares_the_force(lammps):
 
 @pytest.mark.parametrize("kind", LOADS)
 def test_any_direction_is_the_load_along_z_turned(lammps, kind):
-    """A pair along (1, 2, 2), pushed along it, is the pair along z: the same numbers to rounding."""
+    """A pair along (1, 2, 2), loaded along this direction, gives the numbers of a pair along z to
+    rounding.
+    """
     extra, load = LOADS[kind]
     along = np.array([1.0, 2.0, 2.0]) / 3
     found = []

@@ -1,4 +1,4 @@
-"""Fix gran/nve/sphere moves and turns spheres as LAMMPS's fix nve/sphere does, to the last bit, and
+"""Fix gran/nve/sphere integrates motion and rotation bitwise as LAMMPS's fix nve/sphere does, and
 skips blocks of spheres at rest.
 """
 
@@ -28,7 +28,7 @@ def crystal() -> str:
 
 
 def rattling() -> str:
-    """Packing in which all spheres move and turn."""
+    """Packing in which all spheres move and rotate."""
     places, velocities, spins = packing()
     return rubbing(
         places, f"{BRASS} friction {MU}", velocities=velocities, spins=spins, extra="timestep 1e-7"
@@ -36,7 +36,7 @@ def rattling() -> str:
 
 
 def tops() -> str:
-    """Spheres that turn, and some that fly, without a force."""
+    """Spheres that rotate, some of which also move, without a force."""
     places = [(3 * R * k, 0, 0) for k in range(70)]
     return rubbing(places, velocities=[(0, 0, 1)] * 20, spins=[(1, 2, 3)] * 60)
 
@@ -50,7 +50,7 @@ def rolling() -> str:
 
 
 def group() -> str:
-    """Impact on a crystal of which a fix moves every other sphere only."""
+    """Impact on a crystal in which the fix integrates only every other sphere."""
     other = "group some id 1:128:2\ngroup others subtract all some\nfix still others nve/noforce\n"
     return crystal().replace("fix motion all", f"{other}fix motion some")
 
@@ -85,7 +85,7 @@ def test_the_bits_are_those_of_nve_sphere(lammps, name):
 
 
 def test_part_of_the_crystal_is_still_at_rest(lammps):
-    """The case of the crystal has blocks to skip, and blocks that turn."""
+    """The case of the crystal has blocks to skip, and blocks that rotate."""
     lmp = lammps(ours(crystal()))
     lmp.command("run 200 post no")
     motion = state(lmp, "v", "omega")

@@ -35,7 +35,7 @@ def setup(
     extra: str = "",
     speed=5.0,
 ):
-    """A line of spheres, the first of which flies into the others, with a ledger."""
+    """A line of spheres, the first of which hits the others, with an energy record."""
     mass = 8500 * 4 / 3 * np.pi * R**3
     lmp.commands_string(
         script_of(LINE, velocities=[(0, 0, speed)] + [(0, 0, 0)] * (len(LINE) - 1), style=style)
@@ -86,7 +86,7 @@ def test_a_looser_tolerance_takes_fewer_steps(lammps):
 
 @pytest.mark.parametrize("style", [HERTZ, BRASS])
 def test_the_error_is_what_the_shadow_energy_tells(lammps, style):
-    """Without a measured error: forces and velocities alone tell it, to 10 % of the largest."""
+    """Without a measured error, forces and velocities predict it to 10 % of the largest error."""
     lmp = lammps()
     setup(lmp, "8 1e-3 v_given first 8", style=style, every=8)  # a row at each step
     lmp.command("run 12000")
@@ -203,7 +203,7 @@ def test_spheres_come_and_go_at_their_steps(lammps, fix):
 
 
 def test_spheres_that_come_do_not_count_as_an_error(lammps):
-    """A fast sphere that appears has a shadow energy of its own, which no balance misses."""
+    """A fast sphere that is added has its own shadow energy, which is no error of the balance."""
     Path("ball.mol").write_text(BALL)
     fast = COMING.replace("near", "vz -3 -3 near")
     lmp = lammps(spheres("", fast) + "fix step all gran/timestep 32 1e-4 0.5 first 4\n")
@@ -232,7 +232,9 @@ def test_runs_may_have_any_length(lammps, first):
 
 
 def test_intervals_are_kept(lammps):
-    """Prints, dumps, restart files, thermodynamic output and diameters at their ticks."""
+    """Output of fix print, dumps, restart files, thermodynamic output and diameters are at their
+    ticks.
+    """
     lmp = lammps()
     mass = 8500 * 4 / 3 * np.pi * R**3
     lmp.commands_string(
@@ -273,7 +275,7 @@ def test_intervals_are_kept(lammps):
     ],
 )
 def test_fixes_that_count_steps_are_refused(lammps, words):
-    """A step of one tick is a step: then all of them are allowed."""
+    """If every step is one tick, ticks are steps, and all fixes are allowed."""
     style = words.split()[0]
     script = script_of(LINE[:2]) + f"fix other all {words}\n"
     refused = lammps(script + "fix step all gran/timestep 32 3e-6 1.0\n")

@@ -1,4 +1,4 @@
-"""Tests of pair style gran/hysteretic/kk, which is in plugins that are built with Kokkos only:
+"""Tests of pair style gran/hysteretic/kk, which exists only in plugins that are built with Kokkos:
 `make kokkos KOKKOS=DIR` builds one and runs them.
 """
 

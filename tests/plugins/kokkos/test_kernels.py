@@ -1,5 +1,5 @@
 """Kernels of pair style gran/hysteretic/kk on the back ends Serial and OpenMP of Kokkos: forces and
-histories of columns of spheres are those of the plain laws, to the last bit.
+histories of columns of spheres are bitwise identical to those of the plain laws.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ def plain(kokkos):
 
 @pytest.fixture(scope="module")
 def sliding(kokkos):
-    """The same with friction."""
+    """Forces and histories with friction by the laws without Kokkos."""
     return output(kokkos / "columns_plain", "friction")
 
 
 def test_columns_yield_part_and_touch_again(plain):
-    """Otherwise there would be nothing to compare."""
+    """The compared arrays are not empty."""
     rows = [line.split() for line in plain.splitlines()]
     forces = {row[-1] for row in rows if row[0] == "force"}
     contacts = [row for row in rows if row[0] == "contact"]

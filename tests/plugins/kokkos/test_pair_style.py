@@ -1,5 +1,5 @@
-"""Pair style gran/hysteretic/kk compared with the plain style: all that is printed about spheres
-and contacts has the same digits, on one thread and on several.
+"""Pair style gran/hysteretic/kk compared with the plain style: all printed values of spheres and
+contacts have the same digits, on one thread and on several.
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ def script(
 
 
 def block(cells: int, walls: int = 1, height: int = 4, striker: float = 0.04) -> str:
-    """FCC block of touching brass spheres, hit after 20 us by a steel sphere of this diameter, in
-    the hollow between four spheres.
+    """FCC block of touching brass spheres; after 20 us a steel sphere of this diameter hits the
+    hollow between four spheres.
     """
     above = np.sqrt((0.005 + 0.5 * striker) ** 2 - 0.5 * 0.01**2) + 1e-4
     return f"""

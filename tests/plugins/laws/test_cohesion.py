@@ -29,8 +29,8 @@ def law(name="hertz", kind="jkr", radius=(R, R), energy=W, **others) -> ContactL
 
 
 def jkr_twin(contact: ContactLaw, overlap: float) -> tuple[float, float]:
-    """Force and radius of the contact circle on the stable branch, by bisection of the overlap over
-    the radius.
+    """Force and radius of the contact circle on the stable branch, by bisection of the overlap as a
+    function of the radius.
     """
     radius = contact.effective_radius
     modulus = contact.effective_modulus
@@ -45,7 +45,7 @@ def jkr_twin(contact: ContactLaw, overlap: float) -> tuple[float, float]:
 
 
 def lost_in_a_cycle(contact: ContactLaw) -> float:
-    """Energy lost where surfaces meet and part, after Thornton and Ning: 7.09 (w^5
+    """Energy dissipated when surfaces touch and separate, after Thornton and Ning: 7.09 (w^5
     R*^4/E*^2)^(1/3).
     """
     factor = (4.8 * 4 ** (4 / 3) + 3.2) * (np.pi / 8) ** (5 / 3)
@@ -107,7 +107,7 @@ def test_pull_off_and_balance_of_dmt(name):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_the_pull_of_a_dent_is_that_of_its_radius(name):
-    """Below the peak the pull is 2 pi w R_p, R_p = a^2 over the elastic part of the overlap."""
+    """Below the peak the pull is 2 pi w R_p, R_p = a^2 / elastic part of the overlap."""
     contact = law(name, "dmt")
     bare = law(name, "dmt", energy=0.0)
     peak = 30 * contact.yield_overlap
@@ -122,7 +122,9 @@ def test_the_pull_of_a_dent_is_that_of_its_radius(name):
 
 @pytest.mark.parametrize(("name", "kind"), [(name, "dmt") for name in LAWS] + [("hertz", "jkr")])
 def test_no_cycle_gives_energy(name, kind):
-    """On random paths work less stored energy is what the law loses, with JKR also what jumps lose."""
+    """On random paths work minus stored energy is the dissipation of the law, and with JKR of the
+    jumps.
+    """
     contact = law(name, kind)
     bare = law(name, "dmt", energy=0.0)
     rng = np.random.default_rng(5)
@@ -174,7 +176,9 @@ def rebound(lmp) -> float:
 
 @pytest.mark.parametrize("factor", [0.9, 1.05, 1.5, 4.0])
 def test_spheres_stick_below_a_velocity(lammps, factor):
-    """m* v^2/2 is lost where they meet and part: below it they stick, above e^2 = 1 - (v_s/v)^2."""
+    """The energy m* v_s^2/2 is dissipated when spheres touch and separate: they stick below v_s,
+    and above it e^2 = 1 - (v_s/v)^2.
+    """
     contact = law()
     loss = lost_in_a_cycle(contact)
     speed = factor * np.sqrt(2 * loss / (MASS / 2))
@@ -200,8 +204,8 @@ def test_dmt_gives_all_back(lammps):
 
 
 def test_the_jumps_are_of_second_order(lammps):
-    """A tenth of the timestep: a hundredth of the error of the ledger, and of the loss where
-    surfaces meet and part.
+    """A tenth of the timestep gives a hundredth of the errors of the energy balance and of the
+    adhesive dissipation.
     """
     for text in (JKR, DMT):
         coarse, fine = (head_on(lammps, text, 0.03, step=step)[1] for step in (1e-7, 1e-8))
@@ -227,8 +231,8 @@ def test_yielding_spheres_lose_what_their_law_loses(lammps, words, name):
 
 @pytest.mark.parametrize("kind", ["jkr", "dmt"])
 def test_as_the_style_of_lammps(lammps, kind):
-    """Same input, same path; its coefficient is the energy of one surface. Its necks of JKR break
-    at the largest pull.
+    """LAMMPS's own style follows the same path for the same input; its coefficient is the energy of
+    one surface. Its JKR necks break at the largest pull.
     """
     own = f"pair_style granular\npair_coeff * * {kind} {E} 0.0 {NU} {W / 2} tangential mindlin_rescale NULL 0.0 {MU} damping velocity"
     text = f"{HERTZ} cohesion {kind} {W} friction {MU}"
@@ -242,7 +246,9 @@ def test_as_the_style_of_lammps(lammps, kind):
 
 @pytest.mark.parametrize("kind", ["jkr", "dmt"])
 def test_friction_counts_from_the_force_and_twice_the_pull(lammps, kind):
-    """A sphere at balance on a plate, that slides: mu (F + 2 F_pull) slows it, with F = 0."""
+    """A sphere in equilibrium on a plate, which slides: mu (F + 2 F_pull) decelerates it, with F =
+    0.
+    """
     contact = law(kind=kind, radius=(R, np.inf), energy=10.0)
     rigid = ContactLaw("hertz", youngs_modulus=(E, np.inf), poisson_ratio=(NU, 0.0), yield_strength=(1e9, 1e9),
                        radius=(R, np.inf), cohesion=(kind, 10.0))  # fmt: skip
@@ -260,7 +266,7 @@ def test_friction_counts_from_the_force_and_twice_the_pull(lammps, kind):
 
 @pytest.mark.parametrize("kind", ["jkr", "dmt"])
 def test_walls(lammps, kind):
-    """Rebound from a rigid wall as by the closed form, and the ledger of the wall."""
+    """Rebound from a rigid wall agrees with the closed form, and the energies of the wall balance."""
     contact = ContactLaw("hertz", youngs_modulus=(E, np.inf), poisson_ratio=(NU, 0.0), yield_strength=(1e9, 1e9),
                          radius=(R, np.inf), cohesion=(kind, W))  # fmt: skip
     lost = lost_in_a_cycle(contact) if kind == "jkr" else 0.0
@@ -282,8 +288,8 @@ def test_walls(lammps, kind):
 
 
 def test_a_wall_is_a_sphere_of_large_radius(lammps):
-    """A frozen sphere of 200 R and the same material as a wall: the rebound to the ratio of the
-    effective radii.
+    """A frozen sphere of 200 R acts like a wall of the same material: the rebounds agree to the
+    ratio of the effective radii.
     """
     big = 200 * R
     speed = 0.04

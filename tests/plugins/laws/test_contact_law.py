@@ -1,5 +1,5 @@
-"""Compiled contact laws against check values, closed forms, and a second implementation; their
-powers and batches.
+"""Compiled contact laws compared with check values, closed forms, and a second implementation;
+their powers and batches.
 """
 
 from __future__ import annotations
@@ -119,12 +119,12 @@ FE = "elastoplastic-fe"
 
 @pytest.fixture(scope="module")
 def finite_elements():
-    """Contacts of the table of finite elements, those excluded from the fit too."""
+    """Contacts of the table of finite elements, including contacts excluded from the fit."""
     return measured()
 
 
 def test_the_fitted_law_is_near_its_finite_elements(finite_elements):
-    """Largest errors are those that the page of the contact law says."""
+    """Largest errors agree with the page on the contact law."""
     found = errors(finite_elements)
     assert found["within_3"].min() > 97 and found[["1-10", "10-100", "100-inf"]].max().max() < 5
     assert found["unloading"].max() < 5.5 and found["restitution"].max() < 4
@@ -132,7 +132,7 @@ def test_the_fitted_law_is_near_its_finite_elements(finite_elements):
 
 @pytest.mark.parametrize("mirrored", [True, False])
 def test_contacts_held_out_of_the_fit_are_within_the_error_bars(finite_elements, mirrored):
-    """Force on loading, share of the peak force on unloading, and coefficient of restitution."""
+    """Force on loading, fraction of the peak force on unloading, and coefficient of restitution."""
     held = [one for one in finite_elements if one.held and one.mirrored == mirrored]
     assert len(held) > 10
     for contact in held:
@@ -178,7 +178,9 @@ def equal_and_mirror(nu, ratio, hardening):
 
 
 def test_a_sphere_on_a_mirror_plane_is_half_a_pair():
-    """At half the overlap: the same force, half the energies, half the dent, the same error bar."""
+    """At half the overlap: the same force, half the energies, half the indentation, the same error
+    bar.
+    """
     rng = np.random.default_rng(5)
     for _ in range(300):
         nu = rng.uniform(0.0, 0.5)
@@ -208,7 +210,7 @@ def test_a_sphere_on_a_mirror_plane_is_half_a_pair():
 
 
 def test_equal_spheres_and_a_mirror_plane_rebound_alike():
-    """Half the effective mass at twice the speed of approach: the same collision."""
+    """Half the effective mass and twice the speed of approach give the same collision."""
     pair, mirror = equal_and_mirror(0.08, 600.0, 0.015)
     mass = 0.002
     for speed in (0.01, 0.5, 5.0):

@@ -1,4 +1,4 @@
-"""Laws and batches compile as code of a graphics card, without a change: LLVM's assembler code for
+"""Laws and batches compile unchanged as code for a graphics card: LLVM's assembler code for
 NVIDIA cards by clang's OpenMP offloading.
 """
 
@@ -22,12 +22,12 @@ KERNELS = 11  # eight laws, any law, friction, batches
 
 
 def compiled(source: Path, to: Path) -> subprocess.CompletedProcess[str]:
-    """Compile with the newest clang that is found.
+    """Compile with the newest available clang.
 
     Raises
     ------
     Skipped
-        There is none, or it cannot make code of a card.
+        There is no clang, or it cannot generate code for a card.
     """
     found = [
         name

@@ -52,7 +52,7 @@ def case_of(law: str, values: dict[str, Any]) -> Case:
 
 
 def needed(law: str) -> dict[str, Any]:
-    """Values without which a law is none."""
+    """Required values of a law."""
     return {p.name: p.example for p in LAWS[law].parameters.values() if p.required}
 
 
@@ -76,7 +76,7 @@ def test_the_table_agrees_with_itself(parameter: LawParameter) -> None:
 
 @pytest.mark.parametrize(("law", "name"), NAMES)
 def test_a_parameter_reaches_the_law_by_all_ways(law: str, name: str) -> None:
-    """The forces of a case, by the binding, are those of the words of its deck."""
+    """The forces of a case, computed by the binding, agree with the words of its deck."""
     keyword = PARAMETERS[name].keyword
     group = [p for p in LAWS[law].parameters.values() if p.keyword == keyword]
     case = case_of(law, needed(law) | {p.name: example_of(p) for p in group})
@@ -93,7 +93,9 @@ def test_a_parameter_reaches_the_law_by_all_ways(law: str, name: str) -> None:
 
 @pytest.mark.parametrize(("law", "name"), NUMBERS)
 def test_values_outside_the_range_are_refused_by_all(law: str, name: str) -> None:
-    """By the case, and by binding and words where the range is that of the law."""
+    """Invalid values are rejected by the case, and by binding and words if the range is the range
+    of the law.
+    """
     parameter = PARAMETERS[name]
     for bounds, by_case in ((parameter.case_range, True), (parameter.range, False)):
         for bound, value in bounds.items():
@@ -114,7 +116,7 @@ def test_values_outside_the_range_are_refused_by_all(law: str, name: str) -> Non
 
 
 def test_parameters_of_another_law_are_refused() -> None:
-    """Parameters without a default in the case; the answer names the laws that take them."""
+    """Parameters without a default in the case; the message names the laws that have them."""
     for name, parameter in PARAMETERS.items():
         if parameter.of_material or not (parameter.required or parameter.optional):
             continue
@@ -131,7 +133,9 @@ def curve_in(file: Path) -> np.ndarray:
 
 @pytest.mark.parametrize("law", [name for name, entry in LAWS.items() if entry.yields])
 def test_the_command_has_an_option_for_each(tmp_path: Path, law: str) -> None:
-    """`granwave law` draws another curve with it; slow loading does not depend on the rate."""
+    """The parameter changes the curve of `granwave law`; quasi-static loading does not depend on
+    the rate.
+    """
     command = ["law", "--law", law, "--max-overlap", "20", "-o"]
     usual = tmp_path / "usual.csv"
     assert main([*command, str(usual)]) == 0
@@ -145,7 +149,7 @@ def test_the_command_has_an_option_for_each(tmp_path: Path, law: str) -> None:
 
 @pytest.mark.parametrize("parameter", PARAMETERS.values(), ids=str)
 def test_the_manual_has_keyword_values_range_and_laws(parameter: LawParameter) -> None:
-    """In the block of keywords, or that of the laws for what a law requires."""
+    """In the block of keywords, or for required values in the block of the laws."""
     text = MANUAL.read_text(encoding="utf-8").partition("## Examples")[0]
     if parameter.required:
         assert re.search(rf"args = .* {parameter.keyword} {parameter.symbol}\b", text)
@@ -182,7 +186,7 @@ def flipped(bound: str) -> str:
 
 
 def test_keys_are_fields_of_the_sections() -> None:
-    """Each parameter is a key of ``[contact]`` or ``[material]``, and no more of them are."""
+    """Each parameter is a key of ``[contact]`` or ``[material]``, and there are no others."""
     case = case_of("hertz", {})
     for section, of_material in ((case.contact, False), (case.material, True)):
         names = {field.name for field in dataclasses.fields(section)}

@@ -1,4 +1,4 @@
-"""Table of contact laws, with their names and options everywhere; batches with the same bits on all
+"""Table of contact laws, with their names and options everywhere; batches bitwise identical on all
 processors.
 """
 
@@ -231,7 +231,9 @@ int main()
 
 
 def compiled_batches(folder: Path, source: Path, definition: str) -> Path:
-    """Return the program of batches, compiled with a definition as well as those of the build."""
+    """Return the program of batches, compiled with a definition in addition to those of the
+    build.
+    """
     program = folder / f"batches{definition}"
     files = [source, *(KERNELS / f"{name}.cpp" for name in BATCHES)]
     options = [*FLAGS, f"-D{definition}", "-Wno-psabi", "-I", KERNELS, "-I", LAWS_FOLDER]
@@ -243,9 +245,9 @@ def compiled_batches(folder: Path, source: Path, definition: str) -> Path:
 @pytest.mark.validation
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
 def test_the_same_bits_with_and_without_further_instructions(tmp_path):
-    """As of this processor, with those only that all have, and in standard C++ without any
-    extension of a compiler; batches of any size, some pairs without friction; the search for
-    touching pairs and contacts along lines too.
+    """With the instructions of this processor, with only common instructions, and in standard C++
+    without compiler extensions: batches of any size, some pairs without friction; also the search
+    for touching pairs, and contacts along lines.
     """
     source = tmp_path / "batches.cpp"
     source.write_text(PROGRAM)

@@ -1,5 +1,5 @@
-"""Viscous losses of contacts: restitution against closed forms and independent solvers, energy,
-restarts, wrong words.
+"""Viscous damping of contacts: restitution compared with closed forms and independent solvers,
+energy, restarts, invalid words.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def law_of(name: str, **options) -> ContactLaw:
 
 
 def spheres(lammps, words, speed=2.0, dt=1e-8, places=PAIR, extra="", **options):
-    """Spheres in a row, of which the first two approach each other with a speed."""
+    """A chain of spheres, the first two of which approach each other at a speed."""
     lmp = lammps()
     velocities = [(0, 0, speed / 2), (0, 0, -speed / 2)] + [(0, 0, 0)] * (len(places) - 2)
     text = script_of(places, style=words, velocities=velocities, box=BOX, **options)
@@ -70,7 +70,7 @@ def test_every_law_collides_as_the_binding_does(lammps, law, loss):
     ("loss", "size"), [("time", 2e-7), ("time", 5e-6), ("dashpot", 0.05), ("dashpot", 1.0)]
 )
 def test_hertz_against_another_solver(loss, size):
-    """The binding's collision is that of scipy's solver with formulas of the tests."""
+    """The collision of the binding agrees with scipy's solver and independent formulas."""
     expected = viscous_twin.collision(viscous_twin.hertz(E, NU, R), MASS, 2.0, **{loss: size})
     found = law_of("hertz").collide(MASS / 2, 2.0, **{f"loss_{loss}": size}, steps=4000)
     assert found["restitution"] == pytest.approx(expected, abs=1e-5)
@@ -91,8 +91,8 @@ def test_series_of_viscoelastic_spheres(speed):
 
 @pytest.mark.parametrize("time", [1e-7, 1e-6, 3e-6])
 def test_linear_spring_with_a_damper(time):
-    """Without a dent the bilinear law is linear: e = exp(-(b/w)(pi - atan(2 b w/(w^2 - b^2)))), b =
-    A w0^2/2.
+    """Without an indentation the bilinear law is linear: e = exp(-(b/w)(pi - atan(2 b w/(w^2 -
+    b^2)))), b = A w0^2/2.
     """
     k = 18.5 * STRENGTH * R / 2
     b = time * k / MASS  # c/(2 m*) with c = A k
@@ -106,8 +106,8 @@ def test_linear_spring_with_a_damper(time):
 
 
 def test_a_dashpot_has_one_restitution():
-    """The restitution of Tsuji's dashpot does not depend on speed or mass; where it may pull it is
-    known in closed form.
+    """The restitution of Tsuji's dashpot does not depend on speed or mass; if tension is allowed it
+    is known in closed form.
     """
     found = [
         law_of("hertz").collide(mass, speed, loss_dashpot=0.1, steps=2000)["restitution"]
@@ -126,8 +126,8 @@ def test_a_dashpot_has_one_restitution():
 
 @pytest.mark.parametrize(("speed", "expected"), [(1.0, 0.7468), (6.0, 0.7141)])
 def test_discs_of_polyurethane(lammps, speed, expected):
-    """Restitutions of a trial program for two cylinders with a loss time of 12 us, of LAMMPS and of
-    the binding.
+    """Restitution of two cylinders with a relaxation time of 12 us, from an earlier program, LAMMPS
+    and the binding.
     """
     modulus = 70e6
     ratio = 0.48
@@ -157,7 +157,7 @@ def test_discs_of_polyurethane(lammps, speed, expected):
 @pytest.mark.parametrize("law", ["hertz", "elastoplastic", "bilinear"])
 @pytest.mark.parametrize("loss", LOSSES)
 def test_the_ledger_closes_to_the_second_order(lammps, law, loss):
-    """Half of the timestep leaves about a quarter of the error at any instant; nothing pulls."""
+    """Half the timestep gives about a quarter of the error at any instant; no force is tensile."""
     errors = []
     for steps in (500, 1000):  # of 8e-5 s
         place = [(0, 0, 0), (0, 0, 2 * R + 3.3e-7)]
@@ -177,7 +177,9 @@ def test_the_ledger_closes_to_the_second_order(lammps, law, loss):
 
 
 def test_the_wave_of_a_chain_decays_as_in_another_solver(lammps):
-    """Largest forces along a chain, with a loss that takes a third of them over the first contacts."""
+    """Largest forces along a chain, with damping that reduces them by a third over the first
+    contacts.
+    """
     n = 12
     loss = 5e-7
     places = [(0, 0, 2 * R * k) for k in range(n)]
@@ -197,8 +199,8 @@ def test_the_wave_of_a_chain_decays_as_in_another_solver(lammps):
 
 @pytest.mark.parametrize("law", ["hertz", "elastoplastic"])
 def test_a_wall_loses_as_a_heavy_sphere(lammps, law):
-    """A sphere returns from a rigid wall as the binding says, and the column of the wall has the
-    loss.
+    """The rebound of a sphere from a rigid wall agrees with the binding, and the column of the wall
+    has the dissipation.
     """
     lmp = lammps()
     text = script_of([(0, 0, 0)], velocities=[(0, 0, 2.0)], box=BOX)
@@ -223,7 +225,9 @@ def test_a_wall_loses_as_a_heavy_sphere(lammps, law):
 
 
 def test_friction_goes_with_the_whole_normal_force(lammps):
-    """Spheres that slide past each other lose by friction and viscously, and the ledger closes."""
+    """Spheres that slide past each other dissipate energy by friction and damping, and the energy
+    balance closes.
+    """
     lmp = spheres(lammps, f"{LAWS['hertz']} friction 0.3 loss dashpot 0.3", dt=1e-8)
     lmp.commands_string(
         "unfix motion\nfix motion all nve/sphere\nset atom 1 vx 1.5\ncompute turn all erotate/sphere\nrun 0 post no"
@@ -244,7 +248,7 @@ def test_friction_goes_with_the_whole_normal_force(lammps):
     ],
 )
 def test_a_dashpot_knows_what_is_frozen_and_what_is_rigid(lammps, fixes, mass):
-    """A frozen sphere is immovable, and two that are one body have its mass, as in pair style
+    """A frozen sphere is immovable, and two spheres of a rigid body have its mass, as in pair style
     granular of LAMMPS.
     """
     lmp = lammps()

@@ -1,5 +1,5 @@
-"""LAMMPS's own elasto-plastic law, ``mdr`` of ``pair_style granular``, beside ours: the tables of
-docs/explanation/contact-law.md.
+"""LAMMPS's own elasto-plastic law, ``mdr`` of ``pair_style granular``, compared with ours: the
+tables of docs/explanation/contact-law.md.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def collision(law: str, x: float, z: float) -> str:
 
 @pytest.fixture
 def pressed(lammps):
-    """Overlaps and forces of two spheres that are pressed together and drawn apart again, slowly."""
+    """Overlaps and forces of two spheres that are slowly pressed together and separated again."""
     run = lammps(two_spheres("mdr", 0.0, 2 * RADIUS * (1 + 1e-9)))
     speed = LARGEST * EFFECTIVE / STEPS
     run.commands_string("timestep 1\nfix still lower move linear 0 0 0\n")
@@ -111,7 +111,7 @@ def test_restitution(lammps, speed):
 
 
 def restitution_of_ours(energy: float) -> float:
-    """Return the share of the velocity that a head-on collision of this energy leaves."""
+    """Return the coefficient of restitution of a head-on collision with this energy."""
 
     def loading_work(peak: float) -> float:
         overlaps = np.linspace(0, peak, 4001)
@@ -170,7 +170,7 @@ def touching(run) -> np.ndarray:
 
 
 def test_mdr_does_not_stop_in_a_packing_that_rattles(lammps):
-    """Contacts open and close; none of them passes through an overlap that is rounded to zero."""
+    """Contacts open and close, and none is affected by an overlap that is rounded to zero."""
     cell = float(np.sqrt(2) * 2 * RADIUS * (1 + 1e-9))
     run = lammps(f"""units si
 atom_style sphere
@@ -211,9 +211,9 @@ def test_struck_packing():
     restitutions = [theirs.restitution, ours.restitution]
     assert table["restitution of the impactor"] == pytest.approx(restitutions, abs=2e-3)
     assert table["kinetic energy lost"] == pytest.approx([theirs.lost, ours.lost], abs=2e-3)
-    # what ours has lost is stored or dissipated
+    # the energy lost with our law is stored or dissipated
     assert ours.stored + ours.dissipated == pytest.approx(ours.lost, abs=1e-5)
-    # every layer but the last, which is held, carries less with ours than with mdr
+    # every layer except the last, which is held, carries less with our law than with mdr
     assert np.all(ours.peak_forces < theirs.peak_forces)
     assert len(ours.peak_forces) == LAYERS - 1
 

@@ -1,8 +1,8 @@
 """Effective masses of dashpots with bodies that are held, rigid, or of a finite mass.
 
 With the effective mass m* of two bodies along their normal, Tsuji's dashpot gives Hertz's contact one
-restitution e at any speed and mass: the impulse of a collision is (1 + e) m* v. Of held and guided
-bodies 1/m* = n.P n/m + ..., P what is left of a force.
+restitution e at any speed and mass: the impulse of a collision is (1 + e) m* v. For held and guided
+bodies 1/m* = n.P n/m + ..., where P projects a force onto the free directions.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def script(places, velocities, extra: str, **options) -> str:
 
 
 def head_on(extra: str) -> str:
-    """Sphere that meets the other one along z at 1 m/s."""
+    """Sphere that hits the other one along z at 1 m/s."""
     return script(PAIR, [(0, 0, 1.0)], extra)
 
 
@@ -91,7 +91,7 @@ def test_a_sphere_that_is_guided_along_the_normal_is_free(lammps, hold) -> None:
     ],
 )
 def test_a_guided_sphere_counts_along_the_normal(lammps, hold, left) -> None:
-    """Impulse of an oblique collision, slow enough for the normal to stay as it is."""
+    """Impulse of an oblique collision, so slow that the normal does not change."""
     speed = 0.01
     normal = np.array([math.sin(0.7) * math.cos(0.4), math.sin(0.7) * math.sin(0.4), math.cos(0.7)])
     places = [(0, 0, 0), tuple(2 * R * normal)]
@@ -120,7 +120,7 @@ def test_both_held_and_a_hold_that_ends(lammps) -> None:
 
 
 def test_the_force_before_a_hold_is_that_of_the_contacts(lammps) -> None:
-    """The test forces given to the fixes leave no trace in their output."""
+    """The test forces that are passed to the fixes do not affect their output."""
     held = lammps(f"{head_on(HOLDS['setforce'])}thermo_style custom step f_hold[3]\nrun 500")
     still = lammps(
         f"{head_on(HOLDS['no integration'])}fix sum other ave/time 1 1 1 c_push\nrun 500".replace(
@@ -132,7 +132,7 @@ def test_the_force_before_a_hold_is_that_of_the_contacts(lammps) -> None:
 
 
 def test_several_rigid_bodies_of_two_fixes(lammps) -> None:
-    """Pairs of spheres that are one body each, by two fixes: 2 m against 2 m."""
+    """Collision of two rigid pairs of spheres, by two fixes: 2 m on 2 m."""
     places = [(0, 0, -2.1 * R), (0, 0, 4.1 * R), (0, 0, 0), (0, 0, 2 * R)]
     bodies = (
         "group left id 1 3\ngroup right id 2 4\nunfix motion\nfix a left rigid single\n"
@@ -191,7 +191,7 @@ STRIKE = "fix plate all wall/gran/hysteretic zplane NULL {place:.17g} hertz 115e
 
 
 def on_plate(support: str, extra: str = "", velocity=(0, 0, 1.0)) -> str:
-    """Sphere that meets a plane on a support."""
+    """Sphere that hits a plane on a support."""
     wall = STRIKE.format(place=R, loss=FACTOR)
     text = script_of([(0, 0, 0)], style=HERTZ, velocities=[velocity], box=BOX,
                      extra=f"{wall}{f' support {support}' if support else ''}\n{extra}\n")  # fmt: skip
@@ -201,8 +201,9 @@ def on_plate(support: str, extra: str = "", velocity=(0, 0, 1.0)) -> str:
 @pytest.mark.parametrize("ratio", [1e6, 10.0, 1.0, 0.1])
 @pytest.mark.parametrize("kind", ["spring", "free", "bar"])
 def test_a_plate_counts_with_its_mass(lammps, kind, ratio) -> None:
-    """Relative restitution of a sphere and a plate of any mass; a bar of one element without an end
-    is a plate whose two halves hold together."""
+    """Relative restitution of a sphere and a plate of any mass; a bar of one element with a free
+    end is a plate of two connected halves.
+    """
     mass = f"{ratio * MASS:.17g}"
     support = {
         "spring": f"{mass} 1.0 0",
@@ -231,8 +232,9 @@ def test_a_plane_that_is_held_is_a_wall(lammps, support) -> None:
 
 
 def test_a_held_sphere_under_a_plate(lammps) -> None:
-    """A free plate falls on a held sphere: its own mass is the effective one. A hold that comes
-    before the wall does not see its force."""
+    """A free plate falls on a held sphere: its own mass is the effective one. A fix that holds the
+    sphere before the wall fix does not include the force of the wall.
+    """
     for hold, left in (
         ("fix hold all setforce 0 0 0", RESTITUTION),
         ("unfix motion", RESTITUTION),
@@ -248,7 +250,9 @@ def test_a_held_sphere_under_a_plate(lammps) -> None:
 
 
 def test_a_guided_sphere_in_a_tube(lammps) -> None:
-    """Along x alone at 45 degrees: the normal velocity is half restored, at the mass 2 m."""
+    """Free only along x, at 45 degrees: the effective mass is 2 m, and half of the normal velocity
+    is restored.
+    """
     speed = 0.01
     place = 0.01 - R
     tube = f"fix tube all wall/gran/hysteretic tube 0.01 {HERTZ} loss dashpot {FACTOR}\n"
@@ -269,7 +273,7 @@ TICKS = (
 
 @pytest.mark.parametrize("name", ["no integration", "prescribed displacement"])
 def test_the_error_of_the_timestep_is_of_what_moves(lammps, name) -> None:
-    """A sphere that nothing integrates is not accelerated, as one whose force is set to 0."""
+    """A sphere that no fix integrates is not accelerated, like a sphere whose force is set to 0."""
     found = []
     for hold in (HOLDS["setforce"], HOLDS[name]):
         extra = f"group first id 1\ngroup other id 2\n{hold}\n{TICKS}"
@@ -281,7 +285,9 @@ def test_the_error_of_the_timestep_is_of_what_moves(lammps, name) -> None:
 
 
 def test_forces_and_torques_on_a_sphere_that_does_not_move(lammps) -> None:
-    """The error with all spheres is that of the group of those that move and turn."""
+    """The error with all spheres equals the error with the group of spheres that move and
+    rotate.
+    """
     found = []
     for group in ("all", "first"):
         extra = (

@@ -1,5 +1,5 @@
 """Partial slip: Mindlin's curve and loops, Mindlin and Deresiewicz's loading, energy, impacts
-against an independent twin.
+compared with an independent solver.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ OVERLAPS = [
 
 
 def path(overlap, slip, friction=MU, **options):
-    """Force, stored energy and loss along a path, in the tangent plane; slips of one component are
-    along its first axis.
+    """Force, stored energy and dissipation along a path in the tangent plane; one-component slips
+    are along its first axis.
     """
     slip = np.asarray(slip)
     slip = np.column_stack([slip, 0 * slip]) if slip.ndim == 1 else slip
@@ -50,7 +50,7 @@ def constants(overlap):
 
 @pytest.mark.parametrize("overlap", OVERLAPS)
 def test_mindlins_curve(overlap):
-    """T = mu N (1 - (1 - d/d_max)^(3/2)), with the slope 8 G* a at first, to 0.35 % of mu N; and
+    """T = mu N (1 - (1 - d/d_max)^(3/2)), with the initial slope 8 G* a, to 0.35 % of mu N; and
     sliding.
     """
     limit, stiffness, whole = constants(overlap)
@@ -65,7 +65,7 @@ def test_mindlins_curve(overlap):
 
 
 def test_more_cells_follow_the_curve_better():
-    """Twice as many: a quarter of the error."""
+    """Twice as many cells give a quarter of the error."""
     limit, _, whole = constants(1e-6)
     moved = np.linspace(0, whole, 4000)[1:]
     exact = limit * (1 - np.maximum(1 - moved / whole, 0) ** 1.5)
@@ -87,7 +87,7 @@ def test_loss_of_a_cycle(part, margin):
 
 
 def cycle(part, overlap):
-    """Loss of a cycle over the exact one."""
+    """Dissipation of a cycle / exact dissipation."""
     limit, _, whole = constants(overlap)
     reach = whole * (1 - (1 - part) ** (2 / 3))
     step = reach / 300
@@ -137,7 +137,9 @@ def test_beyond_the_coefficient_all_slips():
 @pytest.mark.parametrize("law", ["hertz", "elastoplastic"])
 @pytest.mark.parametrize("seed", range(4))
 def test_random_cycles_are_passive(law, seed):
-    """Overlaps and slips at random, with separations: no loss is negative, and the ledger closes."""
+    """Random overlaps and slips, with separations: no dissipation is negative, and the energy
+    balance closes.
+    """
     rng = np.random.default_rng(seed)
     n = 20000
     steps = np.repeat(rng.normal(size=(n // 100, 3)), 100, axis=0) + 0.3 * rng.normal(size=(n, 3))
@@ -163,7 +165,7 @@ def test_random_cycles_are_passive(law, seed):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_any_path_is_that_of_many_springs(seed):
-    """Both forces vary, and slips turn in the plane; in steps that are small, so that those of both
+    """Both forces vary, and slips rotate in the plane; the steps are so small that both solvers
     agree.
     """
     rng = np.random.default_rng(seed)
@@ -189,8 +191,8 @@ def test_any_path_is_that_of_many_springs(seed):
 
 
 def impact(lammps, degrees, law=f"{HERTZ} {PARTIAL}", speed=1.0, wall=True, steps=3000):
-    """Spin and angle of rebound of the surface, of a sphere that hits a rigid wall, or one of two
-    equal ones their mirror.
+    """Spin and rebound angle of the surface, for a sphere that hits a rigid wall or an equal
+    sphere.
     """
     normal = speed * np.cos(np.radians(degrees))
     across = speed * np.sin(np.radians(degrees))
@@ -220,8 +222,8 @@ def twin(degrees, speed=1.0):
 
 @pytest.mark.parametrize("degrees", [2, 5, 10, 20, 30, 40, 50, 60])
 def test_oblique_impacts(lammps, degrees):
-    """Spin and angle of rebound from a wall and between equal spheres as Maw, Barber and Fawcett's
-    theory has them.
+    """Spin and angle of rebound from a wall and between equal spheres agree with the theory of Maw,
+    Barber and Fawcett.
     """
     for speed, wall in ((1.0, True), (0.1, True), (0.1, False)):
         spin, angle = impact(
@@ -255,8 +257,8 @@ def test_all_directions_are_alike(lammps):
 
 
 def test_a_single_spring_turns_half_as_much(lammps):
-    """At 5 degrees: partial slip and its twin agree, and Mindlin's spring without it has 59 % of
-    their spin.
+    """At 5 degrees partial slip and the independent solver agree; a single Mindlin spring gives 59
+    % of their spin.
     """
     single = impact(lammps, 5, f"{HERTZ} friction {MU}")[0]
     assert single / twin(5)[0] == pytest.approx(0.589, abs=0.005)
@@ -271,9 +273,7 @@ def test_energy_of_an_oblique_impact(lammps, law, tangential):
 
 
 def test_pairs_of_either_model_in_one_run(lammps):
-    """Two collisions far from each other, of types with partial slip and without it: each as if
-    alone.
-    """
+    """Two distant collisions, of types with and without partial slip, are independent."""
     places = [(0, 0, 0), (0, 0, 2 * R), (0.05, 0, 0), (0.05, 0, 2 * R)]
     speeds = [(0.2, 0, 1), (0, 0, 0)] * 2
     single = f"{HERTZ} friction {MU}"

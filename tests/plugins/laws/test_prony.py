@@ -50,7 +50,7 @@ def spheres(lammps, words, speed=1.0, dt=1e-7, places=PAIR, extra=""):
 
 @pytest.mark.parametrize("name", SERIES)
 def test_a_held_contact_relaxes_as_its_modulus(name):
-    """F(t)/F(0) is E(t)/E, and the branches lose their energy twice as fast as their stress."""
+    """F(t)/F(0) is E(t)/E, and the energy of the branches decays twice as fast as their stress."""
     series = SERIES[name]
     time = np.linspace(0, 1e-3, 300)
     found = law_of().relax(np.full(300, 1e-5), time, series)
@@ -83,8 +83,8 @@ def test_force_in_a_packing_relaxes(lammps, steps):
 
 
 def test_surfaces_that_have_parted_recover():
-    """Free surfaces of one branch recover with the time tau/(1 - g), in P; LAMMPS loses nothing of
-    what is stored without counting it.
+    """Free surfaces of one branch recover with the time tau/(1 - g), in P; LAMMPS accounts for all
+    stored energy.
     """
     held = np.linspace(0, 1e-3, 101)
     free = 1e-3 + np.linspace(0, 5e-4, 2001)[1:]
@@ -127,7 +127,7 @@ def test_restitution_against_another_solver(name, speed):
 @pytest.mark.parametrize(("speed", "expected"), [(1.0, 0.9643), (6.0, 0.9678)])
 def test_cylinders_of_polyurethane(lammps, speed, expected):
     """Equation 7 of the paper on lateral constraints, with its time constants in ms; in s, as
-    printed, nothing is lost. The numbers are those of the page on losses.
+    printed, nothing is dissipated. The numbers agree with the page on damping.
     """
     instantaneous = (15.7 + 253.1 + 1320.4) * 1e6
     series = [(1320.4e6 / instantaneous, 0.55e-3), (253.1e6 / instantaneous, 2.64e-3)]
@@ -197,8 +197,8 @@ def test_spheres_collide_as_the_binding_does(lammps, law, name):
 
 @pytest.mark.parametrize("apart", [400, 4000])
 def test_a_second_contact_finds_the_surface_that_recovers(lammps, apart):
-    """Driven spheres are pressed, held, parted and pressed again: the force is that of the path in
-    the binding, step by step, and depends on the time between.
+    """Driven spheres are pressed, held, separated and pressed again: in every step the force agrees
+    with the path in the binding, and depends on the time between.
     """
     series = SERIES["two branches"]
     dt = 1e-7
@@ -261,8 +261,8 @@ def test_a_pressed_pair_vibrates_with_the_complex_modulus(lammps, ratio):
 
 @pytest.mark.parametrize("name", SERIES)
 def test_the_ledger_closes_to_the_second_order(lammps, name):
-    """Half of the timestep leaves about a quarter of the error at any instant; nothing pulls, and
-    what is lost does not come back.
+    """Half of the timestep leaves about a quarter of the error at any instant; no force is tensile,
+    and the dissipation never decreases.
     """
     errors = []
     for steps in (500, 1000):  # of 2e-4 s
@@ -284,7 +284,7 @@ def test_the_ledger_closes_to_the_second_order(lammps, name):
 
 
 def test_the_wave_of_a_chain_decays_as_in_another_solver(lammps):
-    """Largest forces along a chain, of which the first contacts take a good part."""
+    """Largest forces along a chain, which decrease strongly over the first contacts."""
     n = 12
     series = SERIES["two branches"]
     places = [(0, 0, 2 * R * k) for k in range(n)]
@@ -301,7 +301,9 @@ def test_the_wave_of_a_chain_decays_as_in_another_solver(lammps):
 
 
 def test_a_wall_relaxes_as_a_heavy_sphere(lammps):
-    """A sphere returns from a rigid wall as the binding says; the wall has lost energy."""
+    """The rebound of a sphere from a rigid wall agrees with the binding; the wall has dissipated
+    energy.
+    """
     series = SERIES["two branches"]
     lmp = lammps()
     text = script_of([(0, 0, 0)], velocities=[(0, 0, 1.0)], box=BOX, density=DENSITY)

@@ -1,5 +1,5 @@
 """Yield strength that grows with the strain rate: closed forms, energy, passivity, walls,
-processors, and nothing without it.
+processors, and no effect at zero rate sensitivity.
 """
 
 from __future__ import annotations
@@ -157,7 +157,9 @@ def test_a_faster_blow_meets_the_faster_curve_and_a_slower_one_yields_at_the_old
 
 @pytest.mark.parametrize("law", [STEEL, STEEL.replace("plastic", "plastic-fe")])
 def test_balance_of_a_collision_and_its_restitution(lammps, law):
-    """As the law alone integrates it; at the same speed the bodies rebound faster than without."""
+    """The run agrees with an integration of the law; at the same speed the bodies rebound faster
+    than without rate dependence.
+    """
     speed = 10.0
     lmp = lammps()
     before = 8500 * 4 / 3 * math.pi * R**3 * speed**2 / 4
@@ -173,7 +175,7 @@ def test_balance_of_a_collision_and_its_restitution(lammps, law):
 
 
 def test_a_wall_is_a_flat_face(lammps):
-    """A sphere that strikes a hard wall three times, and one that strikes the face of a heavy body."""
+    """A sphere that hits a hard wall three times, and a sphere that hits the face of a heavy body."""
     hard = "400e9 0.3 INF"
     words = f"{STEEL} {hard} {RATE} 0 1"
     wall = f"fix floor all wall/gran/hysteretic zplane NULL {R:.17g} {words}"
@@ -203,8 +205,8 @@ def test_a_wall_is_a_flat_face(lammps):
 
 
 def test_no_sensitivity_has_the_bits_of_none(lammps):
-    """With 0 the law is that without, whether it says so or not; newton on of bonds changes
-    nothing.
+    """With 0 the law is the rate-independent law, whether the keyword is present or not; `newton
+    on` for bonds has no effect.
     """
     runs = []
     for words, newton in (
@@ -225,7 +227,9 @@ def test_no_sensitivity_has_the_bits_of_none(lammps):
 
 
 def test_a_dent_that_was_given_yields_on_at_the_rate(lammps, tmp_path):
-    """It has the force of a slow one; the balance closes as a faster blow deepens it."""
+    """An initial indentation has the force of a slow impact; the balance closes when a faster
+    impact deepens it.
+    """
     dent = 20 * contact().yield_overlap
     (tmp_path / "dents.txt").write_text(f"1 2 {dent:.17g}")
     reports = "compute en all gran/hysteretic/energy\nthermo_style custom step c_ke c_en c_en[*]"

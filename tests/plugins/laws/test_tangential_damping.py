@@ -48,7 +48,7 @@ def hertz(second: float = R) -> ContactLaw:
 
 
 def coefficient(law: ContactLaw, loss: str, mass: float) -> float:
-    """Force of the normal damping over the rate of the overlap, N s/m; `mass`: effective, kg."""
+    """Force of the normal damping / rate of the overlap, N s/m; `mass`: effective, kg."""
     stiffness = law.tangent_stiffness(OVERLAP, OVERLAP)
     if loss == "time":
         return LOSSES["time"] * stiffness
@@ -56,7 +56,7 @@ def coefficient(law: ContactLaw, loss: str, mass: float) -> float:
 
 
 def oscillation(time, stiffness, damping, mass, speed):
-    """Velocity of a damped oscillator from rest position with a speed, m/s."""
+    """Velocity of a damped oscillator that starts at its rest position with a speed, m/s."""
     decay = damping / (2 * mass)
     frequency = np.sqrt(stiffness / mass - decay**2)
     wave = np.cos(frequency * time) - decay / frequency * np.sin(frequency * time)
@@ -82,7 +82,7 @@ def pressed(lammps, words: str, *, wall: bool, dt: float):
 
 
 def slip_rate(lmp, wall: bool) -> float:
-    """Velocity of the surfaces along each other, along x, m/s."""
+    """Relative tangential velocity of the surfaces along x, m/s."""
     now = state(lmp, "v", "omega")
     lever = R - OVERLAP / 2
     rate = now["v"][0, 0] + now["omega"][0, 1] * lever
@@ -126,7 +126,9 @@ def test_a_sticking_contact_oscillates_as_the_closed_form(lammps, tangential, lo
 @pytest.mark.parametrize("loss", LOSSES)
 @pytest.mark.parametrize("speed", [0.1, 1.0, 4.0])
 def test_energy_of_an_oblique_impact(lammps, speed, loss, tangential):
-    """Kinetic, stored and lost energy sum to the input within 1e-6; more is lost than without."""
+    """Kinetic, stored and dissipated energy sum to the input within 1e-6; more is dissipated than
+    without.
+    """
     words = f"friction {MU} tangential {tangential} loss {loss} {LOSSES[loss]}"
     lmp = oblique(lammps, speed, law=f"{BRASS} {words} loss_tangential 1", steps=20000)
     assert value(lmp, "c_en") == 0 and value(lmp, "c_en[6]") == 0
@@ -137,7 +139,7 @@ def test_energy_of_an_oblique_impact(lammps, speed, loss, tangential):
 
 @pytest.mark.parametrize("tangential", MODELS)
 def test_energy_at_a_wall(lammps, tangential):
-    """The same of a sphere that bounces obliquely off a wall, with the columns of the wall."""
+    """The same for a sphere that rebounds obliquely from a wall, with the columns of the wall."""
     words = f"friction {MU} tangential {tangential} loss dashpot 0.2 loss_tangential 1"
     floor = FLOOR.format(at=R, law=f"{BRASS} {words}")
     lmp = lammps(rubbing([(0, 0, 0)], HERTZ, velocities=[(0.3, 0.2, 1.0)], extra=floor, box=BOX))
@@ -150,8 +152,8 @@ def test_energy_at_a_wall(lammps, tangential):
 
 
 def test_steady_sliding_is_lost_by_friction(lammps):
-    """A sphere dragged along another one at a constant speed: the work of Coulomb's limit, and next
-    to nothing by the damping.
+    """A sphere dragged along another one at a constant speed: the dissipation is the work of
+    Coulomb's limit, and almost none is due to damping.
     """
     words = f"friction {MU} loss dashpot 0.2 loss_tangential 1"
     held = "unfix motion\nfix motion all nve/noforce"

@@ -1,5 +1,5 @@
-"""Examples for LAMMPS, `plugins/examples`: each runs with plain ``lmp`` and gives the number that
-its page says.
+"""Examples for LAMMPS, `plugins/examples`: each runs with plain ``lmp`` and gives the number on its
+page.
 """
 
 from __future__ import annotations
@@ -90,8 +90,8 @@ def volume_between(spheres: dict[str, np.ndarray], low: float, high: float) -> f
 
 @variants(n=60, wide=0.02, steps=40000)
 def test_pour(example, tmp_path, options):
-    """Walls carry the weight, nothing of the energy is lost without account, and the packing is
-    between loose and dense.
+    """Walls carry the weight, the energy balance closes, and the packing is between loose and
+    dense.
     """
     log = example("pour", *options)
     assert log.runs[1]["Atoms"][0] == (60 if options else 200)
@@ -125,7 +125,7 @@ def test_chain(example):
 
 @variants(cells=3, steps=10000)
 def test_block(example, tmp_path, options):
-    """The floor's impulse is the momentum that is lacking, and the forces have the four-fold
+    """The impulse of the floor equals the missing momentum, and the forces have the four-fold
     symmetry of the block.
     """
     log = example("block", *options)
@@ -150,8 +150,8 @@ def test_block(example, tmp_path, options):
 
 @variants(target=6e6, steps=2500)
 def test_crystal(example, tmp_path, options):
-    """Pressure is that of twelve contacts a sphere, force that of the law, and the loop is what was
-    lost.
+    """The pressure agrees with twelve contacts per sphere, the force with the law, and the area of
+    the loop with the dissipation.
     """
     log = example("crystal", *options)
     _, spacing, volume, pressure, overlap, peak, force, stored, lost = np.loadtxt(
@@ -185,7 +185,7 @@ def test_rolling(example):
 
 @variants(n=100, steps=40000)
 def test_contacts(example, tmp_path, options):
-    """Listed forces, those of the walls and the weight balance on every sphere."""
+    """Listed forces, wall forces and weight balance on every sphere."""
     log = example("contacts", *options)
     spheres, contacts = (
         figures.frames(tmp_path / f"{name}.dump")[0] for name in ("spheres", "contacts")
@@ -218,7 +218,9 @@ def test_contacts(example, tmp_path, options):
 
 @variants(steps=9000)
 def test_restart(example, tmp_path, options):
-    """A run that was cut, of two ranks and then one, has the bits of one that was not."""
+    """A run that was interrupted, on two ranks and then one, is bitwise identical to an
+    uninterrupted run.
+    """
     log = example("restart", "-var", "part", "whole", *options)
     account = np.concatenate([run["v_account"] for run in log.runs])
     assert account == pytest.approx(account[0], rel=1e-6)
@@ -229,7 +231,9 @@ def test_restart(example, tmp_path, options):
 
 
 def test_clumps(example, tmp_path):
-    """Momentum is kept, and energy, but for what LAMMPS's own style stores while two clumps touch."""
+    """Momentum and energy are conserved, except for the energy that LAMMPS's own style stores while
+    two clumps touch.
+    """
     log = example("clumps")
     assert log.printed("momentum over that of the clumps") == pytest.approx(1.0, abs=1e-12)
     balance = log.runs[0]["v_balance"]
@@ -253,8 +257,8 @@ def test_timestep(example):
 
 @variants(layers=2, steps=16000)
 def test_chute(example, options):
-    """The energy of the fall is what moves and what was lost; in steady flow the floor bears weight
-    and thrust.
+    """The energy of the fall equals kinetic plus dissipated energy; in steady flow the floor
+    carries weight and shear.
     """
     log = example("chute", *options)
     account = np.concatenate([run["v_account"] for run in log.runs])

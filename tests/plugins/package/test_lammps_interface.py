@@ -1,4 +1,4 @@
-"""The comparison of the interfaces of LAMMPS that the styles use with the headers of another."""
+"""Comparison of the LAMMPS interfaces that the styles use with the headers of another version."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def script():
 
 @pytest.fixture
 def headers(script, tmp_path) -> Path:
-    """Return a copy of the headers that the plugin is built with."""
+    """Return a copy of the headers with which the plugin is built."""
     return Path(shutil.copytree(script.own_headers(), tmp_path / "headers"))
 
 
@@ -38,7 +38,7 @@ def replace(path: Path, before: str, after: str) -> None:
 
 
 def differences(script, headers: Path) -> dict[str, str]:
-    """Return the states of the interfaces that are not the same, by their names."""
+    """Return the states of the interfaces that differ, by their names."""
     rows = script.compare(script.own_headers(), headers)
     return {f"{row.use.scope}::{row.use.name}": row.state for row in rows if row.state != "same"}
 
@@ -56,7 +56,7 @@ def test_functions_that_the_styles_override_are_among_those_compared(script):
 
 
 def test_changes_of_another_lammps_are_found(script, headers):
-    """A function that is gone, other arguments, another type of a number, a header that is gone."""
+    """A missing function, other arguments, another type of a number, a missing header."""
     replace(headers / "modify.h", "  Fix *get_fix_by_id(const std::string &) const;\n", "")
     replace(headers / "pair.h", "virtual double init_one(int, int)", "virtual double init_one(int)")
     replace(headers / "neighbor.h", "double skin;", "float skin;")
@@ -81,7 +81,7 @@ def test_names_of_parameters_and_comments_are_no_changes(script, headers):
 
 
 def test_what_the_command_prints(headers):
-    """The table, the declarations of what differs, and the exit status."""
+    """The table, the declarations that differ, and the exit status."""
     replace(headers / "pair.h", "virtual double init_one(int, int)", "virtual double init_one(int)")
     done = subprocess.run(
         [sys.executable, str(SCRIPT), str(headers)], capture_output=True, text=True, timeout=300

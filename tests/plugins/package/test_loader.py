@@ -1,4 +1,4 @@
-"""The loader of the plugin: it refuses a LAMMPS whose classes differ from those of the build.
+"""The loader of the plugin rejects a LAMMPS whose classes differ from those of the build.
 
 Each difference is made in a copy of the plugin's library, by a change of its symbols: as if the
 styles had been compiled with other headers. If the comparison did not work, the styles would load.

@@ -136,7 +136,7 @@ def test_the_cylinder_that_slid_rolls(example):
 
 
 def test_the_holder_stops_the_bead_that_was_hit(example):
-    """All of the impact's energy ends in the holder, most of it behind the second bead."""
+    """The guide dissipates all energy of the impact, most of it behind the second bead."""
     log = example("holder")
     run = log.runs[0]
     given = 0.5 * 7925 * np.pi / 6 * 0.01**3 * 0.05**2
@@ -160,7 +160,7 @@ def test_the_struck_row_moves_as_with_fix_nve(example, lmp, tmp_path):
 
 
 def test_the_pages_state_the_format_of_restart_files():
-    """The numbers of the code are those of the pages."""
+    """The numbers in the code agree with the pages."""
     header = (PAGES.parent / "styles" / "pair_gran_hysteretic.h").read_text(encoding="utf-8")
     found = re.search(r"EARLIEST_RESTART_FORMAT = (\d+), RESTART_FORMAT = (\d+);", header)
     assert found is not None

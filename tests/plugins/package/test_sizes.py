@@ -1,5 +1,5 @@
-"""IDs and steps of 64 bits: the styles compile for a LAMMPS with -DLAMMPS_BIGBIG, without any that
-is cut to 32 bits.
+"""IDs and steps of 64 bits: the styles compile for a LAMMPS with -DLAMMPS_BIGBIG, without
+truncation to 32 bits.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Cylinders: laws beside closed forms and published values, motion beside independent equations,
-friction, ranks, restart.
+"""Cylinders: laws compared with closed forms and published values, motion compared with independent
+equations, friction, ranks, restart.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ def as_sphere(density: float, radius: float, length: float) -> float:
 
 @pytest.mark.parametrize("degrees", [90, 60, 10])
 def test_crossed_cylinders(degrees):
-    """Equal ones at 90 degrees are a sphere of their radius on a plane; others follow from the
-    curvatures of both.
+    """Equal cylinders at 90 degrees are equivalent to a sphere of their radius on a plane; others
+    follow from both curvatures.
     """
     t = math.radians(degrees)
     pair = CylinderPair(
@@ -120,7 +120,7 @@ def test_parallel_cylinders_collide_as_their_equations_say(lammps):
 
 
 def between_cylinders(extra: str = "", friction: str = "") -> str:
-    """A sphere of steel that is thrown between two crossed cylinders of brass."""
+    """A steel sphere that hits two crossed cylinders of brass."""
     coefficients = [f"pair_coeff 1 1 hertz 210e9 0.3{friction}", f"pair_coeff 2 2 hertz 115e9 0.3{friction}",
                     f"pair_coeff 3 3 hertz 115e9 0.3{friction}"]  # fmt: skip
     return script_of(
@@ -171,7 +171,7 @@ def test_sphere_between_cylinders(lammps):
 
 
 def test_ranks_and_restart_alike(log_of, tmp_path):
-    """With friction, to the last bit: one and two processors, and a run that was cut in two."""
+    """With friction, bitwise identical: one and two processors, and a run in two parts."""
     comm = "comm_modify vel yes\n"
     motion = "unfix motion\nfix motion all nve/sphere\n"
     text = between_cylinders(friction=" friction 0.3") + comm + motion
@@ -197,8 +197,8 @@ def test_ranks_and_restart_alike(log_of, tmp_path):
 
 @pytest.mark.parametrize("line", ["half-space", "plane-strain"])
 def test_cylinder_on_a_plane(lammps, line):
-    """It bounces as the law says, and one that slides rolls in the end at 2/3 of its speed (inertia
-    m R^2/2).
+    """The rebound of a cylinder agrees with the law, and a sliding cylinder finally rolls at 2/3 of
+    its speed (inertia m R^2/2).
     """
     radius = 0.003
     length = 0.01
@@ -231,7 +231,9 @@ def test_cylinder_on_a_plane(lammps, line):
 
 
 def test_the_end_of_a_cylinder(lammps):
-    """A sphere that slides over the end ends the run; one that flies past it feels nothing."""
+    """A sphere that slides over the end stops the run; a sphere that passes the end has no
+    contact.
+    """
     lmp = lammps()
     scripts = [
         script_of([(0, y, 0.0), (0, 0, 0.0079999)], radius=[0.005, 0.003], types=[1, 2], velocities=[(0, 50.0, 0), (0, 0, 0)],

@@ -1,4 +1,4 @@
-"""Command gran/dents: initial dents from a file or from an earlier stage."""
+"""Command gran/dents: initial indentations (dents) from a file or from an earlier stage."""
 
 from __future__ import annotations
 
@@ -250,7 +250,7 @@ def wall_column(lmp, number: int) -> float:
 @pytest.mark.parametrize("also", ALSO)
 def test_a_minimization_leaves_the_dents_of_its_end(lammps, style, also):
     """Far beyond yield every contact has the overlap at which loading gives the force on the chain;
-    the positions on the way, which go beyond it, leave nothing.
+    intermediate positions with larger overlaps leave no dents.
     """
     lmp = lammps(pressed(extra=ALSO[also]) + f"min_style {style}\n")
     least = "minimize 0 1e-9 100000 200000"
@@ -267,8 +267,8 @@ def test_a_minimization_leaves_the_dents_of_its_end(lammps, style, also):
 
 
 def test_a_minimization_unloads_from_dents_and_comes_back_to_them(lammps):
-    """Dents of a larger load stay as they were while a smaller one is balanced, and when it is
-    there again.
+    """Dents of a larger load are unchanged at equilibrium under a smaller load, and when the larger
+    load acts again.
     """
     lmp = lammps(pressed())
     least = "minimize 0 1e-9 100000 200000"
@@ -292,7 +292,7 @@ def test_a_minimization_unloads_from_dents_and_comes_back_to_them(lammps):
 
 
 def test_clear_forgets_dents(lammps):
-    """Every contact loads as a new one, at the overlap that is there."""
+    """Every contact loads like a new contact, from the present overlap."""
     lmp = lammps(pressed())
     least = "minimize 0 1e-9 100000 200000"
     lmp.commands_string(f"{least}\n{push_of(20)}{least}")

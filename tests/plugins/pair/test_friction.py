@@ -59,9 +59,10 @@ def test_gross_sliding(lammps, law, radii):
 
 @pytest.mark.parametrize("angle", [0.5, 1.0, 2.0, 3.0, 5.0, 8.0])
 def test_tangential_restitution_against_mindlin_by_quadrature(lammps, angle):
-    """Rebound of the surfaces over the angle of incidence, psi = 2 (1 - nu)/(mu (2 - nu)) v_t/v_n,
-    as in Maw, Barber and Fawcett (1976): sliding throughout above 4 chi - 1 = 4.76, reversal below;
-    compared with the same spring in two degrees of freedom, integrated without LAMMPS.
+    """Rebound of the surfaces against the angle of incidence, psi = 2 (1 - nu)/(mu (2 - nu))
+    v_t/v_n, as in Maw, Barber and Fawcett (1976): sliding throughout above 4 chi - 1 = 4.76,
+    reversal below; compared with the same spring in two degrees of freedom, integrated without
+    LAMMPS.
     """
     chi = 3.5 * RATIO / 2
     tangential = angle * MU / RATIO

@@ -95,7 +95,7 @@ LOSSY = f"{BRASS} friction {MU} loss time 1e-8"
 
 
 def jumbled(lammps, way: str, steps: int = 20000):
-    """Loose spheres between walls that meet and part, most of them several times."""
+    """Loose spheres between walls that touch and separate, most of them several times."""
     places, speeds, spins = packing(2)
     size = 1.6 * np.ptp(places, axis=0).max()
     walls = "".join(
@@ -125,8 +125,8 @@ def report(lmp) -> dict[str, np.ndarray]:
 
 
 def test_sums_are_those_of_the_records(lammps, tmp_path):
-    """The same motion, energies, counts, peaks and times; the restart file of the sums is the
-    smaller one, and holds them.
+    """Motion, energies, counts, peaks and times are equal; the restart file with sums is smaller,
+    and contains them.
     """
     found = {}
     size = {}
@@ -209,8 +209,8 @@ run 0
     ],
 )
 def test_spheres_with_many_records_cross_a_corner(lammps, log_of, tmp_path, monkeypatch, move):
-    """They are passed on by a rank that has no records of its own, or moved between runs: all
-    records arrive.
+    """All records arrive when a rank without own records passes them on, and when spheres are moved
+    between runs.
     """
     monkeypatch.chdir(tmp_path)
     lammps(MANY)
@@ -245,8 +245,8 @@ def pressed(
 
 
 def test_a_rolling_sphere_stops(lammps):
-    """It rolls 7 v^2 m/(10 mu_r N): torque mu_r R N, inertia 7/5 m R^2 about the contact; its
-    energy is that of rolling.
+    """The sphere rolls the distance 7 v^2 m/(10 mu_r N): torque mu_r R N, inertia 7/5 m R^2 about
+    the contact; its energy is dissipated by rolling.
     """
     lmp = lammps()
     speed = 0.5
@@ -265,7 +265,7 @@ def test_a_rolling_sphere_stops(lammps):
 
 @pytest.mark.parametrize("length", [None, 2e-5])
 def test_a_twisting_sphere_stops(lammps, length):
-    """Its spin ends after I w/M: M = (2/3) mu a N, or a length times N."""
+    """Its spin ends after the time I w/M, with M = (2/3) mu a N, or a length times N."""
     lmp = lammps()
     spin = 30.0 if length else 1000.0
     mu = 0.3
@@ -285,8 +285,8 @@ def test_a_twisting_sphere_stops(lammps, length):
 
 @pytest.mark.parametrize("words", ["rolling sds 2e6 0.0 0.05", "twisting sds 4.0 0.0 2e-5", SDS])
 def test_as_the_style_of_lammps(lammps, words):
-    """Same constants, same change of the spins, in an oblique impact of spinning spheres. Sliding
-    alone differs by 1.6 %.
+    """Equal constants give equal changes of the spins in an oblique impact of spinning spheres.
+    Without the resistances the result differs by 1.6 %.
     """
     spins = [(100.0, 300.0, 400.0), (0.0, -50.0, 20.0)]
     own = LAMMPS_OWN.format(E=E, nu=NU, model="mindlin_rescale", mu=MU)

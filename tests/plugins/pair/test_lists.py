@@ -1,5 +1,5 @@
-"""Lists of pairs take over what contacts remember from the list before: however often they are
-built, and in whichever order the atoms are, the bits stay the same.
+"""New lists of pairs take over the histories of the contacts: results are bitwise independent of
+how often lists are built, and of the order of the atoms.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def test_the_bits_do_not_depend_on_when_lists_are_built(lammps, place, law):
 
 @pytest.mark.parametrize("kept", ["sum", "list"])
 def test_contacts_that_leave_the_list_are_forgotten(lammps, kept):
-    """Spheres that fly apart, with lists that are built before and after the gap is passed."""
+    """Spheres that separate, with lists that are built before and after the gap is exceeded."""
     places, velocities, spins = packing(2)
     apart = places - places.mean(axis=0)
     script = rubbing(
@@ -83,7 +83,9 @@ def test_contacts_that_leave_the_list_are_forgotten(lammps, kept):
 
 @pytest.mark.parametrize("kept", ["sum", "list"])
 def test_contacts_of_spheres_that_are_displaced_stay_in_the_sums(lammps, kept):
-    """Half of the packing is moved away between two runs: no pair across is in the next list."""
+    """Half of the packing is moved away between two runs: no pair between the halves is in the next
+    list.
+    """
     script = rattling(LAWS["friction"]).replace(
         "gran/hysteretic 0.001", f"gran/hysteretic 0.001 forgotten {kept}"
     )

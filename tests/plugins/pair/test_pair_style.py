@@ -128,7 +128,9 @@ thermo 100"""
     ],
 )
 def test_the_stored_energy_has_one_formula(lammps, law):
-    """A contact, its two spheres and the totals have the same bits, on loading and unloading."""
+    """Values of a contact, of its two spheres and of the totals are bitwise identical, on loading
+    and unloading.
+    """
     lmp = lammps()
     extra = """compute dents all gran/hysteretic/local
 compute single all pair/local eng

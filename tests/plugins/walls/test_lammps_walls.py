@@ -1,5 +1,5 @@
-"""Walls of LAMMPS against the closed form of a grazing impact, as the page of fix
-wall/gran/hysteretic compares them.
+"""Walls of LAMMPS compared with the closed form of a grazing impact, as on the page of fix
+wall/gran/hysteretic.
 """
 
 from __future__ import annotations

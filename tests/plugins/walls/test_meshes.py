@@ -1,4 +1,4 @@
-"""Surfaces of triangles as walls: planes, convergence to a cylinder, edges, refusals."""
+"""Surfaces of triangles as walls: planes, convergence to a cylinder, edges, rejected input."""
 
 from __future__ import annotations
 
@@ -45,7 +45,9 @@ def test_a_flat_plate_is_a_plane(lammps: Any, tmp_path: Path, law: str, n: int) 
 
 
 def test_a_sphere_that_rolls_over_edges_sees_no_bump(lammps: Any, tmp_path: Path) -> None:
-    """It rolls over many triangles under a force: force and overlap as on the plane."""
+    """A sphere under a force rolls over many triangles: force and overlap are equal to those on a
+    plane.
+    """
     plate = written(tmp_path / "plate.stl", meshes.plate(40, height=0.01))
     paths = []
     press = "fix press all addforce 0 0 2000.0"
@@ -120,7 +122,9 @@ def test_a_sphere_in_a_corner_touches_each_face_once(lammps: Any, tmp_path: Path
     "shift", [(0.0, 0.0), (0.002, 0.0), (0.002, 0.002), (-1e-9, 0.0), (1e-9, 0.0)]
 )
 def test_an_outer_edge_or_corner_counts_once(shift: tuple[float, float]) -> None:
-    """Over edges and corners of a box one patch has the sphere, at the distance of the box."""
+    """At edges and corners of a box exactly one patch has the contact, at the distance of the
+    box.
+    """
     half = 0.01
     mesh = TriangleMesh(meshes.box(half), ANGLE)
     random = np.random.default_rng(5)
@@ -138,7 +142,7 @@ def test_an_outer_edge_or_corner_counts_once(shift: tuple[float, float]) -> None
 
 
 def test_a_face_of_triangles_that_do_not_share_corners_is_one() -> None:
-    """A corner in the middle of a neighbour's edge, as programs of design leave them."""
+    """A corner in the middle of a neighbour's edge, as CAD programs write them."""
     a, b, c, d = [[0.0, 0, 0], [1.0, 0, 0], [1.0, 1, 0], [0.0, 1, 0]]
     e, f, g = [[1.0, 0.5, 0], [2.0, 0, 0], [2.0, 1, 0]]
     triangles = np.array([[a, b, c], [a, c, d], [b, f, e], [f, g, e], [e, g, c]])

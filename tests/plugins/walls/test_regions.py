@@ -1,4 +1,4 @@
-"""Faces of regions of LAMMPS as walls: equal to planes and tubes, closed forms, refusals."""
+"""Faces of regions of LAMMPS as walls: equal to planes and tubes, closed forms, rejected input."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ SLOPE = np.arctan2(0.01, 0.03)
 def test_every_face_reflects(
     lammps: Any, region: str, face: str, normal: np.ndarray, distance: float
 ) -> None:
-    """A sphere that flies at a face by its normal, on which alone the wall acts, comes back."""
+    """A sphere that hits a face along its normal rebounds; only the wall acts on it."""
     lmp = lammps()
     flight = distance - R - 1e-5
     velocity = 2.0 * normal
@@ -114,7 +114,9 @@ def test_every_face_reflects(
 
 
 def test_a_sphere_leaves_a_hopper_over_its_rim(lammps: Any) -> None:
-    """Beyond an open end the rim pushes on: the energy closes as a sphere is squeezed past it."""
+    """Beyond an open end the rim still pushes: the energy balance closes for a sphere that is
+    squeezed past it.
+    """
     lmp = lammps()
     hopper = "cone z 0 0 0.005 0.02 0.0 0.02 open 1 open 2"
     thrown(lmp, (0.00202, 0.0, 1e-6), (0.0, 0.0, -1.0), 0, wall(hopper, "side"))

@@ -1,4 +1,4 @@
-"""Support of a moving plane: node, damper and bar against the equations of motion, energy,
+"""Support of a moving plane: node, damper and bar compared with the equations of motion, energy,
 momentum, restart, messages.
 """
 

@@ -1,5 +1,5 @@
-"""Tubes and contact along lines: stiffness beside scipy and published values, motion of a sphere in
-a tube, friction.
+"""Tubes and contact along lines: stiffness compared with scipy and published values, motion of a
+sphere in a tube, friction.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ def thrown(lmp, place, velocity, steps, *, timestep=2e-8, extra=FIX, nve="nve"):
 
 
 def test_motion_in_a_tube(lammps):
-    """A sphere thrown aslant against the tube, beside an ODE of the same force."""
+    """An oblique impact of a sphere on the tube, compared with an ODE of the same force."""
     lmp = lammps()
     stiffness = 4 / 3 * MODULUS * np.sqrt(elliptic_radius(1 / R, 1 / R - 1 / TUBE))
 
@@ -170,8 +170,8 @@ def test_force_on_a_tube_is_outward(lammps):
 
 
 def test_dent_of_a_tube_is_kept_at_its_place(lammps):
-    """A sphere that yields loses energy once; thrown at the same place again it loses none, at
-    another it does.
+    """A yielding sphere dissipates energy once; a second impact at the same position is elastic, an
+    impact at another position is not.
     """
     lmp = lammps()
     law = f"fix tube all wall/gran/hysteretic tube {TUBE} elastoplastic 115e9 0.3 550e6"
@@ -187,7 +187,9 @@ def test_dent_of_a_tube_is_kept_at_its_place(lammps):
 
 
 def test_friction_of_a_tube(lammps):
-    """Energy closes, and a sphere that slides around the tube is slowed and begins to turn about z."""
+    """The energy balance closes, and a sphere that slides around the tube decelerates and begins to
+    rotate about z.
+    """
     lmp = lammps()
     law = f"{FIX} friction 0.2"
     start = thrown(lmp, (0.0046, 0.0, 0.0), (2.0, 1.0, 0.5), 6000, extra=law, nve="nve/sphere")

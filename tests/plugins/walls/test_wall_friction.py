@@ -1,5 +1,5 @@
-"""Friction of walls: oblique impact against closed forms, theory and the Hertz-Mindlin wall of
-LAMMPS; balance; migration.
+"""Friction of walls: oblique impact compared with closed forms, theory and the Hertz-Mindlin wall
+of LAMMPS; energy balance; migration.
 
 The benchmarks are those of Chung and Ooi, Granular Matter 13 (2011) 643: in tests 4 and 5 a sphere
 hits a rigid plane, at a constant speed and varying angle, and at a constant normal speed and

@@ -153,8 +153,8 @@ def test_force_on_the_wall_is_the_momentum_given(lammps, axis):
 
 
 def test_spheres_far_away_are_not_looked_at(lammps):
-    """From the first step on: one that is put at the wall behind its back is found when the lists
-    are built again.
+    """A sphere that is placed at the wall between runs is found from the first step on, when the
+    lists are rebuilt.
     """
     lmp = lammps()
     wall = f"{WALL.format(z=R)}\nneigh_modify delay 0 every 100 check no\nthermo_style custom step f_floor[3]"

@@ -171,7 +171,9 @@ def test_law_table_and_plot(granwave, tmp_path):
 
 
 def test_law_of_a_material_of_a_file_on_a_plane(granwave, tmp_path):
-    """The curve is that of `granwave.contact_force`, and a case file serves as a file of materials."""
+    """The curve agrees with `granwave.contact_force`, and a case file can be used as a file of
+    materials.
+    """
     values = "youngs_modulus = 1e9\npoisson_ratio = 0.30\ndensity = 1200\nyield_strength = 30e6\n"
     (tmp_path / "mine.toml").write_text(f"[soft]\n{values}")
     (tmp_path / "case.toml").write_text(f'material = "brass"\n[materials.soft]\n{values}')

@@ -1,4 +1,6 @@
-"""The command line without extensions, with one whose package is missing, and with others' entries."""
+"""The command line without extensions, with an extension whose package is missing, and with entries
+of other packages.
+"""
 
 from __future__ import annotations
 
@@ -161,7 +163,7 @@ def test_python_has_the_names_of_the_core():
 
 @NEEDS_ALL
 def test_all_commands_have_their_place():
-    """Groups in the order of the list, and the commands of extensions behind those of the core."""
+    """Groups are in the order of the list, and the commands of extensions follow those of the core."""
     groups = list(dict.fromkeys(command.group for command in commands()))
     assert groups == [
         "find and check a case",

@@ -128,7 +128,7 @@ sys.exit(status)
 
 
 def test_check_loads_no_large_library():
-    """Each takes about as long to load as all the rest of the command."""
+    """Each of these modules takes about as long to load as the rest of the command."""
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=60, env=PLAIN
     )
@@ -227,7 +227,7 @@ def test_every_shell_has_its_code(shell, capsys):
 
 
 def test_bash_completes(tmp_path):
-    """The whole way: the line of the start page, and a TAB as bash makes it."""
+    """The complete path: the line of the start page, and a TAB as in bash."""
     words = """
 eval "$(granwave completion bash)"
 COMP_LINE="granwave run fcc-sm" COMP_POINT=19 COMP_TYPE=9 COMP_WORDS=(granwave run fcc-sm) COMP_CWORD=2
@@ -248,7 +248,7 @@ SECTIONS: dict[tuple[str, str], type] = {}
 for kind in file_kinds():
     for heading, (section, _) in load(kind.sections)().items():
         SECTIONS[kind.name, heading.strip("[]") or kind.name] = section
-# tables and words that code besides the field's validator reads
+# tables and words that code other than the validator of the field reads
 ELSEWHERE = {("boundary", "bottom"), ("load", "file")}
 
 
@@ -285,7 +285,7 @@ def test_every_key_has_what_a_reader_needs(table):
 
 @pytest.mark.parametrize(("file", "name"), SECTIONS)
 def test_examples_are_valid(file, name):
-    """A key's example is read, and the value that it gives is read as the same value again."""
+    """The example of a key is read, and the value written again is read as the same value."""
     (table,) = [table for table in reference.tables() if (table.file, table.name) == (file, name)]
     fields = {field.name: field for field in dataclasses.fields(SECTIONS[file, name])}
     for key in table.keys:
@@ -314,7 +314,7 @@ def test_a_load_knows_its_file():
 
 
 def test_keys_by_name_and_by_words(granwave):
-    """Tables, keys, whose words may stand apart, and words of choices and descriptions."""
+    """Tables, keys (whose words may be separate), and words of choices and descriptions."""
     shown = granwave("keys").stdout
     assert all(f"  {table.name} " in shown for table in reference.tables())
     assert (
@@ -341,8 +341,8 @@ def test_keys_by_name_and_by_words(granwave):
 
 
 def test_usual_magnitudes_are_those_that_messages_name():
-    """Warnings begin far beyond for bodies that stand for rigid ones, and the text says from where
-    on.
+    """For bodies that represent rigid ones, warnings begin at far larger values, and the text
+    states the limit.
     """
     found = {
         key.name: key.usual

@@ -1,4 +1,4 @@
-"""granwave check, and what commands say as JSON."""
+"""granwave check, and the JSON output of commands."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def test_check(capsys):
 
 
 def leaves(value):
-    """Numbers of a document, those that are keys among them, and the lengths of lists and tables."""
+    """Numbers of a document, including numbers that are keys, and the lengths of lists and tables."""
     if isinstance(value, dict):
         return [
             one
@@ -251,8 +251,8 @@ def test_a_scan_prints_one_document(tmp_path, capfd):
 
 
 def test_doctor_with_the_profile_of_a_cluster(tmp_path, monkeypatch):
-    """Commands that are there are found, the launcher only after the commands of `before`; others
-    get a remedy.
+    """Existing commands are found, the launcher only after the commands of `before`; for others a
+    remedy is given.
     """
     tools = tmp_path / "tools"
     bare = tmp_path / "bare"

@@ -1,4 +1,6 @@
-"""JSON Schemas of the files of users: all that come with the package fit, wrong ones do not."""
+"""JSON Schemas of the files of users: all files of the package are valid, invalid files are
+detected.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Runs that are killed or stopped and resumed, from the point of view of a user: their results are
-those of a run left alone.
+"""Runs that are killed or stopped and resumed, from the point of view of a user: their results
+equal those of an uninterrupted run.
 
-The sums of the energy ledger agree to rounding: a restart changes the order of their terms.
+The sums of the energy record agree to rounding: a restart changes the order of their terms.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ ROUNDING = 1e-14  # of sums, over their largest value
 
 
 def start(directory, *arguments, case=LONG):
-    """Start a run of a case and settings in a process of its own."""
+    """Start a run of a case and settings in a separate process."""
     words = [
         "run",
         case[0],
@@ -70,7 +70,7 @@ def finish(process: subprocess.Popen[str]) -> None:
 
 
 def ledger_of(directory: Path, size: int) -> bool:
-    """True if the energy ledger has more than these bytes."""
+    """True if the energy record has more than these bytes."""
     path = directory / "dumps" / "energy.txt"
     return path.exists() and path.stat().st_size > size
 
@@ -176,7 +176,9 @@ def test_automatic_end_is_the_same_after_a_stop(tmp_path):
 
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_ctrl_c_ends_a_static_stage_that_does_not(tmp_path, ranks):
-    """Dents that are forgotten at once keep the packing from balance for many minutes."""
+    """If indentations are forgotten immediately, the packing does not reach equilibrium for many
+    minutes.
+    """
     process = start(
         tmp_path / "run", f"--np={ranks}", case=["preconditioned-fcc", "boundary.forget_gap=1e-9"]
     )

@@ -1,4 +1,4 @@
-"""``granwave selftest``: it passes here, leaves nothing, and says what is wrong where something is."""
+"""``granwave selftest``: it passes, leaves no files, and reports each problem."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ def test_it_passes_and_leaves_nothing(granwave, tmp_path, monkeypatch):
 
 
 def test_wrong_numbers_are_told_with_what_to_do(monkeypatch, capsys):
-    """A stored number that is not met, a run that fails, and a run that was not stopped: each in
-    its line.
+    """A deviation from a stored number, a failed run, and a run that was not stopped each have a
+    line.
     """
 
     def refuse(scratch):

@@ -71,7 +71,7 @@ def test_without_the_scheduler(granwave, profile, monkeypatch):
 
 
 def test_a_folder_of_somebody_else(granwave, profile, monkeypatch):
-    """It stays, and nothing is submitted."""
+    """The existing directory is kept, and nothing is submitted."""
     tools = profile / "tools"
     tools.mkdir()
     for name in ("qsub", "qstat", "qdel"):

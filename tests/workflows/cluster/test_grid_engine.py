@@ -1,4 +1,6 @@
-"""Runs and scans on a Grid Engine of one node: jobs, a chain, and why a job has ended."""
+"""Runs and scans on a Grid Engine of one node: jobs, a chain, and the reason why a job has
+ended.
+"""
 
 from __future__ import annotations
 
@@ -68,7 +70,7 @@ def granwave(grid_engine, tmp_path, monkeypatch):  # noqa: F811
 
 
 def submitted(done: subprocess.CompletedProcess[str]) -> list[str]:
-    """Ids of the jobs of an answer."""
+    """Ids of the jobs in an output."""
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)["jobs"]
 
@@ -87,7 +89,7 @@ def test_a_run_on_two_ranks(granwave, tmp_path):
 
 
 def test_a_chain_goes_on_after_a_killed_job(granwave, tmp_path):
-    """Grid Engine cancels with SIGKILL: the second job goes on from the last checkpoint."""
+    """Grid Engine cancels with SIGKILL: the second job continues from the last checkpoint."""
     words = ["run", "fcc-small", "-o", "out", "--submit", "profile.toml", "--chain", "2", *LONG]
     first, _ = submitted(granwave(*words, "--json"))
     record = tmp_path / "out" / "run.json"
@@ -120,7 +122,7 @@ def test_refused_jobs_have_the_reason_of_grid_engine(granwave, tmp_path):
 
 
 def test_why_grid_engine_has_ended_a_job(granwave, tmp_path):
-    """A job beyond its limit of time."""
+    """A job that exceeds its time limit."""
     queue = scheduler("sge")
     script = "#!/bin/bash\n#$ -S /bin/bash\n#$ -o /dev/null -j y\n#$ -l h_rt=2\nsleep 60\n"
     job = queue.submit(script, tmp_path)

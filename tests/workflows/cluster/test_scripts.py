@@ -1,4 +1,4 @@
-"""Scripts of all schedulers, and what is read from the answers of their commands."""
+"""Scripts of all schedulers, and the parsed output of their commands."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ def test_a_script_runs_its_command(name, tmp_path):
 
 
 def test_sigterm_comes_before_the_time_limit(tmp_path):
-    """A job of one minute gets it at 40 s; here one of a tenth of a second."""
+    """A job of one minute receives the signal at 40 s; here a job of a tenth of a second."""
     words = shlex.join(scheduler("pbs").starter(REQUEST)).replace("5310", "0.1").split()
     trap = "trap 'echo stopped; exit 130' TERM; while true; do sleep 0.02; done"
     done = subprocess.run([*words, "bash", "-c", trap], capture_output=True, text=True, timeout=30)
@@ -183,7 +183,7 @@ def test_faults_of_profiles(tmp_path, text, said):
 
 
 def test_a_limit_of_memory_of_lsf(tmp_path):
-    """The key ``memory`` reserves memory; the limit -M of a site is another option."""
+    """The key ``memory`` reserves memory; the limit -M of a site is a separate option."""
     (tmp_path / "p.toml").write_text("[cluster]\nscheduler = 'lsf'\noptions = '-M 8GB'\n")
     profile = load_profile(tmp_path / "p.toml")
     request = dataclasses.replace(REQUEST, options=profile.options)
@@ -287,7 +287,7 @@ def test_why_a_job_has_ended(name, line, said):
     [("pbs", "12.server.example.OU"), ("torque", "granwave-x.o12"), ("slurm", "12.log")],
 )
 def test_logs_of_a_job_in_a_folder(name, log, tmp_path):
-    """The scheduler names the log where it knows only the folder: PBS by the id of the job."""
+    """The scheduler names the log if only the folder is set: PBS by the id of the job."""
     for file in (log, log.replace("12", "123"), log.replace("12", "312")):
         (tmp_path / file).write_text("")
     patterns = [pattern.format(job="12") for pattern in scheduler(name).log_patterns]
@@ -312,7 +312,9 @@ def tools(tmp_path, monkeypatch):
 
 
 def test_jobs_are_submitted_from_standard_input(tools, tmp_path, monkeypatch):
-    """With the script, where the job is submitted, and without variables of an enclosing job."""
+    """The command gets the script in the folder of submission, without variables of an enclosing
+    job.
+    """
     monkeypatch.setenv("PBS_JOBID", "3")
     fake(tools, "qsub", f"cat > {tmp_path}/script; pwd > {tmp_path}/place; env > {tmp_path}/env\n"
          "echo 12.server")  # fmt: skip

@@ -1,5 +1,5 @@
 """Runs that are submitted to a Slurm cluster of two virtual nodes: ranks on both nodes, a chain of
-jobs, jobs that are in the queue.
+jobs, jobs in the queue.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def test_a_run_on_two_nodes(submit, tmp_path):
 
 @pytest.mark.validation
 def test_a_chain_goes_on_from_checkpoints(submit, tmp_path):
-    """The first job is stopped as before its time limit; the third has nothing to do."""
+    """The first job is stopped as if before its time limit; the third has nothing to do."""
     done = submit(*LONG, "--chain", "3", "--json")
     assert done.returncode == 0, done.stderr
     jobs = json.loads(done.stdout)["jobs"]
@@ -95,6 +95,27 @@ def test_a_chain_goes_on_from_checkpoints(submit, tmp_path):
     assert "read_restart" in (out / "log.lammps").read_text()
     assert (tmp_path / "out.job" / "ended").read_text() == "0\n"
     assert "granwave" not in (tmp_path / "out.job" / f"{jobs[2]}.log").read_text()
+
+
+@pytest.mark.validation
+def test_a_chain_goes_on_after_the_time_limit(submit, tmp_path):
+    """Slurm signals the first job before its limit of two minutes; the second one continues."""
+    (tmp_path / "profile.toml").write_text(PROFILE.replace("time = 10", "time = 2"))
+    done = submit(*LONG, "--set", "run.end_time=1e-1", "--np", "2", "--chain", "2", "--json")
+    assert done.returncode == 0, done.stderr
+    first, second = json.loads(done.stdout)["jobs"]
+    wait_for(lambda: first not in states(), 240)
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert record["state"] == "interrupted", logs_in(tmp_path / "out.job")
+    reached = record["checkpoint"]["step"]
+    assert reached > 0
+    log = tmp_path / "out" / "log.lammps"
+    wait_for(lambda: "read_restart" in log.read_text(), 120)
+    subprocess.run(["scancel", "--signal=TERM", second], check=True)
+    wait_for(lambda: not states(), 60)
+    record = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert record["state"] == "interrupted"
+    assert record["checkpoint"]["step"] > reached
 
 
 def test_a_job_that_slurm_does_not_take(submit, tmp_path):

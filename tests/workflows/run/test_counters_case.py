@@ -33,7 +33,9 @@ DIRECTORIES = importlib.import_module("granwave.lammps_inputs.directories")
 
 @pytest.fixture
 def counts(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
-    """Calls of the functions that read, check, afford and assemble cases, in this process."""
+    """Calls of the functions that read, check and assemble cases and test resources, in this
+    process.
+    """
     counter: Counter[str] = Counter()
 
     def count(owner: Any, name: str, what: str) -> None:
@@ -111,7 +113,7 @@ def test_a_report_of_finished_runs_checks_and_affords_nothing(
 
 
 def test_an_assembly_travels_as_its_case() -> None:
-    """Other processes assemble it again; what it has kept stays behind."""
+    """Other processes assemble the case again; values kept by the assembly are not transferred."""
     import pickle
 
     from granwave.lammps_inputs.packing.assembly import assemble

@@ -34,7 +34,7 @@ MASS = DENSITY * np.pi / 6 * D**3
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """Return the run of a striker that bounces twice on a sphere that is held."""
+    """Return the run of a striker that bounces twice on a held sphere."""
     return gw.run(CASE, directory=tmp_path_factory.mktemp("fall") / "run", figures=False)
 
 

@@ -1,4 +1,4 @@
-"""Faults of a first case with a packing of another program, and the messages about them."""
+"""Errors in a first case with a packing of another program, and their messages."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_a_material_without_a_name_is_that_of_the_case(tmp_path):
     [(0.0, ""), (5e-4, "0.0005 m clear of it"), (-2e-5, "2e-05 m deep in it")],
 )
 def test_a_striker_that_lost_its_sphere_is_named(tmp_path, caplog, moved, message):
-    """The sphere is also a period of the box away, as LAMMPS may put it."""
+    """The sphere may be one period of the box away, as LAMMPS can place it."""
     table = case_of(dump(tmp_path), boundary={"sides": "periodic"})
     assembly = assemble(case_from_dict(table, "first"))
     ((touched, striker),) = assembly.striker_contacts

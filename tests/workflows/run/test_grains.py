@@ -78,7 +78,9 @@ def test_flight_and_collision_of_grains_with_velocities(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_held_grains(tmp_path: Path, friction: float) -> None:
-    """A row aslant between a held grain and one that moves along z only, with and without rotation."""
+    """An oblique chain between a held grain and a grain that moves only along z, with and without
+    rotation.
+    """
     step = 0.01 * np.array([np.sin(0.3), 0.0, np.cos(0.3)])
     packing = grains_at([n * step for n in range(4)], groups=["", "slides", "", "end"])
     hold = [{"group": "end"}, {"group": "slides", "directions": "xy"}]
@@ -135,7 +137,7 @@ def loaded_result(directory: Path, name: str, **tables: Any) -> Result:
 
 
 def static_forces(result: Result) -> np.ndarray:
-    """Forces of the contacts of like grains at the start, N."""
+    """Contact forces of identical grains at the start, N."""
     place = result.frame(0, "position")
     i = result["contacts/i"] - 1
     j = result["contacts/j"] - 1
@@ -183,7 +185,7 @@ def test_overlaps_as_precompression(tmp_path: Path) -> None:
 
 
 def test_force_on_the_top_of_grains(tmp_path: Path) -> None:
-    """A row that a guide keeps straight, with the last grain held."""
+    """A chain that a guide keeps straight, with the last grain held."""
     found = loaded_result(tmp_path, "row", packing=grains_at(ROW), boundary={"bottom": "free"}, hold=[{"index": 5}],
                       guide=[{"free": "z"}], precompression={"kind": "uniaxial", "force": 7.0},
                       load={"index": [2], "velocity": 1e-3})  # fmt: skip
@@ -193,8 +195,8 @@ def test_force_on_the_top_of_grains(tmp_path: Path) -> None:
 
 
 def test_walls_that_move_to_a_force(tmp_path: Path) -> None:
-    """Two grains side by side between planes, and a third one, farther out, that these do not
-    touch.
+    """Two grains side by side between planes, and a third grain, farther out, that the planes do
+    not touch.
     """
     places = [[0, 0, 0], [0.01, 0, 0], [0.05, 0, 0.02]]
     found = loaded_result(tmp_path, "pair", packing=grains_at(places, groups=["pair", "pair", "far"]),
@@ -211,7 +213,7 @@ def test_walls_that_move_to_a_force(tmp_path: Path) -> None:
 
 
 def test_guide_without_rotation(tmp_path: Path) -> None:
-    """A grain in a groove rolls up against another one: it moves along z only, and does not turn."""
+    """A grain in a groove hits another one: it moves only along z and does not rotate."""
     places = [[0, 0, 0], [0.006, 0, 0.008], [0.006, 0.02, 0.02]]
     found = loaded_result(tmp_path, "groove", packing=grains_at(places), boundary={"bottom": "free"},
                       contact={"law": "hertz", "friction": 0.3}, guide=[{"index": 1, "free": "z", "rotation": False}],
@@ -232,8 +234,8 @@ def test_walls_to_a_force_with_yield_are_refused(tmp_path: Path) -> None:
 
 
 def test_contacts_that_yield_where_walls_do_not(tmp_path: Path) -> None:
-    """Walls press below their own yield, but the contacts with the small grain between the two
-    others yield earlier.
+    """The contacts with the walls do not yield, but the contacts with the small grain between the
+    two others yield earlier.
     """
     text = "x,y,z,diameter\n0,0,0,0.01\n0.007,0,0,0.004\n0.014,0,0,0.01\n"
     tables = {"contact": {"law": "elastoplastic"}, "boundary": {"bottom": "free", "x": "wall"},

@@ -21,8 +21,8 @@ from tests.helpers.twins.twin import Network
 
 
 def assert_same_contacts(one, other, *, bits: bool = True):
-    """The same pairs with the same bits: forces are added up in an order-independent way; or,
-    momentary forces, to 1e-8 of the largest.
+    """Pairs are bitwise identical, because forces are summed independently of the order; momentary
+    forces agree to 1e-8 of the largest.
     """
     orders = [np.lexsort((c["j"], c["i"])) for c in (one, other)]
     assert len(orders[0]) == len(orders[1])
@@ -49,7 +49,9 @@ def misses(directory: Path) -> float:
 
 
 def test_fcc_impact_against_the_network_twin(lmp, tmp_path):
-    """Same packing as point masses in true geometry: equal losses and peaks, contact by contact."""
+    """The packing as point masses in true geometry has equal dissipation and peaks, contact by
+    contact.
+    """
     written = deck(tmp_path, "boundary.bottom=free", "run.timestep=5e-8")
     assert lmp(written.script).returncode == 0
     packing = build_packing(written.case)
@@ -239,7 +241,7 @@ def test_every_lattice_runs(kind: str, sides: str, tmp_path: Path) -> None:
 
 
 def test_a_tolerance_delays_and_lowers_what_arrives(lmp, tmp_path: Path) -> None:
-    """Gaps must close first: at 5 m/s, a gap of 1 um in a pair takes 0.2 us."""
+    """Gaps must close first: at 5 m/s, a gap of 1 um between two spheres takes 0.2 us."""
     peaks = []
     for scatter in (0.0, 5e-6):
         case = packing_of(

@@ -1,5 +1,5 @@
 """Forces and displacements in any direction: symmetry, momentum with the walls, energy balance,
-ranks, wrong input.
+ranks, invalid input.
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ def run_of(
 
 @pytest.mark.parametrize("kind", LOADS)
 def test_a_load_along_x_is_that_along_z_turned(tmp_path: Path, kind: str) -> None:
-    """A cube of touching spheres that rub, pushed aslant at a face: x and z exchanged, the same
-    motion to rounding.
+    """A cube of touching spheres with friction under an oblique force on a face: exchanging x and z
+    gives the same motion to rounding.
     """
     number = {tuple(place): row for row, place in enumerate(CUBE)}
     turned = np.array([number[z, y, x] for x, y, z in CUBE])
@@ -78,8 +78,8 @@ def test_a_load_along_x_is_that_along_z_turned(tmp_path: Path, kind: str) -> Non
 
 @pytest.mark.validation
 def test_impulse_of_an_oblique_force_is_that_of_packing_and_walls(tmp_path: Path) -> None:
-    """Along each axis: impulse of the force = momentum + what the walls took; two ranks give the
-    same bits.
+    """Along each axis: impulse of the force = momentum + impulse of the walls; two ranks are
+    bitwise identical.
     """
     load = LOADS["force"] | {"direction": [3, 4, 12]}
     walls = {"bottom": "wall", "sides": "wall"}
@@ -99,7 +99,7 @@ def test_impulse_of_an_oblique_force_is_that_of_packing_and_walls(tmp_path: Path
 
 
 def test_deck_of_a_direction(tmp_path: Path) -> None:
-    """Axes by their letters, others as vectors; a load straight down, given or not, changes no
+    """Axes are written as letters, other directions as vectors; the default direction changes no
     line.
     """
     scripts = {}
@@ -117,8 +117,8 @@ def test_deck_of_a_direction(tmp_path: Path) -> None:
 
 
 def test_walls_hold_a_striker_that_asks_for_it(tmp_path: Path) -> None:
-    """A ball that glances off another one flies to a side wall, then to the floor: held by both, or
-    it passes them as before.
+    """A sphere that is deflected by another one hits a side wall and then the floor, or passes them
+    if they do not act on it.
     """
     places = [[0, 0, 0], [0.05, 0.05, 0.03], [-0.05, -0.05, 0.03]]
     tables = {

@@ -1,4 +1,4 @@
-"""Runs with viscous losses, a holder, a prescribed displacement."""
+"""Runs with viscous damping, friction of the guide, a prescribed displacement."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def test_restitution_is_that_asked_for(
 
 @pytest.mark.parametrize("restitution", [0.05, 0.5, 0.97, 1.0])
 def test_dashpot_of_a_restitution(restitution: float) -> None:
-    """The factor is found to better than 1e-6, near Antypov and Elliott's closed form, which may
-    pull.
+    """The factor is accurate to 1e-6, and near Antypov and Elliott's closed form, which allows
+    tension.
     """
     factor = dashpot_factor(restitution)
     closed = -np.sqrt(5) * np.log(restitution) / np.hypot(np.log(restitution), np.pi)
@@ -95,7 +95,9 @@ def test_the_ledger_is_the_sum_of_contacts_and_walls(directory: Path) -> None:
 
 
 def test_damping_along_the_surface_is_in_every_account(tmp_path: Path) -> None:
-    """Accounts of contacts, walls, spheres and snapshots; more is lost viscously than without."""
+    """Energies of contacts, walls, spheres and snapshots; the viscous dissipation is larger than
+    without damping.
+    """
     small = {"packing.size": [4, 4, 2], "run.end_time": 3e-5, "contact.law": "hertz"}
     lost = []
     for name, ratio in (("plain", 0.0), ("damped", 1.0)):
@@ -136,7 +138,9 @@ def test_walls_and_pairs_without_friction_are_not_damped_along_them(tmp_path: Pa
 
 
 def test_a_pair_has_its_own_loss(tmp_path: Path) -> None:
-    """And keeps that of [contact] if it changes something else; a loss of 0 is none."""
+    """A pair keeps the loss of [contact] if it changes only other keys; a loss of 0 means no
+    loss.
+    """
     data = {
         "packing": {"kind": "chain", "size": 4, "diameter": 0.01},
         "material": "steel",
@@ -169,7 +173,7 @@ def test_what_yielding_leaves_cannot_be_more() -> None:
 
 @pytest.mark.validation
 def test_ranks_and_resumed_runs_are_alike(granwave, directory: Path, tmp_path: Path) -> None:
-    """Two ranks give the bits of one, and a run that was cut those of one that was not."""
+    """Two ranks are bitwise identical to one, and an interrupted run to an uninterrupted run."""
     words = [f"--set={key}={value}" for key, value in {
         "packing.size": "[6,6,4]", "contact.loss": "{restitution=0.45,velocity=2.0}", "contact.friction": 0.2,
         "run.end_time": 1e-4, "run.frames": 3,
@@ -191,7 +195,7 @@ def test_ranks_and_resumed_runs_are_alike(granwave, directory: Path, tmp_path: P
 
 
 def test_a_chain_knows_its_loss(tmp_path: Path) -> None:
-    """The loss time with which two beads have the restitution that was asked for."""
+    """Relaxation time for which two beads have the specified restitution."""
     changes = {
         "packing.size": 2,
         "run.end_time": 1e-5,
@@ -232,7 +236,7 @@ FASTEST_AT_REST = 1e-6  # m/s, below which friction fades here, and only here
 
 
 def independent(times: np.ndarray) -> np.ndarray:
-    """Velocities (n_times, N) of Hertz's chain with friction mu m g tanh(v/v0) on every bead."""
+    """Velocities (n_times, N) of a Hertzian chain with friction mu m g tanh(v/v0) on every bead."""
     mass = DENSITY * np.pi / 6 * DIAMETER**3
     stiffness = np.sqrt(DIAMETER) * MODULUS / (3 * (1 - RATIO**2))
 
@@ -260,8 +264,8 @@ def held(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_motion_is_that_of_an_independent_chain(held: Path) -> None:
-    """Within 1e-4 of the impact's speed, while friction takes a large part of the energy and beads
-    come to rest.
+    """Velocities agree within 1e-4 of the impact speed, while friction dissipates a large part of
+    the energy and beads come to rest.
     """
     with Result(held) as result:
         times = result["chain/time"]
@@ -271,8 +275,8 @@ def test_motion_is_that_of_an_independent_chain(held: Path) -> None:
 
 
 def test_the_ledger_has_what_the_holder_took(held: Path) -> None:
-    """A column and a share of its own, equal to friction times weight times the path, none of it by
-    yielding.
+    """The friction of the guide has its own column and fraction, equal to friction times weight
+    times path; nothing yields.
     """
     summary = json.loads((held / "summary.json").read_text())
     with Result(held) as result:
@@ -317,8 +321,8 @@ def case_of(table: list[list[float]], **changes: Any) -> dict[str, Any]:
 
 
 def test_a_displacement_that_stops_has_one_balance(tmp_path: Path) -> None:
-    """The grain gives back 0.22 J when it stops, of which the packing keeps 4e-4 J: errors are of
-    the latter.
+    """The grain returns 0.22 J when it stops, of which the packing keeps 4e-4 J: errors are
+    relative to the latter.
     """
     outcome = run_case(case_from_dict(case_of(PUSH)), tmp_path / "run", figures=False)
     summary = outcome.summary
@@ -397,7 +401,7 @@ PARTIAL = {"friction": 0.2, "tangential": "partial_slip"}
     ],
 )
 def test_words_of_pair_style_and_walls(changes: dict, has: str, has_not: str) -> None:
-    """In the deck, and back from the case file."""
+    """The loss is in the deck, and is recovered from the case file."""
     case = load_case("fcc-small", {f"contact.{name}": value for name, value in changes.items()})
     assert case_from_dict(case.to_dict()) == case
     for lines in (pair_coefficients(assemble(case)), wall_commands(assemble(case))):

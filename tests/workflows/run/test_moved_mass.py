@@ -1,8 +1,8 @@
-"""Runs with a dashpot whose restitution is asked for, against bodies that are held or of a finite
+"""Runs with a dashpot of specified restitution, for impacts on held bodies and on bodies of finite
 mass.
 
-A sphere that meets a mass M at rest leaves with (m - e M)/(m + M) of its velocity, and with -e where
-the other one is held.
+A sphere that hits a mass M at rest rebounds with (m - e M)/(m + M) of its velocity, and with -e if
+the other body is held.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ DASHPOT = {"dashpot": {"restitution": ASKED}}
 
 
 def chain(size: int, loss: dict[str, Any], **tables: Any) -> Case:
-    """Steel spheres of 10 mm, the first one struck at 1 m/s."""
+    """Steel spheres of 10 mm, with an impact at 1 m/s on the first."""
     data = {
         "packing": {"kind": "chain", "size": size, "diameter": 0.01},
         "material": "steel",
@@ -42,7 +42,7 @@ def chain(size: int, loss: dict[str, Any], **tables: Any) -> Case:
 
 
 def left(case: Case, folder: Path) -> float:
-    """Velocity of the struck sphere at the end, m/s."""
+    """Velocity of the impacted sphere at the end, m/s."""
     summary = run_case(case, folder, figures=False).summary
     assert summary["energy_balance_error"] < 3e-6
     return float(summary["impactor_velocity_m_s"])
@@ -114,7 +114,7 @@ def test_ranks_and_a_resumed_run(granwave, tmp_path) -> None:
 
 @pytest.mark.parametrize("mass", [MASS, 0.1 * MASS])
 def test_loss_time_of_a_restitution_at_a_plate(tmp_path, mass) -> None:
-    """The restitution at 1 m/s is that of the sphere and the plate."""
+    """The restitution at 1 m/s is specified for the sphere and the plate."""
     case = chain(1, {"restitution": ASKED, "velocity": 1.0}, boundary=plate(mass))
     ratio = mass / MASS
     expected = (1 - ratio * ASKED) / (1 + ratio)
@@ -122,7 +122,9 @@ def test_loss_time_of_a_restitution_at_a_plate(tmp_path, mass) -> None:
 
 
 def test_a_free_bar_counts_with_its_mass() -> None:
-    """A short bar of the mass of a sphere: the factor of the pair, which takes its face as held."""
+    """A short bar with the mass of a sphere: the factor of the pair, which treats the face of the
+    bar as held.
+    """
     bar = {"length": 0.01, "area": MASS / 7850 / 0.01, "elements": 4}
     assembly = assemble(chain(1, DASHPOT, bar=bar))
     kind, factor = viscous_loss(assembly, assembly.case.contact, assembly.material, None, flat=True)
@@ -136,7 +138,7 @@ def test_a_free_bar_counts_with_its_mass() -> None:
 
 
 def test_largest_overlap_of_a_held_sphere(tmp_path) -> None:
-    """The bound on overlaps is that of the whole energy, and met without losses."""
+    """The bound on overlaps follows from the total energy, and is reached without damping."""
     free = chain(2, {"time": 0.0})
     for name, tables in (
         ("fixed", {"boundary": {"bottom": "fixed"}}),
@@ -154,7 +156,7 @@ def test_largest_overlap_of_a_held_sphere(tmp_path) -> None:
 
 
 def test_encounters_with_a_light_plate() -> None:
-    """Twice the effective mass; one that its spring holds counts as a wall."""
+    """Twice the effective mass; a plate on a spring counts as a wall."""
     for mass, stiffness, expected in (
         (MASS, 1.0, MASS),
         (0.1 * MASS, 1.0, 2 * MASS / 11),

@@ -1,5 +1,5 @@
-"""Runs with partial slip: ledger and tables, words of the deck, pairs, and the impact of a sphere
-on a plate.
+"""Runs with partial slip: energy record and tables, words of the deck, pairs, and the impact of a
+sphere on a plate.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def test_the_timestep_is_that_of_one_spring() -> None:
 
 
 def test_an_oblique_impact(tmp_path: Path) -> None:
-    """At 10 degrees, by a case file: spin of the theory, where one spring has 57 % of it."""
+    """At 10 degrees a case file gives the spin of the theory; a single spring gives 57 % of it."""
     case = load_case(
         "sphere-on-wall",
         {**PARTIAL, "contact.law": "hertz", "contact.friction": 0.3, "load.velocity": 1.0, "load.angle": 10.0,
@@ -81,7 +81,7 @@ def test_its_cost_is_planned() -> None:
 
 
 def test_after_a_static_stage(tmp_path: Path) -> None:
-    """It begins without friction; the cells come with the laws that follow."""
+    """The run begins without friction; the cells are added with later laws."""
     case = load_case(
         "precompressed-fcc",
         {**PARTIAL, "contact.friction": 0.2, "packing.size": [6, 6, 4], "run.end_time": 5e-5},

@@ -1,4 +1,4 @@
-"""The launcher, any number of ranks, and ranks that leave."""
+"""The launcher, any number of ranks, and ranks that end."""
 
 from __future__ import annotations
 
@@ -107,8 +107,8 @@ WORK = """
 
 
 def test_other_ranks_leave_their_cores_to_the_first(tmp_path):
-    """They wait without use of the processor, get the result or the error, and lose no time in
-    short work.
+    """Waiting ranks use no processor time, receive the result or the error, and cause no delay for
+    short tasks.
     """
     script = tmp_path / "work.py"
     script.write_text(textwrap.dedent(WORK))
@@ -123,7 +123,7 @@ def test_other_ranks_leave_their_cores_to_the_first(tmp_path):
 
 @pytest.mark.parametrize("status", [0, 2])
 def test_ranks_that_leave_are_not_taken_for_killed_ones(tmp_path, status):
-    """Several times, as a launcher that loses a rank does so now and then."""
+    """Repeated several times, because a launcher loses a rank only occasionally."""
     script = tmp_path / "leave.py"
     script.write_text(f"from granwave.workflows.run.mpi import leave\nleave({status})\n")
     command = [str(BIN / "mpiexec"), "-n", "2", sys.executable, "-m", "mpi4py", str(script)]
@@ -133,7 +133,9 @@ def test_ranks_that_leave_are_not_taken_for_killed_ones(tmp_path, status):
 
 
 def test_mpiexec_of_the_environment_or_of_the_path(tmp_path, monkeypatch):
-    """A site's own is taken where the environment has none; without any, `--np` says what to do."""
+    """The launcher of the site is used if the environment has none; without any, `--np` gives a
+    remedy.
+    """
     own = tmp_path / "env" / "bin" / "mpiexec"
     site = tmp_path / "site" / "mpiexec"
     for program in (own, site):
@@ -196,7 +198,7 @@ def granwave(*words) -> None:
 
 @pytest.mark.validation
 def test_the_division_changes_no_result(tmp_path):
-    """Two bricks next to each other by the model, and on top of each other, divided again."""
+    """Two bricks side by side according to the model, and stacked, when divided again."""
     small = ["--set", "packing.size=[8,8,4]", "--set", "run.end_time=2e-5"]
     small += ["--set", "load.spheres=7"]
     other = ["--set", "run.processors=[1,1,2]", "--set", "run.balance=true"]
@@ -224,7 +226,7 @@ def test_the_box_is_divided_again_on_request(tmp_path):
 
 @pytest.mark.parametrize("is_lost", [False, True])
 def test_message_of_an_abort_is_never_lost(capfd, tmp_path, is_lost):
-    """Launchers may end before they have passed on what the ranks wrote last."""
+    """Launchers may end before they have passed on the last output of the ranks."""
     message = "granwave: LAMMPS: ERROR on proc 0: spheres overlap"
     shown = "" if is_lost else f"echo '{message}' >&2; "
     launcher = tmp_path / "launcher"

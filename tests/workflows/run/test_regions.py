@@ -24,7 +24,7 @@ DIAMETER = 0.010
 
 @pytest.fixture(scope="module")
 def packing(tmp_path_factory):
-    """Directory of a run of a small packing with friction, whose snapshots hold all forces."""
+    """Directory of a run of a small packing with friction, whose snapshots contain all forces."""
     directory = tmp_path_factory.mktemp("regions") / "run"
     table = {
         "name": "small",
@@ -103,7 +103,7 @@ def test_forces_of_a_chain_are_those_of_its_contacts(chain):
 
 @pytest.mark.parametrize(("run", "error"), [("packing", 2e-5), ("chain", 2e-3)])
 def test_all_regions_together_hold_the_input(run, error, request):
-    """In a chain the largest overlap of a contact is known at the instants of its history only."""
+    """In a chain the largest overlap of a contact is known only at the times of its history."""
     with Result(request.getfixturevalue(run)) as result:
         regions = usual_regions(result, impact_arrow(result).direction)
         energy = energy_of_regions(result, regions)

@@ -131,7 +131,7 @@ def workers(tmp_path: Path) -> set[int]:
 
 
 def growing(place: Path, since: int = 20_000) -> bool:
-    """True if the ledger of the present attempt at this point exceeds a number of bytes."""
+    """True if the energy record of the present attempt at this point exceeds a number of bytes."""
     with contextlib.suppress(OSError):
         ledger = (place / "dumps" / "energy.txt").stat()
         noted = record(place)

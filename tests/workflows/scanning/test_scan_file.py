@@ -197,7 +197,7 @@ def test_unlike_materials_of_one_name_are_told_apart(load: Load) -> None:
 
 
 def test_the_source_of_a_packing_is_no_part_of_an_id(load: Load, tmp_path: Path) -> None:
-    """The key is a remark: points of scans from before it are found again."""
+    """The key is only a remark: points of earlier scans without it are recognised."""
     (tmp_path / "beads.csv").write_text("x,y,z,radius\n0,0,0.005,0.005\n0,0,0.015,0.005\n")
     case = 'name = "two"\nmaterial = "brass"\n[packing]\nkind = "file"\nfile = "beads.csv"\n'
     (tmp_path / "plain.toml").write_text(case)
@@ -336,8 +336,8 @@ def test_built_in_scans_can_be_read(name: str) -> None:
 
 
 def test_a_plan_of_100_000_points_is_made_of_some(tmp_path: Path, load: Load) -> None:
-    """A grid whose faster axis has ten values: points at even intervals would all have the same
-    one.
+    """A grid whose faster axis has ten values: points at equal intervals would all have the same
+    value.
     """
     grid = "[grid]\nload.velocity = {linear = [1, 10, 10000]}\npacking.diameter = {linear = [0.005, 0.01, 10]}\n"
     scan = load(SMALL + grid, most=50)

@@ -104,7 +104,7 @@ def selftest(options: argparse.Namespace) -> int:
     Raises
     ------
     InputError
-        It is itself started on ranks, or the profile is wrong.
+        It is itself started on ranks, or the profile is invalid.
     """
     if mpi.launched():
         raise InputError(

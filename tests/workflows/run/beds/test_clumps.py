@@ -1,4 +1,6 @@
-"""Runs of clumps: impacts against closed forms of rigid bodies, balances, ranks, resumed runs."""
+"""Runs of clumps: impacts compared with closed forms of rigid bodies, energy balances, ranks,
+resumed runs.
+"""
 
 from __future__ import annotations
 
@@ -90,7 +92,7 @@ def test_error_of_the_balance_falls_with_the_square_of_the_timestep(tmp_path: Pa
 
 
 def test_a_dimer_meets_a_floor(tmp_path: Path) -> None:
-    """A dimer that falls aslant on a smooth floor: elastic impulse along the normal alone."""
+    """A tilted dimer that falls on a smooth floor: the elastic impulse is along the normal only."""
     tilt = 0.4
     arm = HALF * np.cos(tilt)
     ends = [(side * arm, side * HALF * np.sin(tilt)) for side in (-1, 1)]
@@ -138,7 +140,7 @@ def bed_of_trimer(friction: float, contacts: dict[str, str]) -> Case:
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 def test_clumps_settle_under_their_weight(friction: float, tmp_path: Path) -> None:
     """A grain rests in the hollow of a trimer: N = m g / (3 cos a) without friction; the floor
-    carries all of the weight, a third at each grain.
+    carries the total weight, a third at each grain.
     """
     damped = {"contacts": "relax", "relaxation": "damped"}
     with ran(bed_of_trimer(friction, damped), tmp_path / "run") as result:
@@ -183,7 +185,9 @@ def test_net_forces_of_clumps_are_compared_with_their_weight(
 
 
 def test_overlapping_clumps_with_friction_and_yielding(tmp_path: Path) -> None:
-    """Momenta stay, of all spheres; the spheres of a clump keep their distances; energies close."""
+    """Momenta are conserved; the spheres of a clump keep their distances; the energy balance
+    closes.
+    """
     tables = {"contact": {"friction": 0.3}, "line": [{"name": "all", "index": "all"}]}
     case = clumps_case(CLUMPS, material="brass", **tables)
     with ran(case, tmp_path / "run") as result:
@@ -211,7 +215,9 @@ def test_overlapping_clumps_with_friction_and_yielding(tmp_path: Path) -> None:
 
 
 def test_a_clump_across_a_periodic_boundary(tmp_path: Path) -> None:
-    """A dimer whose spheres are at opposite sides of the box is struck as one in the middle."""
+    """A dimer whose spheres are at opposite sides of the box responds like a dimer in the
+    middle.
+    """
     boundary = {"bottom": "free", "sides": "periodic"}
     ends = []
     for shift in (0.02, 0.0):
@@ -231,7 +237,7 @@ def short_case() -> Case:
 
 
 def test_a_resumed_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A run that was stopped and resumed is as one that was not, to rounding."""
+    """A run that was stopped and resumed equals an uninterrupted run, to rounding."""
     with ran(short_case(), tmp_path / "whole") as result:
         whole = result.frame(1, "velocity")
     looks = iter(range(100))
@@ -248,7 +254,7 @@ def test_a_resumed_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.validation
 def test_two_ranks(granwave: Any, tmp_path: Path) -> None:
-    """Two ranks are as one, to rounding."""
+    """Two ranks give the results of one, to rounding."""
     (tmp_path / "case.toml").write_text(short_case().to_toml())
     ends = []
     for ranks in (1, 2):
@@ -264,7 +270,9 @@ def test_two_ranks(granwave: Any, tmp_path: Path) -> None:
 @pytest.mark.parametrize("relaxation", ["damped", "minimiser"])
 @pytest.mark.parametrize("clump", [True, False])
 def test_grains_that_touch_walls_alone(clump: bool, relaxation: str, tmp_path: Path) -> None:
-    """Three grains apart on the floor, two of them a clump or single: the floor carries each."""
+    """Three separate grains on the floor, two of them a clump or single: the floor carries each
+    grain.
+    """
     if clump and relaxation == "minimiser":
         pytest.skip("clumps come to balance by damped motion alone")
     member = 1 if clump else ""

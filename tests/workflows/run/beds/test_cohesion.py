@@ -1,4 +1,4 @@
-"""Runs with cohesion: packings at rest, ledger, summary, timestep, pairs, and what is refused."""
+"""Runs with cohesion: packings at rest, energies, summary, timestep, pairs, and rejected input."""
 
 from __future__ import annotations
 
@@ -36,9 +36,7 @@ def case(kind: str = "fcc", **others: object):
     ("kind", "cohesion"), [*((kind, JKR) for kind in KINDS), ("fcc", DMT), ("chain", DMT)]
 )
 def test_a_packing_begins_at_rest(tmp_path: Path, kind: str, cohesion: dict) -> None:
-    """A sphere that is struck at 0.1 mm/s: no force anywhere but what it does, and no energy but
-    its own.
-    """
+    """A sphere impacted at 0.1 mm/s: all forces and energies are due to the impact."""
     walls = "wall" if KINDS[kind].axes in ("xyz", "z") else "free"
     quiet = {
         "load.velocity": 1e-4,
@@ -110,8 +108,8 @@ def test_cohesion_bounds_the_timestep() -> None:
 
 
 def test_two_spheres_of_a_file_stick(tmp_path: Path) -> None:
-    """Grains apart that meet at less than the velocity of sticking: all but the motion of both is
-    lost or stored.
+    """Separate grains that collide below the sticking velocity: all energy except their common
+    motion is dissipated or stored.
     """
     case = gw.case({
         "name": "two", "material": "brass", "boundary": {"bottom": "free"}, "run": {"end_time": 4e-4, "frames": 5},

@@ -1,4 +1,6 @@
-"""Runs beside walls of regions: equal to the walls that a boundary has, balances, and friction."""
+"""Runs with walls of regions: equality with the walls of a boundary, energy balances, and
+friction.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,7 @@ def ran(directory: Path, grains: str, **tables: Any) -> Result:
 
 
 def same(one: Result, other: Result, names: tuple[str, str]) -> None:
-    """Assert that two runs are alike, whose walls have these names."""
+    """Assert that two runs are equal; their walls have these names."""
     for name in (
         "energy/kinetic",
         "energy/dissipated",
@@ -74,7 +76,7 @@ def test_a_cylinder_is_the_tube(tmp_path: Path) -> None:
 
 
 def test_a_block_is_planes_on_three_sides_at_once(tmp_path: Path) -> None:
-    """A sphere in a corner meets three faces at once; each with the same force."""
+    """A sphere in a corner hits three faces at once, with equal forces."""
     grains = f"{HEAD}0,0,0,0.01,2,2,2\n-0.02,0,0,0.01,0,0,0\n"
     block = [{"region": "block -0.1 0.0051 -0.1 0.0051 -0.1 0.0051"}]
     law = {"law": "hertz"}
@@ -92,7 +94,9 @@ def test_a_block_is_planes_on_three_sides_at_once(tmp_path: Path) -> None:
 
 
 def test_a_hopper_of_two_regions(tmp_path: Path) -> None:
-    """Grains and a clump run down a cone into a tube: the energy closes with friction and dents."""
+    """Grains and a clump run down a cone into a tube: the energy balance closes with friction and
+    indentations.
+    """
     grains = (
         "x,y,z,diameter,clump,vx,vy,vz\n0,0,0,0.01,0,0.5,0,3\n0.0105,0,0.001,0.01,1,0,0,4\n"
         "0.0105,0.006,0.001,0.01,1,0,0,4\n"
@@ -115,7 +119,7 @@ def test_a_hopper_of_two_regions(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("n", [1, 10])
 def test_a_plate_of_triangles_is_the_bottom(tmp_path: Path, n: int) -> None:
-    """A plate of 2 or 200 triangles, in millimetres and below its place."""
+    """A plate of 2 or 200 triangles, in millimetres and displaced."""
     file = tmp_path / "plate.stl"
     file.write_text(meshes.stl_text(1e3 * meshes.plate(n, height=0.006)))
     plate = [{"stl": str(file), "units": "mm", "moved": [0.0, 0.0, -0.001], "material": "steel"}]
@@ -129,7 +133,7 @@ def test_a_plate_of_triangles_is_the_bottom(tmp_path: Path, n: int) -> None:
 
 
 def test_a_hopper_of_triangles(tmp_path: Path) -> None:
-    """Grains run down a funnel of facets: one smooth patch, and the energy closes."""
+    """Grains run down a funnel of facets: one smooth patch, and the energy balance closes."""
     grains = f"{HEAD}0,0,0,0.01,0.5,0,3\n0.012,0,0.001,0.01,0,0,4\n"
     sides = meshes.tube(60, 0.04, -0.02, 0.012)
     sides[..., :2] *= 1 - 0.65 * ((sides[..., 2:] + 0.02) / 0.032)

@@ -114,13 +114,13 @@ class SettledBed:
 
 @dataclasses.dataclass
 class RecordedBar:
-    """Progress bar that keeps what it was told: parts that are done, and the note."""
+    """Progress bar that records its input: completed parts, and the note."""
 
     label: str
     looks: list[tuple[int, str]]
 
     def update(self, done: int, note: str, *, last: bool = False) -> None:
-        """Keep what is shown."""
+        """Record the shown text."""
         self.looks.append((done, note))
 
     def close(self) -> None:
@@ -164,7 +164,8 @@ def test_forces_of_a_settled_bed_do_not_jump(bed: SettledBed, tmp_path: Path) ->
 def test_rounded_beds_relax(
     bed: SettledBed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, relaxation: str
 ) -> None:
-    """Damped, the bed hardly moves, for friction bears it; without friction it rearranges.
+    """In a damped run the bed hardly moves, because friction supports it; without friction it
+    rearranges.
 
     Both show their progress.
     """
@@ -199,9 +200,9 @@ def test_rounded_beds_relax(
 
 
 def test_grains_that_roll_come_to_rest_soon(tmp_path: Path) -> None:
-    """A grain rolls off the ridge of two held ones, and comes to rest between them and a wall.
+    """A grain rolls off the ridge of two held grains, and comes to rest between them and a wall.
 
-    With the drag that ends the swings of contacts it took 41 000 steps.
+    With the drag that damps the oscillations of contacts it took 41 000 steps.
     """
     places = [[0.02, 0.02, -0.005], [0.03, 0.02, -0.005], [0.025, 0.0201, -0.01366]]
     lines = [",".join(map(str, [*place, D])) for place in places]
@@ -286,7 +287,7 @@ def test_a_restart_file_with_overlapping_spheres_without_numbers_is_refused(
 
 
 def test_a_restart_file_with_clumps(tmp_path: Path) -> None:
-    """Spheres of one number move on as a rigid body, with the spin that they have."""
+    """Spheres with the same number continue as a rigid body, with their spin."""
     numbers = "fix numbers all property/atom mol ghost yes\nset atom 1*2 mol 1\n"
     numbers += "velocity all create 0.0 1\nset atom 1 vz 1.0\nset atom 2 vz 2.0"
     case = case_of_clump(restart_of_clump(tmp_path, numbers))

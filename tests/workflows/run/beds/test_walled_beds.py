@@ -103,7 +103,7 @@ class WalledBed:
         return GRAVITY * float(self.spheres.mass.sum())
 
     def case(self, **changes: Any) -> dict[str, Any]:
-        """Case of a steel sphere that strikes the bed."""
+        """Case of a steel sphere that hits the bed."""
         top = 1 + int(np.argmin(self.spheres.position[:, 2] - self.spheres.radius))
         striker = {"diameter": 0.006, "material": "steel", "touches": [top], "velocity": [0, 0, 1]}
         return {
@@ -231,7 +231,7 @@ def test_walls_of_other_styles_are_named(tmp_path: Path) -> None:
 
 
 def test_a_bed_of_another_pair_style_is_to_be_read_as_grains(tmp_path: Path) -> None:
-    """Its walls are not in the file either: there is one message, about the pair style."""
+    """The file does not contain the walls either: there is one message, about the pair style."""
     contacts = """
     pair_style granular
     pair_coeff * * hertz/material 1e9 0.5 0.3 tangential mindlin NULL 0.5 0.4

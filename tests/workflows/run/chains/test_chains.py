@@ -35,7 +35,7 @@ def bead(material: dict[str, float], diameter: float = DIAMETER) -> twin.Bead:
 def compare(
     case: Case, directory: Path, record: twin.Record, chosen: slice = slice(None)
 ) -> dict[str, Any]:
-    """Run, and compare peaks, losses, final velocities and energies."""
+    """Run, and compare peaks, dissipation, final velocities and energies."""
     outcome = run_case(case, directory, figures=False)
     summary = outcome.summary
     assert summary["energy_balance_error"] < 1e-5
@@ -136,8 +136,8 @@ def test_a_striker_and_a_sensor(tmp_path: Path) -> None:
 
 @pytest.mark.validation
 def test_two_bars(tmp_path: Path) -> None:
-    """Transmission of energy and force from the incident bar through the chain into the other one,
-    as in the solver.
+    """Transmission of energy and force from the incident bar through the chain into the second bar,
+    as in the independent solver.
     """
     steel = {"youngs_modulus": 200e9, "poisson_ratio": 0.30, "density": 8100.0}
     bar = {"area": 127e-6, "material": steel}

@@ -1,4 +1,4 @@
-"""Rows in channels and beside each other."""
+"""Chains in tubes, and chains with cylinders at their gaps."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ MODULUS = 115e9 / (1 - 0.3**2) / 2  # of two like bodies
 
 
 class Row:
-    """Big spheres on the axis, and in every gap a ring of ``n`` small ones that move alike: axial
-    w, outward u.
+    """Big spheres on the axis, and in every gap a ring of ``n`` small spheres with equal motion:
+    axial w, outward u.
     """
 
     def __init__(self, n: int, shrinks: float) -> None:
@@ -170,7 +170,7 @@ def of_sensor(row: GrainRow) -> float:
 
 
 def compare(row: GrainRow, tolerance: float) -> None:
-    """Peaks of all contacts that the wave has passed, against the second solver."""
+    """Peaks of all contacts that the wave has passed, compared with the second solver."""
     peaks, arrivals = SymmetricRow.of(row.case).struck(3, 1.0, 2.2e-4)
     last = int(np.flatnonzero(arrivals < 2e-4).max())
     assert last > 10
@@ -193,7 +193,9 @@ def test_row_between_pressed_walls(tmp_path: Path) -> None:
 
 @pytest.mark.validation
 def test_row_between_walls_that_just_touch(tmp_path: Path) -> None:
-    """The foot of the wave is far below the rounding of places: the line law must not fail there."""
+    """The foot of the wave is far below the rounding of positions: the line law must not fail
+    there.
+    """
     compare(run("filter-row-touching", tmp_path, **SHORT), 2e-3)
 
 
@@ -217,7 +219,9 @@ def first_peak_solved(case: Case) -> float:
 
 
 def test_open_gap_that_cylinders_bridge(tmp_path: Path) -> None:
-    """First peak behind one open gap, against the second solver; friction takes a fifth of it."""
+    """First peak behind one open gap, compared with the second solver; friction reduces it by a
+    fifth.
+    """
     smooth, rubbed = (
         run("gap-switch", tmp_path / str(f), **{"run.end_time": 3.45e-4, "boundary.friction": f})
         for f in (0.0, 0.185)
@@ -248,7 +252,9 @@ def test_loose_cylinders(tmp_path: Path, upstream: bool) -> None:
 
 
 def test_row_between_walls_after_a_strong_pulse(tmp_path: Path) -> None:
-    """Dents of a strong pulse let more of a weak one through, and slacken the walls."""
+    """Indentations by a strong pulse increase the transmission of a weak pulse, and relax the
+    walls.
+    """
     weak = [[0, 0], [1e-4, 0], [1.05e-4, 706], [1.1e-4, 0]]
     changes = SHORT | {
         "load": {"kind": "force", "index": [4], "shape": "table", "table": weak}, "contact.law": "elastoplastic",

@@ -1,4 +1,6 @@
-"""Runs of plane crystals, beside an independent solver; spheres beside their places."""
+"""Runs of plane crystals, compared with an independent solver; spheres compared with their
+positions.
+"""
 
 from __future__ import annotations
 
@@ -156,7 +158,9 @@ def test_pressed_sides_and_a_gap(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("friction", [0.3, pytest.param(2.0, marks=pytest.mark.validation)])
 def test_long_waves_slide_in_both_crystals(tmp_path: Path, friction: float) -> None:
-    """Friction 0.3 lets contacts slide, 2 holds them. BCC bears less: softer line contacts."""
+    """Friction 0.3 lets contacts slide, 2 holds them. Contacts in BCC carry smaller forces, so that
+    line contacts are softer.
+    """
     fronts = []
     for kind, spacing, rows in (("centred-square", 2**0.5, 10), ("hexagonal", 1.0, 8)):
         packing = {"kind": kind, "size": [round(16 / spacing), rows]}
@@ -185,7 +189,9 @@ def test_long_waves_slide_in_both_crystals(tmp_path: Path, friction: float) -> N
 def test_front_speeds_of_both_crystals(
     tmp_path: Path, name: str, kind: str, size: tuple[int, int], speed: float
 ) -> None:
-    """Within 1 % of a program that is not kept, and of the solver here with either tangential spring."""
+    """Results are within 1 % of an earlier program, and of the independent solver with either
+    tangential spring.
+    """
     case = load_case(name, {"run.end_time": 2.4e-3, "line": LINES[:1]})
     run_case(case, tmp_path / name, figures=False)
     with Result(tmp_path / name) as result:
@@ -213,8 +219,8 @@ def test_front_speeds_of_both_crystals(
 
 
 def test_figures_show_what_dissipates(run: Path) -> None:
-    """Friction and losses, no yielding of an elastic law; no wave speed of contacts whose first
-    force has no front.
+    """Friction and damping, no yielding with an elastic law; no wave speed for contacts without a
+    sharp front.
     """
     with Result(run) as result:
         figures = {

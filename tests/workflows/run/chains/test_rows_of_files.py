@@ -1,4 +1,4 @@
-"""Static stages of rows of a file: spheres with cylinders beside their contacts, between walls."""
+"""Static stages of chains from files: spheres with cylinders at their contacts, between walls."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ GUIDE = {"group": "row", "free": "z"}
 
 
 def table(n: int) -> str:
-    """Row of n spheres with two cylinders beside each contact, in numbers of six digits."""
+    """Chain of n spheres with two cylinders at each contact, in numbers of six digits."""
     rows = [f"0,0,{k * D:.6g},{D:.6g},sphere,,steel,row" for k in range(n)]
     for k in range(n - 1):
         along = f"0,{(k + 0.5) * D:.6g},{ROD:.6g},cylinder,{D:.6g},aluminium,rods"
@@ -54,8 +54,8 @@ LOADS: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("n", ROWS)
 @pytest.mark.parametrize("load", LOADS)
 def test_rows_reach_balance(tmp_path: Path, n: int, load: str) -> None:
-    """FIRE alone takes 3000 to 27 000 iterations for these, or lets the row buckle; without a load,
-    with the overlaps of the rounded file, it found no balance after 400 000.
+    """FIRE by itself takes 3000 to 27 000 iterations for these chains, or the chain buckles;
+    without a load, with the overlaps of the rounded file, it found no equilibrium after 400 000.
     """
     ends = {"hold": [{"index": [1, n]}]} if load in ("walls", "none") else {}
     case = row(n, packing={"contacts": "overlaps"}, **LOADS[load], **ends)
@@ -99,7 +99,7 @@ ADVICE: dict[str, dict[str, Any]] = {
 
 
 def test_advice_on_a_row_that_buckles_works(tmp_path: Path) -> None:
-    """A sphere of a row that is not guided starts beside the axis."""
+    """A sphere of an unguided chain starts next to the axis."""
     text = table(40).replace(f"0,0,{20 * D:.6g}", f"0,1e-05,{20 * D:.6g}")
     packing = {"grains": text, "touch_tolerance": 2e-6}
     case = row(40, packing=packing, precompression=FORCE)

@@ -1,4 +1,6 @@
-"""Contact forces that keep the directions of the start: a second solver, ranks, stops, refusals."""
+"""Contact forces that keep their initial directions: a second solver, ranks, stops, rejected
+input.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,7 @@ FORGOTTEN = "pair_style gran/hysteretic 0.001"
 
 @pytest.mark.parametrize("velocity", [40, 5])
 def test_second_solver(velocity: float, tmp_path: Path) -> None:
-    """Compare with the network that keeps the directions of the start; true directions change the
+    """Compare with the network that keeps the initial directions; true directions change the
     dissipated fraction by 1.4e-3 at 40 m/s.
     """
     with TABLE.open(encoding="utf-8", newline="") as stream:
@@ -93,14 +95,14 @@ def test_cylinders_are_refused() -> None:
 
 
 def two_spheres(setup: str, normals: str = " normals initial", **more) -> str:
-    """Script of two spheres that meet off their centres: they slide past each other."""
+    """Script of two spheres that collide off-centre and slide past each other."""
     velocities = [(0, 0, 1.0), (0.5, 0, -1.0)]
     script = script_of([(0, 0, 0), (0, 0, 0.01)], velocities=velocities, **more)
     return script.replace(FORGOTTEN, f"{setup}{FORGOTTEN}{normals}")
 
 
 def test_forces_keep_their_direction(lammps) -> None:
-    """By LAMMPS alone: no force across the line of centers of the start, and energy is kept."""
+    """In LAMMPS: no force perpendicular to the initial line of centers, and energy is conserved."""
     across = []
     for setup, normals in ((PLACES, " normals initial"), ("", "")):
         lmp = lammps(two_spheres(setup, normals, style="hertz 1e9 0.3"))

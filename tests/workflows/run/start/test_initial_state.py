@@ -1,5 +1,5 @@
-"""Spheres that the ranks make are those that LAMMPS reads from the data file, to the last bit and
-in the same order.
+"""Spheres that the ranks create are bitwise identical to those that LAMMPS reads from the data
+file, in the same order.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ RANKS = ("periodic", "vacancies and scatter", "striker")
 
 
 def states(case, directory: Path, comm) -> list[list[bytes]]:
-    """Own atoms of a rank as read and as made, and the restart files of both."""
+    """Own atoms of a rank as read and as created, and both restart files."""
     if comm.rank == 0:
         write_deck(case, directory)
     comm.barrier()
@@ -106,8 +106,8 @@ def test_on_three_ranks(tmp_path):
 
 @pytest.mark.parametrize(("tagint", "imageint", "shift"), [(4, 4, 1 << 10), (8, 8, 1 << 21)])
 def test_integers_of_lammps(tagint, imageint, shift):
-    """Ids and images go over with the number of bits that LAMMPS was built with; lost spheres are
-    an error.
+    """Ids and images are passed with the integer size of the LAMMPS build; lost spheres are an
+    error.
     """
     seen = []
 

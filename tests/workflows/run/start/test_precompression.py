@@ -1,4 +1,4 @@
-"""Precompression: static stage against closed forms, subsequent wave, and errors."""
+"""Precompression: static stage compared with closed forms, subsequent wave, and errors."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def hertz(case: Case) -> float:
 
 @pytest.fixture(scope="module")
 def chain(tmp_path_factory: pytest.TempPathFactory) -> tuple[Case, Path, dict[str, Any]]:
-    """Long chain under a force, struck so gently that its contacts stay linear."""
+    """Long chain under a force, with an impact so weak that its contacts stay linear."""
     directory = tmp_path_factory.mktemp("static") / "chain"
     case = make(size=80, load={"velocity": 2e-5}, run={"end_time": 2e-3, "frames": 2})
     return case, directory, ran(case, directory)
@@ -125,7 +125,9 @@ class TestChain:
 
 @pytest.mark.validation
 def test_a_long_chain_shortens_by_more_than_a_tenth_of_a_bead(tmp_path: Path) -> None:
-    """Overlaps and residual overlaps sum to a displacement that is not a disorder of the packing."""
+    """Overlaps and residual overlaps sum to a displacement that does not count as disorder of the
+    packing.
+    """
     sections = {"material": "steel", "contact": {"initial_overlap": {"force": 2e3}}}
     ran(
         make(size=150, precompression={"kind": "uniaxial", "force": 100.0}, **sections),
@@ -222,8 +224,7 @@ class TestPackings:
             )
 
     def test_few_contacts_under_a_light_load(self, tmp_path: Path) -> None:
-        """The search beforehand leaves the minimiser nothing to do; alone it takes thousands of
-        iterations.
+        """After the search the minimiser needs almost no iterations; without it, thousands.
 
         The bottom carries the pressure.
         """
@@ -274,7 +275,7 @@ def overlap_of(law: ContactLaw, force: float) -> float:
 
 
 class TestYield:
-    """Dents of the static stage are those of a load that grows steadily to its end."""
+    """Indentations of the static stage correspond to a load that grows monotonically."""
 
     def test_chain_under_its_weight(self, tmp_path: Path) -> None:
         """Each contact carries the weight above it; its overlap is that of the loading curve."""
@@ -313,7 +314,7 @@ class TestYield:
         ids=["walls", "uniaxial", "uniform", "gravity"],
     )  # fmt: skip
     def test_packings(self, tmp_path: Path, sections: dict) -> None:
-        """No dent is larger than its force makes, also where forces are rearranged."""
+        """No indentation is larger than its force causes, also if forces are redistributed."""
         case = make(**sections)
         ran(case, tmp_path / "r")
         assembly = assemble(case)
@@ -433,7 +434,7 @@ class TestRefused:
             driver.run_case(make(boundary={"bottom": plate}), tmp_path / "r", figures=False)
 
     def test_what_can_be_in_balance_is_accepted(self) -> None:
-        """Gravity never yields all; walls may hold a pile."""
+        """Under gravity some contacts never yield; walls may support a pile."""
         chain = make("chain", 2000, precompression={"kind": "gravity"})
         assert chain.packing.n_spheres == 2000
         stage = {"kind": "uniaxial", "force": 1.0}

@@ -1,4 +1,4 @@
-"""Runs with initial dents and initial forces."""
+"""Runs with initial indentations and initial forces."""
 
 from __future__ import annotations
 
@@ -232,7 +232,7 @@ def table(directory: Path, group: str) -> dict[str, np.ndarray]:
 
 @pytest.fixture(scope="module")
 def struck(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Chain under a force, against which a striker rests that waits until the run begins."""
+    """Chain under a force, and a striker that rests against it until the run begins."""
     striker = {
         "load": {"kind": "striker"},
         "striker": [{"touches": [1], "velocity": [0.0, 0.0, 1.0]}],
@@ -256,7 +256,7 @@ def test_chain_under_a_force(struck: Path) -> None:
 
 
 def test_chain_on_a_bar(tmp_path: Path) -> None:
-    """The contact with the face of a bar is one of the pair style."""
+    """The contact with the face of a bar belongs to the pair style."""
     bar = {"length": 0.1, "area": 1e-4, "elements": 20, "end": "fixed"}
     walls = table(
         run(tmp_path, boundary={"bottom": {"bar": bar, "material": "steel"}}), "wall_contacts"
@@ -265,7 +265,7 @@ def test_chain_on_a_bar(tmp_path: Path) -> None:
 
 
 def test_planes_that_touch_spheres_of_two_materials(tmp_path: Path) -> None:
-    """Each material has a fix of its own; two rows pressed by a force on each wall across."""
+    """Each material has a separate fix; two chains are pressed by a force on each lateral wall."""
     directory = run(
         tmp_path,
         packing={"kind": "sc", "size": [3, 2, 2], "diameter": 0.01},

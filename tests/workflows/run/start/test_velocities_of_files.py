@@ -40,7 +40,7 @@ def summary_of(directory: Path, **keys: Any) -> dict[str, Any]:
 def test_a_load_replaces_the_velocity_of_the_struck_grain(
     contacts: str, packing: dict[str, str], tmp_path: Path
 ) -> None:
-    """Energy in is that of the load and of the other grains, and the balance closes."""
+    """The input energy includes the load and the other grains, and the balance closes."""
     values = summary_of(
         tmp_path / "r", contacts=contacts, packing=packing, load={"index": [1], "velocity": 1.0}
     )
@@ -62,7 +62,7 @@ OF_SPIN = 0.2 * MASS * 0.005**2  # energy of a sphere, over the square of its sp
 
 
 def test_spins_of_a_file_are_kept(tmp_path: Path) -> None:
-    """The lowest sphere slips on the floor: energy in is that of all motion."""
+    """The lowest sphere slips on the floor: the input energy includes all motion."""
     values = summary_of(tmp_path / "r", packing={"grains": SPINNING})
     moving = MASS / 2 * (0.25 + 0.01)
     assert values["energy_input_J"] == pytest.approx(moving + OF_SPIN * 1300.0, rel=1e-6)
@@ -74,7 +74,9 @@ def test_spins_of_a_file_are_kept(tmp_path: Path) -> None:
 def test_lengths_in_centimetres_are_suspected_by_the_density(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """A dump in units cgs has no unit: 0.01 m and 2500 kg/m^3 look like 1 m and 2.5 kg/m^3."""
+    """A dump in units cgs does not state its units: 0.01 m and 2500 kg/m^3 look like 1 m and 2.5
+    kg/m^3.
+    """
     head = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n"
     rows = "0 2\n0 2\n0 4\nITEM: ATOMS id x y z radius mass\n1 1 1 1 0.5 4.45\n2 1 1 2.1 0.5 4.45\n"
     file = tmp_path / "cgs.dump"
@@ -103,7 +105,7 @@ def test_spins_that_are_left_out_are_told(
 
 
 def test_grains_beyond_the_walls_are_a_fault_of_the_case() -> None:
-    """`up = "z"` turns x, y and z: walls at the places of y in the file are elsewhere."""
+    """`up = "z"` turns x, y and z: walls along y of the file are along another axis."""
     rows = "x,y,z,diameter\n0.01,0.01,0.01,0.01\n0.02,0.02,0.01,0.01\n"
     packing = {"kind": "file", "grains": rows, "enclosure": {"y": [-0.03, 0.0]}}
     case = {"material": "brass", "packing": packing, "boundary": {"sides": "wall"}}
