@@ -19,10 +19,10 @@ def of_reflections(waves, from_end):
     for key, wave in ((key, found[key]) for key in NAMES if key in found):
         remark = f"The force is {wave.force:.3g} N."
         if key == "BRW" and "FRW" not in found:
-            remark += (" No forward reflection above 0.5 % of the largest force follows. The forward "
-                       f"wave at {1e3 * waves.second.time:.3g} ms, with {waves.second.force:.3g} "
-                       "N, is the second wave of the incident train, which enters without a "
-                       "reflection.")
+            remark += (" No forward reflection above 0.5 % of the largest force follows. The "
+                       f"forward wave at {1e3 * waves.second.time:.3g} ms, with "
+                       f"{waves.second.force:.3g} N, is the second wave of the incident train, "
+                       "which enters without a reflection.")
         if key == "FRW" and not wave.forth:
             remark += " A second wave travels back here at the same time, and the forces add up."
         if key == "end":
@@ -76,7 +76,8 @@ def of_energy(waves, kind):
         ("section without its last bead", waves.first, waves.last - 1,
             "In the source it falls by yielding only."),
     ):
-        yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, {kind}", "%",
+        yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, "
+                     f"{kind}", "%",
                      ours=100 * (density[place(last)] / density[place(first)] - 1), remark=remark, **where)
 
 
@@ -106,7 +107,8 @@ def of_pressure(section, source):
                             "compressive and compares it with the yield strength.")
     fallen = source[1] / source[0]
     before = 1e-6 * section.pressure(section.first - 1)
-    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before it, {at}", "",
+    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before "
+                 f"it, {at}", "",
                  fallen, first / before, where,
                  "The source value is the ratio of its two stresses, read here as a change from "
                  "the contact with steel to the contacts within the section. This reading nearly "

@@ -180,7 +180,8 @@ def load_scan(
     Raises
     ------
     InputError
-        The file, an override or any point is invalid; the message has a line for each invalid point.
+        The file, an override or any point is invalid; the message has a line for each invalid
+        point.
     """
     changes = parse_overrides(overrides)
     path = find_scan(scan)

@@ -285,7 +285,9 @@ def test_decimal_commas_far_below_the_names(tmp_path: Path) -> None:
 
 
 def test_units_of_a_dump_are_above_its_first_step(tmp_path: Path) -> None:
-    """Dumps with ``dump_modify units yes``; in another unit the grains are 100 times as far apart."""
+    """Dumps with ``dump_modify units yes``; in another unit the grains are 100 times as far
+    apart.
+    """
     grains = read(tmp_path / "g", f"ITEM: UNITS\ncgs\n{DUMP}{DUMP}")
     assert grains.position == pytest.approx(np.array(PLACES) / 100)
     assert "found the units lj" in fault(tmp_path / "lj", f"ITEM: UNITS\nlj\n{DUMP}")
