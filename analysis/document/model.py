@@ -295,10 +295,11 @@ def text_table(
     caption: str, heads: Sequence[str], rows: Iterable[Sequence[str | Cell]], **options: Any
 ) -> DocumentTable:
     """Table of texts, the first of each row its key; ``options``: as of `DocumentTable`."""
-    cells = tuple(tuple(one if isinstance(one, Cell) else Cell(one) for one in row) for row in rows)
-    return DocumentTable(
-        caption, (TableColumn(heads[0], key=True), *map(TableColumn, heads[1:])), cells, **options
-    )
+    cells = []
+    for row in rows:
+        cells.append(tuple(text if isinstance(text, Cell) else Cell(text) for text in row))
+    columns = (TableColumn(heads[0], key=True), *map(TableColumn, heads[1:]))
+    return DocumentTable(caption, columns, tuple(cells), **options)
 
 
 def column_table(

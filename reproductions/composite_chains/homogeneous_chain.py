@@ -87,7 +87,8 @@ def rows(runs):
         yield gw.Row(f"Peak force; source: {name}", "N", force, one.force, theory=one.expected, remark=remark, **where)
     for name, speed, much in zip(NAMES, SPEED, over, strict=True):
         yield gw.Row(f"Wave speed; source: {name}", "m/s", speed, one.speed, theory=one.discrete(one.force),
-                     remark=f"Their speed is {much} the speed of a discrete wave with their force.", **where)
+                     remark=f"Their speed is {much} the speed of a discrete wave with their "
+                            "force.", **where)
     yield gw.Row("Error of the speed relative to Nesterenko's formula at the computed force, best "
                  "model", "%", PRINTED[CHOSEN],
                  100 * abs(one.speed / nesterenko(one.force) - 1), theory=100 * (discrete_speed() - 1),
@@ -105,7 +106,8 @@ def rows(runs):
         yield gw.Row(f"Beads {contact + 1} and {contact + 2} separate",
                      "ms", source, 1e3 * one.parting(contact),
                      where="composite chain, Fig. 4", remark=remark)
-    yield gw.Row("Error of the speed relative to the wave of the discrete chain at the computed force",
+    yield gw.Row("Error of the speed relative to the wave of the discrete chain at the computed "
+                 "force",
         "%", ours=our_speed,
                  theory=0.0, remark=f"The source prints {PRINTED.min():.2f} to {PRINTED.max():.0f} "
                                     "% for the speeds of its 11 models. The recomputed errors are "

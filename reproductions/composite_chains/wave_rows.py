@@ -22,8 +22,7 @@ def of_reflections(waves, from_end):
             remark += (" No forward reflection above 0.5 % of the largest force follows. The "
                        f"forward wave at {1e3 * waves.second.time:.3g} ms, with "
                        f"{waves.second.force:.3g} N, is the second wave of the incident train, "
-                       "which enters without a "
-                       "reflection.")
+                       "which enters without a reflection.")
         if key == "FRW" and not wave.forth:
             remark += " A second wave travels back here at the same time, and the forces add up."
         if key == "end":
@@ -77,7 +76,8 @@ def of_energy(waves, kind):
         ("section without its last bead", waves.first, waves.last - 1,
             "In the source it falls by yielding only."),
     ):
-        yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, {kind}", "%",
+        yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, "
+                     f"{kind}", "%",
                      ours=100 * (density[place(last)] / density[place(first)] - 1), remark=remark, **where)
 
 

@@ -19,8 +19,8 @@ import granwave as gw
 WIDE = 40  # grains in a row: the sides do not affect the middle line
 SOFT = "That program kept the tangential stiffness at P = 0.01 E* R; here it follows the contact."
 SIZES = {
-    f"crystals of {WIDE} or more grains per row": "Contacts in BCC carry smaller forces, which makes "
-    "line contacts softer.",
+    f"crystals of {WIDE} or more grains per row": "Contacts in BCC carry smaller forces, which "
+    "makes line contacts softer.",
     "crystals of the reference size": "In BCC the sides slow the front on the middle line below a "
     "depth of W/2; in HCP they hardly do.",
 }

@@ -82,9 +82,9 @@ def rows(runs):
             yield gw.Row(quantity, source=0.25, ours=whole, **BACKGROUND,
                          remark=f"There is no single power: it changes from {local[0]:.3f} at the "
                                 f"lowest loads to {local[-1]:.3f} at the highest. The source "
-                                "quotes the value from other work, for hexagonal packings with little "
-                                "precompression. According to it defects make waves faster; here "
-                                "they make them slower, in particular weak waves.")
+                                "quotes the value from other work, for hexagonal packings with "
+                                "little precompression. According to it defects make waves faster; "
+                                "here they make them slower, in particular weak waves.")
             yield gw.Row(f"The same at the lowest loads, {name}", ours=local[0], **BACKGROUND)
             yield gw.Row(f"The same at the highest loads, {name}", ours=local[-1], theory=1 / 6, **BACKGROUND)
         # fmt: on
