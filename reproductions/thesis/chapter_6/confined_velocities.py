@@ -41,7 +41,8 @@ def rows(runs):
     # fmt: off
     for run, bead, time, velocity in curves(runs):
         when, largest = first_peak(time, velocity, floor=0.5)
-        names = f"Largest velocity times 1e5, bead {bead}", f"Time of the largest velocity, bead {bead}"
+        names = (f"Largest velocity times 1e5, bead {bead}",
+                 f"Time of the largest velocity, bead {bead}")
         for name, ours in zip(names, (1e5 * largest, when), strict=True):
             yield gw.Row(f"{name}, {run.label}", ours=ours, where=WHERE)
         behind = (time > when + BEHIND[0]) & (time < when + BEHIND[1])
