@@ -336,8 +336,10 @@ def units_of_values(
     """Return by key the unit in which values of summaries are read best in one table, and its size
     in the SI unit; all energies of the table have one unit.
     """
-    values = {key: [summary.get(key) for summary in summaries] for key in keys}
-    return shared_units({key: (unit_of_value(key), values[key]) for key in values})
+    rows: dict[str, tuple[str, list[object]]] = {}
+    for key in keys:
+        rows[key] = (unit_of_value(key), [summary.get(key) for summary in summaries])
+    return shared_units(rows)
 
 
 def shared_units(

@@ -165,7 +165,7 @@ def card_with_lines(script: Path) -> str:
             "",
             f"[{title}](gallery/studies/{script.stem}.md)",
             "",
-            ":::{dropdown} its lines",
+            ":::{dropdown} the script",
             "```python",
             lines_of(script),
             "```",

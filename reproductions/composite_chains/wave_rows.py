@@ -22,7 +22,8 @@ def of_reflections(waves, from_end):
             remark += (" No forward reflection above 0.5 % of the largest force follows. The "
                        f"forward wave at {1e3 * waves.second.time:.3g} ms, with "
                        f"{waves.second.force:.3g} N, is the second wave of the incident train, "
-                       "which enters without a reflection.")
+                       "which enters without a "
+                       "reflection.")
         if key == "FRW" and not wave.forth:
             remark += " A second wave travels back here at the same time, and the forces add up."
         if key == "end":
@@ -76,8 +77,7 @@ def of_energy(waves, kind):
         ("section without its last bead", waves.first, waves.last - 1,
             "In the source it falls by yielding only."),
     ):
-        yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, "
-                     f"{kind}", "%",
+        yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, {kind}", "%",
                      ours=100 * (density[place(last)] / density[place(first)] - 1), remark=remark, **where)
 
 
@@ -101,14 +101,15 @@ def of_pressure(section, source):
                  "source it falls.")
     ratio = hertz_von_mises_yield_factor(section.material.poisson_ratio)
     for name, printed, pressure in (("first", source[0], first), ("last", source[1], last)):
-        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}", "MPa", printed, pressure / ratio,
+        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}",
+                     "MPa", printed, pressure / ratio,
                      where, "The source value is read here as the largest von Mises stress of its "
                             "elastic finite elements, below the surface. The source calls it "
                             "compressive and compares it with the yield strength.")
     fallen = source[1] / source[0]
     before = 1e-6 * section.pressure(section.first - 1)
-    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before "
-                 f"it, {at}", "",
+    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before it, {at}",
+                 "",
                  fallen, first / before, where,
                  "The source value is the ratio of its two stresses, read here as a change from "
                  "the contact with steel to the contacts within the section. This reading nearly "

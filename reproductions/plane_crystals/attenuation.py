@@ -76,7 +76,7 @@ class Attenuation:
         return [np.interp(frames, self.time, part) for part in grain]
 
     def mean_rate(self, speeds):
-        """Mean rate of the fits of exponentials to lines of speeds, 1/m."""
+        """Mean rate of the exponentials that are fitted to lines of speeds, 1/m."""
         return np.mean([-np.polyfit(self.distance, np.log(line), 1)[0] for line in speeds])
 
 

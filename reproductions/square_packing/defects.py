@@ -70,7 +70,8 @@ def rows(runs):
     for (packing, scatter), (load, speed) in measured(runs).items():
         name = label(packing, scatter)
         unit = "Pa" if packing == FCC else "N"
-        quantity = f"Exponent of the wave speed against the force, {name}, {load[0]:.3g} to {load[-1]:.3g} {unit}"
+        loads = f"{load[0]:.3g} to {load[-1]:.3g} {unit}"
+        quantity = f"Exponent of the wave speed against the force, {name}, {loads}"
         whole = power_law(load, speed).exponent
         local = np.diff(np.log(speed)) / np.diff(np.log(load))
         # fmt: off

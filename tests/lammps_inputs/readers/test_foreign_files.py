@@ -380,7 +380,7 @@ FAULTS = [
     (lzma.compress(b"x" * 999)[:-40], "found a .xz file that cannot be unpacked"),
     (ARCHIVE.getvalue()[:-40], "found a .zip file that cannot be unpacked"),
     (gzip.compress(b"x" * 999)[:-9], "found a .gz file that cannot be unpacked"),
-    ("version https://git-lfs.github.com/spec/v1\n", "found a pointer of Git LFS"),
+    ("version https://git-lfs.github.com/spec/v1\n", "found a Git LFS pointer"),
     ("<!doctype html><html></html>", "found a web page"),
     (b"CDF\x01" + bytes(99), "found a NetCDF file, expected a file of grains; write the grains"),
     (b"\xf6" + 7 * b"\xff" + b"DUMPCUSTOM" + bytes(99),
