@@ -108,7 +108,8 @@ def of_pressure(section, source):
                             "compressive and compares it with the yield strength.")
     fallen = source[1] / source[0]
     before = 1e-6 * section.pressure(section.first - 1)
-    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before it, {at}",
+    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before "
+                 f"it, {at}",
                  "",
                  fallen, first / before, where,
                  "The source value is the ratio of its two stresses, read here as a change from "

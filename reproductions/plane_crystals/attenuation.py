@@ -66,13 +66,13 @@ class Attenuation:
         largest = []
         for phase in np.arange(PHASES) / PHASES:
             frames = np.arange((phase - 1) / FRAMES, self.time[-1], 1 / FRAMES)
-            places = np.array([self.at(frames, grain) for grain in moved.transpose(1, 2, 0)])
+            places = np.array([self.at_frames(grain, frames) for grain in moved.transpose(1, 2, 0)])
             speeds = np.linalg.norm(np.diff(places, axis=2) * FRAMES, axis=1)
             largest.append(speeds.max(axis=1))
         return np.mean(largest, axis=0)
 
-    def at(self, frames, grain):
-        """Components of the displacement of a grain at the times of frames, m."""
+    def at_frames(self, grain, frames):
+        """Displacements of a grain, sideways and down, at the times of frames: (2, n_frames), m."""
         return [np.interp(frames, self.time, part) for part in grain]
 
     def mean_rate(self, speeds):
