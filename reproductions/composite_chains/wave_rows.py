@@ -76,8 +76,7 @@ def of_energy(waves, kind):
         ("section without its last bead", waves.first, waves.last - 1,
             "In the source it falls by yielding only."),
     ):
-        yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, "
-                     f"{kind}", "%",
+        yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, {kind}", "%",
                      ours=100 * (density[place(last)] / density[place(first)] - 1), remark=remark, **where)
 
 
