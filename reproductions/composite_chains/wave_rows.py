@@ -115,8 +115,9 @@ def of_pressure(section, source):
                  "holds for PTFE only.")
     yield gw.Row(f"Last of these pressures / first, {at}", ours=last / first, where=where,
                  remark=f"The two values of the source have the ratio {fallen:.3f}. Any stress "
-                        f"grows as the cube root of the force, so that the force falls to {fallen**3:.2f} "
-                        "of its first value within the section. That requires dissipation.")
+                        "grows as the cube root of the force, so that the force falls to "
+                        f"{fallen**3:.2f} of its first value within the section. That requires "
+                        "dissipation.")
 
 
 def of_yielded_pressure(section, source, kind):
