@@ -143,7 +143,8 @@ def pictures(runs):
         "the energy; at higher velocities the curve extends further"
     )
     yield gw.Picture("dissipation_of_spheres", caption, axes.figure, data)
-    yield peak_force_map(found[MAPPED])
+    if MAPPED in found:
+        yield peak_force_map(found[MAPPED])
 
 
 def peak_force_map(run):
