@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.measures.target import rising_force_warning
 from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.notebook.load import ScanRuns, load
 from granwave.analysis.notebook.run import Run
@@ -230,6 +231,8 @@ def run(
     if mpi.is_first() and (
         warning := zone_warning(loaded.summary, ResultDirectory(place).kind.body)
     ):
+        logger.warning("%s: %s", loaded.name, warning)
+    if mpi.is_first() and kind is GRANULAR and (warning := rising_force_warning(place)):
         logger.warning("%s: %s", loaded.name, warning)
     return loaded
 

@@ -17,6 +17,7 @@ from granwave.analysis.reports.comparison.measured import (
     Deviation,
     MeasuredCurve,
     closest_sentence,
+    coverage_notes,
     deviation,
     outside_notes,
     read_measured,
@@ -314,6 +315,7 @@ class Comparison:
         if len(self.runs) >= _LEAST_RUNS:
             notes += definition_notes(self.runs)
         for name, curve in self.measured.items():
+            notes += coverage_notes(curve, self._named_deviations(name))
             notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
         return notes + self._undrawn()
 
