@@ -389,8 +389,11 @@ def compare_runs(
     errors: list[Any] = []
     if len(runs) < _LEAST_RUNS and measured is None:
         labels = ", ".join(run.label for run in runs) or "none"
-        errors.append(f"found {len(runs)} run ({labels}), expected two or more to compare")
+        finished = " with results" if left_out else ""
         errors += left_out
+        errors.append(
+            f"found {len(runs)} run{finished} ({labels}), expected two or more to compare"
+        )
     compared = compared_runs(runs)
     names = [name for name in quantities if name not in FIGURES]
     errors += unknown_values(names, compared, tuple(FIGURES))

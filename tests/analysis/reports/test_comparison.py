@@ -42,6 +42,7 @@ from granwave.analysis.reports.comparison.values import compared_values, sentenc
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import ReportKind
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
 from tests.helpers.made_up.synthetic_report import write_run
@@ -235,8 +236,33 @@ def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsy
     assert "Left out: " in output.read_text()
     assert len(gw.compare([place / "fcc", killed, place / "hcp"]).runs) == 2
     assert main(["compare", str(place / "fcc"), str(killed), "-o", str(output)]) == 2
-    message = capsys.readouterr().err
-    assert "expected two or more to compare" in message and "is not finished" in message
+    first, second = capsys.readouterr().err.splitlines()
+    assert "is not finished" in first and "resume with  granwave run" in first
+    assert "found 1 run with results (fcc), expected two or more to compare" in second
+
+
+def test_a_run_killed_before_its_first_output_is_resumed(place, tmp_path, capsys):
+    """It has no record yet; report, compare and analyse advise the same."""
+    killed = tmp_path / "killed"
+    killed.mkdir()
+    for name in ("case.toml", MARKER):
+        (killed / name).write_bytes((place / "fcc" / name).read_bytes())
+    for words in (["compare", str(place / "fcc"), str(killed)], ["analyse", str(killed)]):
+        assert main(words) == 2
+        assert f"granwave run {killed}/case.toml -o {killed} --resume" in capsys.readouterr().err
+
+
+def test_labels_show_the_diameter(tmp_path):
+    """Lattice, size and diameter differ; a fourth difference is an ellipsis."""
+    changes = {
+        "a": {"packing__kind": "fcc", "packing__size": "[8, 8, 5]"},
+        "b": {"packing__kind": "hcp", "packing__size": "[9, 9, 6]", "packing__diameter": 0.006},
+    }
+    runs = [write_run(tmp_path / name, figures=False, **own) for name, own in changes.items()]
+    assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "b: hcp, 9 × 9 × 6, 6 mm"
+    fast = changes["b"] | {"load__velocity": 9}
+    runs[1] = write_run(tmp_path / "c", figures=False, **fast)
+    assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "c: hcp, 9 × 9 × 6, 6 mm, …"
 
 
 def test_runs_without_a_fitted_decay_are_named(place):
