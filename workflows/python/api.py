@@ -228,13 +228,18 @@ def run(
                 "granwave.load"
             )
         loaded = Run(place)
-    if mpi.is_first() and (
-        warning := zone_warning(loaded.summary, ResultDirectory(place).kind.body)
-    ):
-        logger.warning("%s: %s", loaded.name, warning)
-    if mpi.is_first() and kind is GRANULAR and (warning := rising_force_warning(place)):
-        logger.warning("%s: %s", loaded.name, warning)
+    if mpi.is_first():
+        _warn_of_limits(loaded, place)
     return loaded
+
+
+def _warn_of_limits(run: Run, place: Path) -> None:
+    """Warn if the packing limits the plastic zone of a run, or its end the force on the bottom."""
+    kind = ResultDirectory(place).kind
+    if warning := zone_warning(run.summary, kind.body):
+        logger.warning("%s: %s", run.name, warning)
+    if kind.of_spheres and (warning := rising_force_warning(place)):
+        logger.warning("%s: %s", run.name, warning)
 
 
 @contextlib.contextmanager
