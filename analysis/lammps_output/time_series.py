@@ -59,9 +59,11 @@ def read_energy(directory: str | Path) -> Table:
     """
     path = Path(directory) / files.DUMPS / files.ENERGY_FILE
     if not path.exists():
-        raise MissingOutputError(
-            f"{path} is missing: run the case first (granwave run CASE -o {directory} --force)"
-        )
+        case = Path(directory) / files.CASE_FILE
+        command = f"granwave run CASE -o {directory}"
+        if case.is_file():
+            command = f"granwave run {case} -o {directory} --resume"
+        raise MissingOutputError(f"{path} is missing: run the case first (use  {command})")
     table = read_table(directory, files.ENERGY_FILE)
     if missing := [name for name in ENERGY_COLUMNS if name not in table]:
         raise OutputFormatError(

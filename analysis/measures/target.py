@@ -23,6 +23,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -77,6 +78,11 @@ class Reached:
         return float(np.max(self.force, initial=0.0))
 
     @property
+    def rises_at_end(self) -> bool:
+        """True if the force is largest at the end of the record, so that it may rise further."""
+        return bool(np.any(self.force)) and int(self.force.argmax()) == len(self.force) - 1
+
+    @property
     def ground_peak_force(self) -> float | None:
         """Largest force on the ground, N."""
         return None if self.ground_force is None else float(np.max(self.ground_force, initial=0.0))
@@ -107,6 +113,22 @@ def reached(result: Result) -> Reached | None:
     if ground is None and name != BAR:
         ground = force
     return Reached(time, force, ground, None if moved is None else moved - moved[0])
+
+
+def rising_force_warning(directory: Path) -> str:
+    """Return a warning if the force on the bottom is largest at the end of a run, in a line; empty
+    if it is not, or not recorded.
+    """
+    from granwave.analysis.result.reader import Result  # loads h5py
+
+    with Result(directory) as result:
+        record = reached(result)
+    if record is None or not record.rises_at_end:
+        return ""
+    return (
+        "the force on the bottom is largest at the end of the run, and may rise further. Increase "
+        "run.end_time to record its peak."
+    )
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -31,6 +31,7 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.measures.target import reached
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import compare_runs
 from granwave.analysis.reports.figures import picture_in
@@ -297,7 +298,7 @@ def in_words(run: ReportRun) -> str:
         values.pop("zone_depth_90_m", None)
     if force := run.number("wall_peak_force_N"):
         bare = run.number("unprotected_peak_force_N") if run.number("peak_reduction") else None
-        bore = values["wall_peak_force_N"] + _beside(force, bare)
+        bore = values["wall_peak_force_N"] + _beside(force, bare) + _rise(run)
         values["target_bore" if target_of(run.case) else "bottom_bore"] = bore
     ground = run.number("ground_peak_force_N")
     bare = run.number("unprotected_ground_peak_force_N")
@@ -330,6 +331,19 @@ def _beside(force: float, bare: float | None) -> str:
     change = force / bare - 1
     without = quantity_in(bare, "N")
     return f", {share(abs(change))} {'less' if change < 0 else 'more'} than the {without} without the packing"
+
+
+def _rise(run: ReportRun) -> str:
+    """Return a clause on a force on the bottom that is largest at the end of a run; empty if it is
+    not, or not recorded.
+    """
+    try:
+        with Result(run.results) as result:
+            record = reached(result)
+            is_rising = record is not None and record.rises_at_end
+    except (GranwaveError, KeyError, ValueError):
+        return ""
+    return "; it is largest at the end of the run, and may rise further" if is_rising else ""
 
 
 def _named(summary: Mapping[str, Any], start: str, end: str) -> list[str]:

@@ -66,6 +66,10 @@ def why_no_run(path: Path) -> str:
 def where_stopped(path: Path) -> str:
     """Describe where an unfinished run stopped; empty for a run that is finished."""
     record = read_json(path / files.RECORD_FILE) or {}
+    has_output = (path / files.DUMPS / files.ENERGY_FILE).exists()
+    is_own = (path / files.MARKER).exists()
+    if is_own and not record and not has_output and not (path / files.RESULT_FILE).exists():
+        return "the run stopped before its first output"
     state = record.get("state")
     if state not in UNFINISHED:
         return ""

@@ -88,7 +88,12 @@ class TextTable:
         """
         cells = self.frame[column]
         if cells.dtype.kind in "iuf":
-            return np.asarray(cells, dtype=np.float64)
+            values = np.asarray(cells, dtype=np.float64)
+            first_row = len(self.layout.rows) - len(self)
+            for row in np.flatnonzero(~np.isfinite(values)).tolist():  # pandas reads inf
+                cell = self.layout.cells(first_row + row)[column]
+                values[row] = self._number(cell.strip(), row, name, empty)
+            return values
         values = np.empty(len(cells))
         for row, cell in enumerate(cells):
             values[row] = self._number(str(cell).strip(), row, name, empty)

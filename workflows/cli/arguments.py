@@ -87,7 +87,9 @@ count = number_that(
 seconds = number_that("a number above 0 (s)", lambda value: 0 < value < math.inf)
 speed = number_that("a number above 0 (m/s)", lambda value: 0 < value < math.inf)
 finite = number_that("a finite number", math.isfinite)
-factor = number_that("a finite number above 0", lambda value: 0 < value < math.inf)
+factor = number_that(
+    "a finite number other than 0", lambda value: value != 0 and math.isfinite(value)
+)
 #: An overlap / overlap at first yield.
 overlap = number_that(
     f"a number above 0 and at most {_LARGEST_OVERLAP:g}",

@@ -88,7 +88,8 @@ def quantities(options: argparse.Namespace) -> int:
     """Execute ``granwave quantities``."""
     from granwave.workflows.cli.tables.quantity_texts import all_quantities, quantity_text
 
-    print(quantity_text(options.name) if options.name else all_quantities())
+    texts = [quantity_text(name) for name in options.names]
+    print("\n\n".join(texts) or all_quantities())
     return 0
 
 

@@ -157,8 +157,8 @@ def _core() -> tuple[Command, ...]:
         )),
         Command("quantities", FIND, "list the values of summary.json: label, unit, meaning",
                 "granwave.workflows.cli.package:quantities", (
-            option("name", nargs="?", metavar="NAME",
-                   help="a value, such as zone_depth_90_m (default: a list)"),
+            option("names", nargs="*", metavar="NAME",
+                   help="values, such as zone_depth_90_m (default: a list)"),
         )),
         Command("check", FIND, "check a case and estimate size, memory, disk, timestep, time, "
             "overlap", "granwave.workflows.cli.check:check", (

@@ -67,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
             f"{summary_table(summary)}\n\nresults in {outcome.directory}"
         )
         warn_of_zone(summary)
+        warn_of_force(summary, directory)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
                 f"{beyond} contacts exceeded an overlap of 0.2 R*, the limit of the contact law; "
@@ -191,6 +192,7 @@ def analyse(options: argparse.Namespace) -> int:
     if mpi.is_first():
         print_json(summary) if options.json else print(summary_table(summary))
         warn_of_zone(summary)
+        warn_of_force(summary, directory)
     return 0
 
 
@@ -198,6 +200,14 @@ def _assembly_of(directory: Path) -> Assembly:
     """Return all bodies of the case of a run."""
     with as_wrong_input():
         return assemble(read_deck(directory).case)
+
+
+def warn_of_force(summary: Mapping[str, Any], directory: Path) -> None:
+    """Print a warning if the force on the bottom is largest at the end of a run."""
+    from granwave.analysis.measures.target import rising_force_warning
+
+    if warning := rising_force_warning(directory):
+        warn(f"{summary['name']}: {warning}")
 
 
 def warn_of_zone(summary: Mapping[str, Any], body: str = "packing") -> None:

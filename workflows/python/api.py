@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.measures.target import rising_force_warning
 from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.notebook.load import ScanRuns, load
 from granwave.analysis.notebook.run import Run
@@ -227,11 +228,18 @@ def run(
                 "granwave.load"
             )
         loaded = Run(place)
-    if mpi.is_first() and (
-        warning := zone_warning(loaded.summary, ResultDirectory(place).kind.body)
-    ):
-        logger.warning("%s: %s", loaded.name, warning)
+    if mpi.is_first():
+        _warn_of_limits(loaded, place)
     return loaded
+
+
+def _warn_of_limits(run: Run, place: Path) -> None:
+    """Warn if the packing limits the plastic zone of a run, or its end the force on the bottom."""
+    kind = ResultDirectory(place).kind
+    if warning := zone_warning(run.summary, kind.body):
+        logger.warning("%s: %s", run.name, warning)
+    if kind.of_spheres and (warning := rising_force_warning(place)):
+        logger.warning("%s: %s", run.name, warning)
 
 
 @contextlib.contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from functools import partial
 
@@ -212,7 +213,7 @@ def misfit_cells(
     x_unit, y_unit = units
     peak = quantity_in(difference.peak, y_unit)
     place = quantity_in(difference.peak_at, x_unit)
-    if abs(difference.peak) < NEGLIGIBLE * measured_peak:
+    if abs(difference.peak) < NEGLIGIBLE * abs(measured_peak):
         peak = "0"
         place = ""
     return (
@@ -226,7 +227,11 @@ def misfit_cells(
 
 
 def _peak_text(difference: float) -> str:
-    """Return the relative difference of the peaks in words; a large one as their ratio."""
+    """Return the relative difference of the peaks in words; a large one as their ratio; empty for
+    NaN.
+    """
+    if math.isnan(difference):
+        return ""
     if difference < _TIMES:
         return percent(100 * difference)
     return f"{1 + difference:.3g} times"

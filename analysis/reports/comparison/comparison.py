@@ -17,6 +17,7 @@ from granwave.analysis.reports.comparison.measured import (
     Deviation,
     MeasuredCurve,
     closest_sentence,
+    coverage_notes,
     deviation,
     outside_notes,
     read_measured,
@@ -314,6 +315,7 @@ class Comparison:
         if len(self.runs) >= _LEAST_RUNS:
             notes += definition_notes(self.runs)
         for name, curve in self.measured.items():
+            notes += coverage_notes(curve, self._named_deviations(name))
             notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
         return notes + self._undrawn()
 
@@ -387,8 +389,11 @@ def compare_runs(
     errors: list[Any] = []
     if len(runs) < _LEAST_RUNS and measured is None:
         labels = ", ".join(run.label for run in runs) or "none"
-        errors.append(f"found {len(runs)} run ({labels}), expected two or more to compare")
+        finished = " with results" if left_out else ""
         errors += left_out
+        errors.append(
+            f"found {len(runs)} run{finished} ({labels}), expected two or more to compare"
+        )
     compared = compared_runs(runs)
     names = [name for name in quantities if name not in FIGURES]
     errors += unknown_values(names, compared, tuple(FIGURES))

@@ -93,6 +93,18 @@ def force_at_bottom(run: ComparedRun) -> SampledCurve:
         return SampledCurve(record.time, record.force)
 
 
+def rises_at_end(run: ComparedRun) -> bool:
+    """Return True if the force on the bottom is largest at the end of a run; False without a
+    record.
+    """
+    try:
+        with run.opened() as result:
+            record = reached(result)
+            return record is not None and record.rises_at_end
+    except LackingError:
+        return False
+
+
 def has_static_load(run: ComparedRun) -> bool:
     """Return True if the case of a run has a static load."""
     return any(key.startswith(_STATIC_LOAD) for key in run.run.case)

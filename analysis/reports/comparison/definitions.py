@@ -11,15 +11,13 @@ import numpy as np
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import force_at_bottom, static_force_at_bottom
-from granwave.analysis.reports.comparison.subjects import (
-    MOST_CURVES,
-    ComparedRun,
-    LackingError,
-)
+from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
 
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
 _INPUT = "energy_input_J"
+_FORCE = "wall_peak_force_N"
+_SPHERES = "n_spheres"
 _SAME_INPUT = 1e-6  # relative difference of energies that are equal
 _MOST_LISTED = 4  # runs that a sentence lists
 
@@ -33,6 +31,7 @@ def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
         _depths_of_kinds(runs),
         *_limited_zones(runs),
         *_limited_forces(runs),
+        *_without_force(runs),
     ]
     return [note for note in notes if note]
 
@@ -97,17 +96,20 @@ def _limited_zones(runs: Sequence[ComparedRun]) -> list[str]:
     notes: list[str] = []
     if cut:
         listed = _listed(cut, lambda run: _joined(run, "zone_cut"))
-        notes.append(f"The plastic zone reaches a boundary, which limits its size: {listed}.")
+        notes.append(
+            f"The plastic zone reaches a boundary, which limits its size: {listed}. Limited zones "
+            "are not ranked by their depth."
+        )
     if growing:
         listed = _listed(growing, lambda run: _joined(run, "zone_growing"))
-        notes.append(f"The plastic zone still grows at the end of the run: {listed}.")
+        unranked = any("depth" in run.run.summary["zone_growing"] for run in growing)
+        more = " Depths that still grow are not ranked." if unranked else ""
+        notes.append(f"The plastic zone still grows at the end of the run: {listed}.{more}")
     return notes
 
 
 def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
     """Return sentences on forces on the bottom that do not reach their peak within a run."""
-    if len(runs) > MOST_CURVES:  # no figure shows them all
-        return []
     unloaded: list[ComparedRun] = []
     rising: list[ComparedRun] = []
     for run in runs:
@@ -127,8 +129,27 @@ def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
         listed = _listed(rising, _end)
         notes.append(
             "The force on the bottom is largest at the end of the run, and may rise further: "
-            f"{listed}."
+            f"{listed}. Such forces are not ranked."
         )
+    return notes
+
+
+def _without_force(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return sentences on runs that cannot be ranked by the force below a packing, next to runs
+    that can.
+    """
+    single = [run for run in runs if run.run.number(_SPHERES) == 1]
+    packings = [run for run in runs if run not in single]
+    missing = [run for run in packings if run.run.number(_FORCE) is None]
+    if len(missing) == len(packings):
+        return []
+    notes: list[str] = []
+    if single:
+        names = _named(single)
+        notes.append(f"Not ranked, since a single sphere is the impact without a packing: {names}.")
+    if missing:
+        names = _named(missing)
+        notes.append(f"Not ranked by the force on the bottom, which is not recorded: {names}.")
     return notes
 
 
@@ -146,7 +167,15 @@ def _joined(run: ComparedRun, name: str) -> str:
 
 def _listed(runs: Sequence[ComparedRun], text: Callable[[ComparedRun], str]) -> str:
     """Return runs with a text each; for many runs, the first ones and the number of the others."""
-    parts = [f"{text(run)} in {run.name}" for run in runs[:_MOST_LISTED]]
-    left = len(runs) - _MOST_LISTED
+    return _first([f"{text(run)} in {run.name}" for run in runs])
+
+
+def _named(runs: Sequence[ComparedRun]) -> str:
+    """Return the names of runs; for many runs, the first ones and the number of the others."""
+    return _first([run.name for run in runs])
+
+
+def _first(parts: Sequence[str]) -> str:
+    left = len(parts) - _MOST_LISTED
     more = f" and {left} more" if left > 0 else ""
-    return f"{', '.join(parts)}{more}"
+    return f"{', '.join(parts[:_MOST_LISTED])}{more}"

@@ -36,6 +36,7 @@ _JOINED = re.compile(r"(.+)_([a-zA-Zµμ]+)")  # ``time_us``
 _SPELLINGS = {"µs": "us", "μs": "us"}
 _LEAST_POINTS = 2
 NEGLIGIBLE = 1e-4  # fraction of the measured peak below which a value counts as zero
+_ENOUGH = 0.99  # fraction of the points of the run with the most points: runs that are ranked
 _TIMES = 10.0  # ratio above which a difference is given as a factor
 _MOST_LISTED = 4  # runs that a sentence lists
 
@@ -67,13 +68,24 @@ class MeasuredCurve:
 
     @property
     def peak(self) -> float:
-        """Largest value."""
-        return float(self.y.max())
+        """Largest value; the lowest value of a reversed curve."""
+        return float(self.y[self._peak_row])
 
     @property
     def peak_at(self) -> float:
-        """Time or length of the largest value, s or m."""
-        return float(self.x[self.y.argmax()])
+        """Time or length of this value, s or m."""
+        return float(self.x[self._peak_row])
+
+    @property
+    def is_reversed(self) -> bool:
+        """True if the value of the largest magnitude is negative, as of a sensor with the opposite
+        sign.
+        """
+        return -float(self.y.min()) > float(self.y.max())
+
+    @property
+    def _peak_row(self) -> int:
+        return int(np.abs(self.y).argmax() if self.is_reversed else self.y.argmax())
 
 
 @dataclass(frozen=True)
@@ -87,7 +99,8 @@ class Deviation:
     relative_rms
         This root mean square / largest measured value.
     peak_difference
-        Largest value of the run / largest measured value, minus 1, in that range.
+        Largest value of the run in the measured range / largest measured value, minus 1; NaN if
+        the run does not cover the measured peak, or if the measured curve is reversed.
     n_points
         Number of measured points within the curve of the run.
     peak
@@ -97,6 +110,8 @@ class Deviation:
     outside_at
         Time or length of the largest value of the run, if it is outside the measured range; None:
         it lies inside.
+    covers_peak
+        True if the measured peak is within the curve of the run.
     """
 
     rms: float
@@ -106,6 +121,7 @@ class Deviation:
     peak: float
     peak_at: float
     outside_at: float | None = None
+    covers_peak: bool = True
 
 
 def read_measured(
@@ -158,7 +174,7 @@ def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
     difference = np.interp(measured.x[inside], curve.x, curve.y) - measured.y[inside]
     rms = float(np.sqrt(np.mean(difference**2)))
     size = float(np.abs(measured.y).max())
-    peak = float(measured.y[inside].max())
+    covers_peak = low <= measured.peak_at <= high
     own = _within(curve, low, high)
     first = int(own.y.argmax())
     largest = float(own.y[first])
@@ -167,12 +183,28 @@ def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
     return Deviation(
         rms,
         rms / size,
-        largest / peak - 1 if peak else np.nan,
+        largest / size - 1 if covers_peak and not measured.is_reversed else np.nan,
         int(inside.sum()),
         peak=largest,
         peak_at=float(own.x[first]),
         outside_at=float(curve.x[place]) if is_outside else None,
+        covers_peak=covers_peak,
     )
+
+
+def ranked(deviations: Mapping[str, Deviation]) -> list[str]:
+    """Return the names of the runs whose differences from a measured curve can be ranked.
+
+    Their differences are means over the same points: those of the run with the most points. A run
+    that does not cover the measured peak is not ranked if another run covers it.
+    """
+    most = max((difference.n_points for difference in deviations.values()), default=0)
+    any_covers = any(difference.covers_peak for difference in deviations.values())
+    return [
+        name
+        for name, difference in deviations.items()
+        if difference.n_points >= _ENOUGH * most and difference.covers_peak >= any_covers
+    ]
 
 
 def closest_sentence(
@@ -195,19 +227,71 @@ def closest_sentence(
     """
     if not deviations:
         return f"No run has a common range with {measured.source}."
-    x_unit, y_unit = units
-    name = min(deviations, key=lambda other: deviations[other].rms)
+    y_unit = units[1]
+    names = ranked(deviations)
+    name = min(names, key=lambda other: deviations[other].rms)
     closest = deviations[name]
     size = relative_text(closest.relative_rms)
     rms = f"{quantity_in(closest.rms, y_unit)} rms, {size} the measured peak"
-    own = f"{quantity_in(closest.peak, y_unit)} at {quantity_in(closest.peak_at, x_unit)}"
-    other = f"{quantity_in(measured.peak, y_unit)} at {quantity_in(measured.peak_at, x_unit)}"
-    peaks = f"its peak in the measured range is {own}, the measured peak {other}"
-    if abs(closest.peak) < NEGLIGIBLE * measured.peak:
-        peaks = f"it is zero in the measured range, the measured peak is {other}"
+    if closest.n_points < len(measured.x):
+        rms += f", at {closest.n_points} of {len(measured.x)} measured points"
+    peaks = _peaks_in_words(measured, closest, units)
     if alone:
         return f"{name} differs from {measured.source} by {rms}; {peaks}."
+    if len(names) < len(deviations) and len(names) == 1:
+        return (
+            f"Only {name} is compared with {measured.source}, with a difference of {rms}; {peaks}."
+        )
     return f"Closest to {measured.source} is {name}, with a difference of {rms}; {peaks}."
+
+
+def _peaks_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[str, str]) -> str:
+    """Return the peaks of a run and of a measured curve in words."""
+    x_unit, y_unit = units
+    own = f"{quantity_in(closest.peak, y_unit)} at {quantity_in(closest.peak_at, x_unit)}"
+    other = f"{quantity_in(measured.peak, y_unit)} at {quantity_in(measured.peak_at, x_unit)}"
+    if not closest.covers_peak:
+        return f"the run does not cover the measured peak, {other}"
+    if abs(closest.peak) < NEGLIGIBLE * abs(measured.peak):
+        return f"it is zero in the measured range, the measured peak is {other}"
+    return f"its peak in the measured range is {own}, the measured peak {other}"
+
+
+def coverage_notes(measured: MeasuredCurve, deviations: Mapping[str, Deviation]) -> list[str]:
+    """Return sentences on runs that are not ranked, since they cover fewer points of a measured
+    curve, and on a curve of the opposite sign; empty if neither applies.
+
+    Parameters
+    ----------
+    deviations
+        As of `closest_sentence`.
+    """
+    notes: list[str] = []
+    names = ranked(deviations)
+    parts = [
+        f"{name} ({difference.n_points} of {len(measured.x)} points)"
+        for name, difference in deviations.items()
+        if name not in names
+    ]
+    if parts:
+        notes.append(
+            f"Not ranked by their difference from {measured.source}, of which they cover only a "
+            f"part: {_first(parts)}."
+        )
+    if measured.is_reversed:
+        notes.append(
+            f"The largest values of {measured.source} are negative, and peaks are not compared. If "
+            "the sensor has the opposite sign, multiply its values by -1: --scale -1, or scale=-1 "
+            "in Python."
+        )
+    return notes
+
+
+def _first(parts: Sequence[str]) -> str:
+    """Return the first parts of a list in words, and the number of the others."""
+    left = len(parts) - _MOST_LISTED
+    more = f" and {left} more" if left > 0 else ""
+    return f"{', '.join(parts[:_MOST_LISTED])}{more}"
 
 
 def relative_text(ratio: float) -> str:
@@ -233,12 +317,10 @@ def outside_notes(
     ]
     if not places:
         return []
-    left = len(places) - _MOST_LISTED
-    more = f" and {left} more" if left > 0 else ""
     ends = [quantity_in(float(end), x_unit) for end in (measured.x[0], measured.x[-1])]
     return [
         f"Largest values outside the range of {measured.source}, {' to '.join(ends)}: "
-        f"{', '.join(places[:_MOST_LISTED])}{more}. Shift the measured curve if its zero "
+        f"{_first(places)}. Shift the measured curve if its zero "
         "differs."
     ]
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from granwave.analysis.formatting.numbers import number, plain, quantity_in
-from granwave.analysis.reports.comparison.curves import static_force_at_bottom
+from granwave.analysis.measures.zone_size import Mark, mark_of
+from granwave.analysis.reports.comparison.curves import rises_at_end, static_force_at_bottom
 from granwave.analysis.reports.comparison.subjects import ComparedRun, names_in_words
 from granwave.analysis.reports.setting import target_of
 
@@ -20,6 +21,7 @@ _SAME_INPUT = 1e-6  # relative tolerance of equal energies
 _SAME = 5e-3  # relative difference of results that are called equal
 _MOST_LISTED = 4  # runs that a sentence lists; of more the best and the worst
 _LEAST_RUNS = 2
+_COLLISION = (1, 2)  # numbers of spheres without layers
 
 
 @dataclass(frozen=True)
@@ -58,8 +60,10 @@ def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> l
 
     Runs with the same energy input are ordered by the peak force on the bottom, above its static
     force if there is one, others by the
-    peak force relative to the impact without the packing. The second sentence orders them by the
-    depth that contains 90 % of the plastic dissipation.
+    peak force relative to the impact without the packing. Runs whose force on the bottom still
+    rises at the end are left out. The second sentence orders the runs by the interpolated depth of
+    90 % of the plastic dissipation; it leaves out collisions of two spheres, and zones that reach a
+    boundary or still grow. `granwave.analysis.reports.comparison.definitions` names these runs.
 
     Parameters
     ----------
@@ -77,6 +81,10 @@ def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> l
 def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     """Return the order of the runs by the peak force below the packing; empty without one."""
     place = "target" if all(target_of(run.run.case) for run in runs) else "bottom"
+    n_runs = len(runs)
+    kept = [n for n, run in enumerate(runs) if not rises_at_end(run)]
+    runs = [runs[n] for n in kept]
+    names = [names[n] for n in kept]
     if _have_same_input(runs):
         static = [static_force_at_bottom(run) for run in runs]
         force = "peak dynamic force" if any(static) else "peak force"
@@ -88,7 +96,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
             "better",
             "best",
         )
-        return _ordered(phrase, entries, partial(quantity_in, unit="N"), len(runs))
+        return _ordered(phrase, entries, partial(quantity_in, unit="N"), n_runs)
     relative = [_Entry(entry.name, 1 / entry.value) for entry in _entries(_REDUCTION, runs, names)]
     phrase = _Phrase(
         f"Relative to the same impact without the packing, {{}} protects the {place} {{}}: its "
@@ -98,29 +106,39 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         "better",
         "best",
     )
-    return _ordered(phrase, relative, number, len(runs))
+    return _ordered(phrase, relative, number, n_runs)
 
 
 def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     """Return the order of the runs by the depth of the plastic zone; empty without two zones."""
-    entries = _entries(_DEPTH, runs, names)
+    complete = [place for place, run in enumerate(runs) if _has_complete_zone(run)]
+    entries = _entries(
+        _DEPTH, [runs[place] for place in complete], [names[place] for place in complete]
+    )
     phrase = _Phrase(
-        "{} has the {} plastic zone: 90 % of the plastic dissipation is within a depth of {}",
-        "90 % of the plastic dissipation is within a depth of {}",
+        "{} has the {} plastic zone: its 90 % depth, interpolated between layers, is {}",
+        "The 90 % depth of the plastic zone, interpolated between layers, is {}",
         "{} times as deep",
         "shallower",
         "shallowest",
     )
     text = _ordered(phrase, entries, partial(quantity_in, unit="m"), len(runs))
-    present = {entry.name for entry in entries}
     without = [
         name
         for run, name in zip(runs, names, strict=True)
-        if name not in present and run.has_spheres
+        if not run.run.number(_DEPTH) and run.has_spheres
     ]
     if not text or not without or len(without) > _MOST_LISTED:
         return text
     return f"{text} No plastic dissipation below the impact: {', '.join(without)}."
+
+
+def _has_complete_zone(run: ComparedRun) -> bool:
+    """Return True if neither a boundary nor the end of the run limits the depth of the zone."""
+    summary = run.run.summary
+    is_collision = run.run.number(_SPHERES) in _COLLISION
+    growing = summary.get("zone_growing") or ()
+    return not is_collision and mark_of(summary) is not Mark.CUT and "depth" not in growing
 
 
 def _ordered(

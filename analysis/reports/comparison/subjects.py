@@ -38,7 +38,7 @@ _INDEX = "index"  # ... and of their ids
 _OF_MATERIAL = "material."
 _OF_BOUNDARY = "boundary."
 _CLEAR = ("packing.size", "packing.diameter", "load.velocity")  # keys known by their units
-_MOST_KEYS = 2  # in a label
+_MOST_KEYS = 3  # in a label
 _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
 _BETWEEN_DIFFERENCES = ", "
@@ -138,7 +138,7 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
 
 def _with_differences(name: str, text: str) -> str:
     """Return a label of the name and of as many differences of the case as it has room for."""
-    parts = text.split(_BETWEEN_DIFFERENCES)
+    parts = text.removesuffix(f"{_BETWEEN_DIFFERENCES}…").split(_BETWEEN_DIFFERENCES)
     label = f"{name}: {text}"
     while len(label) > _LONGEST and len(parts) > 1:
         parts.pop()
@@ -279,7 +279,9 @@ def _with_unit(value: float, unit: str) -> str:
 
 
 def _texts(runs: Sequence[ReportRun]) -> list[str]:
-    """Return the differences of the case of each run, in a few words that are not in its name."""
+    """Return the differences of the case of each run, in a few words that are not in its name; an
+    ellipsis stands for further differences.
+    """
     with_case = [run for run in runs if run.case]
     keys = physical_keys(with_case) if len(with_case) > 1 else []
     if len({run.kind for run in runs}) > 1:
@@ -296,7 +298,8 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
             for key, part in parts.items()
             if 0 < len(part) <= _LONGEST_VALUE and part not in in_name
         ]
-        texts.append(_BETWEEN_DIFFERENCES.join(said[:_MOST_KEYS]))
+        more = ["…"] if len(said) > _MOST_KEYS else []
+        texts.append(_BETWEEN_DIFFERENCES.join([*said[:_MOST_KEYS], *more]))
     return texts
 
 

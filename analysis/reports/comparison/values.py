@@ -42,16 +42,21 @@ _REPEATED = {
 }
 #: Beginnings of the names of similar values; a sentence has only one of each.
 _FAMILIES = (
-    ("plastic_fraction", "dissipated_fraction"),
-    ("n_plastic", "n_dissipating", "plastic_zone", "zone_"),
+    ("plastic_fraction", "dissipated_fraction", "energy_dissipated"),
+    ("n_plastic", "n_dissipating"),
+    ("plastic_zone", "zone_"),
     ("peak_force",),
     ("wall_", "unprotected", "ground", "target", "energy_target", "peak_reduction"),
 )
+#: Results of summaries that the tables of results in reports do not have.
+_FURTHER = ("energy_dissipated_J", "energy_kinetic_J", "peak_overlap_m", "restitution")
 _OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
 _ROUNDING = 1e-12  # value / largest value of the runs that counts as zero
 _SAME = 1e-9  # relative difference of values that are equal
+_NO_FRACTION = 1e-3  # fraction that counts as zero next to zero
 _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
 _IN_SENTENCE = 3
+_FRACTION = "_fraction"  # end of the names of fractions
 _PERCENT = 100.0
 
 
@@ -101,6 +106,13 @@ class ComparedValue:
         return largest / smallest
 
     @property
+    def is_negligible(self) -> bool:
+        """True for fractions that are zero in a run and hardly more in the others."""
+        sizes = [abs(number) for number in self.numbers]
+        is_fraction = self.name.endswith(_FRACTION)
+        return is_fraction and min(sizes, default=0.0) == 0 and max(sizes) < _NO_FRACTION
+
+    @property
     def spread(self) -> float:
         """Logarithm of largest over smallest magnitude; infinite for zero next to a number."""
         sizes = [abs(number) for number in self.numbers]
@@ -112,7 +124,7 @@ class ComparedValue:
 
     def text(self, value: float) -> str:
         """Return a value in words: ``1.2 kN``, ``34 %``."""
-        if self.name.endswith("_fraction"):
+        if self.name.endswith(_FRACTION):
             return share(value)
         prefixed = self.unit.isalpha() and self.unit != "kg"
         return quantity_in(value, self.unit if prefixed else "") + (
@@ -122,7 +134,7 @@ class ComparedValue:
 
 def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> list[ComparedValue]:
     """Return the values of the runs: the requested values, or all results, the most different
-    first.
+    first: values that are zero in one run, or have different signs, and then by their ratio.
 
     Values that are zero in every run, or repeat another value, such as the force on the ground
     below a bottom at rest, are omitted unless they are requested by name.
@@ -171,7 +183,8 @@ def differing_values(values: Iterable[ComparedValue]) -> list[ComparedValue]:
 def sentence(
     values: Sequence[ComparedValue], runs: Sequence[ComparedRun], *, asked: bool = False
 ) -> str:
-    """Return the values that differ most in a sentence, with both values and the ratio.
+    """Return the value that differs most in a sentence, with both values and the ratio, and
+    further values of other kinds in a second sentence.
 
     Of similar values only the first is used.
 
@@ -186,7 +199,7 @@ def sentence(
         if asked:
             return f"The requested values do not differ between {names}, or a run lacks them."
         return f"No result differs between {names}."
-    distinct = [value for value in different if value.spread > _HARDLY]
+    distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         most = max(different, key=lambda value: value.spread)
         percent = plain(f"{_PERCENT * math.expm1(most.spread):.2g}")
@@ -199,8 +212,13 @@ def sentence(
         if family not in families and len(chosen) < _IN_SENTENCE:
             families.add(family)
             chosen.append(value)
-    parts = [_clause(value, with_cases) for value in chosen]
-    return f"The runs differ most in {'; '.join(parts)}."
+    most, *others = [_clause(value, with_cases) for value in chosen]
+    if asked:
+        return f"The requested values differ most in {'; '.join([most, *others])}."
+    text = f"The main results differ most in {most}."
+    if not others:
+        return text
+    return f"{text} Largest differences of other kinds of results: {'; '.join(others)}."
 
 
 def factor(ratio: float) -> str:
@@ -233,7 +251,7 @@ def _outcomes(runs: Sequence[ComparedRun]) -> list[str]:
     left_out = {*_NO_OUTCOME}
     if len({run.run.kind for run in runs}) > 1:
         left_out |= {*_OF_ONE_KIND}
-    names = [name for name in report_columns() if name not in left_out]
+    names = [name for name in (*report_columns(), *_FURTHER) if name not in left_out]
     keys = _keys(runs)
     of_parts = [key for key in keys if key.startswith(_OF_PARTS) and key not in quantities()]
     return [name for name in [*names, *of_parts] if name in keys]
@@ -260,9 +278,10 @@ def _value(name: str, runs: Sequence[ComparedRun]) -> ComparedValue:
 
 
 def _rank(value: ComparedValue) -> tuple[bool, float]:
-    """Return the order of a value: the most different first, then zeros next to numbers."""
-    infinite = math.isinf(value.spread) or None in value.values
-    return infinite, -value.spread
+    """Return the order of a value: zeros next to numbers and different signs, then the most
+    different; values that a run lacks, and negligible fractions, come last.
+    """
+    return None in value.values or value.is_negligible, -value.spread
 
 
 def _family(name: str) -> str:

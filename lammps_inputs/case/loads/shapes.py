@@ -16,6 +16,7 @@ With amplitude A, duration T and frequency f:
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -101,7 +102,7 @@ def read_points(path: Path) -> Points:
             continue
         try:
             pairs = zip(cells, powers, strict=True)
-            time, value = (in_si(read_number(cell), power) for cell, power in pairs)
+            time, value = (_finite(in_si(read_number(cell), power)) for cell, power in pairs)
         except ValueError:
             found = show(" ".join(cells))
             raise ValueError(f"found {found} in line {line}; expected {form}") from None
@@ -110,6 +111,13 @@ def read_points(path: Path) -> Points:
         return POINTS.read(rows)  # type: ignore[no-any-return]
     except ValidationError as error:
         raise ValueError(f"found {show(rows)}, expected {error}") from None
+
+
+def _finite(number: float) -> float:
+    """Return a number; raise ValueError for NaN and infinity."""
+    if not math.isfinite(number):
+        raise ValueError
+    return number
 
 
 def _are_words(cells: Sequence[str]) -> bool:

@@ -148,7 +148,7 @@ def test_several_runs(tmp_path):
     """The first section is the comparison of the runs."""
     runs = [write_run(tmp_path / f"r{v}", figures=False, load__velocity=v) for v in (1, 2, 4)]
     sentence, *others = blocks(build(runs, tmp_path), "short")
-    assert sentence.tone == "lead" and sentence.text.startswith("The runs differ most in ")
+    assert sentence.tone == "lead" and sentence.text.startswith("The main results differ most in ")
     values, cases, *_ = [block for block in others if not isinstance(block, Note)]
     headings = [column.heading for column in values.columns]
     assert headings == ["Quantity", "Unit", "r1", "r2", "r4", "Largest / smallest"]

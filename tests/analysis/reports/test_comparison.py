@@ -16,6 +16,8 @@ from granwave.analysis.measures.force_decay import (
     exponential_of_depth,
     power_decay,
 )
+from granwave.analysis.reports.answer import in_words
+from granwave.analysis.reports.comparison.blocks import misfit_cells
 from granwave.analysis.reports.comparison.cases import ids_in_words
 from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
 from granwave.analysis.reports.comparison.curves import (
@@ -27,6 +29,7 @@ from granwave.analysis.reports.comparison.curves import (
 from granwave.analysis.reports.comparison.figures import common_fits, decay_notes
 from granwave.analysis.reports.comparison.measured import (
     closest_sentence,
+    coverage_notes,
     deviation,
     outside_notes,
     read_measured,
@@ -39,6 +42,7 @@ from granwave.analysis.reports.comparison.values import compared_values, sentenc
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import ReportKind
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
 from tests.helpers.made_up.synthetic_report import write_run
@@ -86,7 +90,7 @@ def drawn(comparison: Comparison) -> dict[str, Drawing]:
 
 def test_lattices(place):
     comparison = compared(place, "fcc", "hcp")
-    assert comparison.sentence.startswith("The runs differ most in ")
+    assert comparison.sentence.startswith("The main results differ most in ")
     assert comparison.differences.to_dict("index") == {"packing.kind": {"fcc": "fcc", "hcp": "hcp"}}
     names = [
         "bottom_force",
@@ -232,8 +236,33 @@ def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsy
     assert "Left out: " in output.read_text()
     assert len(gw.compare([place / "fcc", killed, place / "hcp"]).runs) == 2
     assert main(["compare", str(place / "fcc"), str(killed), "-o", str(output)]) == 2
-    message = capsys.readouterr().err
-    assert "expected two or more to compare" in message and "is not finished" in message
+    first, second = capsys.readouterr().err.splitlines()
+    assert "is not finished" in first and "resume with  granwave run" in first
+    assert "found 1 run with results (fcc), expected two or more to compare" in second
+
+
+def test_a_run_killed_before_its_first_output_is_resumed(place, tmp_path, capsys):
+    """It has no record yet; report, compare and analyse advise the same."""
+    killed = tmp_path / "killed"
+    killed.mkdir()
+    for name in ("case.toml", MARKER):
+        (killed / name).write_bytes((place / "fcc" / name).read_bytes())
+    for words in (["compare", str(place / "fcc"), str(killed)], ["analyse", str(killed)]):
+        assert main(words) == 2
+        assert f"granwave run {killed}/case.toml -o {killed} --resume" in capsys.readouterr().err
+
+
+def test_labels_show_the_diameter(tmp_path):
+    """Lattice, size and diameter differ; a fourth difference is an ellipsis."""
+    changes = {
+        "a": {"packing__kind": "fcc", "packing__size": "[8, 8, 5]"},
+        "b": {"packing__kind": "hcp", "packing__size": "[9, 9, 6]", "packing__diameter": 0.006},
+    }
+    runs = [write_run(tmp_path / name, figures=False, **own) for name, own in changes.items()]
+    assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "b: hcp, 9 × 9 × 6, 6 mm"
+    fast = changes["b"] | {"load__velocity": 9}
+    runs[1] = write_run(tmp_path / "c", figures=False, **fast)
+    assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "c: hcp, 9 × 9 × 6, 6 mm, …"
 
 
 def test_runs_without_a_fitted_decay_are_named(place):
@@ -288,9 +317,81 @@ def test_which_of_two_runs_protects_better(tmp_path):
     assert sentences == [
         "run-2 protects the bottom better: its peak force is 1.2 kN, compared with 1.5 kN in "
         "run-1 (1.25 times as high).",
-        "run-1 has the shallower plastic zone: 90 % of the plastic dissipation is within a depth "
-        "of 20 mm, compared with 50 mm in run-2 (2.5 times as deep).",
+        "run-1 has the shallower plastic zone: its 90 % depth, interpolated between layers, is "
+        "20 mm, compared with 50 mm in run-2 (2.5 times as deep).",
     ]
+
+
+@pytest.mark.parametrize(
+    "limits",
+    [
+        {"zone_cut": [["bottom", "sides"], []]},
+        {"zone_growing": [["depth"], []]},
+        {"n_spheres": [2, 40]},
+    ],
+)
+def test_limited_zones_are_not_ranked(tmp_path, limits):
+    """A zone that a boundary cuts, or that still grows, and the zone of two spheres."""
+    depths = [0.02, 0.05]
+    assert protected(tmp_path, zone_depth_90_interpolated_m=depths)
+    assert not protected(tmp_path, zone_depth_90_interpolated_m=depths, **limits)
+
+
+def test_a_force_that_still_rises_is_not_ranked(place, tmp_path):
+    """The same packing, stopped before the peak of the force on the bottom."""
+    times = {"early": 4e-5, "late": 1e-4}
+    for name, end in times.items():
+        case = load_case("fcc-small", SMALL | {"run.end_time": end})
+        run_case(case, tmp_path / name, figures=False)
+    comparison = compared(tmp_path, "early", "late")
+    forces = [force_at_bottom(run).y for run in comparison.runs]
+    assert [int(force.argmax()) == len(force) - 1 for force in forces] == [True, False]
+    assert not any("protects" in text for text in comparison.protection)
+    (note,) = [note for note in comparison.notes if "may rise further" in note]
+    assert "at 40 µs in early" in note and "late" not in note
+    (run, *_) = read_inputs([tmp_path / "early"], tmp_path).runs
+    assert "; it is largest at the end of the run, and may rise further." in in_words(run)
+
+
+def test_runs_without_a_rank_are_named(tmp_path):
+    """A single sphere, and a packing whose force on the bottom is not recorded."""
+    changes = {
+        "one": {"n_spheres": 1, "wall_peak_force_N": 3.0},
+        "many": {"n_spheres": 40, "wall_peak_force_N": 2.0},
+        "free": {"n_spheres": 40, "wall_peak_force_N": None},
+    }
+    runs = [write_run(tmp_path / name, figures=False, **own) for name, own in changes.items()]
+    notes = " ".join(compare_runs(read_inputs(runs, tmp_path).runs).notes)
+    assert "a single sphere is the impact without a packing: one." in notes
+    assert "the force on the bottom, which is not recorded: free." in notes
+
+
+def test_zeros_and_signs_come_first(tmp_path):
+    """A value that is zero in one run, or has another sign, has no finite ratio; a fraction of a
+    rounding error does not count.
+    """
+    values = {
+        "first": {"dissipated_fraction": 0.0, "friction_fraction": 0.0, "wave_speed_m_s": -5.0},
+        "second": {"dissipated_fraction": 0.6, "friction_fraction": 1e-5, "wave_speed_m_s": 1.0},
+    }
+    runs = [
+        write_run(tmp_path / name, figures=False, peak_force_N=10.0 + n, **own)
+        for n, (name, own) in enumerate(values.items())
+    ]
+    subjects = compared_runs(read_inputs(runs, tmp_path).runs)
+    compared_by_rank = compared_values(subjects)
+    names = [value.name for value in compared_by_rank]
+    assert {*names[:2]} == {"dissipated_fraction", "wave_speed_m_s"}
+    assert names[-1] == "friction_fraction"
+    assert "dissipated fraction, 0 % (first) and 60 % (second)" in sentence(
+        compared_by_rank, subjects
+    )
+
+
+def test_energies_are_compared(place):
+    """The fast run dissipates several times the energy, which the table lists."""
+    comparison = compared(place, "fcc", "fast")
+    assert {"energy_dissipated_J", "energy_kinetic_J"} <= {*comparison.table.index}
 
 
 def test_runs_of_other_impacts_are_compared_with_the_impact_without_the_packing(tmp_path):
@@ -388,6 +489,43 @@ def test_a_measured_curve_in_words(tmp_path):
     assert relative_text(27.2) == "27.2 times"
 
 
+def test_the_run_that_stops_before_the_peak_is_not_closest(tmp_path):
+    """The short run agrees exactly as far as it goes; the long run differs by a tenth."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_ms,force_N\n0,0\n1,4\n2,10\n3,2\n")
+    measured = read_measured(file, ("s", "N"))
+    time = np.arange(4) * 1e-3
+    force = np.array([0.0, 4.0, 10.0, 2.0])
+    differences = {
+        "short": deviation(measured, SampledCurve(time[:2], force[:2])),
+        "long": deviation(measured, SampledCurve(time, 1.1 * force)),
+    }
+    assert differences["short"].rms == 0 and np.isnan(differences["short"].peak_difference)
+    assert differences["long"].peak_difference == pytest.approx(0.1)
+    text = closest_sentence(measured, differences, ("s", "N"), alone=False)
+    assert text.startswith("Only long is compared with") and "the measured peak 10 N" in text
+    (note,) = coverage_notes(measured, differences)
+    assert note.endswith("of which they cover only a part: short (2 of 4 points).")
+    only = closest_sentence(measured, {"short": differences["short"]}, ("s", "N"), alone=True)
+    assert "at 2 of 4 measured points; the run does not cover the measured peak, 10 N at" in only
+    cells = misfit_cells(differences["short"], ("s", "N"), measured.peak)
+    assert cells[4] == ""
+
+
+def test_a_sensor_of_the_opposite_sign(tmp_path):
+    """Peaks of opposite signs have no ratio; a note names the factor, which agrees."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_ms,force_N\n0,1e-9\n1,-4\n2,-10\n3,-2\n")
+    curve = SampledCurve(np.arange(4) * 1e-3, np.array([0.0, 4.0, 10.0, 2.0]))
+    measured = read_measured(file, ("s", "N"))
+    assert measured.peak == -10 and np.isnan(deviation(measured, curve).peak_difference)
+    (note,) = coverage_notes(measured, {"a": deviation(measured, curve)})
+    assert "--scale -1, or scale=-1 in Python" in note
+    turned = read_measured(file, ("s", "N"), scale=-1.0)
+    assert deviation(turned, curve).peak_difference == pytest.approx(0)
+    assert coverage_notes(turned, {"a": deviation(turned, curve)}) == []
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -396,6 +534,9 @@ def test_a_measured_curve_in_words(tmp_path):
         ("1,2\n2,3\n", "found no names of columns, expected time_us, force_N"),
         ("time_s,force_N\n1,x\n2,3\n", 'line 2: found "x" for force_N'),
         ("time_s,force_N\n1,2\n", "found 1 row, expected at least 2"),
+        ("time_s,force_N\n1,2\n2,inf\n3,4\n", 'line 3: found "inf" for force_N'),
+        ("time_s;force_N\n1,5;2\n-INF;5\n3;4\n", 'line 3: found "-INF" for time_s'),
+        ("time_s,force_N\n1,2\n2,1e999\n3,4\n", 'line 3: found "1e999" for force_N'),
     ],
 )
 def test_wrong_measured_curves(tmp_path, text, message):

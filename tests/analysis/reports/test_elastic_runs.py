@@ -41,8 +41,8 @@ def test_two_elastic_runs_do_not_lead_with_zero(elastic, tmp_path):
     lead, values, *_ = blocks(build(elastic, tmp_path), "short")
     assert isinstance(lead, Note)
     assert lead.text == (
-        "The runs differ most in peak contact force, excluding walls, 10 N (soft) and 25 N (hard), "
-        "a ratio of 2.5."
+        "The main results differ most in peak contact force, excluding walls, 10 N (soft) and "
+        "25 N (hard), a ratio of 2.5."
     )
     assert isinstance(values, DocumentTable)
     labels = [row[0].text for row in values.rows]

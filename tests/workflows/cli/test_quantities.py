@@ -27,6 +27,16 @@ def test_a_member_of_a_family(capsys):
     assert "top" in capsys.readouterr().out
 
 
+def test_several_values(capsys):
+    names = ("zone_depth_90_m", "peak_force_N")
+    assert main(["quantities", *names]) == 0
+    texts = capsys.readouterr().out.split("\n\n")
+    assert [text.partition(":")[0] for text in texts] == list(names)
+    assert main(["quantities", "zone_depth_90_m", "peak_forse_N"]) == 2
+    shown = capsys.readouterr()
+    assert "did you mean peak_force_N?" in shown.err and not shown.out
+
+
 def test_an_unknown_value(capsys):
     assert main(["quantities", "peak_forse_N"]) == 2
     assert "did you mean peak_force_N?" in capsys.readouterr().err
