@@ -9,20 +9,20 @@ from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speed
 from granwave.analysis.measures.regions import WHOLE, usual_regions
 from granwave.analysis.result.reader import Result
 from granwave.analysis.summary import summarise
-from granwave.lammps_inputs.case.parse import parse_case
-from granwave.workflows import run_case
+from granwave.workflows import load_case, run_case
 
 CHAIN = {
     "material": "steel",
-    "packing": {"kind": "chain", "size": 40, "diameter": 0.01},
-    "contact": {"law": "hertz"},
-    "load": {"velocity": 0.3},
-    "run": {"end_time": 1e-3},
+    "packing.size": 40,
+    "packing.diameter": 0.01,
+    "load.velocity": 0.3,
+    "boundary.bottom": "wall",
+    "run.end_time": 1e-3,
 }
 
 
-def run(directory, **changes):
-    run_case(parse_case(CHAIN | changes), directory, figures=False)
+def run(directory, changes=None):
+    run_case(load_case("homogeneous-chain", CHAIN | (changes or {})), directory, figures=False)
     return Result(directory)
 
 
@@ -43,7 +43,7 @@ def test_peaks_of_the_first_wave_are_constant_up_to_the_wall(tmp_path):
 def test_speeds_of_two_materials(tmp_path):
     """Each stretch has its own speed; the speed of the summary is of the deeper half."""
     soft = [{"index": {"first": 21, "last": 40}, "material": "ptfe"}]
-    with run(tmp_path, replace=soft, run={"end_time": 3e-3}) as result:
+    with run(tmp_path, {"replace": soft, "run.end_time": 4e-3}) as result:
         speeds = stretch_speeds(result)
     assert list(speeds) == ["beads 1 to 20, steel", "beads 21 to 40, ptfe"]
     steel, ptfe = speeds.values()
@@ -55,8 +55,8 @@ def test_speeds_of_two_materials(tmp_path):
 
 def test_a_bead_alone(tmp_path):
     """Its force on the wall is exact, and it is no region from 0 to 0 mm."""
-    one = {"kind": "chain", "size": 1, "diameter": 0.01}
-    with run(tmp_path, packing=one, load={"velocity": 1.0}, run={"end_time": 2e-4}) as result:
+    one = {"packing.size": 1, "load.velocity": 1.0, "run.end_time": 2e-4}
+    with run(tmp_path, one) as result:
         assert list(usual_regions(result, np.array([0.0, 0.0, 1.0]))) == [WHOLE]
     summary = summarise(tmp_path)
     assert summary["wall_peak_force_N"] == summary["peak_force_with_walls_N"]

@@ -141,7 +141,7 @@ def test_one_definition_of_the_reduction_under_a_static_load():
         "than the 431.4 N without the packing."
     )
     text = summary_table(dict(run.summary) | {"name": "x"})
-    assert "dynamic part              295.97 N" in text
+    assert "dynamic part                 295.97 N" in text
     assert "1.46 times as high as the dynamic part" in text
 
 
