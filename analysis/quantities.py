@@ -153,8 +153,9 @@ ENTRIES = (
              "Pairs of spheres that touch before the run; smaller spheres at lattice sites leave "
              "gaps."),
     Quantity("n_loaded_contacts", "Loaded contacts",
-             "Pairs of spheres that carried a force at some time during the run: overlap above 1e-6 "
-             "of the yield overlap, so that rounding does not count. Elastic contacts: any overlap."),
+             "Pairs of spheres that carried a force at some time during the run: overlap above "
+             "1e-6 of the yield overlap, so that rounding does not count. Elastic contacts: any "
+             "overlap."),
     Quantity("n_wall_contacts", "Wall contacts", note="Number of sphere-wall pairs in result.h5."),
     Quantity("end_time_s", short="simulated", digits=".6g", note="Time at the end of the run."),
     Quantity("end_reason", short="ended",
@@ -309,8 +310,8 @@ ENTRIES = (
              "dissipation. Excludes spheres whose contacts yielded without dissipating energy.",
              short="dissipating spheres"),
     Quantity("plastic_zone_volume_m3", "Plastic zone volume",
-             "Volume of all spheres that yielded at contacts with spheres; in the continuum, the largest yielding volume at "
-             "one instant. The two cannot be compared.", short="plastic zone", digits=".4g",
+             "Volume of all spheres that yielded at contacts with spheres; in the continuum, the "
+             "largest yielding volume at one instant. The two cannot be compared.", short="plastic zone", digits=".4g",
              phrase="{} m3 at one instant", axis="Plastic zone", symbol=r"V_\mathrm{p}"),
     Quantity("plastic_zone_depth_m", "Plastic zone, depth", _OUTERMOST, digits=".4g",
              axis="Depth of the plastic zone", symbol=r"z_\mathrm{p}"),
@@ -341,8 +342,8 @@ ENTRIES = (
     # bottom and target
     Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom",
              digits=".6g", axis="Peak force on the bottom",
-             meaning="Largest force of the packing on the bottom, static force included: of a single "
-             "contact in any step, otherwise of the records, every wall_sample_s."),
+             meaning="Largest force of the packing on the bottom, static force included: of a "
+             "single contact in any step, otherwise of the records, every wall_sample_s."),
     Quantity("wall_dynamic_peak_force_N", "Peak dynamic force on the bottom",
              "Largest rise of the force on the bottom above its value before the load; only where "
              "there is a static force.",
@@ -404,8 +405,8 @@ ENTRIES = (
     # motion
     Quantity("wave_speed_m_s", "Wave speed in the deeper half", short="wave speed", digits=".4g",
              phrase="{} m/s in the deeper half", axis="Wave speed", symbol="c",
-             note="Speed of the wave front in the deeper half of the packing, whatever its materials: the front reaches a "
-             "contact when its force first exceeds 10 % of its largest value. Requires at least "
+             note="Speed of the wave front in the deeper half of the packing, whatever its "
+             "materials: the front reaches a contact when its force first exceeds 10 % of its largest value. Requires at least "
              "nine layers. Null for parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
              note="Velocity along the impact or load.direction; negative after a rebound."),
@@ -488,14 +489,16 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 
 #: Columns of the tables of results in reports, see `report_columns`.
 REPORT_COLUMNS = (
-    "restitution", "dissipated_fraction", "plastic_fraction", "friction_fraction", "rolling_fraction", "twisting_fraction",
+    "restitution", "dissipated_fraction", "plastic_fraction", "friction_fraction",
+    "rolling_fraction", "twisting_fraction",
     "adhesion_fraction", "viscous_fraction", "holder_fraction",
     "absorbed_fraction", "transmission", "load_power_W", "absorbed_power_W",
     "peak_force_N", "peak_force_with_walls_N", "n_plastic_contacts", "n_dissipating_contacts",
     "n_plastic_spheres", "n_dissipating_spheres", "plastic_zone_volume_m3", "plastic_zone_depth_m",
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_depth_90_interpolated_m",
     "zone_radius_90_m", "zone_radius_90_interpolated_m", "zone_volume_90_m3", "zone_cut",
-    "wave_return_share", "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
+    "wave_return_share", "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns",
+    "base_arrival_s", "unprotected_peak_force_N",
     "peak_reduction", "ground_peak_force_N", "target_peak_displacement_m", "energy_target_J", "impactor_velocity_m_s",
     "wave_speed_m_s", "energy_input_J", "energy_input_normalised", "velocity_normalised", "contacts_beyond_law",
     "energy_balance_error", "deck_changed", "n_spheres", "end_time_s", "wall_time_s",

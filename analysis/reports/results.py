@@ -90,7 +90,8 @@ _NOTHING = (
     "zone_radius_90_m",
 )  # values that are omitted where they are zero
 _OF_BOTTOM = (
-    "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "ground_peak_force_N", "target_peak_displacement_m",
+    "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns", "base_arrival_s",
+    "ground_peak_force_N", "target_peak_displacement_m",
     "energy_target_J", "peak_reduction", "unprotected_peak_force_N",
 )  # fmt: skip
 _OF_A_TARGET = (

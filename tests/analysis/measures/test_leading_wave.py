@@ -1,4 +1,4 @@
-"""First wave of computed chains: its peak forces before the reflection, and its speed by material."""
+"""First wave of computed chains: its peak forces before the reflection, and speeds by material."""
 
 from __future__ import annotations
 

@@ -234,7 +234,7 @@ def test_reduction_of_a_packing(tmp_path):
 
 
 def test_the_arrival_does_not_depend_on_the_interval_of_records():
-    """1 % of the peak of a force of 3/2 power, with records of half the arrival and much shorter."""
+    """1 % of the peak of a force of 3/2 power, with records of half the arrival, and shorter."""
     onset = 4.13e-7
     for step in (2e-7, 1e-8):
         time = np.arange(0.0, 1e-5, step)
