@@ -175,7 +175,7 @@ DUMP = writers.dump_step(100)
     (DUMP[:-60], {}, "found 2 of 3 atoms in the step 100: the dump is truncated"),
     (DUMP.replace("OF ATOMS\n3", "OF ATOMS\n2"), {},
      "found 3 atoms in the step 100, expected 2 as in its NUMBER OF ATOMS: the dump is damaged"),
-    (writers.data_file().replace("3 atoms", "2 atoms"), {}, "found more than 2 rows in the sectio"),
+    (writers.data_file().replace("3 atoms", "2 atoms"), {}, "found more than 2 rows in the"),
     (writers.dump_step(0) + DUMP[:-60], {}, "packing.step = 0 reads the previous step"),
     (DUMP[:60], {}, "without its values: the dump is damaged or truncated"),
     (DUMP.replace("radius", "c_size"), {}, "found no radius or diameter among the columns id"),
