@@ -411,6 +411,8 @@ ENTRIES = (
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
              note="Velocity along the impact or load.direction; negative after a rebound."),
     Quantity("restitution", digits=".5g", axis="Coefficient of restitution", symbol="e",
+             meaning="Coefficient of restitution: relative normal velocity of the two bodies "
+             "after the impact divided by the relative normal velocity before it.",
              note="Given for a single sphere on a rigid wall, and for the impact of two spheres."),
     Quantity("restitution_error", "Error bar of the restitution", digits=".2g",
              meaning="Largest deviation of the coefficient of restitution from finite elements, as "

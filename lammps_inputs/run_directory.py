@@ -74,7 +74,7 @@ INITIAL_WALL_FORCES_FILE = "initial_forces_{}.dump"
 INITIAL_COUNT_FILE = "initial_forces.txt"  # where the dump has several files
 MOVED_WALLS_FILE = "moved-walls.lmp"  # distances of walls that were moved to a force
 
-# Of a scan, of a suite of scans, and of a point beside its run.
+# Of a scan, of a suite of scans, and of a point next to its run.
 SCAN_FILE = "scan.toml"
 SCAN_INDEX = "scan.json"
 SUITE_INDEX = "suite.json"

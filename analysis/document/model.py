@@ -295,10 +295,11 @@ def text_table(
     caption: str, heads: Sequence[str], rows: Iterable[Sequence[str | Cell]], **options: Any
 ) -> DocumentTable:
     """Table of texts, the first of each row its key; ``options``: as of `DocumentTable`."""
-    cells = tuple(tuple(one if isinstance(one, Cell) else Cell(one) for one in row) for row in rows)
-    return DocumentTable(
-        caption, (TableColumn(heads[0], key=True), *map(TableColumn, heads[1:])), cells, **options
-    )
+    cells = []
+    for row in rows:
+        cells.append(tuple(text if isinstance(text, Cell) else Cell(text) for text in row))
+    columns = (TableColumn(heads[0], key=True), *map(TableColumn, heads[1:]))
+    return DocumentTable(caption, columns, tuple(cells), **options)
 
 
 def column_table(
@@ -335,8 +336,10 @@ def units_of_values(
     """Return by key the unit in which values of summaries are read best in one table, and its size
     in the SI unit; all energies of the table have one unit.
     """
-    values = {key: [summary.get(key) for summary in summaries] for key in keys}
-    return shared_units({key: (unit_of_value(key), values[key]) for key in values})
+    rows: dict[str, tuple[str, list[object]]] = {}
+    for key in keys:
+        rows[key] = (unit_of_value(key), [summary.get(key) for summary in summaries])
+    return shared_units(rows)
 
 
 def shared_units(

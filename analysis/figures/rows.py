@@ -342,14 +342,17 @@ def line_speeds(result: Result) -> Drawing | None:
         time = result[f"{group}/time"]
         ids = result[f"{group}/id"]
         speed = np.linalg.norm(result[f"{group}/velocity"], axis=2)
-        n = speed.shape[1]
-        chosen = np.unique(np.linspace(0, n - 1, min(n, _MOST_OF_A_LINE)).round().astype(int))
-        for column in chosen:
-            colour = colormaps["viridis"](0.9 * column / max(n - 1, 1))
-            name = {0: "first grain", n - 1: "last grain"}.get(int(column))
-            against_time(axes, time, speed[:, column], color=colour, linewidth=0.8, label=name)
-            columns[f"{line.name}_{ids[column]}_m_s"] = speed[:, column]
-        label(axes, y="Speed (m/s)", title=line.name if len(lines) > 1 else "", ylim=(0, None))
+        n_grains = speed.shape[1]
+        last = n_grains - 1
+        names = {0: "first grain", last: "last grain"}
+        places = np.linspace(0, last, min(n_grains, _MOST_OF_A_LINE))
+        for grain in np.unique(places.round().astype(int)):
+            colour = colormaps["viridis"](0.9 * grain / max(last, 1))
+            name = names.get(int(grain))
+            against_time(axes, time, speed[:, grain], color=colour, linewidth=0.8, label=name)
+            columns[f"{line.name}_{ids[grain]}_m_s"] = speed[:, grain]
+        title = line.name if len(lines) > 1 else ""
+        label(axes, y="Speed (m/s)", title=title, ylim=(0, None))
         axes.legend()
     return Drawing(figure, columns)
 

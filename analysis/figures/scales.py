@@ -42,18 +42,18 @@ _MOST_NAMED = 8  # columns and lines of a map with names and numbers
 _BREAK: dict[str, Any] = {
     "ha": "center", "va": "center", "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.3}
 }  # fmt: skip
-# labelled factors of powers of ten, and distance of the powers, decades; most labels first
+# labelled multiples of powers of ten, and decades between them; the densest labels first
 _WITHIN_DECADES: tuple[tuple[tuple[float, ...], int], ...] = (((1.0, 2.0, 5.0), 1), ((1.0, 3.0), 1))
 _POWERS = tuple(((1.0,), every) for every in (1, 2, 3, 5, 10, 20))
 _ENOUGH = 3  # number of labels at powers of ten that makes other labels unnecessary
 _CHARACTER = 0.6  # width of a character in a label, font sizes
-# most intervals of such an axis: labels are next to each other along x, above each other along y
 _SUPERSCRIPT = 0.42
 _GAP = 0.5  # gap between labels, font sizes
 _LINE = 1.15  # height of a line, font sizes
 _MOST_TICKS = 30  # largest number of ticks of an axis
 _LEAST_TICKS = 2.2  # ratio of the limits of an axis below which it has at most one tick
-# most intervals of such an axis: labels stand side by side along x, one above the other along y
+# largest number of intervals of such an axis: labels are next to each other along x, above each
+# other along y
 _FEW_TICKS = {"x": 1, "y": 3}
 _POINTS = 72.0  # in an inch
 _MINUS = "\N{MINUS SIGN}"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -19,6 +20,11 @@ from granwave.lammps_inputs.extensions import added
 from granwave.lammps_inputs.packing.cylinders import GRAINS, SPHERES, grains_called
 
 NONE = "none"
+#: "over" of a ratio: not of a spread, sum or mean, and not before a range of values.
+_RATIO = re.compile(
+    r"(?<!spread)(?<!sums)(?<!sum)(?<!mean)(?<!average)(,?) over "
+    r"(?!all |two |which |the numbers |time)"
+)
 _NAMES = ("preset", "name")  # keys that identify a material
 #: Key whose unit follows from the kind of the load, and the key of that.
 AMPLITUDE = "load.amplitude"
@@ -163,3 +169,11 @@ def grains_called_in(summaries: Iterable[Mapping[str, Any]]) -> str:
     if not found:
         return SPHERES
     return found.pop() if len(found) == 1 else GRAINS
+
+
+def ratio_in_words(name: str) -> str:
+    """Return the name of a quantity with ratios as ``A divided by B`` in place of ``A over B``.
+
+    "over" stays where it is a range: ``spread over the numbers``, ``largest over all n``.
+    """
+    return _RATIO.sub(r"\1 divided by ", name)

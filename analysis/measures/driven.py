@@ -133,14 +133,21 @@ def steady_amplitudes(
         return None
     inside = time >= time[-1] - periods / frequency * (1 + 1e-9)
     angle = 2 * np.pi * frequency * time[inside]
-    dense = np.count_nonzero(inside) >= periods * _DENSE
-    terms = np.stack([np.ones_like(angle), *_sines(angle, (1, 2, 3) if dense else (1,))], axis=1)
+    is_dense = np.count_nonzero(inside) >= periods * _DENSE
+    multiples = (1, 2, 3) if is_dense else (1,)
+    terms = np.stack([np.ones_like(angle), *_sines(angle, multiples)], axis=1)
     values = signals[inside]
     fit, *_ = np.linalg.lstsq(terms, values, rcond=None)
-    moving = values - values.mean(axis=0)
-    whole = np.sqrt((moving**2).mean(axis=0))
-    left = np.sqrt(((values - terms @ fit) ** 2).mean(axis=0))
-    return fit[1] - 1j * fit[2], np.divide(left, whole, out=np.ones_like(left), where=whole > 0)
+    amplitude = fit[1] - 1j * fit[2]
+    whole = _root_mean_square(values - values.mean(axis=0))
+    left = _root_mean_square(values - terms @ fit)
+    residual = np.divide(left, whole, out=np.ones_like(left), where=whole > 0)
+    return amplitude, residual
+
+
+def _root_mean_square(signals: Array) -> Array:
+    """Return the root mean square of each signal over time: (n_signals,)."""
+    return np.asarray(np.sqrt((signals**2).mean(axis=0)))
 
 
 def _sines(angle: Array, multiples: Sequence[float]) -> list[Array]:

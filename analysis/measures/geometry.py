@@ -160,7 +160,9 @@ def layers(depth: Array, radii: Array, diameter: float) -> tuple[Array, NDArray[
     apart = np.diff(depth[order]) > _LAYER_GAP * 2 * radii.min(initial=np.inf)
     layer = np.empty(len(depth), dtype=np.int64)
     layer[order] = np.concatenate([[0], np.cumsum(apart)])
-    lowest, highest = (np.full(layer.max(initial=-1) + 1, end) for end in (np.inf, -np.inf))
+    n_layers = layer.max(initial=-1) + 1
+    lowest = np.full(n_layers, np.inf)
+    highest = np.full(n_layers, -np.inf)
     np.minimum.at(lowest, layer, depth)
     np.maximum.at(highest, layer, depth)
     if np.any(highest - lowest > _LAYER_HEIGHT * diameter):

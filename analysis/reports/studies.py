@@ -28,6 +28,7 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.figures.style import NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import plain, superscript
+from granwave.analysis.formatting.values import ratio_in_words
 from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import ReportInputs
@@ -134,10 +135,11 @@ def leads(found: Sequence[Study]) -> tuple[Note, ...]:
             f"within {100 * most:g} % for {sum(one <= most for one in off)}" for most in _CLOSE
         )
         worst = max(zip(off, rows, strict=True), key=itemgetter(0))
+        name = ratio_in_words(worst[1].quantity)
         texts.append(
             f"Of {len(rows)} values of the sources, granwave agrees {within}; the largest "
             f"difference is {plain(f'{100 * worst[0]:.2g}')} % "
-            f"({worst[1].quantity[:1].lower()}{worst[1].quantity[1:]})."
+            f"({name[:1].lower()}{name[1:]})."
         )
     return tuple(Note(text, "lead") for text in [*texts, *_firsts(found).values()])
 
@@ -266,7 +268,8 @@ def _footnotes(rows: Sequence[Row]) -> dict[str, str]:
 
 def _quantity_name(row: Row, footnotes: Mapping[str, str]) -> str:
     """Return the quantity of a row with its unit and the mark of its remark."""
-    name = f"{row.quantity} ({row.unit})" if row.unit else row.quantity
+    quantity = ratio_in_words(row.quantity)
+    name = f"{quantity} ({row.unit})" if row.unit else quantity
     return f"{name} {footnotes[row.remark]}" if row.remark else name
 
 

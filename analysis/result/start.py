@@ -131,16 +131,17 @@ class Start:
 
     def check_ids(self, path: Path, frame: Frame) -> None:
         """Raise OutputFormatError if a dump names a particle that does not exist."""
-        for name in [name for name in ("i", "j", "id") if name in frame.columns]:
-            found = frame[name]
-            if self._ids is None:
-                known = (found >= 1) & (found <= self.n_particles)
-            else:
-                known = (
-                    self._ids[np.minimum(np.searchsorted(self._ids, found), len(self._ids) - 1)]
-                    == found
-                )
-            refuse_ids(path, found[~known])
+        for name in ("i", "j", "id"):
+            if name in frame.columns:
+                ids = frame[name]
+                refuse_ids(path, ids[~self._exists(ids)])
+
+    def _exists(self, ids: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return True for ids of particles."""
+        if self._ids is None:
+            return (ids >= 1) & (ids <= self.n_particles)
+        row = np.minimum(np.searchsorted(self._ids, ids), len(self._ids) - 1)
+        return np.asarray(self._ids[row] == ids)
 
     def around(
         self, part: int, further: NDArray[np.int64], gap: float, periodic: tuple[bool, bool, bool]

@@ -191,7 +191,9 @@ def lattices() -> str:
 
 
 def figures() -> str:
-    """Return the list of the figures of a run: name, picture, content, and the runs that have it."""
+    """Return the list of the figures of a run: name, picture, content, and the runs that have
+    it.
+    """
     table = tomllib.loads((FIGURES / "figures.toml").read_text(encoding="utf-8"))
     runs = {}
     for entry in table["run"]:

@@ -196,7 +196,9 @@ def _complete(suite: Suite, inputs: ReportInputs) -> bool:
 
 
 def digests(suite: Suite) -> dict[str, str]:
-    """Digests of the scans and cases of a suite, and of the studies that make rows from its runs."""
+    """Digests of the scans and cases of a suite, and of the studies that make rows from its
+    runs.
+    """
     tables = list(_tables(suite))
     names = studies_named(suite)
     modules = [module for name, module in (STUDIES | COMPARISON).items() if name in names]

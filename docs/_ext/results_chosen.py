@@ -117,12 +117,6 @@ MORE = (
         ("Displacement of sphere 10 in a long chain, after the wave",),
     ),
     ("FCC packing: ", *_FCC_SPEED),
-    (
-        "FCC packing: ",
-        "bands",
-        "bands",
-        ("Ridge of the transform at 0.5 of the zone, FCC, 1e+06 Pa",),
-    ),
     ("", "bands", "resonance", ("Bead on a plane, 0.02 N: frequency of the largest velocity",)),
     (
         "Chain under a static force: ",
@@ -194,13 +188,13 @@ MORE = (
         "Chain in a tube: ",
         "confined-legends",
         "legends",
-        ("Slope of ln(decay of the force) with delta_hat, model of the source, on the scale",),
+        ("Slope of ln(decay of the force) against delta_hat, model of the source, on the scale",),
     ),
     (
         "Chain in a tube: ",
         "confined",
         "confined_scaling",
-        ("Power of the speed with the velocity, n = 8",),
+        ("Exponent of speed against velocity, n = 8",),
     ),
     ("Filter: ", "thesis-7", "peaks", ("Length of the leading wave in beads at contact 121",)),
     (

@@ -145,7 +145,9 @@ def digest_of(path: Path) -> str:
 
 
 def by_study(suite: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the stored results of a suite, with each study as a separate suite, and their labels."""
+    """Return the stored results of a suite, with each study as a separate suite, and their
+    labels.
+    """
     stored = {}
     labels = {}
     for name, study in suite["studies"].items():

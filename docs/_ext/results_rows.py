@@ -15,6 +15,7 @@ from granwave.analysis.document.model import (
     significant,
 )
 from granwave.analysis.formatting.numbers import superscript
+from granwave.analysis.formatting.values import ratio_in_words
 from granwave.analysis.studies.study import Row
 
 _ROUNDING = 1e-12  # relative
@@ -81,6 +82,7 @@ def chosen_rows(
         rows = [row for row in first_rows if row is not None and row.ours is not None]
         whole = before.endswith(": ") or not before  # then what the quantity is called follows
         name = before + rows[0].quantity if whole and len(starts) == 1 and rows else before
+        name = ratio_in_words(name)
         yield name, rows if len(rows) == len(starts) else []
 
 

@@ -43,6 +43,7 @@ from granwave.analysis.document.model import (
     significant,
     tidied,
 )
+from granwave.analysis.formatting.values import ratio_in_words
 from granwave.analysis.reports.report import markdown
 from granwave.analysis.reports.studies import row_tables
 from granwave.analysis.studies.study import Row, Study
@@ -258,7 +259,7 @@ def _outside_rows(outside: Iterable[tuple[str, Row]]) -> str:
     for name, row in outside:
         unit = f" {row.unit}" if row.unit else ""
         cells = [
-            f"[{escaped(row.quantity)}](results/{name}.md)",
+            f"[{escaped(ratio_in_words(row.quantity))}](results/{name}.md)",
             f"{significant(row.source, 5)}{unit}",
             f"{significant(row.ours, row.digits)}{unit}",
             excess(beyond(row)),

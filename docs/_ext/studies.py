@@ -165,7 +165,7 @@ def card_with_lines(script: Path) -> str:
             "",
             f"[{title}](gallery/studies/{script.stem}.md)",
             "",
-            ":::{dropdown} its lines",
+            ":::{dropdown} the script",
             "```python",
             lines_of(script),
             "```",
@@ -176,7 +176,9 @@ def card_with_lines(script: Path) -> str:
 
 
 def write_pages(app: Sphinx) -> None:
-    """Run the scripts, and write their pages into the site's sources, in a folder that git ignores."""
+    """Run the scripts, and write their pages into the site's sources, in a folder that git
+    ignores.
+    """
     run_all()
     folder = Path(app.srcdir) / "gallery" / "studies"
     folder.mkdir(exist_ok=True)

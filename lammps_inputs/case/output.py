@@ -51,7 +51,7 @@ _PROBES = schema.ListType(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Output:
-    """``[output]``: form of the snapshots, and records besides snapshots and energies."""
+    """``[output]``: form of the snapshots, and further records."""
 
     dump_format: str = schema.choice(
         "format of the dump of snapshots: binary is written and read ten times faster, text can "

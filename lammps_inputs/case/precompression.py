@@ -117,7 +117,7 @@ class StaticLoad:
         return name, _SIZES[name]
 
     def words(self, stage: Precompression) -> list[str]:
-        """Return phrases on the further static loads, besides walls, pressure and force, in the
+        """Return phrases on static loads other than walls, pressure and force, in the
         plan of a case.
         """
         return []

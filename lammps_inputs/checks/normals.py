@@ -1,4 +1,4 @@
-"""Checks of contacts whose forces keep the directions of the start."""
+"""Checks of contacts whose forces keep their initial directions."""
 
 from __future__ import annotations
 

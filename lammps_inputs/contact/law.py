@@ -1,9 +1,9 @@
 """Compiled contact laws of a case, between two spheres or a sphere and a wall or bar, and their
 viscous losses.
 
-The loss time of a restitution at a speed is found from the head-on collision of two bodies with
-their own law (`ContactLaw.collide`). The grains of a material have a common relaxation time,
-computed for their median diameter.
+The relaxation time that gives a restitution at a speed is found from the head-on collision of two
+bodies with their own law (`ContactLaw.collide`). The grains of a material have a common relaxation
+time, computed for their median diameter.
 """
 
 from __future__ import annotations
@@ -279,7 +279,7 @@ def viscous_loss(
     Raises
     ------
     ValueError
-        No loss time gives the restitution.
+        No relaxation time gives the restitution.
     """
     if (loss := contact.loss) is None:
         return None

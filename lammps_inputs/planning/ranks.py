@@ -140,13 +140,20 @@ class Wave:
         """
         if self.farthest == 0.0:
             return 1.0 / math.prod(grid), 1.0
-        along = self._covered(0, grid[0], np.array([travelled * _MEAN_REACH + self.block / 2]))
-        heights = np.linspace(self.low[2], self.high[2], grid[2] * _SLICES + 1)
+        _, n_along_y, n_along_z = grid
+        reach = travelled * _MEAN_REACH + self.block / 2
+        along = self._covered(0, grid[0], np.array([reach]))
+        n_slices = n_along_z * _SLICES
+        heights = np.linspace(self.low[2], self.high[2], n_slices + 1)
         middle = (heights[1:] + heights[:-1]) / 2
-        apart = np.maximum(np.maximum(self.first[2] - middle, middle - self.last[2]), 0.0)
-        slices = self._covered(1, grid[1], travelled - apart)
-        section = slices.reshape(grid[1], grid[2], _SLICES).sum(axis=2) / (grid[2] * _SLICES)
-        return float(along.max() * section.max()), float(along.sum() * section.sum())
+        above = self.first[2] - middle
+        below = middle - self.last[2]
+        apart = np.maximum(np.maximum(above, below), 0.0)
+        slices = self._covered(1, n_along_y, travelled - apart)
+        section = slices.reshape(n_along_y, n_along_z, _SLICES).sum(axis=2) / n_slices
+        most = along.max() * section.max()
+        total = along.sum() * section.sum()
+        return float(most), float(total)
 
     def _covered(self, axis: int, n_bricks: int, reach: Floats) -> Floats:
         """Return the fraction of the length of an axis that is in each layer of bricks and within

@@ -54,10 +54,10 @@ _OTHER_KINDS = (
     OtherKind(b"7z\xbc\xaf\x27\x1c", "a .7z file", "unpack it"),
     OtherKind(b"Rar!", "a .rar file", "unpack it"),
     OtherKind(b"\xd0\xcf\x11\xe0", "a spreadsheet (.xls)", "save it as CSV"),
-    OtherKind(b"\x93NUMPY", "an array of NumPy", "save it as text by numpy.savetxt"),
-    OtherKind(b"MATLAB 5.0", "a file of MATLAB", "save a table by writetable or writematrix"),
+    OtherKind(b"\x93NUMPY", "a NumPy array", "save it as text by numpy.savetxt"),
+    OtherKind(b"MATLAB 5.0", "a MATLAB file", "save a table by writetable or writematrix"),
     OtherKind(
-        b"version https://git-lfs", "a pointer of Git LFS", "get the file itself by git lfs pull"
+        b"version https://git-lfs", "a Git LFS pointer", "get the file itself with git lfs pull"
     ),
     OtherKind(b"CDF", "a NetCDF file", "write the grains by dump custom, or as a table"),
     OtherKind(b"PAR1", "a Parquet file", "save it as CSV"),

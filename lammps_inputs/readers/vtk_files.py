@@ -451,8 +451,8 @@ class _XmlReader:
         self.is_packed = bool(compressor)
 
     def rows(self, element: ElementTree.Element, n_parts: int) -> NDArray[np.generic]:
-        """Return an array of one or more numbers a point: (n,) or (n, n_parts); raise ValueError as
-        `values`.
+        """Return an array of one or more numbers per point: (n,) or (n, n_parts); raise ValueError
+        as     `values`.
         """
         values = self.values(element)
         if n_parts <= 1:

@@ -53,7 +53,7 @@ def read(source: GrainSource) -> GrainTable:
     if not kind:
         raise ValueError(
             f"found {len(content)} bytes, expected binary numbers x, y, z and a diameter for each "
-            "sphere (32 bytes a sphere, or 16); the file is damaged or truncated"
+            "sphere (32 or 16 bytes per sphere); the file is damaged or truncated"
         )
     power = source.options.power()
     numbers = np.frombuffer(content, kind).reshape(-1, _N_OF_SPHERE).astype(np.float64)

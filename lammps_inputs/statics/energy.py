@@ -163,17 +163,20 @@ class EnergyProblem:
         walls
             True for directions along normals, along which walls move in.
         """
-        moved = self._approach(contacts.first, direction) - self._approach(
-            contacts.second, direction
-        )
+        of_first = self._approach(contacts.first, direction)
+        of_second = self._approach(contacts.second, direction)
+        moved = (of_first - of_second)[:, : self.n_motions]
         strained = np.zeros((len(direction), len(self.strains)))
         for place, (a, b) in enumerate(self.strains):
             strained[:, place] = direction[:, a] * contacts.shift[:, b]
-            strained[:, place] += direction[:, b] * contacts.shift[:, a] if a != b else 0.0
+            if a != b:
+                strained[:, place] += direction[:, b] * contacts.shift[:, a]
         closed = np.zeros((len(direction), len(self.bodies.presses)))
-        for place, names in enumerate(self.bodies.presses if walls else ()):
-            closed[:, place] = -np.isin(contacts.wall.astype(str), names).astype(float)
-        return sparse.csr_array(sparse.hstack([moved[:, : self.n_motions], strained, closed]))
+        if walls:
+            wall = contacts.wall.astype(str)
+            for place, names in enumerate(self.bodies.presses):
+                closed[:, place] = -np.isin(wall, names).astype(float)
+        return sparse.csr_array(sparse.hstack([moved, strained, closed]))
 
     def _approach(self, grain: Ints, normal: Array) -> sparse.csr_array:
         """Derivatives, with respect to the unknowns, of gaps in front of grains along normals (n,

@@ -51,7 +51,7 @@ struct Front {
     }
   }
 
-  /* Time at which the quantity passed a part of its largest value, a sixteenth of it or more; -1 = never. It is interpolated in
+  /* Time at which the quantity exceeded a given fraction of its largest value, at least a sixteenth; -1 = never. It is interpolated in
      the fourth root of the quantity, which rises about evenly in a solitary wave, by a parabola through the levels above and
      below, and that below them. */
   double passed(double largest, double part) const

@@ -225,17 +225,19 @@ class ContactList : public PairRows {
     struct Kept {
       int k;
       Dent dent;
-      std::vector<double> block;
     };
     const BlockLayout layout = history.layout();
+    const std::size_t size = layout.size();
     std::vector<Kept> kept;
+    std::vector<double> blocks(size * common.scattered().size(), 0.0);
     for (const auto &[from, to] : common.scattered()) {
       if (peak[from] == 0.0) continue;
-      kept.push_back({to, dent(from), std::vector<double>(layout.size(), 0.0)});
-      pack(from, 1.0, layout, kept.back().block.data());
+      pack(from, 1.0, layout, blocks.data() + size * kept.size());
+      kept.push_back({to, dent(from)});
     }
     carry(common);
-    for (const Kept &contact : kept) set_history(contact.k, 1.0, layout, contact.dent, contact.block.data());
+    for (std::size_t n = 0; n < kept.size(); n++)
+      set_history(kept[n].k, 1.0, layout, kept[n].dent, blocks.data() + size * n);
     order_turnings();
   }
 
@@ -275,7 +277,7 @@ class ContactList : public PairRows {
     turning[k] = -1;
   }
 
-  /* Copy the live records of the spheres to the list. Those whose pair is not within reach are passed to `forget`. */
+  /* Copy the live records of the spheres to the list. Records whose pair is not within reach are passed to `forget`. */
   template <class Forget> void restore(ContactHistory &history, const Forget &forget)
   {
     if (history.size() == 0) return;

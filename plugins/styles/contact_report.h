@@ -13,7 +13,7 @@ namespace granwave {
 
 /* State of one contact for output, in physical units. */
 struct ContactReport {
-  int i, j;    // local index; j may be a ghost, -1 for a forgotten dent on record
+  int i, j;    // local index; j may be a ghost; -1: the record of a forgotten dent
   LAMMPS_NS::tagint tag_i, tag_j;
   double overlap, force;    // present values; overlap < 0 is a gap
   double on_first[3];       // present force on i: normal and tangential; of for_each_dent, for live contacts

@@ -124,7 +124,7 @@ int FixGranHystereticHistory::unpack_border(int n, int first, double *buf)
   return static_cast<int>(at - buf);
 }
 
-/* Size of the state of sphere i with so many further records, and the largest one. */
+/* Size of the state of sphere i with a number of additional records, and the largest size. */
 int FixGranHystereticHistory::size(int i, int further) const
 {
   return N_HEAD + (!history.has_forgotten(i) && further == 0 ? 0 : ForgottenContacts::SIZE) +

@@ -231,7 +231,7 @@ void FixWallGranHysteretic::keep_start()
   for (std::size_t i = 0; i < n; i++) start.reports.insert(start.reports.end(), array_atom[i], array_atom[i] + N_REPORTED);
 }
 
-/* Only spheres that may have touched a wall have changed. Those whose present force is no longer known count as near. */
+/* Only spheres that may have touched a wall have changed. Spheres whose present force is not known count as near. */
 void FixWallGranHysteretic::return_to_start()
 {
   if (!start.kept) return;

@@ -2,7 +2,7 @@
 /* Effective masses of spheres in a contact, for dashpots.
 
    A force F accelerates a sphere by P F/m, so that along a unit normal n it counts with the mass m/(n.P n). P is the unit matrix of
-   a free sphere, and 0 of one whose motion no force changes: a sphere of fix freeze, one in the group of no fix that integrates,
+   a free sphere, and 0 of one whose motion no force changes: a sphere of fix freeze, one that is in no group of an integrating fix,
    or only of fixes that prescribe the motion (fix move, fix nve/noforce, fix gran/load with a displacement). Of fix setforce,
    lineforce and planeforce P is what they leave of a force: these fixes are asked, since they do not show their settings. A sphere
    of a rigid body has the mass of the body, as in the granular styles of LAMMPS. */

@@ -127,7 +127,8 @@ def of_speed(kind, found, measured):
         yield from over_steel(found, measured)
     if fit := exponential_decay(np.array(n), speed):
         formula = f"V = {fit.end:.1f} + {fit.span:.1f} exp(-N2/{fit.length:.2f}) m/s, to {fit.residual:.2g} rms."
-        yield gw.Row(f"Number of beads within which V approaches its limit by a factor of e, {kind}",
+        yield gw.Row(f"Number of beads within which V approaches its limit by a factor of e, "
+                     f"{kind}",
             ours=fit.length, where=FITTED, remark=formula)
 
 
@@ -164,7 +165,8 @@ def of_ratio(kind, found):
                                           "dissipation.")
     elif fit := exponential_decay(np.array(n), ratio):
         formula = f"lambda = {fit.end:.3f} + {fit.span:.3f} exp(-N2/{fit.length:.2f}), to {fit.residual:.2g} rms."
-        yield gw.Row(f"Number of beads within which lambda approaches its limit by a factor of e, {kind}",
+        yield gw.Row(f"Number of beads within which lambda approaches its limit by a factor of e, "
+                     f"{kind}",
             ours=fit.length, where=FITTED,
                      remark=formula)
 # fmt: on

@@ -87,7 +87,8 @@ def rows(runs):
         yield gw.Row(f"Peak force; source: {name}", "N", force, one.force, theory=one.expected, remark=remark, **where)
     for name, speed, much in zip(NAMES, SPEED, over, strict=True):
         yield gw.Row(f"Wave speed; source: {name}", "m/s", speed, one.speed, theory=one.discrete(one.force),
-                     remark=f"Their speed is {much} the speed of a discrete wave with their force.", **where)
+                     remark=f"Their speed is {much} the speed of a discrete wave with their "
+                            "force.", **where)
     yield gw.Row("Error of the speed relative to Nesterenko's formula at the computed force, best "
                  "model", "%", PRINTED[CHOSEN],
                  100 * abs(one.speed / nesterenko(one.force) - 1), theory=100 * (discrete_speed() - 1),
@@ -102,14 +103,17 @@ def rows(runs):
                         "half-spheres are stiffer than half-spaces "
                         "(tests/extensions/continuum/test_coarse_contact.py).")
     for contact, source, remark in ((EARLY, 0.6, late), (LATE, None, "")):
-        yield gw.Row(f"Beads {contact + 1} and {contact + 2} separate", "ms", source, 1e3 * one.parting(contact),
+        yield gw.Row(f"Beads {contact + 1} and {contact + 2} separate",
+                     "ms", source, 1e3 * one.parting(contact),
                      where="composite chain, Fig. 4", remark=remark)
-    yield gw.Row("Error of the speed relative to the wave of the discrete chain at the computed force",
+    yield gw.Row("Error of the speed relative to the wave of the discrete chain at the computed "
+                 "force",
         "%", ours=our_speed,
                  theory=0.0, remark=f"The source prints {PRINTED.min():.2f} to {PRINTED.max():.0f} "
                                     "% for the speeds of its 11 models. The recomputed errors are "
                                     f"{of_speed.min():.1f} to {of_speed.max():.0f} %.", **where)
-    yield gw.Row("Error of the force relative to thesis 4.5", "%", ours=our_force, theory=0.0, remark=(
+    yield gw.Row("Error of the force relative to thesis 4.5",
+                 "%", ours=our_force, theory=0.0, remark=(
         f"The recomputed errors of the 11 models of the source are {of_force.min():.1f} to {of_force.max():.0f} "
         "%."), **where)
     # fmt: on
@@ -171,7 +175,7 @@ def pictures(runs):
     for n, what in enumerate(("force", "speed")):
         table[f"{what}_error_percent"] = [*theirs[n], ours[n]]
     caption = (
-        "Error of the wave speed against that of the peak force, both against the discrete chain: "
+        "Errors of the wave speed and of the peak force relative to the discrete chain: "
         f"finite elements of the source (Tables 2 and 3) and ours, with errors of {ours[0]:.2g} % "
         f"in force and {ours[1]:.2g} % in speed"
     )

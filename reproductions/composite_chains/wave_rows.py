@@ -19,10 +19,10 @@ def of_reflections(waves, from_end):
     for key, wave in ((key, found[key]) for key in NAMES if key in found):
         remark = f"The force is {wave.force:.3g} N."
         if key == "BRW" and "FRW" not in found:
-            remark += (" No forward reflection above 0.5 % of the largest force follows. The forward "
-                       f"wave at {1e3 * waves.second.time:.3g} ms, with {waves.second.force:.3g} "
-                       "N, is the second wave of the incident train, which enters without a "
-                       "reflection.")
+            remark += (" No forward reflection above 0.5 % of the largest force follows. The "
+                       f"forward wave at {1e3 * waves.second.time:.3g} ms, with "
+                       f"{waves.second.force:.3g} N, is the second wave of the incident train, "
+                       "which enters without a reflection.")
         if key == "FRW" and not wave.forth:
             remark += " A second wave travels back here at the same time, and the forces add up."
         if key == "end":
@@ -100,21 +100,24 @@ def of_pressure(section, source):
                  "source it falls.")
     ratio = hertz_von_mises_yield_factor(section.material.poisson_ratio)
     for name, printed, pressure in (("first", source[0], first), ("last", source[1], last)):
-        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}", "MPa", printed, pressure / ratio,
+        yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}",
+                     "MPa", printed, pressure / ratio,
                      where, "The source value is read here as the largest von Mises stress of its "
                             "elastic finite elements, below the surface. The source calls it "
                             "compressive and compares it with the yield strength.")
     fallen = source[1] / source[0]
     before = 1e-6 * section.pressure(section.first - 1)
-    yield gw.Row(f"Largest pressure, first contact of the section / contact with the steel before it, {at}", "",
+    yield gw.Row("Largest pressure, first contact of the section / contact with the steel before "
+                 f"it, {at}", "",
                  fallen, first / before, where,
                  "The source value is the ratio of its two stresses, read here as a change from "
                  "the contact with steel to the contacts within the section. This reading nearly "
                  "holds for PTFE only.")
     yield gw.Row(f"Last of these pressures / first, {at}", ours=last / first, where=where,
                  remark=f"The two values of the source have the ratio {fallen:.3f}. Any stress "
-                        f"grows as the cube root of the force, so that the force falls to {fallen**3:.2f} "
-                        "of its first value within the section. That requires dissipation.")
+                        "grows as the cube root of the force, so that the force falls to "
+                        f"{fallen**3:.2f} of its first value within the section. That requires "
+                        "dissipation.")
 
 
 def of_yielded_pressure(section, source, kind):

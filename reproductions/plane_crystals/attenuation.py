@@ -66,18 +66,17 @@ class Attenuation:
         largest = []
         for phase in np.arange(PHASES) / PHASES:
             frames = np.arange((phase - 1) / FRAMES, self.time[-1], 1 / FRAMES)
-            places = np.array(
-                [
-                    [np.interp(frames, self.time, part) for part in grain]
-                    for grain in moved.transpose(1, 2, 0)
-                ]
-            )
+            places = np.array([self.at_frames(grain, frames) for grain in moved.transpose(1, 2, 0)])
             speeds = np.linalg.norm(np.diff(places, axis=2) * FRAMES, axis=1)
             largest.append(speeds.max(axis=1))
         return np.mean(largest, axis=0)
 
+    def at_frames(self, grain, frames):
+        """Displacements of a grain, sideways and down, at the times of frames: (2, n_frames), m."""
+        return [np.interp(frames, self.time, part) for part in grain]
+
     def mean_rate(self, speeds):
-        """Mean rate of the fits of exponentials to lines of speeds, 1/m."""
+        """Mean rate of the exponentials that are fitted to lines of speeds, 1/m."""
         return np.mean([-np.polyfit(self.distance, np.log(line), 1)[0] for line in speeds])
 
 
@@ -116,8 +115,8 @@ def order_of(crystals, scatter):
     apart = abs(PRINTED["HCP"] - PRINTED["BCC"])
     most = max(np.ptp(found) for found in samples.values())
     return (
-        f"The rates of the samples of one crystal differ by up to {most:.2f}, and the printed rates "
-        f"by {apart:.2g}: the printed order is within the spread that such a scatter causes."
+        f"The rates of the samples of one crystal differ by up to {most:.2f}, and the printed "
+        f"rates by {apart:.2g}: the printed order is within the spread that such a scatter causes."
     )
 
 
@@ -125,14 +124,16 @@ def rows(runs):
     crystals = by_scatter(runs)
     for (name, scatter), samples in crystals.items():
         yield gw.Row(
-            f"Decay of the peak speed in region 1, {LINE[name]}, scatter of {100 * scatter:g} %, {name}", "1/m",
+            f"Decay of the peak speed in region 1, {LINE[name]}, scatter of {100 * scatter:g} %, "
+            f"{name}", "1/m",
             PRINTED[name], rates(samples).mean(), f"{SOURCE}, Fig. 7", digits=3,
             remark=f"The scatter is our choice; the source prints no tolerance. {spread(samples)}",
         )  # fmt: skip
     for scatter in scatters(crystals):
         means = {name: rates(crystals[name, scatter]).mean() for name in NAMES.values()}
         yield gw.Row(
-            f"Decay of HCP / BCC, scatter of {100 * scatter:g} %", "", PRINTED["HCP"] / PRINTED["BCC"],
+            f"Decay of HCP / BCC, scatter of {100 * scatter:g} %", "",
+            PRINTED["HCP"] / PRINTED["BCC"],
             means["HCP"] / means["BCC"], f"{SOURCE}, Fig. 7", digits=3,
             remark=order_of(crystals, scatter),
         )  # fmt: skip

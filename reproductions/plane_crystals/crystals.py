@@ -19,10 +19,10 @@ import granwave as gw
 WIDE = 40  # grains in a row: the sides do not affect the middle line
 SOFT = "That program kept the tangential stiffness at P = 0.01 E* R; here it follows the contact."
 SIZES = {
-    f"crystals of {WIDE} or more grains per row": "Contacts in BCC carry smaller forces, which makes line "
-    "contacts softer.",
-    "crystals of the reference size": "In BCC the sides slow the front on the middle line below a depth of "
-    "W/2; in HCP they hardly do.",
+    f"crystals of {WIDE} or more grains per row": "Contacts in BCC carry smaller forces, which "
+    "makes line contacts softer.",
+    "crystals of the reference size": "In BCC the sides slow the front on the middle line below a "
+    "depth of W/2; in HCP they hardly do.",
 }
 
 
@@ -73,8 +73,8 @@ def rows(runs):
                      both["BCC"].down.front_speed / both["HCP"].down.front_speed, fig9, digits=3,
                      theory=long_waves(stuck, case.contact.friction), remark=f"{remark} {theory}")
     for name in motions:
-        remark = ("The time counts from the start of the impact; the time origin of the camera in the "
-                  "source is not known.")
+        remark = ("The time counts from the start of the impact; the time origin of the camera in "
+                  "the source is not known.")
         if name == "HCP":
             remark += (" At 70 MPa waves are 1.6 times too fast; the study of influences has the "
                        "modulus that gives 125 m/s.")
@@ -82,7 +82,8 @@ def rows(runs):
                      1e3 * later_peak(walls[name]), fig9, remark, digits=2)
     for name, motion in motions.items():
         low, high = motion.seen_by_camera(8000.0)
-        yield gw.Row(f"Largest speeds at 8000 frames/s / true largest speeds, smallest ratio, {name}",
+        yield gw.Row("Largest speeds at 8000 frames/s / true largest speeds, smallest ratio, "
+                     f"{name}",
             digits=2,
                      ours=low, where=f"{SOURCE}, camera",
                      remark=f"The ratio lies between this value and {high:.2f}. The largest speeds "
@@ -99,7 +100,8 @@ def rows(runs):
             ours=speeds.normal_p, digits=1,
                      where=fig10, remark="According to the source they are Gaussian. p is the "
                                          "result of the test of Shapiro and Wilk.")
-        yield gw.Row(f"Largest speeds of all grains, standard deviation / mean, {name}", digits=2, where=fig10,
+        yield gw.Row(f"Largest speeds of all grains, standard deviation / mean, {name}",
+                     digits=2, where=fig10,
                      ours=speeds.deviation / speeds.mean, remark=(
                          "In the source the distribution in HCP is narrower."))
         yield gw.Row(f"Largest rotation of a grain that is not at a side wall, {name}", "degrees", where=SOURCE,
@@ -109,7 +111,8 @@ def rows(runs):
         yield gw.Row(f"Left half of the second row, inwards at 0.9 ms, {name}", "um", digits=2,
                      ours=-motions[name].row_shift(0.9e-3), where=f"{SOURCE}, Fig. 4",
                      remark="In the source the upper rows move outwards, then inwards.")
-        yield gw.Row(f"Largest deviation from mirror symmetry / diameter, {name}", ours=motions[name].mirrored(),
+        yield gw.Row(f"Largest deviation from mirror symmetry / diameter, {name}",
+                     ours=motions[name].mirrored(),
                      where=SOURCE, remark="In the source the symmetry is almost perfect.", digits=1)
     for name, one in free.items():
         last = (one.peak > 0).nonzero()[0].size - 1

@@ -144,8 +144,8 @@ def of_modulus(points, which, name):
     yield gw.Row(f"Second, small peak of the speed in deep grains, {value / 1e6:g} MPa, {name}", "ms", 4.0,
                  1e3 * later_peak(one), f"{SOURCE}, Fig. 9", digits=2,
                  remark=f"The front has {one.down.front_speed:.0f} m/s; the source prints about "
-                        "125 m/s. The time counts from the start of the impact; the time origin of the "
-                        "camera in the source is not known.")
+                        "125 m/s. The time counts from the start of the impact; the time origin of "
+                        "the camera in the source is not known.")
     # fmt: on
 
 

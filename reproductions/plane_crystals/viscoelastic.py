@@ -37,7 +37,9 @@ EVENT = 6e-3  # s, the longest that the source says of its experiment
 
 
 class Contacts(NamedTuple):
-    """Effective moduli, MPa, and differences of impulses, per cent, at the contacts of a crystal."""
+    """Effective moduli, MPa, and differences of impulses, per cent, at the contacts of a
+    crystal.
+    """
 
     modulus: np.ndarray
     impulse: np.ndarray

@@ -37,10 +37,10 @@ TRIAL = {
         16: (np.nan, 13.9),
     },
 }
-# layers of region 1, grains a row inferred from them, decay in region 1 (1/m), as the source has
-# them; layers a D
+# printed layers of region 1, number of grains per row inferred from them, printed decay in region 1
+# (1/m); layers per diameter
 PRINTED = {"BCC": (7.0, 7, 1.6, np.sqrt(2)), "HCP": (8.5, 8, 1.8, 2 / np.sqrt(3))}
-# rate along the compared line over that along the depth: the vertical, or a line at 30 degrees
+# rate along the compared line / rate along the depth: the vertical, or a line at 30 degrees
 ALONG = {"BCC": 1.0, "HCP": np.sqrt(3) / 2}
 
 

@@ -2,7 +2,9 @@
 
 
 def released_energy(runs):
-    """Return a sentence if any of the runs dissipates more than its input, otherwise an empty text."""
+    """Return a sentence if any of the runs dissipates more than its input, otherwise an empty
+    text.
+    """
     if not any(run["dissipated_fraction"] > 1 for run in runs):
         return ""
     return (

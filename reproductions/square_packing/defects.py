@@ -70,7 +70,8 @@ def rows(runs):
     for (packing, scatter), (load, speed) in measured(runs).items():
         name = label(packing, scatter)
         unit = "Pa" if packing == FCC else "N"
-        quantity = f"Exponent of the wave speed against the force, {name}, {load[0]:.3g} to {load[-1]:.3g} {unit}"
+        loads = f"{load[0]:.3g} to {load[-1]:.3g} {unit}"
+        quantity = f"Exponent of the wave speed against the force, {name}, {loads}"
         whole = power_law(load, speed).exponent
         local = np.diff(np.log(speed)) / np.diff(np.log(load))
         # fmt: off
@@ -80,10 +81,10 @@ def rows(runs):
         else:
             yield gw.Row(quantity, source=0.25, ours=whole, **BACKGROUND,
                          remark=f"There is no single power: it changes from {local[0]:.3f} at the "
-                                f"lowest loads to {local[-1]:.3f} at the highest. The source quotes "
-                                "the value from other work, for hexagonal packings with little "
-                                "precompression. According to it defects make waves faster; here "
-                                "they make them slower, in particular weak waves.")
+                                f"lowest loads to {local[-1]:.3f} at the highest. The source "
+                                "quotes the value from other work, for hexagonal packings with "
+                                "little precompression. According to it defects make waves faster; "
+                                "here they make them slower, in particular weak waves.")
             yield gw.Row(f"The same at the lowest loads, {name}", ours=local[0], **BACKGROUND)
             yield gw.Row(f"The same at the highest loads, {name}", ours=local[-1], theory=1 / 6, **BACKGROUND)
         # fmt: on

@@ -1,7 +1,8 @@
 """Square packing, elastic impacts.
 
-An impact on 20 × 20 elastic spheres is transmitted by a sphere at rest, which touches two at an
-edge in the plane at 0.29 m/s, or four in the middle from above at 0.65 m/s.
+The packing has 20 × 20 elastic spheres. The impact at 0.29 m/s in the plane, at an edge, is
+transmitted by a sphere at rest that touches two spheres; the impact at 0.65 m/s from above, in the
+middle, by one that touches four.
 """
 
 import numpy as np
@@ -78,7 +79,7 @@ def rows(one):
     yield gw.Row(f"Chains with a wave, {way}", source=WAVES[way], ours=carrying, **paths)
     yield gw.Row(f"Largest energy in other spheres, {way}", percent,
         ours=100 * one.energies["other spheres"].max(),
-                 theory=0.0, remark="The theory is symmetry.", **paths)
+                 theory=0.0, remark="The theory value follows from symmetry.", **paths)
     for time in SHOWN:
         speeds = one.velocity["central chains"][np.abs(one.time - time).argmin()]
         crest = speeds[1:].argmax() + 2

@@ -1,4 +1,6 @@
-"""Results without extensions: report and loading of a run, messages on files of missing extensions."""
+"""Results without extensions: report and loading of a run, messages on files of missing
+extensions.
+"""
 
 from __future__ import annotations
 

@@ -127,7 +127,9 @@ class StyleTester:
         coefficients: bool = True,
         dents: bool = True,
     ) -> None:
-        """Read the restart file in a cleared instance, and run the commands whose content it lacks."""
+        """Read the restart file in a cleared instance, and run the commands whose content it
+        lacks.
+        """
         self.commands(f"clear\nnewton on\nread_restart {self.folder}/{file}")
         if self.kind == "pair" and coefficients:
             self.coefficients()

@@ -121,7 +121,7 @@ def switch_row(case: Case) -> Row:
 
 
 def impacts() -> list[tuple[str, int, bool]]:
-    """Packing, velocity, m/s, and whether the normals of the start are kept, of chapter 5."""
+    """Packing, velocity, m/s, and whether the initial normals are kept, of chapter 5."""
     true = [("small", velocity, False) for velocity in VELOCITIES]
     fixed = [("small", velocity, True) for velocity in VELOCITIES]
     return [*true, *fixed, ("reference", 5, True)]

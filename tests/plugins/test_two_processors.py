@@ -21,7 +21,9 @@ ENERGIES = ["c_en", "c_en[1]", "c_en[6]", "c_en[7]", "c_sums[1]", "c_sums[2]"]
 
 
 def sliders() -> str:
-    """Pressed spheres that slide across the boundary between processors and the periodic boundary."""
+    """Pressed spheres that slide across the boundary between processors and the periodic
+    boundary.
+    """
     extra = f"fix floor all wall/gran/hysteretic zplane {-R} NULL {BRASS} friction {MU}\nfix press all addforce 0 0 -400\n"
     return rubbing(
         [(-0.0101, 0, 0), (0.0299, 0.011, 0)], BRASS, velocities=[(20, 1, 0), (25, 0, 0)], spins=[(0, 0, 200)] * 2,

@@ -23,7 +23,9 @@ def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:
 
 @pytest.fixture(scope="module")
 def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
-    """Two pulses of equal impulse, one with a tenth of it, and the first pulse on an elastic chain."""
+    """Two pulses of equal impulse, one with a tenth of it, and the first pulse on an elastic
+    chain.
+    """
     directory = tmp_path_factory.mktemp("pulses")
     loads = [(20e3, 1e-5, "elastoplastic"), (40e3, 5e-6, "elastoplastic"), (2e3, 1e-5, "elastoplastic"),
              (20e3, 1e-5, "hertz")]  # fmt: skip

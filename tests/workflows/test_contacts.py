@@ -129,7 +129,9 @@ def test_crossed_cylinders_follow_the_elliptic_integrals():
 
 
 def test_first_yield():
-    """Thesis 2: the closed forms of alpha_y and F_y of two brass spheres of 10 mm, as used in runs."""
+    """Thesis 2: the closed forms of alpha_y and F_y of two brass spheres of 10 mm, as used in
+    runs.
+    """
     sphere = {"shape": "sphere", "diameter": 0.010, "material": "brass"}
     law = contact_of([material("brass")], [0.005])
     assert gw.contact_yield("elastoplastic", [sphere, sphere]) == (

@@ -1,4 +1,6 @@
-"""Truncated, lost or edited files of a run are rejected, or made again with --resume, never mixed."""
+"""Truncated, lost or edited files of a run are rejected, or made again with --resume, never
+mixed.
+"""
 
 from __future__ import annotations
 

@@ -32,7 +32,7 @@ ODD = "100% a*b “c” \"d\" $e 'f' # &"  # characters that LAMMPS replaces, or
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Working directory with files of the user that are named as those of a run."""
+    """Working directory with files of the user that have the names of files of a run."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "dumps").mkdir()
     for name in NAMES:

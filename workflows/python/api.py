@@ -111,7 +111,7 @@ def object_of(name: str) -> Any:
 
 
 def case(source: CaseLike, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> Case:
-    """Make a case, checked as a case file is.
+    """Make a case, with the checks of a case file.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def case(source: CaseLike, changes: Mapping[str, Any] | None = None, /, **keys: 
     Returns
     -------
     Case
-        The case; for another kind of case an object of its class.
+        The case; other kinds of cases have classes of their own.
 
     Raises
     ------
@@ -266,8 +266,8 @@ def scan(
     Parameters
     ----------
     source
-        Name of a built-in scan, path of a scan file, or the tables of one as nested mappings, where
-        ``case`` may also be the tables of a case, or a case.
+        Name of a built-in scan, path of a scan file, or the tables of a scan file as nested
+        mappings, where ``case`` may also be a case or its tables.
     changes, keys
         Keys of the case for all points, as in `case`.
     directory
@@ -350,14 +350,14 @@ def compare(
     Parameters
     ----------
     runs
-        Two or more: as `load` gives them, or their directories; of scans all finished points.
+        Two or more runs or their directories; a scan stands for all its finished points.
     quantities
         Names of values of summary.json and of figures; by default all.
     measured
-        Table of a measured curve with a column of times or lengths and one of values, each with its
-        unit in its name, such as ``time_us`` and ``force_kN``.
+        Table of a measured curve with a column of times or lengths and a column of values. Each name
+        contains the unit, such as ``time_us`` and ``force_kN``.
     measured_as
-        Figure that it lies over: ``bottom_force``, ``peak_force_depth`` or ``fronts``.
+        Figure in which the curve is drawn: ``bottom_force``, ``peak_force_depth`` or ``fronts``.
     shift, scale
         Shift of the measured times or lengths, s or m, and factor of the values.
 
@@ -369,7 +369,7 @@ def compare(
     Raises
     ------
     InputError
-        A directory is no result, there are fewer than two runs, a name is unknown, or a file cannot
+        A directory has no results, there are fewer than two runs, a name is unknown, or a file cannot
         be read.
     """
     from granwave.analysis.reports.comparison.comparison import compare_inputs
@@ -400,16 +400,16 @@ def export(
     Parameters
     ----------
     run
-        As `load` gives it, or its directory.
+        Run or scan, or its directory.
     to
         Format, such as ``csv``, ``netcdf``, ``vtp`` or ``ovito``.
     directory
         Directory to write to; by default ``export`` in the directory of the run.
     only
-        Names of tables to export, of csv.
+        Names of the tables to export to csv.
     spheres, layers, depth, region, time
-        Rows to export, of csv, netcdf and vtp, as in `Run.select`. By default csv then has the
-        tables from which something is selected.
+        Rows to export to csv, netcdf and vtp, as in `Run.select`. With a selection csv has by
+        default only the tables to which it applies.
 
     Returns
     -------
@@ -419,7 +419,7 @@ def export(
     Raises
     ------
     InputError
-        A value is invalid, the directory holds no result, or a library is missing; nothing was
+        A value is invalid, the directory holds no results, or a library is missing; nothing was
         written.
     """
     from granwave.analysis.exports.export import export as export_directory

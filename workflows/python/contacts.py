@@ -71,8 +71,8 @@ def contact_force(
     Parameters
     ----------
     law
-        ``hertz`` (in a point of any curvatures; along a line for half-spaces that give way over the
-        length), ``elastoplastic``, ``elastoplastic-fe``, ``bilinear``, ``thornton``, ``line``
+        ``hertz`` (point contact of any curvatures, or line contact of two half-spaces whose
+        displacement is limited by the length), ``elastoplastic``, ``elastoplastic-fe``, ``bilinear``, ``thornton``, ``line``
         (along a line, plane strain) or ``power``.
     bodies
         Two tables with ``shape``: ``sphere``, ``cylinder``, ``plane`` or ``tube``; ``diameter`` or
@@ -80,17 +80,17 @@ def contact_force(
         default); ``material``: a name, or a mapping as the table ``[material]``. Planes and tubes
         without a material are rigid; ``"plane"`` means a rigid plane.
     overlap
-        Of any shape, m; no force where it is negative, but for the neck of contacts with cohesion
-        after JKR.
+        Overlap, of any shape, m. The force is zero where it is negative, except in contacts with
+        JKR cohesion, whose neck carries tension.
     peak_overlap
-        Largest overlap so far, m, for laws that leave a dent, and for necks; by default the overlap
-        is reached for the first time.
+        Largest overlap in the history of the contact, m: for laws with a residual indentation, and
+        for necks. By default the contact is loaded for the first time.
     error
         True to return the error bar as well: the largest deviation of law ``elastoplastic-fe`` from
-        finite elements, N; NaN beyond the range of its fit, with a rate-dependent yield strength or
-        with cohesion, and for other laws.
+        finite elements, N. It is NaN beyond the range of the fit, with a rate-dependent yield
+        strength, with cohesion, and for other laws.
     options
-        Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of
+        Options of the law, with the names of the keys of ``[contact]``: ``constant`` and ``exponent`` of
         law power, ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law;
         ``cohesion`` of spheres.
 
@@ -136,7 +136,7 @@ def contact_stiffness(
     Raises
     ------
     InputError
-        As of `contact_force`.
+        As in `contact_force`.
     """
     contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
     return _given(np.where(now > -contact.neck_length, contact.tangent_stiffness(now, peak), 0.0))
@@ -168,7 +168,7 @@ def contact_energy(
     Raises
     ------
     InputError
-        As of `contact_force`.
+        As in `contact_force`.
     """
     contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
     return _given(np.where(now > -contact.neck_length, contact.elastic_energy(now, peak), 0.0))
@@ -192,7 +192,7 @@ def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **option
     Raises
     ------
     InputError
-        As of `contact_force`; or a force is negative, or larger than any overlap gives.
+        As in `contact_force`; or a force is negative or exceeds the force at the largest valid overlap.
     """
     contact = contact_between_bodies(law, plain(bodies), plain(options))
     wanted = _numbers("force", force, "N")
@@ -231,7 +231,7 @@ def contact_yield(law: str, bodies: Sequence[Body], **options: Any) -> tuple[flo
     Raises
     ------
     InputError
-        As of `contact_force`.
+        As in `contact_force`.
     """
     contact = contact_between_bodies(law, plain(bodies), plain(options))
     if law not in LAWS or not LAWS[law].yields:

@@ -1,5 +1,5 @@
-"""Cases and scans given in Python: names, files, mappings and keywords; and errors with the names
-that options have in Python.
+"""Cases and scans from Python: names, files, mappings and keywords; and errors with the Python
+names of options.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _OWN_NAMES = {
 def read_case(
     source: CaseLike, changes: Mapping[str, Any] | None, keys: Mapping[str, Any]
 ) -> tuple[Any, CaseKind]:
-    """Make a case of a source with changes; return it with its kind.
+    """Make a case from a source and changes, and return it with its kind.
 
     Raises
     ------
@@ -98,12 +98,12 @@ def given_changes(changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) ->
 def read_scan(
     source: str | Path | Mapping[str, Any], changes: Mapping[str, Any], *, here: bool
 ) -> Any:
-    """Make a scan of a source with changes of all points; ``here`` as in `load_scan`.
+    """Make a scan from a source and changes of all points; ``here`` as in `load_scan`.
 
     Raises
     ------
     InputError
-        There is no such scan, or it or one of its points is invalid.
+        There is no such scan, or the scan or one of its points is invalid.
     """
     from granwave.workflows.scanning.scan_file import load_scan, scan_from_dict
 
@@ -179,13 +179,13 @@ def words_of_python(*options: str) -> Iterator[None]:
     Parameters
     ----------
     options
-        Further options of the command line, such as "frame-rate", whose names here differ only by
+        Further options of the command line, such as "frame-rate"; their Python names have
         underscores.
 
     Raises
     ------
     InputError
-        A package that an extension needs is not installed, or the error was of this class.
+        A package that an extension needs is not installed, or the block raised this error.
     """
     try:
         yield
@@ -208,8 +208,8 @@ def _fault_in_python(fault: InputFault, options: Sequence[str]) -> InputFault:
 
 
 def in_python(line: str, options: Sequence[str] = ()) -> str:
-    """Replace the options of the command line in a message, unless it gives a command to type;
-    ``options`` as of `words_of_python`.
+    """Replace the options of the command line in a message without a command to type; ``options`` as
+    in `words_of_python`.
     """
     if _gives_a_command(line):
         return line

@@ -180,7 +180,8 @@ def load_scan(
     Raises
     ------
     InputError
-        The file, an override or any point is invalid; the message has a line for each invalid point.
+        The file, an override or any point is invalid; the message has a line for each invalid
+        point.
     """
     changes = parse_overrides(overrides)
     path = find_scan(scan)
@@ -303,7 +304,7 @@ def _check_fixed(
     """Reject keys that are both fixed for all points and varied."""
     twice = [key for key in fixed if key in varied]
     if twice:
-        fault = "varies in the scan, expected a key that does not"
+        fault = "is varied in the scan, expected a key with one value in all points"
         raise InputError(
             fault_of(
                 fault,

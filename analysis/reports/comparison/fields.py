@@ -148,7 +148,7 @@ def scale_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
 
 
 def _differ_in_size(windows: Sequence[Window]) -> bool:
-    """Return True if a section would hardly be seen on the scale of another."""
+    """Return True if the sizes of the sections differ too much for one scale."""
     sizes = [max(right - left, bottom - top) for left, right, top, bottom in windows]
     return max(sizes) > _UNLIKE_SIZES * min(sizes)
 

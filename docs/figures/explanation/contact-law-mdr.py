@@ -1,4 +1,4 @@
-"""Peak force against depth in a packing that a sphere hits: LAMMPS's law mdr and ours."""
+"""Peak force against depth in a packing struck by a sphere: LAMMPS's law mdr and ours."""
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -118,8 +118,8 @@ class Impacts:
 def collect(runs: Iterable[AnyRun[Any]]) -> Impacts:
     """The comparable runs.
 
-    Compared quantities: impacts on ideal packings (identical spheres, no friction) whose contacts yield
-    by the elasto-plastic law, and of punches on blocks.
+    Compared quantities: impacts on ideal packings (identical spheres, no friction) whose contacts
+    yield by the elasto-plastic law, and of punches on blocks.
     """
     runs = list(runs)
     granular = [

@@ -131,7 +131,7 @@ def pictures(loadings: Sequence[SphereLoading]) -> Iterator[Picture]:
         data[f"{loading.name}: overlap_normalised"] = loading.scaled[shown]
         data[f"{loading.name}: finite_elements_over_law"] = loading.over_law[shown]
     axes.axhline(0, color="black", linewidth=0.5)
-    label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements over law (%)", log="x")
+    label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements / law (%)", log="x")
     axes.legend(fontsize=6)
     caption = (
         "Force of finite elements divided by the force of the contact law, minus 1, against "

@@ -49,9 +49,11 @@ def rows(runs):
             values = curve[key]
             of = f"{what}, {name}"
             for which, k in (("smallest", values.argmin()), ("largest", values.argmax())):
-                yield gw.Row(f"{of}: {which}, at position {curve['place'][k]}", unit, ours=values[k], where=where)
+                yield gw.Row(f"{of}: {which}, at position {curve['place'][k]}",
+                             unit, ours=values[k], where=where)
             change = np.abs(values / getattr(alike[BRASS], key) - 1).max()
-            yield gw.Row(f"{of}: largest change relative to the brass chain", ours=change, where=where)
+            yield gw.Row(f"{of}: largest change relative to the brass chain",
+                         ours=change, where=where)
     # fmt: on
 
 

@@ -22,9 +22,10 @@ FIRST_YIELD = 16 / 15
 PLATEAU = 2.48
 SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
 REMARKS = (
-    "The source states about 6 % at most. Its Fig. 2.8, which extends to 800 alpha_y, cannot show "
-    "this range.",
-    "The source states about 6 % at most, with too large a force of the law at large overlaps.",
+    "The source states about 6 % at most. This range is too small a part of its Fig. 2.8, which "
+    "extends to 800 yield overlaps.",
+    "The source states about 6 % at most. It states that its law gives too large a force at large "
+    "overlaps.",
 )
 
 

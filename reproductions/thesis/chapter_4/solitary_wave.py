@@ -82,9 +82,11 @@ def rows(runs):
     by_similarity = {"where": "thesis 4.1.2", "verification": True}
     # fmt: off
     return [
-        gw.Row("Exponent of the peak force against the velocity of the first bead", ours=force.exponent, theory=1.2,
+        gw.Row("Exponent of the peak force against the velocity of the first bead",
+               ours=force.exponent, theory=1.2,
                remark=f"{force.interval} {SIMILAR}", **by_similarity),
-        gw.Row("Exponent of the wave speed against its peak force", ours=speed.exponent, theory=1 / 6,
+        gw.Row("Exponent of the wave speed against its peak force",
+               ours=speed.exponent, theory=1 / 6,
                remark=f"{speed.interval} {SIMILAR}", **by_similarity),
         gw.Row(names[0], source=0.719, theory=DISCRETE["coefficient"], where="thesis (4.5)", remark=discrete),
         gw.Row(f"{names[0]}, of the runs", ours=c.mean(), theory=discrete_c, remark=spread(c), **by_solver),

@@ -68,7 +68,7 @@ def row_of_small_packing(run):
     normals = NORMALS[run.case.contact.normals]
     values = second_solver()["small", velocity, normals]
     return gw.Row(
-        f"Dissipated fraction of 12 × 12 × 8 spheres, {velocity:g} m/s, normals {normals}", digits=5,
+        f"Dissipated fraction of 12 × 12 × 8 spheres, {velocity:g} m/s, {run.case.contact.normals} normals", digits=5,
         theory=float(values["dissipated_fraction"]), ours=run["dissipated_fraction"], where=BY,
         remark="The bottom is free.", verification=True,
     )  # fmt: skip

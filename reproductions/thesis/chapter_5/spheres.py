@@ -95,7 +95,8 @@ def rows(runs):
                  ours=np.interp(LARGEST_FORCE, force, list(found)),
                  remark="The source prints no velocity; its Fig. 5.8 has 4, 10 and 40 m/s.")
     for what, ours, remark, digits in (
-        (f"Decay of the peak force per contact along a preferred direction, contacts 1 to {len(along)}, 10 m/s",
+        (f"Decay of the peak force per contact along a preferred direction, contacts 1 to "
+         f"{len(along)}, 10 m/s",
          -np.polyfit(np.arange(len(along)), np.log(along), 1)[0],
              "The source describes a rapid decay, as in its chains.", 3),
         ("Layers whose largest force lies on a preferred direction, 10 m/s", count,
@@ -157,7 +158,8 @@ def peak_force_map(run):
         place, force = plane_spheres(run, *vectors)
         reduced = force / yield_force
         circles = EllipseCollection(
-            1, 1, 0, units="xy", offsets=place, offset_transform=axes.transData, array=reduced, cmap="viridis_r",
+            1, 1, 0, units="xy", offsets=place, offset_transform=axes.transData, array=reduced,
+            cmap="viridis_r",
         )  # fmt: skip
         circles.set_norm("log")
         circles.set_clim(1.0, LARGEST_FORCE)
@@ -171,9 +173,9 @@ def peak_force_map(run):
         }
     figure.colorbar(circles, ax=panels, label="Largest contact force of a sphere / $F_y$")
     caption = (
-        f"Largest contact forces of the spheres in two planes through the impact point, {MAPPED} m/s (thesis Fig. "
-        "5.3, whose velocity is not printed). The principal plane OAB contains two preferred "
-        "directions; OCD contains the third and the direction of the impact. Colours end at the "
-        "end of the scale of the source"
+        f"Largest contact forces of the spheres in two planes through the impact point, {MAPPED} "
+        "m/s (thesis Fig. 5.3, whose velocity is not printed). The principal plane OAB contains "
+        "two preferred directions; OCD contains the third and the direction of the impact. Colours "
+        "end at the end of the scale of the source"
     )
     return gw.Picture("peak_forces_in_planes", caption, figure, data)

@@ -95,7 +95,7 @@ def rows(theory):
         for way, ours in zip(("Axial", "Radial"), wave.tails, strict=True):
             yield gw.Row(f"{way} first-order velocity behind the wave, {at}", ours=ours, digits=2, **of_theory)
     for run, moved, delta_hat in zip(theory.runs, theory.moved, theory.delta_hat, strict=True):
-        yield gw.Row(f"Displacement of a bead by the wave over D, times 1e3, {run.label}", ours=1e3 * moved / BEAD,
+        yield gw.Row(f"Displacement of a bead by the wave / D, times 1e3, {run.label}", ours=1e3 * moved / BEAD,
                      where="ours", digits=3)
         yield gw.Row(f"delta_hat of the legend, {run.label}", source=LEGENDS[round(run.a, 7)], ours=delta_hat, digits=3,
                      where="thesis figure 6.10", remark="Our values are about four times as "
@@ -103,12 +103,12 @@ def rows(theory):
                                                         "the a. The legends are the delta_hat of "
                                                         "the drawn curves.")
     of_energy = slope(*theory.curve)
-    yield gw.Row("Slope of ln(decay of the force) with delta_hat", ours=slope(theory.delta_hat, theory.decay), digits=3,
+    yield gw.Row("Slope of ln(decay of the force) against delta_hat", ours=slope(theory.delta_hat, theory.decay), digits=3,
                  where="thesis figure 6.11", theory=of_energy,
                  remark="Theory: decay of the energy by (6.18), with the wall of the source and "
                         "without the rings. The source calls the slopes equal. The two models "
                         "cause more than half of the difference (next row).")
-    yield gw.Row("Slope of ln(decay of the force) with delta_hat, by the source's equations (6.7)", digits=3,
+    yield gw.Row("Slope of ln(decay of the force) against delta_hat, by the source's equations (6.7)", digits=3,
                  ours=slope(theory.delta_hat, decay_by_source(theory)), where="thesis figure 6.11", theory=of_energy,
                  remark="The model of the source has a soft wall, no contacts in the rings, and "
                         "fixed normals. Its equations are solved, and runs of that model agree "
@@ -144,7 +144,7 @@ def pictures(theory):
             z[::4], lattice[::4], f"oC{k}", markersize=3, label=rf"lattice, $\hat\delta$ = {one:g}"
         )
         data |= {"z": z, f"series_{one:g}": series, f"lattice_{one:g}": lattice}
-    left.set(xlabel="Distance from the crest, beads", ylabel="Displacement over A")
+    left.set(xlabel="Distance from the crest, beads", ylabel="Displacement / A")
     x, decay = theory.curve
     right.semilogy(x, decay, "0.6", label="energy, theory")
     right.semilogy(theory.delta_hat, theory.decay, "o", label="force, simulation")

@@ -123,7 +123,7 @@ class ConfinedRun(GrainRow):
 
     @property
     def profile(self):
-        """Contacts that the wave has passed, and their largest forces over E* R*^2."""
+        """Contacts that the wave has passed, and their largest forces / (E* R*^2)."""
         return np.arange(self.struck, self.passed + 1.0), self.peaks[self.struck - 1 :] / FORCE
 
     def probe(self, bead, quantity):

@@ -35,11 +35,11 @@ def rows(runs):
         **figure,
                  remark="Theory: 2^0.8 times 4.8e-4.")
     for contact in (100, 200):
-        yield gw.Row(f"Power of the peak force with the velocity, contact {contact}, n = 8", source=1.2, theory=6 / 5,
+        yield gw.Row(f"Exponent of peak force against velocity, contact {contact}, n = 8", source=1.2, theory=6 / 5,
                      ours=math.log2(similar.peaks[contact - 1] / first.peaks[contact - 1]), **where)
-    yield gw.Row("Power of the speed with the velocity, n = 8", source=0.2, ours=math.log2(similar.speed / first.speed),
+    yield gw.Row("Exponent of speed against velocity, n = 8", source=0.2, ours=math.log2(similar.speed / first.speed),
                  theory=1 / 5, **where)
-    yield gw.Row("F/v^1.2 at contact 200 with a kept: lower by", "%", **figure,
+    yield gw.Row("Decrease of F/v^1.2 at contact 200, same a", "%", **figure,
                  ours=100 * (1 - same.peaks[199] / first.peaks[199] / 2**1.2),
                  remark="In the source the curves do not coincide. For the faster wave the same a "
                         "is relatively smaller.")

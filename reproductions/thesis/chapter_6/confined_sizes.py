@@ -13,7 +13,7 @@ from confined_rows import BEAD, DENSITY, FORCE, K_BEADS, MODULUS, TIME, VELOCITY
 import granwave as gw
 
 NAMES = (
-    "Diameter of the small spheres over D", "Radius of the tube over D", "cos(theta)", "eps", "eta",
+    "Diameter of the small spheres / D", "Radius of the tube / D", "cos(theta)", "eps", "eta",
     "gamma with the source's factor", "gamma in the tube",
 )  # fmt: skip
 SIZES = {
@@ -83,6 +83,6 @@ def rows(runs):
             with_printed, with_right, without = balance(found[n], part)
             remark = (f"The printed balance requires {with_printed:.3g}, the correct balance {with_right:.3g}")
             remark += "; the legends follow from the balance without the ring." if part == INWARD[0] else "."
-            yield gw.Row(f"a of the legends, n = {n}, small spheres moved in by {part:g} D", source=printed,
+            yield gw.Row(f"a of the legends, n = {n}, small spheres moved inwards by {part:g} D", source=printed,
                          theory=without, where="thesis figures 6.2, 6.3", remark=remark)
     # fmt: on

@@ -41,12 +41,14 @@ def rows(runs):
     # fmt: off
     for run, bead, time, velocity in curves(runs):
         when, largest = first_peak(time, velocity, floor=0.5)
-        names = f"Largest velocity times 1e5, bead {bead}", f"Time of it, bead {bead}"
+        names = (f"Largest velocity times 1e5, bead {bead}",
+                 f"Time of the largest velocity, bead {bead}")
         for name, ours in zip(names, (1e5 * largest, when), strict=True):
             yield gw.Row(f"{name}, {run.label}", ours=ours, where=WHERE)
         behind = (time > when + BEHIND[0]) & (time < when + BEHIND[1])
         yield gw.Row(f"Largest velocity times 1e5, {BEHIND[0]} to {BEHIND[1]} units behind the crest, bead {bead}, "
-                     f"{run.label}", ours=1e5 * np.abs(velocity[behind]).max(), where=WHERE, digits=3)
+                     f"{run.label}",
+                     ours=1e5 * np.abs(velocity[behind]).max(), where=WHERE, digits=3)
     half = width(*run.probe(100, "vz")) * run.speed / BEAD
     yield gw.Row(f"Length of the wave, {run.label}", "D", 5.0, where="thesis 6.2",
                  ours=half * LENGTH / solitary_lengths()["half maximum of velocity"],
@@ -67,7 +69,7 @@ def pictures(runs):
         )
         data |= {f"time_{bead}_a_{run.a:.2g}": time, f"velocity_{bead}_a_{run.a:.2g}": velocity}
     axes.set(
-        xlabel=r"Time $\tau$, less the shift", ylabel=r"Velocity $\times 10^5$", xlim=(-100, None)
+        xlabel=r"Time $\tau$ minus the shift", ylabel=r"Velocity $\times 10^5$", xlim=(-100, None)
     )
     figure.legend(loc="outside right upper")
     caption = (

@@ -65,7 +65,7 @@ def rows(waves):
                              "The axis of the source extends from 0.04 to 0.085."), digits=3)
     for run, force, time in zip(waves.runs, waves.force, waves.time, strict=True):
         if run.a:
-            yield gw.Row(f"Small spheres moved in, {run.label}", "µm", ours=1e6 * run.inward, verification=True,
+            yield gw.Row(f"Inward displacement of small spheres, {run.label}", "µm", ours=1e6 * run.inward, verification=True,
                          theory=1e6 * run.rows.inward[0], where="balance of a small sphere: wall = ring + two beads")
         for contact in CONTACTS:
             yield gw.Row(f"Peak force times 1e4 at contact {contact}, {run.label}", where=WHERE, verification=True,

@@ -22,12 +22,12 @@ from granwave.measures import first_peak, width
 LEGENDS = (0.09, 0.22, 0.36)  # of figure 6.10, by rising a
 ENDS = {"axial": 4.0, "radial": 0.5}  # of the axes of figure 6.10
 NEAR = (-2, 10)  # time axis of figure 6.10
-TO_30_MM = 2**0.25  # the source's unit of velocity for beads of 15 mm, over that for 30 mm
+TO_30_MM = 2**0.25  # source's unit of velocity: 15 mm beads / 30 mm beads
 LIGHTER = 0.9  # density of lighter small spheres, relative to that of the beads
 CONTACT = 100
 LAST = 200
 ROUNDS = 6  # of the search of A by the force
-SLOPE = "Slope of ln(decay of the force) with delta_hat"
+SLOPE = "Slope of ln(decay of the force) against delta_hat"
 FIGURE = "thesis figure 6.11"
 
 

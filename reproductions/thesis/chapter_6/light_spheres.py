@@ -81,7 +81,7 @@ class PrintedSpheres(LightSpheres):
 
 
 def series_at(z, coefficients):
-    """Displacement over A, 1/(1 + exp(C1 z + C3 z^3 + ...)) (6.14)."""
+    """Displacement / A: 1/(1 + exp(C1 z + C3 z^3 + ...)) (6.14)."""
     exponent = (coefficients * z[:, None] ** (2 * np.arange(len(coefficients)) + 1)).sum(axis=1)
     return 1 / (1 + np.exp(np.clip(exponent, -500.0, 500.0)))
 

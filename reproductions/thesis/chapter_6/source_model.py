@@ -75,7 +75,7 @@ def rows(runs):
     for run, force in zip(runs, solved(runs), strict=True):
         for contact in [one for one in CONTACTS if one <= len(run.peaks)]:
             yield gw.Row(
-                f"Peak force over E* R*^2, contact {contact}, {run.label}", "1e-4",
+                f"Peak force / (E* R*^2), contact {contact}, {run.label}", "1e-4",
                 ours=1e4 * run.peaks[contact - 1] / FORCE, theory=1e4 * force[contact - 1] / FORCE,
                 verification=True, where=WHERE, digits=4,
             )  # fmt: skip
@@ -104,7 +104,7 @@ def pictures(runs):
             data |= {f"{name}_contact": contact, f"{name}_force": force}
         axes.set(xlabel="Contact", ylim=(0, None))
         axes.legend(fontsize=7)
-    panels[0].set(ylabel="Peak force over $E^* R^{*2}$ ($10^{-4}$)")
+    panels[0].set(ylabel="Peak force / ($E^* R^{*2}$) ($10^{-4}$)")
     caption = (
         "Peak forces along chains with 6 to 9 small spheres per ring by the model of the source, "
     )

@@ -17,7 +17,7 @@ GAMMAS = (0.26, 0.34, 0.38, 0.42, 0.46, 0.50, 0.54, 0.58, 0.62, 0.66, 0.70, 0.74
 #: Approaches of the walls of Fig. 7.5a, and those of Fig. 7.5b by gamma.
 OVER_GAMMA = (0.0, 4e-4, 8e-4, 12e-4)
 OVER_A = {0.45: (0.0, 3e-3), 0.54: (5e-4, 3e-3), 0.67: (0.0, 2.5e-4, 7.5e-4, 2.4e-3)}
-COLOURS_END = {0.0: 7.0, 8e-4: 9.0}  # 1e-3 a contact, of Fig. 7.2, by a
+COLOURS_END = {0.0: 7.0, 8e-4: 9.0}  # 1e-3 per contact, of Fig. 7.2, by a
 
 
 def select(runs):

@@ -26,7 +26,7 @@ MARKS = 5  # marks of the colours of the ratio, on either side
 
 @dataclasses.dataclass(frozen=True)
 class Maps:
-    """Decay, 1e-3 a contact, by gamma and eta: an array (gammas, etas) for each approach."""
+    """Decay per contact, 1e-3, by gamma and eta: an array (gammas, etas) for each approach."""
 
     gammas: np.ndarray
     etas: np.ndarray

@@ -71,10 +71,12 @@ def rows(found):
                          theory=solved[key][f"contact_{contact}_N"], verification=True,
                          remark=f"{SOLVER} In the source it is {said}.", **figure)
     solitary, decaying, spread, _ = own = [row for key, row in found.items() if key[0] == DENSITY]
-    yield gw.Row(f"Largest force between two spheres, {solitary.name}", "N", ours=solitary.peaks.max(),
+    yield gw.Row(f"Largest force between two spheres, {solitary.name}",
+                 "N", ours=solitary.peaks.max(),
                  theory=solved[solitary.key]["largest_N"], verification=True, remark=SOLVER, **figure)
     for row in own:
-        yield gw.Row(f"Largest force between two spheres, {row.name}, at most", "N", AXIS, row.peaks.max(), bound=True,
+        yield gw.Row(f"Largest force between two spheres, {row.name}, at most",
+                     "N", AXIS, row.peaks.max(), bound=True,
                      remark="The bound is the end of the axis.", **figure)
     yield gw.Row(f"Decay per contact, {decaying.name}", "1e-3", ours=KILO * decaying.decay(),
                  theory=KILO * solved[decaying.key]["decay_per_contact"], verification=True, digits=3, remark=SOLVER,

@@ -160,7 +160,9 @@ def result(run):
     "normal", [(1, 0, 0), (0, 2, 0), (0, 0, -1), (1, 1, 0), (1, 2, 3), (-1, 0, 2)]
 )
 def test_axes_of_a_plane(normal):
-    """The axes are orthonormal and in the plane; depth points down, or y if the plane has no depth."""
+    """The axes are orthonormal and in the plane; depth points down, or y if the plane has no
+    depth.
+    """
     plane = own_plane(normal, None)
     assert plane.across @ plane.across == pytest.approx(
         1

@@ -1,4 +1,6 @@
-"""Analysis in parts, and dumps in several files: the values equal those of one part and one file."""
+"""Analysis in parts, and dumps in several files: the values equal those of one part and one
+file.
+"""
 
 from __future__ import annotations
 

@@ -104,7 +104,9 @@ def test_values_that_mean_nothing_under_a_load_that_goes_on(swept):
 
 
 def test_attenuation_above_the_cut_off(tmp_path):
-    """(q - sqrt(q^2 - 1))^2 for every bead, with q = f/f_c: the evanescent wave of a linear chain."""
+    """(q - sqrt(q^2 - 1))^2 for every bead, with q = f/f_c: the evanescent wave of a linear
+    chain.
+    """
     load = {
         "kind": "force",
         "shape": "harmonic",

@@ -27,7 +27,9 @@ def runs():
 
 
 def test_keys_of_all_kinds_and_those_that_differ_within_a_kind():
-    """The lattices of two packings are listed together with a block; keys of a single kind are not."""
+    """The lattices of two packings are listed together with a block; keys of a single kind are
+    not.
+    """
     keys = ["material.name", "packing.kind", "contact.friction", "mesh.size"]
     assert comparable_keys(keys, runs()) == ["material.name", "packing.kind"]
 

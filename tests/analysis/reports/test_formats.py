@@ -31,7 +31,7 @@ from granwave.analysis.reports.report import html_page, markdown, parts, write_r
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers.made_up.synthetic_report import blocks, build, nasty_inputs, write_inputs
 
-#: A section, a file beside the report, or a table in the page.
+#: A section, a file next to the report, or a table in the page.
 LINK = r"#[a-z]+|[\w%./~-]+|data:text/csv;base64,[\w+/=]+"
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from granwave.analysis.document.model import cell_in_unit, shared_units, units_of_values
 from granwave.analysis.formatting.numbers import column_unit
+from granwave.analysis.formatting.values import ratio_in_words
 from granwave.analysis.reports.comparison.subjects import compared_runs, value_text
 from granwave.analysis.reports.setting import differing, setting_of
 from tests.helpers.made_up.synthetic_report import build, write_run
@@ -131,3 +132,21 @@ def test_energies_of_a_table_have_one_unit():
     summaries = [{"energy_elastic_J": 1e-9, "energy_input_J": 2.0}]
     units = units_of_values(keys, summaries)
     assert [units[key] for key in keys] == [("J", 1.0), ("J", 1.0), ("N", 1.0)]
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("Speed over c0, force added 10 N", "Speed divided by c0, force added 10 N"),
+        (
+            "Restitution with a rate, over that without",
+            "Restitution with a rate, divided by that without",
+        ),
+        ("Largest difference over all N2", None),
+        ("First peak: spread over the numbers of cylinders", None),
+        ("N2 over which V approaches its limit", None),
+        ("Impulse: integral of the force over time", None),
+    ],
+)
+def test_ratios_are_in_words(name, expected):
+    assert ratio_in_words(name) == (expected or name)

@@ -314,7 +314,9 @@ def test_replicates_have_mean_and_confidence(tmp_path):
 
 @pytest.mark.needs_extension("continuum")
 def test_versions_common_once_and_differences_by_run(tmp_path):
-    """Programs of another kind of run do not count as a difference: continuum runs need no LAMMPS."""
+    """Programs of another kind of run do not count as a difference: continuum runs need no
+    LAMMPS.
+    """
     several = {
         "first": {"granwave": "1", "lammps": "2"},
         "second": {"granwave": "1", "lammps": "3"},

@@ -119,7 +119,9 @@ def test_means_of_rounding():
 
 
 def test_bottoms_of_runs_are_told_in_one_column(tmp_path):
-    """Runs on a wall, a plate, a half-space and a bar; units and common values are in the settings."""
+    """Runs on a wall, a plate, a half-space and a bar; units and common values are in the
+    settings.
+    """
     bottoms = {
         "wall": "wall",
         "plate": "{plate = {mass = 5.0, stiffness = 5e9}}",

@@ -1,4 +1,6 @@
-"""Stress from a strain history: closed forms of a Prony series, and the messages for invalid input."""
+"""Stress from a strain history: closed forms of a Prony series, and the messages for invalid
+input.
+"""
 
 from __future__ import annotations
 

@@ -153,7 +153,9 @@ def hardened(tables):
 
 
 def test_a_soft_bed_without_friction_finds_a_new_balance(tmp_path, caplog):
-    """With the hard material the forces carry the weight, and the static stage needs no iterations."""
+    """With the hard material the forces carry the weight, and the static stage needs no
+    iterations.
+    """
     tables = without_friction(tmp_path)
     assembly = assembly_from_dict(hardened(tables))
     assert "1000 times as large as the load" in caplog.text

@@ -273,8 +273,10 @@ def picture(browser, folder):
 def test_a_tube_is_drawn_as_rims_and_lines(tmp_path):
     grains = [{"ring": {"n": 4, "radius": 0.01, "z": 0.005}, "diameter": 0.008}]
     tables = {
-        "name": "row", "material": "brass", "packing": {"kind": "chain", "size": 2, "diameter": 0.01}, "grains": grains,
-        "boundary": {"bottom": "free", "sides": {"tube": {"radius": 0.014}}}, "run": {"end_time": 2e-6, "frames": 2},
+        "name": "row", "material": "brass", "packing": {"kind": "chain", "size": 2, "diameter": 0.01},
+        "grains": grains,
+        "boundary": {"bottom": "free", "sides": {"tube": {"radius": 0.014}}},
+        "run": {"end_time": 2e-6, "frames": 2},
     }  # fmt: skip
     run_case(case_from_dict(tables), tmp_path, figures=False)
     with Result(tmp_path) as result:

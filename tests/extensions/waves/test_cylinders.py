@@ -115,7 +115,9 @@ def pile(
     friction: float = 0.0,
     **more,
 ):
-    """Infinite pile of grains (z, diameter, shape, length, axis), periodic along z, under a force."""
+    """Infinite pile of grains (z, diameter, shape, length, axis), periodic along z, under a
+    force.
+    """
     text = "x,y,z,diameter,shape,length,axis_x,axis_y,axis_z\n" + "".join(
         f"0,0,{one}\n" for one in grains
     )

@@ -284,7 +284,9 @@ def test_modes_of_a_packing_are_bands_of_its_column(load):
 
 
 def test_columns_on_a_rigid_wall():
-    """Simple cubic under a load along z: each column is an independent chain that ends at the wall."""
+    """Simple cubic under a load along z: each column is an independent chain that ends at the
+    wall.
+    """
     found = band_structure(
         assemble(layers("sc", (3, 3, 3), contact={"law": "hertz"})),
         points=5,

@@ -1,4 +1,6 @@
-"""Static states of cases compared with those of runs, for every kind of packing, support and load."""
+"""Static states of cases compared with those of runs, for every kind of packing, support and
+load.
+"""
 
 from __future__ import annotations
 

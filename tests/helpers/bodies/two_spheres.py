@@ -1,4 +1,6 @@
-"""Two touching spheres and their LAMMPS output; free spheres under a load, and its energy balance."""
+"""Two touching spheres and their LAMMPS output; free spheres under a load, and its energy
+balance.
+"""
 
 from __future__ import annotations
 

@@ -112,7 +112,9 @@ def all_gaps(packing: Packing) -> np.ndarray:
 
 
 def grains_at(places: Any, *, diameter: float = D, groups: Any = None) -> dict[str, Any]:
-    """Table [packing] of grains at positions (n, 3), m, optionally with the names of their groups."""
+    """Table [packing] of grains at positions (n, 3), m, optionally with the names of their
+    groups.
+    """
     rows = [",".join(map(repr, [*map(float, place), diameter])) for place in places]
     rows = [f"{row},{group}" for row, group in zip(rows, groups or [""] * len(rows), strict=True)]
     return {"kind": "file", "grains": "x,y,z,diameter,group\n" + "\n".join(rows)}

@@ -19,7 +19,9 @@ from granwave.workflows.cli.main import main
 def command(
     words: Sequence[str], folder: Path, capfd: pytest.CaptureFixture[str]
 ) -> subprocess.CompletedProcess[str]:
-    """Run ``granwave`` with these words in a folder, as in a separate process but a second faster."""
+    """Run ``granwave`` with these words in a folder, as in a separate process but a second
+    faster.
+    """
     capfd.readouterr()
     with pytest.MonkeyPatch.context() as patch, _started_anew():
         patch.chdir(folder)

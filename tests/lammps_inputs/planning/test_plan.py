@@ -255,11 +255,23 @@ def test_memory_of_each_rank() -> None:
     assert four.memory == four.first_rank + 3 * four.other_rank
     assert four.other_rank < min(four.first_rank, one.other_rank)
     deep = make(packing={"size": [120, 120, 600]})
-    assert plan(deep, n_ranks=100).other_rank == pytest.approx(four.other_rank, rel=0.01)
+    # of few spheres, so that a part of the analysis needs more than steps and checkpoints
+    of_part = plan(case, n_ranks=16).other_rank
+    assert plan(deep, n_ranks=100).other_rank == pytest.approx(of_part, rel=0.01)
     assert plan(deep, n_ranks=100).other_rank < 1e9
     assert plan(make(contact={"friction": 0.3})).memory >= plan(make()).memory
     assert "first rank, which collects the results" in plan_table(assemble(case), four)
     assert "first rank" not in plan_table(assemble(case), one)
+
+
+def test_long_runs_need_memory_for_a_checkpoint() -> None:
+    """LAMMPS collects it in memory; a run that ends before the first one needs none."""
+    size = {"size": [120, 120, 60]}
+    short = plan(make(packing=size, run={"end_time": 1e-6}))
+    long = plan(make(packing=size))
+    assert short.times.most_steps < 30 < long.times.most_steps
+    records = long.n_contacts * 160
+    assert long.memory > short.memory + short.n_spheres * 232 + 2 * records
 
 
 def test_ranks_that_analyse_fit_into_the_memory_of_the_run() -> None:

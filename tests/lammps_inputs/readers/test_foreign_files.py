@@ -285,7 +285,9 @@ def test_decimal_commas_far_below_the_names(tmp_path: Path) -> None:
 
 
 def test_units_of_a_dump_are_above_its_first_step(tmp_path: Path) -> None:
-    """Dumps with ``dump_modify units yes``; in another unit the grains are 100 times as far apart."""
+    """Dumps with ``dump_modify units yes``; in another unit the grains are 100 times as far
+    apart.
+    """
     grains = read(tmp_path / "g", f"ITEM: UNITS\ncgs\n{DUMP}{DUMP}")
     assert grains.position == pytest.approx(np.array(PLACES) / 100)
     assert "found the units lj" in fault(tmp_path / "lj", f"ITEM: UNITS\nlj\n{DUMP}")
@@ -378,7 +380,7 @@ FAULTS = [
     (lzma.compress(b"x" * 999)[:-40], "found a .xz file that cannot be unpacked"),
     (ARCHIVE.getvalue()[:-40], "found a .zip file that cannot be unpacked"),
     (gzip.compress(b"x" * 999)[:-9], "found a .gz file that cannot be unpacked"),
-    ("version https://git-lfs.github.com/spec/v1\n", "found a pointer of Git LFS"),
+    ("version https://git-lfs.github.com/spec/v1\n", "found a Git LFS pointer"),
     ("<!doctype html><html></html>", "found a web page"),
     (b"CDF\x01" + bytes(99), "found a NetCDF file, expected a file of grains; write the grains"),
     (b"\xf6" + 7 * b"\xff" + b"DUMPCUSTOM" + bytes(99),

@@ -301,7 +301,9 @@ OF_EACH_READER = (
 
 
 def impact(path: Path, directory: Path) -> dict[str, Any]:
-    """Return the summary of a run with the grains of a file, at rest if the file has no velocities."""
+    """Return the summary of a run with the grains of a file, at rest if the file has no
+    velocities.
+    """
     tables = {
         "packing": {"kind": "file", "file": str(path)},
         "material": "brass",

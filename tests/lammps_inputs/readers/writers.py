@@ -1,4 +1,6 @@
-"""The same three grains as files of many programs; positions, sizes and velocities keep every bit."""
+"""The same three grains as files of many programs; positions, sizes and velocities keep every
+bit.
+"""
 
 from __future__ import annotations
 

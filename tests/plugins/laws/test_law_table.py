@@ -231,7 +231,9 @@ int main()
 
 
 def compiled_batches(folder: Path, source: Path, definition: str) -> Path:
-    """Return the program of batches, compiled with a definition in addition to those of the build."""
+    """Return the program of batches, compiled with a definition in addition to those of the
+    build.
+    """
     program = folder / f"batches{definition}"
     files = [source, *(KERNELS / f"{name}.cpp" for name in BATCHES)]
     options = [*FLAGS, f"-D{definition}", "-Wno-psabi", "-I", KERNELS, "-I", LAWS_FOLDER]

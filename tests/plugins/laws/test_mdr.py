@@ -211,9 +211,9 @@ def test_struck_packing():
     restitutions = [theirs.restitution, ours.restitution]
     assert table["restitution of the impactor"] == pytest.approx(restitutions, abs=2e-3)
     assert table["kinetic energy lost"] == pytest.approx([theirs.lost, ours.lost], abs=2e-3)
-    # what ours has lost is stored or dissipated
+    # the energy lost with our law is stored or dissipated
     assert ours.stored + ours.dissipated == pytest.approx(ours.lost, abs=1e-5)
-    # every layer but the last, which is held, carries less with ours than with mdr
+    # every layer except the last, which is held, carries less with our law than with mdr
     assert np.all(ours.peak_forces < theirs.peak_forces)
     assert len(ours.peak_forces) == LAYERS - 1
 

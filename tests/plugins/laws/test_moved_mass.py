@@ -285,7 +285,9 @@ def test_the_error_of_the_timestep_is_of_what_moves(lammps, name) -> None:
 
 
 def test_forces_and_torques_on_a_sphere_that_does_not_move(lammps) -> None:
-    """The error with all spheres equals the error with the group of spheres that move and rotate."""
+    """The error with all spheres equals the error with the group of spheres that move and
+    rotate.
+    """
     found = []
     for group in ("all", "first"):
         extra = (

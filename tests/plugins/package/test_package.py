@@ -102,7 +102,9 @@ def styles(files):
 
 
 def test_the_plugin_registers_the_styles_of_the_blocks(lammps, styles):
-    """Both use the same blocks, so this detects a header that is missing in the list of the plugin."""
+    """Both use the same blocks, so this detects a header that is missing in the list of the
+    plugin.
+    """
     lmp = lammps()
     assert sorted(map(tuple, lmp.available_plugins())) == sorted(
         one for one in styles if one[0] != "command"

@@ -231,7 +231,9 @@ def test_cylinder_on_a_plane(lammps, line):
 
 
 def test_the_end_of_a_cylinder(lammps):
-    """A sphere that slides over the end stops the run; a sphere that passes the end has no contact."""
+    """A sphere that slides over the end stops the run; a sphere that passes the end has no
+    contact.
+    """
     lmp = lammps()
     scripts = [
         script_of([(0, y, 0.0), (0, 0, 0.0079999)], radius=[0.005, 0.003], types=[1, 2], velocities=[(0, 50.0, 0), (0, 0, 0)],

@@ -122,7 +122,9 @@ def test_a_sphere_in_a_corner_touches_each_face_once(lammps: Any, tmp_path: Path
     "shift", [(0.0, 0.0), (0.002, 0.0), (0.002, 0.002), (-1e-9, 0.0), (1e-9, 0.0)]
 )
 def test_an_outer_edge_or_corner_counts_once(shift: tuple[float, float]) -> None:
-    """At edges and corners of a box exactly one patch has the contact, at the distance of the box."""
+    """At edges and corners of a box exactly one patch has the contact, at the distance of the
+    box.
+    """
     half = 0.01
     mesh = TriangleMesh(meshes.box(half), ANGLE)
     random = np.random.default_rng(5)

@@ -248,7 +248,7 @@ SECTIONS: dict[tuple[str, str], type] = {}
 for kind in file_kinds():
     for heading, (section, _) in load(kind.sections)().items():
         SECTIONS[kind.name, heading.strip("[]") or kind.name] = section
-# tables and words that code besides the field's validator reads
+# tables and words that code other than the validator of the field reads
 ELSEWHERE = {("boundary", "bottom"), ("load", "file")}
 
 

@@ -1,4 +1,6 @@
-"""Runs and scans on a Grid Engine of one node: jobs, a chain, and the reason why a job has ended."""
+"""Runs and scans on a Grid Engine of one node: jobs, a chain, and the reason why a job has
+ended.
+"""
 
 from __future__ import annotations
 

@@ -138,7 +138,9 @@ def test_walls_and_pairs_without_friction_are_not_damped_along_them(tmp_path: Pa
 
 
 def test_a_pair_has_its_own_loss(tmp_path: Path) -> None:
-    """A pair keeps the loss of [contact] if it changes only other keys; a loss of 0 means no loss."""
+    """A pair keeps the loss of [contact] if it changes only other keys; a loss of 0 means no
+    loss.
+    """
     data = {
         "packing": {"kind": "chain", "size": 4, "diameter": 0.01},
         "material": "steel",

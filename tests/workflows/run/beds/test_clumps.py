@@ -215,7 +215,9 @@ def test_overlapping_clumps_with_friction_and_yielding(tmp_path: Path) -> None:
 
 
 def test_a_clump_across_a_periodic_boundary(tmp_path: Path) -> None:
-    """A dimer whose spheres are at opposite sides of the box responds like a dimer in the middle."""
+    """A dimer whose spheres are at opposite sides of the box responds like a dimer in the
+    middle.
+    """
     boundary = {"bottom": "free", "sides": "periodic"}
     ends = []
     for shift in (0.02, 0.0):

@@ -1,4 +1,6 @@
-"""Runs with walls of regions: equality with the walls of a boundary, energy balances, and friction."""
+"""Runs with walls of regions: equality with the walls of a boundary, energy balances, and
+friction.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Contact forces that keep their initial directions: a second solver, ranks, stops, rejected input."""
+"""Contact forces that keep their initial directions: a second solver, ranks, stops, rejected
+input.
+"""
 
 from __future__ import annotations
 
