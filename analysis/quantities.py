@@ -153,7 +153,9 @@ ENTRIES = (
              "Pairs of spheres that touch before the run; smaller spheres at lattice sites leave "
              "gaps."),
     Quantity("n_loaded_contacts", "Loaded contacts",
-             "Pairs of spheres that carried a force at some time during the run."),
+             "Pairs of spheres that carried a force at some time during the run: overlap above "
+             "1e-6 of the yield overlap, so that rounding does not count. Elastic contacts: any "
+             "overlap."),
     Quantity("n_wall_contacts", "Wall contacts", note="Number of sphere-wall pairs in result.h5."),
     Quantity("end_time_s", short="simulated", digits=".6g", note="Time at the end of the run."),
     Quantity("end_reason", short="ended",
@@ -308,8 +310,8 @@ ENTRIES = (
              "dissipation. Excludes spheres whose contacts yielded without dissipating energy.",
              short="dissipating spheres"),
     Quantity("plastic_zone_volume_m3", "Plastic zone volume",
-             "Volume of all spheres that yielded; in the continuum, the largest yielding volume at "
-             "one instant. The two cannot be compared.", short="plastic zone", digits=".4g",
+             "Volume of all spheres that yielded at contacts with spheres; in the continuum, the "
+             "largest yielding volume at one instant. The two cannot be compared.", short="plastic zone", digits=".4g",
              phrase="{} m3 at one instant", axis="Plastic zone", symbol=r"V_\mathrm{p}"),
     Quantity("plastic_zone_depth_m", "Plastic zone, depth", _OUTERMOST, digits=".4g",
              axis="Depth of the plastic zone", symbol=r"z_\mathrm{p}"),
@@ -339,7 +341,16 @@ ENTRIES = (
              "contact force."),
     # bottom and target
     Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom",
-             digits=".6g", axis="Peak force on the bottom", note="Largest force of the packing on the bottom."),
+             digits=".6g", axis="Peak force on the bottom",
+             meaning="Largest force of the packing on the bottom, static force included: of a "
+             "single contact in any step, otherwise of the records, every wall_sample_s."),
+    Quantity("wall_dynamic_peak_force_N", "Peak dynamic force on the bottom",
+             "Largest rise of the force on the bottom above its value before the load; only where "
+             "there is a static force.",
+             short="dynamic part", digits=".6g"),
+    Quantity("wall_sample_s", "Interval of records of the force on the bottom",
+             note="Longest time between two records; absent where a single contact carries the "
+             "force, whose largest value is exact."),
     Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom",
              digits=".6g", note="Integral of the force on the bottom up to the end."),
     Quantity("wall_*_peak_force_N", "Peak force on a side wall",
@@ -356,7 +367,8 @@ ENTRIES = (
              axis="Velocity of the plate at the end", symbol=r"v_\mathrm{p}"),
     Quantity("energy_plate_J", "Kinetic energy of the plate", "Part of the kinetic energy."),
     Quantity("base_arrival_s", "Arrival at the bottom",
-             "Time at which the force on the bottom first rises by 1 % of its largest rise."),
+             "Time at which the force on the bottom first rises by 1 % of its largest rise, "
+             "interpolated between records."),
     Quantity("target_peak_force_N", "Peak force on the target",
              "Force on the bottom, which the packing protects."),
     Quantity("target_peak_displacement_m", "Largest displacement of the target",
@@ -377,12 +389,13 @@ ENTRIES = (
     Quantity("unprotected_ground_peak_force_N", "Peak force on the ground without the packing",
              note="Peak force on the ground of the same impact directly on the bottom."),
     Quantity("peak_reduction", "Peak reduction",
-             "Peak force on the bottom without the packing, divided by the peak force with it "
-             "(excluding the static force of a precompression); null for oscillating loads.",
+             "Peak force on the bottom without the packing, divided by the peak dynamic force with "
+             "it, which excludes the static force before the load; null for oscillating loads.",
              short="peak without packing", digits=".3g", phrase="{} times as high",
              axis="Peak force without / with packing"),
     Quantity("ground_peak_reduction", "Peak reduction on the ground",
-             "Peak force on the ground without the packing, divided by the peak force with it."),
+             "Peak force on the ground without the packing, divided by the peak dynamic force with "
+             "it."),
     Quantity("peak_reduction_per_kg", "Peak reduction per mass of packing",
              note="Peak reduction divided by the mass of the packing."),
     Quantity("peak_reduction_per_m", "Peak reduction per height of packing",
@@ -390,13 +403,14 @@ ENTRIES = (
     Quantity("packing_mass_kg", "Mass of the packing"),
     Quantity("packing_height_m", "Height of the packing"),
     # motion
-    Quantity("wave_speed_m_s", digits=".4g", axis="Wave speed", symbol="c",
-             note="Speed of the wave front in the deeper half of the packing: the front reaches a "
-             "contact when its force first exceeds 10 % of its largest value. Requires at least "
+    Quantity("wave_speed_m_s", "Wave speed in the deeper half", short="wave speed", digits=".4g",
+             phrase="{} m/s in the deeper half", axis="Wave speed", symbol="c",
+             note="Speed of the wave front in the deeper half of the packing, whatever its "
+             "materials: the front reaches a contact when its force first exceeds 10 % of its largest value. Requires at least "
              "nine layers. Null for parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
              note="Velocity along the impact or load.direction; negative after a rebound."),
-    Quantity("restitution", axis="Coefficient of restitution", symbol="e",
+    Quantity("restitution", digits=".5g", axis="Coefficient of restitution", symbol="e",
              meaning="Coefficient of restitution: relative normal velocity of the two bodies "
              "after the impact divided by the relative normal velocity before it.",
              note="Given for a single sphere on a rigid wall, and for the impact of two spheres."),
@@ -477,14 +491,16 @@ def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
 
 #: Columns of the tables of results in reports, see `report_columns`.
 REPORT_COLUMNS = (
-    "dissipated_fraction", "plastic_fraction", "friction_fraction", "rolling_fraction", "twisting_fraction",
+    "restitution", "dissipated_fraction", "plastic_fraction", "friction_fraction",
+    "rolling_fraction", "twisting_fraction",
     "adhesion_fraction", "viscous_fraction", "holder_fraction",
     "absorbed_fraction", "transmission", "load_power_W", "absorbed_power_W",
     "peak_force_N", "peak_force_with_walls_N", "n_plastic_contacts", "n_dissipating_contacts",
     "n_plastic_spheres", "n_dissipating_spheres", "plastic_zone_volume_m3", "plastic_zone_depth_m",
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_depth_90_interpolated_m",
     "zone_radius_90_m", "zone_radius_90_interpolated_m", "zone_volume_90_m3", "zone_cut",
-    "wave_return_share", "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
+    "wave_return_share", "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns",
+    "base_arrival_s", "unprotected_peak_force_N",
     "peak_reduction", "ground_peak_force_N", "target_peak_displacement_m", "energy_target_J", "impactor_velocity_m_s",
     "wave_speed_m_s", "energy_input_J", "energy_input_normalised", "velocity_normalised", "contacts_beyond_law",
     "energy_balance_error", "deck_changed", "n_spheres", "end_time_s", "wall_time_s",
@@ -515,7 +531,8 @@ RUN_ROWS = _quantities(
     "absorbed_fraction",
     "energy_balance_error", "peak_force_N", "peak_force_with_walls_N",
     "n_plastic_contacts", "n_dissipating_contacts", "n_plastic_spheres", "n_dissipating_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
-    "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",
+    "contacts_beyond_law", "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns",
+    "peak_reduction", "impactor_velocity_m_s", "restitution",
     "transmission", "load_power_W", "absorbed_power_W", "wall_time_s", "sphere_steps_per_s",
 )  # fmt: skip
 

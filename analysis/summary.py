@@ -50,6 +50,7 @@ logger = logging.getLogger(__name__)
 
 Summary = dict[str, Any]
 _ROUNDING = 1e-12  # fraction of the input
+_STATIC = 1e-6  # fraction of the peak force: touching grains overlap by rounding at the start
 _ENERGIES = ("kinetic", "elastic", "dissipated", "rotational", "dissipated_wall")
 _DISSIPATED = ("plastic", "friction", "viscous", "holder")
 # for contacts with resistance to rolling or twisting, or with cohesion
@@ -402,8 +403,8 @@ def _walls(result: Result) -> Summary:
     """
     target = reached(result)
     bare = unprotected(result.assembly, float(result["energy/time"][-1])) if target else None
-    ground_force = target.ground_force if target else None
-    bare_ground_peak = bare.ground_peak_force if bare and ground_force is not None else None
+    ground_rise = target.ground_dynamic_peak_force if target else None
+    bare_ground_peak = bare.ground_peak_force if bare and ground_rise is not None else None
     reduction = _peak_reduction(target, bare)
     mass, height = _mass_and_height(result)
     energy_of_fixed = 0.0 if "walls/bottom" in result else None
@@ -420,7 +421,7 @@ def _walls(result: Result) -> Summary:
         "unprotected_peak_force_N": bare.peak_force if bare else None,
         "unprotected_ground_peak_force_N": bare_ground_peak,
         "peak_reduction": reduction,
-        "ground_peak_reduction": _reduction(bare_ground_peak, ground_force),
+        "ground_peak_reduction": _reduction(bare_ground_peak, ground_rise),
         "packing_mass_kg": mass,
         "packing_height_m": height,
         "peak_reduction_per_kg": None if reduction is None else reduction / mass,
@@ -432,11 +433,20 @@ def _impulse_on(target: Reached | None) -> Summary:
     """Return the peak force and the impulse on the target, and when the force arrives."""
     if target is None:
         return dict.fromkeys(("wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s"))
+    under_static = target.static_force > _STATIC * target.peak_force
+    is_sampled = target.largest_force is None and len(target.time) > 1
     return {
         "wall_peak_force_N": target.peak_force,
+        **({"wall_dynamic_peak_force_N": target.dynamic_peak_force} if under_static else {}),
+        **({"wall_sample_s": _record_interval(target)} if is_sampled else {}),
         "wall_impulse_Ns": float(target.impulse[-1]),
         "base_arrival_s": target.arrival,
     }
+
+
+def _record_interval(target: Reached) -> float:
+    """Return the longest time between two records of the force on the target, s."""
+    return float(np.diff(target.time).max())
 
 
 def _side_walls(result: Result) -> Summary:
@@ -473,17 +483,16 @@ def _peak_reduction(target: Reached | None, bare: Reached | None) -> float | Non
     """
     if target is None or bare is None or target.force.argmax() == len(target.force) - 1:
         return None
-    return _reduction(bare.peak_force, target.force)
+    return _reduction(bare.peak_force, target.dynamic_peak_force)
 
 
-def _reduction(bare_peak: float | None, force: Array | None) -> float | None:
+def _reduction(bare_peak: float | None, largest: float | None) -> float | None:
     """Return peak force without the packing / largest dynamic force with it; None if there
     is no such force.
     """
-    if force is None or not bare_peak:
+    if not bare_peak or not largest or largest <= 0:
         return None
-    largest = float((force - force[0]).max())
-    return bare_peak / largest if largest > 0 else None
+    return bare_peak / largest
 
 
 def _mass_and_height(result: Result) -> tuple[float, float]:

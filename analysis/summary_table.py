@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, bounds_in_words
 from granwave.analysis.quantities import FRICTION_SHARES, RUN_ROWS, SHARES, Quantity, quantity
@@ -14,6 +15,16 @@ from granwave.lammps_inputs.extensions import load
 from granwave.lammps_inputs.packing.cylinders import GRAINS, in_grains
 
 _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
+#: Values of contacts between spheres, and relative to the bare target.
+_OF_PAIRS = (
+    "peak_force_N",
+    "n_plastic_contacts",
+    "n_dissipating_contacts",
+    "n_plastic_spheres",
+    "plastic_zone_depth_m",
+    "plastic_zone_radius_m",
+    "peak_reduction",
+)
 _GROWING = {
     "plastic_zone_depth_m": "depth",
     "plastic_zone_radius_m": "radius",
@@ -54,15 +65,18 @@ def summary_rows(
     shown
         Quantities of the rows.
     """
-    left_out = () if summary.get("friction_fraction") else FRICTION_SHARES
+    left_out = [] if summary.get("friction_fraction") else list(FRICTION_SHARES)
+    if has_no_pairs(summary):
+        left_out += _OF_PAIRS
+        if not summary.get("n_contacts"):
+            left_out += ("n_contacts", "n_loaded_contacts")
     rows = [SummaryRow("case", str(summary["name"]), ("name",))]
     before = ""
     called = grains_called_in([summary])
     for entry in shown:
         value = None if entry.name in left_out else summary.get(entry.name)
         if value is not None:
-            growing = _GROWING.get(entry.name) in (summary.get("zone_growing") or ())
-            text = entry.text(value) + (", still growing at the end" if growing else "")
+            text = entry.text(value) + _remark(entry.name, summary)
             if entry.name == "n_cylinders" and called != GRAINS:
                 continue  # all grains are
             label = entry.short if entry.name == "n_cylinders" else in_grains(entry.short, called)
@@ -75,6 +89,24 @@ def summary_rows(
         if entry.name == _ZONE_AFTER:
             rows += _zone_rows(summary)
     return rows
+
+
+def has_no_pairs(summary: Mapping[str, Any]) -> bool:
+    """Return True if no contact between spheres was loaded: the impacted spheres hit the bottom
+    themselves, so that a comparison with the impact without the packing has no meaning.
+    """
+    return summary.get("n_loaded_contacts") == 0
+
+
+def _remark(name: str, summary: Mapping[str, Any]) -> str:
+    """Return the words after a value: how it was determined, or what it refers to."""
+    if _GROWING.get(name) in (summary.get("zone_growing") or ()):
+        return ", still growing at the end"
+    if name == "wall_peak_force_N" and summary.get("wall_sample_s"):
+        return f", sampled every {quantity_in(summary['wall_sample_s'], 's')}"
+    if name == "peak_reduction" and summary.get("wall_dynamic_peak_force_N") is not None:
+        return " as the dynamic part"
+    return ""
 
 
 def summary_table(summary: Mapping[str, Any], shown: Sequence[Quantity] = RUN_ROWS) -> str:

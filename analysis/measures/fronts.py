@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.lines import lines_of
-from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.signals import Array, arrivals
 from granwave.analysis.measures.waves import (
     arrivals_of_groups,
     fitted_layers,
@@ -177,15 +177,14 @@ def _arrivals_by_contacts(result: Result, ids: NDArray[np.int64]) -> Array:
 
 
 def _first_passes(time: Array, velocity: Array) -> Array:
-    """Return the times at which the speed of each grain first passes 10 % of its largest value, s;
-    NaN for grains that the wave did not reach before the end.
+    """Return the times at which the speed of each grain first passes 10 % of its largest value, s,
+    interpolated between records; NaN for grains that the wave did not reach before the end.
     """
     speed = np.abs(velocity)
     largest = speed.max(axis=0)
     is_complete = speed.argmax(axis=0) < len(time) - 1
     is_reached = is_complete & (largest > _RISEN * largest.max(initial=0.0))
-    first = (speed > ARRIVED * largest).argmax(axis=0)
-    return np.where(is_reached, time[first], np.nan)
+    return np.where(is_reached, arrivals(time, speed, ARRIVED * largest), np.nan)
 
 
 def _front_along_load(result: Result, along: Array, arrival: Array) -> Front | None:

@@ -32,6 +32,7 @@ _SAME_INSTANT = 1e-9  # tolerance of equal instants, over the end time
 _DOWN = 0.9  # z component of a unit vector, above which a load goes down
 OTHERS = "other spheres"
 WALLS = "walls"
+WHOLE = "packing"  # of a single layer, which has no parts along the load
 DISSIPATED = "dissipated"
 #: Energies of the ledger that belong to no sphere: name and column.
 _WITHOUT_SPHERES = {"rotation": "rotational", "plate": "plate", "support": "support"}
@@ -104,7 +105,7 @@ def usual_regions(result: Result, direction: Array) -> dict[str, Ids]:
     regions = {}
     if len(strikers):
         regions["striker" if len(strikers) == 1 else "strikers"] = strikers
-    return regions | (_groups(result) or _stretches(result) or _parts(result, direction))
+    return regions | (_groups(result) or stretches(result) or _parts(result, direction))
 
 
 def _groups(result: Result) -> dict[str, Ids]:
@@ -118,7 +119,7 @@ def _groups(result: Result) -> dict[str, Ids]:
     return {f"group {name}": np.array(grains.of_group(name)) for name in names}
 
 
-def _stretches(result: Result) -> dict[str, Ids]:
+def stretches(result: Result) -> dict[str, Ids]:
     """Return the stretches of a chain of one material and diameter, if there are several."""
     if "chain" not in result:
         return {}
@@ -164,6 +165,8 @@ def _parts(result: Result, direction: Array) -> dict[str, Ids]:
     radius = result["spheres/radius"][inside]
     mean, layer = layers(along, radius, result.case.packing.diameter)
     number = min(_PARTS, len(mean))
+    if number == 1:
+        return {WHOLE: ids}
     part = layer * number // len(mean)
     first = np.searchsorted(np.arange(len(mean)) * number // len(mean), np.arange(1, number))
     edges = [along.min(), *(0.5 * (mean[first] + mean[first - 1])), along.max()]

@@ -70,6 +70,15 @@ def arrival(time: ArrayLike, signal: ArrayLike, level: float) -> float:
     return float(time[k - 1] + part * (time[k] - time[k - 1]))
 
 
+def arrivals(time: ArrayLike, signals: ArrayLike, levels: ArrayLike) -> Array:
+    """Arrivals, as of `arrival`, of several signals (n_times, n) at levels (n,): (n,), s."""
+    columns = np.asarray(signals, dtype=np.float64).T
+    limits = np.asarray(levels, dtype=np.float64)
+    return np.array(
+        [arrival(time, column, level) for column, level in zip(columns, limits, strict=True)]
+    )
+
+
 def width(x: ArrayLike, signal: ArrayLike, share: float = 0.5) -> float:
     """Full width of the largest peak of a signal at a fraction of its height, in units of x; NaN
     if it is cut off.

@@ -29,7 +29,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granwave._contact_laws import ContactLaw
-from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.signals import Array, arrival
 from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import flat_contact
@@ -64,6 +64,8 @@ class Reached:
     )
     # outward displacement since the impact, m; None for a fixed target
     displacement: Array | None = None
+    # largest force in any step, N, where it is known: the records may miss it
+    largest_force: float | None = None
 
     @property
     def impulse(self) -> Array:
@@ -74,8 +76,35 @@ class Reached:
 
     @property
     def peak_force(self) -> float:
-        """Largest force on the target, N."""
-        return float(np.max(self.force, initial=0.0))
+        """Largest force on the target, N: in any step if a single contact carries it, otherwise in
+        the records.
+        """
+        recorded = float(np.max(self.force, initial=0.0))
+        return recorded if self.largest_force is None else max(recorded, self.largest_force)
+
+    @property
+    def is_fixed(self) -> bool:
+        """True if the ground carries the force on the target itself, as below a bottom at rest."""
+        return self.ground_force is self.force
+
+    @property
+    def ground_dynamic_peak_force(self) -> float | None:
+        """Largest rise of the force on the ground above its static value, N."""
+        if self.is_fixed:
+            return self.dynamic_peak_force
+        if self.ground_force is None or not len(self.ground_force):
+            return None
+        return float((self.ground_force - self.ground_force[0]).max())
+
+    @property
+    def static_force(self) -> float:
+        """Force on the target at the start, N."""
+        return float(self.force[0]) if len(self.force) else 0.0
+
+    @property
+    def dynamic_peak_force(self) -> float:
+        """Largest rise of the force on the target above its static value, N."""
+        return self.peak_force - self.static_force
 
     @property
     def rises_at_end(self) -> bool:
@@ -85,18 +114,20 @@ class Reached:
     @property
     def ground_peak_force(self) -> float | None:
         """Largest force on the ground, N."""
+        if self.is_fixed:
+            return self.peak_force
         return None if self.ground_force is None else float(np.max(self.ground_force, initial=0.0))
 
     @property
     def arrival(self) -> float | None:
-        """Time at which the force has first risen by 1 % of its largest rise, s; None if it never
-        does.
+        """Time at which the force has first risen by 1 % of its largest rise, s, interpolated
+        between records; None if it never does.
         """
         rise = self.force - self.force[0]
-        felt = np.flatnonzero(
-            rise > max(ARRIVED * float(rise.max()), _NOISE * abs(float(self.force[0])))
-        )
-        return float(self.time[felt[0]]) if len(felt) else None
+        level = max(ARRIVED * float(rise.max()), _NOISE * abs(float(self.force[0])))
+        if not np.any(rise > level):
+            return None
+        return arrival(self.time, rise, level)
 
 
 def reached(result: Result) -> Reached | None:
@@ -112,7 +143,18 @@ def reached(result: Result) -> Reached | None:
     moved, ground = (result.get(f"{group}/{one}") for one in ("displacement", "ground_force"))
     if ground is None and name != BAR:
         ground = force
-    return Reached(time, force, ground, None if moved is None else moved - moved[0])
+    displacement = None if moved is None else moved - moved[0]
+    return Reached(time, force, ground, displacement, _largest_of_one_contact(result, name))
+
+
+def _largest_of_one_contact(result: Result, name: str) -> float | None:
+    """Return the largest force in any step on a target that a single contact loads, N; None for
+    several contacts, whose largest forces occur at different times.
+    """
+    if "wall_contacts/wall" not in result:
+        return None
+    forces = result["wall_contacts/peak_force"][result["wall_contacts/wall"] == name]
+    return float(forces[0]) if len(forces) == 1 else None
 
 
 def rising_force_warning(directory: Path) -> str:

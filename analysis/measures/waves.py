@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
-from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.signals import Array, arrivals
 from granwave.analysis.measures.target import reached
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
@@ -291,9 +291,7 @@ def wave_speed_of(result: Result) -> float | None:
         return None
     largest = rise.max(axis=0)
     passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
-    arrival = np.where(
-        passed, result["chain/time"][(rise > ARRIVED * largest).argmax(axis=0)], np.nan
-    )
+    arrival = np.where(passed, arrivals(result["chain/time"], rise, ARRIVED * largest), np.nan)
     return wave_speed(
         *first_arrivals(result["chain/contact_position"] - result.origin[2], arrival, diameter),
         diameter,

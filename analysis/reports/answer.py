@@ -31,6 +31,8 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speeds
+from granwave.analysis.measures.regions import stretches
 from granwave.analysis.measures.target import reached
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import compare_runs
@@ -42,6 +44,7 @@ from granwave.analysis.reports.sentences import by_part, printed, sentences, sha
 from granwave.analysis.reports.setting import is_chain, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Means, VariedKey
+from granwave.analysis.summary_table import has_no_pairs
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
@@ -54,12 +57,17 @@ _MOST_OPEN = 3  # most scans whose figures and tables are not folded
 _OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
 _THIN = 40.0  # length over width of a packing above which images of its grains are lines
 _REACHED = 1e-3  # fraction of the largest peak force: contacts that the wave has reached
+_SAME_FORCE = 1e-3  # relative difference of forces that are constant along a chain
+_FEWEST_LEVEL = 4  # fewest contacts at the end of a course with a constant force
+_FEWEST_CONTACTS = 2  # fewest contacts of a course
 #: Values of a run, in order; a row is shown if all its values are present.
 _SENTENCES = (
+    "The coefficient of restitution was {restitution}.",
     "The peak force on the target was {target_bore}.",
     "The peak force on the ground below it was {ground_bore}.",
     "The wave speed was {along_chain}.",
-    "Its peak force decreases from {decay}.",
+    "Its peak force {decay}.",
+    "Its peak force above the static force {dynamic_decay}.",
     "{absorbed_fraction} of the input energy of {energy_input_J} was absorbed by the absorbing "
     "boundary.",
     "{lost} of the input energy of {energy_input_J} was dissipated.",
@@ -67,6 +75,7 @@ _SENTENCES = (
     "The largest contact force was {peak_force_N}.",
     "The largest force between two spheres was {between_spheres}.",
     "The largest contact force, including walls, was {with_walls}.",
+    "Contact forces {static}.",
     "90 % of the plastic dissipation is within {zone_depth_90_m} below the impact and {zone_radius_90_m} from its axis.",
     "The plate {plate}.",
     "None of the input energy of {kept} was dissipated.",
@@ -296,17 +305,11 @@ def in_words(run: ReportRun) -> str:
     run.kind.name_values(run, values)
     if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
         values.pop("zone_depth_90_m", None)
-    if force := run.number("wall_peak_force_N"):
-        bare = run.number("unprotected_peak_force_N") if run.number("peak_reduction") else None
-        bore = values["wall_peak_force_N"] + _beside(force, bare) + _rise(run)
-        values["target_bore" if target_of(run.case) else "bottom_bore"] = bore
-    ground = run.number("ground_peak_force_N")
-    bare = run.number("unprotected_ground_peak_force_N")
-    if "target_bore" in values and ground and bare and ground != force:
-        values["ground_bore"] = values["ground_peak_force_N"] + _beside(ground, bare)
+    _name_forces(run, values)
+    _name_contacts(run, values)
     if is_chain(run.case) and "transmission" not in values:
-        values["decay"] = _decay(_peaks(run))
-        values["along_chain"] = values.get("wave_speed_m_s", "")
+        values["dynamic_decay" if _is_precompressed(run) else "decay"] = _decay(_peaks(run))
+        values["along_chain"] = _speeds(run, values.get("wave_speed_m_s", ""))
     if (plate := run.number("plate_velocity_m_s")) is not None:
         values["plate"] = f"{'rebounds' if plate < 0 else 'still moves in'} at {abs(plate):.4g} m/s"
     values = {name: text for name, text in values.items() if text}
@@ -322,6 +325,75 @@ def in_words(run: ReportRun) -> str:
     )
     sensors = [_SENSORS.format(*ends)] if ends else []
     return sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
+
+
+def _name_forces(run: ReportRun, values: dict[str, str]) -> None:
+    """Add the forces on the bottom and on the ground, compared with those without the packing.
+
+    The compared force is the dynamic one, as in ``peak_reduction``: without the static force before
+    the load.
+    """
+    force = run.number("wall_peak_force_N")
+    if not force:
+        return
+    bare = run.number("unprotected_peak_force_N") if run.number("peak_reduction") else None
+    if has_no_pairs(run.summary):
+        bare = None
+    dynamic = run.number("wall_dynamic_peak_force_N")
+    reduction = run.number("peak_reduction")
+    if dynamic is None and bare and reduction and _is_precompressed(run):
+        dynamic = bare / reduction  # results of 1.0 and earlier
+    bore = values["wall_peak_force_N"] + _compared(force, dynamic, bare) + _rise(run)
+    values["target_bore" if target_of(run.case) else "bottom_bore"] = bore
+    ground = run.number("ground_peak_force_N")
+    bare = run.number("unprotected_ground_peak_force_N")
+    if "target_bore" in values and ground and bare and ground != force:
+        reduction = run.number("ground_peak_reduction")
+        rise = bare / reduction if dynamic is not None and reduction else None
+        values["ground_bore"] = values["ground_peak_force_N"] + _compared(ground, rise, bare)
+
+
+def _name_contacts(run: ReportRun, values: dict[str, str]) -> None:
+    """Leave out values of contacts between spheres where there are none, and say what the forces
+    of a packing under a static load include.
+    """
+    if run.summary.get("n_contacts") == 0 and has_no_pairs(run.summary):
+        values.pop("n_contacts", None)
+    if _is_precompressed(run) and ("between_spheres" in values or "peak_force_N" in values):
+        values["static"] = "include the static force"
+
+
+def _is_precompressed(run: ReportRun) -> bool:
+    """Return True for a run under a static load."""
+    return run.number("precompression_residual") is not None
+
+
+def _compared(force: float, dynamic: float | None, bare: float | None) -> str:
+    """Compare a force, or its dynamic part where it has a static one, with the force without the
+    packing; empty if that is unknown.
+    """
+    if dynamic is None or not bare:
+        return _beside(force, bare)
+    comparison = _beside(dynamic, bare).removeprefix(", ")
+    return f"; its dynamic part of {quantity_in(dynamic, 'N')} is {comparison}"
+
+
+def _speeds(run: ReportRun, speed: str) -> str:
+    """Return the wave speed of a chain, and in each stretch of one with several materials or
+    diameters; empty if it is unknown.
+    """
+    if not speed:
+        return ""
+    try:
+        with Result(run.results) as result:
+            parts = stretch_speeds(result)
+            is_uniform = not stretches(result)
+    except (GranwaveError, KeyError, ValueError, IndexError):
+        return speed
+    if is_uniform:
+        return speed
+    named = "; ".join(f"{quantity_in(each, 'm/s')} in {name}" for name, each in parts.items())
+    return f"{speed} in the deeper half of the chain" + (f" ({named})" if named else "")
 
 
 def _beside(force: float, bare: float | None) -> str:
@@ -356,29 +428,56 @@ def _named(summary: Mapping[str, Any], start: str, end: str) -> list[str]:
 
 
 def _decay(peaks: NDArray[np.float64]) -> str:
-    """Return the peak forces of a wave at both ends of the part of a chain that it reached; empty
-    if unknown.
+    """Return the course of the peak force of the first wave along the contacts of a chain; empty if
+    fewer than two contacts are known.
+
+    Parameters
+    ----------
+    peaks
+        As of `leading_peaks`: (n_contacts,), N.
     """
-    reached = np.flatnonzero(peaks > _REACHED * peaks.max(initial=0.0))
-    ends = (
-        [f"{quantity_in(float(peaks[n]), 'N')} in contact {n + 1}" for n in reached[[0, -1]]]
-        if len(reached) > 1
-        else []
+    known = np.flatnonzero(peaks > _REACHED * np.nanmax(peaks, initial=0.0))
+    if len(known) < _FEWEST_CONTACTS:
+        return ""
+    course = _course(peaks[known], known + 1)
+    is_cut = bool(np.isnan(peaks[known[-1] :]).any())
+    return course + (
+        f"; contacts beyond {known[-1] + 1} also carry the reflection" if is_cut else ""
     )
-    return " to ".join(ends)
+
+
+def _course(force: NDArray[np.float64], contact: NDArray[np.intp]) -> str:
+    """Return the course of forces along contacts, by their numbers: (n,) each."""
+    level = np.abs(force / force[-1] - 1) <= _SAME_FORCE
+    n_level = int(np.argmin(level[::-1])) if not level.all() else len(level)
+    first = f"{quantity_in(float(force[0]), 'N')} in contact {contact[0]}"
+    if n_level == len(force):
+        return f"is constant within 0.1 %: {first} to {contact[-1]}"
+    steps = np.diff(force) / force[:-1]
+    verb = ""
+    if np.all(steps <= _SAME_FORCE):
+        verb = "decreases"
+    elif np.all(steps >= -_SAME_FORCE):
+        verb = "increases"
+    if not verb:
+        ends = [
+            f"{quantity_in(float(force[k]), 'N')} in contact {contact[k]}"
+            for k in (int(force.argmin()), int(force.argmax()))
+        ]
+        return f"is between {ends[0]} and {ends[1]}"
+    at = len(force) - n_level if n_level >= _FEWEST_LEVEL else len(force) - 1
+    text = f"{verb} from {first} to {quantity_in(float(force[at]), 'N')} in contact {contact[at]}"
+    if at == len(force) - 1:
+        return text
+    return f"{text} and is constant within 0.1 % from there to contact {contact[-1]}"
 
 
 def _peaks(run: ReportRun) -> NDArray[np.float64]:
-    """Return the largest dynamic force of each contact along a chain: (n_contacts,), N; None
-    without a chain.
+    """Return the largest dynamic force of each contact along a chain in the first wave:
+    (n_contacts,), N; empty without a chain.
     """
     try:
         with Result(run.results) as result:
-            if "chain" not in result:
-                return np.empty(0)
-            static = (
-                result["chain/contact_force"][0] if result.case.precompression is not None else 0.0
-            )
-            return np.maximum(result.along_chain("peak_force") - static, 0.0)
+            return leading_peaks(result) if "chain" in result else np.empty(0)
     except (GranwaveError, KeyError, ValueError, IndexError):
         return np.empty(0)

@@ -50,6 +50,7 @@ from granwave.analysis.scans.table import (
     SEED,
     scan_statistics,
 )
+from granwave.analysis.summary_table import has_no_pairs
 from granwave.lammps_inputs.case.contact.contact import ALL_LAWS, LINE
 
 Columns = list[tuple[TableColumn, list[Cell]]]
@@ -89,13 +90,20 @@ _NOTHING = (
     "zone_radius_90_m",
 )  # values that are omitted where they are zero
 _OF_BOTTOM = (
-    "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "ground_peak_force_N", "target_peak_displacement_m",
+    "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns", "base_arrival_s",
+    "ground_peak_force_N", "target_peak_displacement_m",
     "energy_target_J", "peak_reduction", "unprotected_peak_force_N",
 )  # fmt: skip
 _OF_A_TARGET = (
     "wall_peak_force_N", "unprotected_peak_force_N", "peak_reduction", "wall_impulse_Ns", "ground_peak_force_N",
     "unprotected_ground_peak_force_N", "target_peak_displacement_m",
 )  # fmt: skip
+#: Values of contacts between spheres, and relative to the load on the bare target.
+_OF_PACKINGS = {
+    "peak_force_N", "n_plastic_contacts", "n_dissipating_contacts", "n_plastic_spheres",
+    "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "peak_reduction",
+    "unprotected_peak_force_N",
+}  # fmt: skip
 _OF_STRUCK = ("impactor_velocity_m_s",)
 _OF_GROUND = ("ground_peak_force_N", "energy_target_J")
 #: Values relative to the load on the bare target, which have no meaning where it oscillates.
@@ -155,6 +163,8 @@ def value_rows(run: ReportRun) -> DocumentTable:
     first = [key for key in first if run.number(key) is not None]
     left_out = {*_OF_COST, *first, *(key for key in _NOTHING if not summary.get(key))}
     left_out |= _beside_others([summary])
+    if has_no_pairs(summary):
+        left_out |= _OF_PACKINGS
     for told, keys in (
         (_yields(run), _OF_YIELDING),
         (plate is None and not driven, _OF_STRUCK),

@@ -109,8 +109,13 @@ def _section(text: str, section: re.Match[str], n_rows: int, name: str) -> Layou
         row = line.partition("#")[0].strip()
         if not row:
             continue
-        if row[0].isalpha() or len(rows) == n_rows:
+        if row[0].isalpha():
             break
+        if len(rows) == n_rows:
+            raise ValueError(
+                f"line {number}: found more than {n_rows} rows in the section {name}, expected the "
+                "number in the header: the data file is damaged, or that number was edited"
+            )
         numbers.append(number)
         rows.append(row)
     if len(rows) != n_rows or not rows:

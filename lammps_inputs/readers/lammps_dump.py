@@ -285,6 +285,11 @@ class DumpFrame:
             raise ValueError(f"found no atom in the step {self.step}, expected one or more{remedy}")
         if n_rows == self.n_atoms:
             return
+        if n_rows > self.n_atoms:
+            raise ValueError(
+                f"found {n_rows} atoms in the step {self.step}, expected {self.n_atoms} as in its "
+                f"NUMBER OF ATOMS: the dump is damaged, or that number was edited{remedy}"
+            )
         raise ValueError(
             f"found {n_rows} of {self.n_atoms} atoms in the step {self.step}: the dump is "
             f"truncated{remedy}"

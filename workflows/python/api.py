@@ -362,8 +362,8 @@ def compare(
     quantities
         Names of values of summary.json and of figures; by default all.
     measured
-        Table of a measured curve with a column of times or lengths and a column of values. Each name
-        contains the unit, such as ``time_us`` and ``force_kN``.
+        Table of a measured curve with a column of times or lengths and a column of values. Each
+        name contains the unit, such as ``time_us`` and ``force_kN``.
     measured_as
         Figure in which the curve is drawn: ``bottom_force``, ``peak_force_depth`` or ``fronts``.
     shift, scale
@@ -377,8 +377,8 @@ def compare(
     Raises
     ------
     InputError
-        A directory has no results, there are fewer than two runs, a name is unknown, or a file cannot
-        be read.
+        A directory has no results, there are fewer than two runs, a name is unknown, or a file
+        cannot be read.
     """
     from granwave.analysis.reports.comparison.comparison import compare_inputs
     from granwave.analysis.reports.inputs import read_inputs

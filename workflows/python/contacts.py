@@ -72,8 +72,8 @@ def contact_force(
     ----------
     law
         ``hertz`` (point contact of any curvatures, or line contact of two half-spaces whose
-        displacement is limited by the length), ``elastoplastic``, ``elastoplastic-fe``, ``bilinear``, ``thornton``, ``line``
-        (along a line, plane strain) or ``power``.
+        displacement is limited by the length), ``elastoplastic``, ``elastoplastic-fe``,
+        ``bilinear``, ``thornton``, ``line`` (line contact, plane strain) or ``power``.
     bodies
         Two tables with ``shape``: ``sphere``, ``cylinder``, ``plane`` or ``tube``; ``diameter`` or
         ``radius`` (m); ``length`` (m) and ``axis`` of cylinders ("x", "y", "z" or a vector; y by
@@ -90,8 +90,8 @@ def contact_force(
         finite elements, N. It is NaN beyond the range of the fit, with a rate-dependent yield
         strength, with cohesion, and for other laws.
     options
-        Options of the law, with the names of the keys of ``[contact]``: ``constant`` and ``exponent`` of
-        law power, ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law;
+        Options of the law, with the names of the keys of ``[contact]``: ``constant`` and
+        ``exponent`` of law power, ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law;
         ``cohesion`` of spheres.
 
     Returns
@@ -192,7 +192,8 @@ def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **option
     Raises
     ------
     InputError
-        As in `contact_force`; or a force is negative or exceeds the force at the largest valid overlap.
+        As in `contact_force`; or a force is negative or exceeds the force at the largest valid
+        overlap.
     """
     contact = contact_between_bodies(law, plain(bodies), plain(options))
     wanted = _numbers("force", force, "N")

@@ -208,8 +208,9 @@ def _fault_in_python(fault: InputFault, options: Sequence[str]) -> InputFault:
 
 
 def in_python(line: str, options: Sequence[str] = ()) -> str:
-    """Replace the options of the command line in a message without a command to type; ``options`` as
-    in `words_of_python`.
+    """Replace the options of the command line in a message without a command to type.
+
+    ``options`` is described in `words_of_python`.
     """
     if _gives_a_command(line):
         return line

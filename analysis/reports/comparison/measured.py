@@ -21,6 +21,7 @@ from granwave.analysis.reports.comparison.curves import SampledCurve
 from granwave.analysis.reports.sentences import share
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_user_text
+from granwave.lammps_inputs.tables.encoding import decoded_table
 from granwave.lammps_inputs.tables.layout import is_number
 from granwave.lammps_inputs.tables.text_table import TextTable, read_text_table, table_of
 from granwave.lammps_inputs.tables.units import LENGTH_UNITS, in_si, split_unit, unit_of
@@ -146,7 +147,7 @@ def read_measured(
         The file cannot be read, or lacks a column with such a unit.
     """
     source = str(path)
-    text = read_user_text(Path(path), "table of a measured curve")
+    text = read_user_text(Path(path), "table of a measured curve", decode=decoded_table)
     try:
         table = _with_units(read_text_table(text))
         numbers = _columns(table, units, source)

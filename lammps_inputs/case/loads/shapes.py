@@ -102,10 +102,11 @@ def read_points(path: Path) -> Points:
             continue
         try:
             pairs = zip(cells, powers, strict=True)
-            time, value = (_finite(in_si(read_number(cell), power)) for cell, power in pairs)
+            time, value = (in_si(read_number(cell), power) for cell, power in pairs)
         except ValueError:
             found = show(" ".join(cells))
             raise ValueError(f"found {found} in line {line}; expected {form}") from None
+        _refuse_point(time, value, rows, line, form)
         rows.append([time, value])
     try:
         return POINTS.read(rows)  # type: ignore[no-any-return]
@@ -113,11 +114,19 @@ def read_points(path: Path) -> Points:
         raise ValueError(f"found {show(rows)}, expected {error}") from None
 
 
-def _finite(number: float) -> float:
-    """Return a number; raise ValueError for NaN and infinity."""
-    if not math.isfinite(number):
-        raise ValueError
-    return number
+def _refuse_point(
+    time: float, value: float, before: Sequence[Sequence[float]], line: int, form: str
+) -> None:
+    """Raise ValueError, with the line, if a point is not finite or does not follow the points
+    before it.
+    """
+    for number in (time, value):
+        if not math.isfinite(number):
+            raise ValueError(f"found {number} in line {line}; expected {form}, all finite")
+    if before and time <= before[-1][0]:
+        raise ValueError(
+            f"found the time {time:g} s in line {line} after {before[-1][0]:g} s; expected {form}"
+        )
 
 
 def _are_words(cells: Sequence[str]) -> bool:

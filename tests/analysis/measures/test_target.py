@@ -215,7 +215,7 @@ def test_a_static_load_is_no_part_of_what_the_impact_brings():
         time, 10 + np.where(time < 0.5, 0, 4 * np.sin(math.pi * (time - 0.5))), None, None
     )
     assert found.peak_force == pytest.approx(14)
-    assert found.arrival == pytest.approx(0.51)
+    assert found.arrival == pytest.approx(0.5 + math.asin(0.01) / math.pi, abs=1e-5)
     assert found.impulse[-1] == pytest.approx(10 + 4 / math.pi, rel=1e-3)
     assert Reached(time, np.full_like(time, 10.0), None, None).arrival is None
 
@@ -229,13 +229,28 @@ def test_reduction_of_a_packing(tmp_path):
     assert summary["peak_reduction"] == pytest.approx(summary["unprotected_peak_force_N"] / force)
     assert summary["packing_mass_kg"] == pytest.approx(144 * case.sphere_mass)
     assert summary["packing_height_m"] == pytest.approx(0.01 * (1 + 3 * math.sqrt(2 / 3)))
-    steps = np.arange(0, synthetic.STEPS + 1, 5) / synthetic.STEPS
-    first = (
-        steps[np.flatnonzero(np.sin(math.pi * steps) > 0.01)[0]]
-        * synthetic.STEPS
-        * synthetic.TIMESTEP
-    )
-    assert summary["base_arrival_s"] == pytest.approx(first)
+    first = math.asin(0.01) / math.pi * synthetic.STEPS * synthetic.TIMESTEP
+    assert summary["base_arrival_s"] == pytest.approx(first, rel=1e-4)
+
+
+def test_the_arrival_does_not_depend_on_the_interval_of_records():
+    """1 % of the peak of a force of 3/2 power, with records of half the arrival, and shorter."""
+    onset = 4.13e-7
+    for step in (2e-7, 1e-8):
+        time = np.arange(0.0, 1e-5, step)
+        force = np.minimum(0.01 * (time / onset) ** 1.5, 1.0)
+        found = Reached(time, force, None)
+        assert found.arrival == pytest.approx(onset, rel=0.02)
+
+
+def test_the_peak_of_one_contact_is_exact():
+    """Between records the force was larger; without a contact of its own only records are known."""
+    time = np.linspace(0, 1, 11)
+    force = 20 + np.sin(math.pi * time) * 100 * (1 - 1e-4)
+    exact = Reached(time, force, force, largest_force=120.0)
+    assert exact.peak_force == exact.ground_peak_force == 120.0
+    assert exact.dynamic_peak_force == exact.ground_dynamic_peak_force == pytest.approx(100.0)
+    assert Reached(time, force, force).peak_force == force.max() < 120.0
 
 
 def test_packing_without_a_bottom(tmp_path):

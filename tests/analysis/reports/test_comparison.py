@@ -434,6 +434,13 @@ def test_an_unfinished_run_is_named(tmp_path):
     assert any(note.startswith("Unfinished") and "part (" in note for note in comparison.notes)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "cp1252"])
+def test_encodings_of_measured_curves(tmp_path, encoding):
+    file = tmp_path / "measured.csv"
+    file.write_bytes("t (µs);F (N)\n0;0\n1;5\n2;0\n".encode(encoding))
+    assert read_measured(file, ("s", "N")).x == pytest.approx([0.0, 1e-6, 2e-6])
+
+
 @pytest.mark.parametrize("head", ["time_us,force_kN", "t (µs); F (kN)", "t [us]\tF [kN]"])
 def test_a_measured_curve(place, tmp_path, head):
     """The curve of the run itself, in other units and multiplied by 1.1: rms and peak differ by a

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from granwave.analysis.reports.answer import in_words
+from granwave.analysis.reports.answer import _decay, in_words
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import GRANULAR, ReportRun
 from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.setting import setting_of, symbols_note
+from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -104,7 +105,64 @@ def test_a_chain_says_speed_and_decay(monkeypatch):
         "contact 3. None of the input energy of 2 J "
         "was dissipated."
     )
-    assert labels(run)[0] == "Wave speed"
+    assert labels(run)[0] == "Wave speed in the deeper half"
+
+
+@pytest.mark.parametrize(
+    ("peaks", "words"),
+    [
+        (
+            [60.0, 50.0, 45.01, 45.0, 45.0, 45.0, np.nan],
+            "decreases from 60 N in contact 1 to 45.01 N in contact 3 and is constant within 0.1 % "
+            "from there to contact 6; contacts beyond 6 also carry the reflection",
+        ),
+        ([1.0, 2.0, 3.0, 0.0], "increases from 1 N in contact 1 to 3 N in contact 3"),
+        ([1.0, 3.0, 2.0], "is between 1 N in contact 1 and 3 N in contact 2"),
+        ([2.0, 2.0], "is constant within 0.1 %: 2 N in contact 1 to 2"),
+        ([2.0, np.nan], ""),
+    ],
+)
+def test_the_course_of_the_first_wave(peaks, words):
+    assert _decay(np.array(peaks)) == words
+
+
+def test_one_definition_of_the_reduction_under_a_static_load():
+    """The dynamic part is compared in the sentence as in the value; forces that include the static
+    force are named.
+    """
+    run = run_with(
+        {"boundary.bottom": "wall"}, wall_peak_force_N=315.97, wall_dynamic_peak_force_N=295.97,
+        unprotected_peak_force_N=431.42, peak_reduction=431.42 / 295.97, peak_force_N=217.8,
+        precompression_residual=1e-9,
+    )  # fmt: skip
+    assert in_words(run) == (
+        "The largest force between two spheres was 217.8 N. Contact forces include the static "
+        "force. The peak force on the bottom was 316 N; its dynamic part of 296 N is 31.4 % less "
+        "than the 431.4 N without the packing."
+    )
+    text = summary_table(dict(run.summary) | {"name": "x"})
+    assert "dynamic part                 295.97 N" in text
+    assert "1.46 times as high as the dynamic part" in text
+
+
+def test_a_bead_alone_has_a_restitution_and_no_reduction():
+    run = run_with(
+        {"boundary.bottom": "wall"}, restitution=0.592323, n_contacts=0, n_loaded_contacts=0,
+        wall_peak_force_N=452.8, unprotected_peak_force_N=452.8, peak_reduction=1.0,
+        peak_force_N=0.0, plastic_zone_volume_m3=0.0,
+    )  # fmt: skip
+    assert in_words(run) == (
+        "The coefficient of restitution was 0.5923. The peak force on the bottom was 452.8 N."
+    )
+    assert not {
+        "Peak reduction",
+        "Plastic zone volume",
+        "Peak contact force, excluding walls",
+    } & set(labels(run))
+    text = summary_table(dict(run.summary) | {"name": "x"})
+    assert "restitution" in text
+    assert "without packing" not in text
+    assert "contacts" not in text
 
 
 def test_lines_and_sensors():

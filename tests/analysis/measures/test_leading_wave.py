@@ -1,0 +1,65 @@
+"""First wave of computed chains: its peak forces before the reflection, and speeds by material."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speeds
+from granwave.analysis.measures.regions import WHOLE, usual_regions
+from granwave.analysis.result.reader import Result
+from granwave.analysis.summary import summarise
+from granwave.workflows import load_case, run_case
+
+CHAIN = {
+    "material": "steel",
+    "packing.size": 40,
+    "packing.diameter": 0.01,
+    "load.velocity": 0.3,
+    "boundary.bottom": "wall",
+    "run.end_time": 1e-3,
+}
+
+
+def run(directory, changes=None):
+    run_case(load_case("homogeneous-chain", CHAIN | (changes or {})), directory, figures=False)
+    return Result(directory)
+
+
+def test_peaks_of_the_first_wave_are_constant_up_to_the_wall(tmp_path):
+    """The solitary wave keeps its height; the largest force of the last contact is of the
+    reflection.
+    """
+    with run(tmp_path) as result:
+        peaks = leading_peaks(result)
+        largest = result.along_chain("peak_force")
+    known = np.isfinite(peaks)
+    assert known[:35].all()
+    assert not known[-1]
+    assert peaks[25:35] == pytest.approx(np.full(10, peaks[30]), rel=1e-3)
+    assert largest[-1] > 1.03 * peaks[30]
+
+
+def test_speeds_of_two_materials(tmp_path):
+    """Each stretch has its own speed; the speed of the summary is of the deeper half."""
+    soft = [{"index": {"first": 21, "last": 40}, "material": "ptfe"}]
+    with run(tmp_path, {"replace": soft, "run.end_time": 4e-3}) as result:
+        speeds = stretch_speeds(result)
+    assert list(speeds) == ["beads 1 to 20, steel", "beads 21 to 40, ptfe"]
+    steel, ptfe = speeds.values()
+    assert steel > 2 * ptfe
+    assert summarise(tmp_path)["wave_speed_m_s"] == pytest.approx(ptfe, rel=0.02)
+    with run(tmp_path / "uniform") as result:
+        assert stretch_speeds(result) == {}
+
+
+def test_a_bead_alone(tmp_path):
+    """Its force on the wall is exact, and it is no region from 0 to 0 mm."""
+    one = {"packing.size": 1, "load.velocity": 1.0, "run.end_time": 2e-4}
+    with run(tmp_path, one) as result:
+        assert list(usual_regions(result, np.array([0.0, 0.0, 1.0]))) == [WHOLE]
+    summary = summarise(tmp_path)
+    assert summary["wall_peak_force_N"] == summary["peak_force_with_walls_N"]
+    assert summary["ground_peak_force_N"] == summary["wall_peak_force_N"]
+    assert "wall_sample_s" not in summary
+    assert summary["base_arrival_s"] == pytest.approx(4.13e-7, rel=0.01)
