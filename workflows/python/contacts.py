@@ -91,8 +91,8 @@ def contact_force(
         strength, with cohesion, and for other laws.
     options
         Options of the law, with the names of the keys of ``[contact]``: ``constant`` and
-        ``exponent`` of law power, ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law;
-        ``cohesion`` of spheres.
+        ``exponent`` of law power, ``variant``, ``yield_factor``, ``beta``, constants of the
+        elasto-plastic law, ``cohesion`` of spheres.
 
     Returns
     -------
