@@ -201,9 +201,9 @@ def sentence(
         return f"No result differs between {names}."
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
-        most = max(different, key=lambda value: value.spread)
-        percent = plain(f"{_PERCENT * math.expm1(most.spread):.2g}")
-        return f"Results differ by at most {percent} % ({_in_sentence(most.label)})."
+        largest = max(different, key=lambda value: value.spread)
+        percent = plain(f"{_PERCENT * math.expm1(largest.spread):.2g}")
+        return f"Results differ by at most {percent} % ({_in_sentence(largest.label)})."
     with_cases = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
