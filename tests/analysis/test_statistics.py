@@ -194,6 +194,8 @@ def summaries(tmp_path_factory):
     resisting = load_case("fcc-small", SHORT | RESISTANCE | COHESION | {"packing.size": [4, 4, 3]})
     found.append(run_case(resisting, place / "resisting", figures=False).summary)
     found.append(run_case(case_from_dict(DIMER), place / "dimer", figures=False).summary)
+    pressed = load_case("precompressed-chain", {"packing.size": 20, "run.end_time": 4e-4})
+    found.append(run_case(pressed, place / "pressed", figures=False).summary)
     return found
 
 
