@@ -421,7 +421,7 @@ def _walls(result: Result) -> Summary:
         "unprotected_peak_force_N": bare.peak_force if bare else None,
         "unprotected_ground_peak_force_N": bare_ground_peak,
         "peak_reduction": reduction,
-        "ground_peak_reduction": _reduction(bare_ground_peak, ground_rise),
+        "ground_peak_reduction": _ground_reduction(target, bare_ground_peak, ground_rise),
         "packing_mass_kg": mass,
         "packing_height_m": height,
         "peak_reduction_per_kg": None if reduction is None else reduction / mass,
@@ -484,6 +484,17 @@ def _peak_reduction(target: Reached | None, bare: Reached | None) -> float | Non
     if target is None or bare is None or target.force.argmax() == len(target.force) - 1:
         return None
     return _reduction(bare.peak_force, target.dynamic_peak_force)
+
+
+def _ground_reduction(
+    target: Reached | None, bare_peak: float | None, rise: float | None
+) -> float | None:
+    """Return the reduction of the peak force on the ground; None before the wave arrives, or while
+    the force on the target still rises at the end.
+    """
+    if target is None or not target.is_reached or target.rises_at_end:
+        return None
+    return _reduction(bare_peak, rise)
 
 
 def _reduction(bare_peak: float | None, largest: float | None) -> float | None:

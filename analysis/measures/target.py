@@ -103,13 +103,22 @@ class Reached:
 
     @property
     def dynamic_peak_force(self) -> float:
-        """Largest rise of the force on the target above its static value, N."""
-        return self.peak_force - self.static_force
+        """Largest rise of the force on the target above its static value, N; 0 before the wave
+        arrives.
+        """
+        return self.peak_force - self.static_force if self.is_reached else 0.0
+
+    @property
+    def is_reached(self) -> bool:
+        """True if the force rises above its static value by more than the precision of a static
+        stage.
+        """
+        return bool(np.any(self.force - self.static_force > _NOISE * abs(self.static_force)))
 
     @property
     def rises_at_end(self) -> bool:
         """True if the force is largest at the end of the record, so that it may rise further."""
-        return bool(np.any(self.force)) and int(self.force.argmax()) == len(self.force) - 1
+        return self.is_reached and int(self.force.argmax()) == len(self.force) - 1
 
     @property
     def ground_peak_force(self) -> float | None:

@@ -22,7 +22,7 @@ from granwave.analysis.measures.force_decay import (
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.target import Reached, reached
 from granwave.analysis.measures.waves import front_arrivals
 from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
 from granwave.analysis.result.reader import Result
@@ -93,16 +93,21 @@ def force_at_bottom(run: ComparedRun) -> SampledCurve:
         return SampledCurve(record.time, record.force)
 
 
-def rises_at_end(run: ComparedRun) -> bool:
-    """Return True if the force on the bottom is largest at the end of a run; False without a
-    record.
-    """
+def bottom_record(run: ComparedRun) -> Reached | None:
+    """Return the record of the force on the bottom of a run; None without one."""
     try:
         with run.opened() as result:
-            record = reached(result)
-            return record is not None and record.rises_at_end
+            return reached(result)
     except LackingError:
-        return False
+        return None
+
+
+def has_peak_at_bottom(run: ComparedRun) -> bool:
+    """Return False if the wave does not reach the bottom, or the force there is largest at the end
+    of a run; True without a record.
+    """
+    record = bottom_record(run)
+    return record is None or (record.is_reached and not record.rises_at_end)
 
 
 def has_static_load(run: ComparedRun) -> bool:

@@ -6,12 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-import numpy as np
-
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
-from granwave.analysis.reports.comparison.curves import force_at_bottom, static_force_at_bottom
-from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
+from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
@@ -113,13 +111,12 @@ def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
     unloaded: list[ComparedRun] = []
     rising: list[ComparedRun] = []
     for run in runs:
-        try:
-            force = force_at_bottom(run).y
-        except LackingError:
+        record = bottom_record(run)
+        if record is None:
             continue
-        if not np.any(force):
+        if not record.is_reached:
             unloaded.append(run)
-        elif int(force.argmax()) == len(force) - 1:
+        elif record.rises_at_end:
             rising.append(run)
     notes: list[str] = []
     if unloaded and len(unloaded) < len(runs):

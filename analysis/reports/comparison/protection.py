@@ -8,7 +8,10 @@ from functools import partial
 
 from granwave.analysis.formatting.numbers import number, plain, quantity_in
 from granwave.analysis.measures.zone_size import Mark, mark_of
-from granwave.analysis.reports.comparison.curves import rises_at_end, static_force_at_bottom
+from granwave.analysis.reports.comparison.curves import (
+    has_peak_at_bottom,
+    static_force_at_bottom,
+)
 from granwave.analysis.reports.comparison.subjects import ComparedRun, names_in_words
 from granwave.analysis.reports.setting import target_of
 
@@ -59,11 +62,11 @@ def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> l
     """Return sentences that compare the protection, with all values and their ratios.
 
     Runs with the same energy input are ordered by the peak force on the bottom, above its static
-    force if there is one, others by the
-    peak force relative to the impact without the packing. Runs whose force on the bottom still
-    rises at the end are left out. The second sentence orders the runs by the interpolated depth of
-    90 % of the plastic dissipation; it leaves out collisions of two spheres, and zones that reach a
-    boundary or still grow. `granwave.analysis.reports.comparison.definitions` names these runs.
+    force if there is one; others by the peak force relative to the impact without the packing. Runs
+    that end before the wave reaches the bottom, or whose force there still rises at the end, are
+    left out. The second sentence orders the runs by the interpolated depth of 90 % of the plastic
+    dissipation; it leaves out collisions of two spheres, and zones that reach a boundary or still
+    grow. `granwave.analysis.reports.comparison.definitions` names these runs.
 
     Parameters
     ----------
@@ -82,7 +85,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     """Return the order of the runs by the peak force below the packing; empty without one."""
     place = "target" if all(target_of(run.run.case) for run in runs) else "bottom"
     n_runs = len(runs)
-    kept = [n for n, run in enumerate(runs) if not rises_at_end(run)]
+    kept = [n for n, run in enumerate(runs) if has_peak_at_bottom(run)]
     runs = [runs[n] for n in kept]
     names = [names[n] for n in kept]
     if _have_same_input(runs):

@@ -243,6 +243,21 @@ def test_the_arrival_does_not_depend_on_the_interval_of_records():
         assert found.arrival == pytest.approx(onset, rel=0.02)
 
 
+def test_the_noise_of_a_static_stage_is_no_peak():
+    """A rise of 1.4e-7 of the static force is no force of the wave; a rise of 1e-5 is one."""
+    time = np.linspace(0.0, 1.0, 11)
+    noise = np.full_like(time, 20.0)
+    noise[4] += 2.8e-6
+    resting = Reached(time, noise, noise)
+    assert not resting.is_reached
+    assert resting.dynamic_peak_force == 0.0
+    assert not resting.rises_at_end
+    rising = Reached(time, 20.0 + 2e-4 * time, None)
+    assert rising.is_reached
+    assert rising.rises_at_end
+    assert rising.dynamic_peak_force == pytest.approx(2e-4)
+
+
 def test_the_peak_of_one_contact_is_exact():
     """Between records the force was larger; without a contact of its own only records are known."""
     time = np.linspace(0, 1, 11)
