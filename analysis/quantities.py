@@ -345,8 +345,8 @@ ENTRIES = (
              meaning="Largest force of the packing on the bottom, static force included: of a "
              "single contact in any step, otherwise of the records, every wall_sample_s."),
     Quantity("wall_dynamic_peak_force_N", "Peak dynamic force on the bottom",
-             "Largest rise of the force on the bottom above its value before the load; 0 before the "
-             "wave arrives. Only where there is a static force.",
+             "Largest rise of the force on the bottom above its value before the load; 0 before "
+             "the wave arrives. Only where there is a static force.",
              short="dynamic part", digits=".6g"),
     Quantity("wall_sample_s", "Interval of records of the force on the bottom",
              note="Longest time between two records; absent where a single contact carries the "

@@ -133,7 +133,7 @@ def test_decay_by_the_equations_of_the_source() -> None:
         row["quantity"]: row["granwave"]
         for row in stored["suites"]["confined"]["studies"]["source_model"]["rows"]
     }
-    name = "Peak force over E* R*^2, contact {}, n = 8, a = 0.0019"
+    name = "Peak force / (E* R*^2), contact {}, n = 8, a = 0.0019"
     near = peaks[name.format(50)]
     far = peaks[name.format(100)]
     assert decay == pytest.approx(np.log(near / far) / 50, rel=0.1)
