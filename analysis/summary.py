@@ -405,7 +405,9 @@ def _walls(result: Result) -> Summary:
     bare = unprotected(result.assembly, float(result["energy/time"][-1])) if target else None
     ground_rise = target.ground_dynamic_peak_force if target else None
     bare_ground_peak = bare.ground_peak_force if bare and ground_rise is not None else None
-    reduction = _peak_reduction(target, bare)
+    reduction = None
+    if target and bare:
+        reduction = _reduction(target, bare.peak_force, target.dynamic_peak_force)
     mass, height = _mass_and_height(result)
     energy_of_fixed = 0.0 if "walls/bottom" in result else None
     return {
@@ -421,7 +423,7 @@ def _walls(result: Result) -> Summary:
         "unprotected_peak_force_N": bare.peak_force if bare else None,
         "unprotected_ground_peak_force_N": bare_ground_peak,
         "peak_reduction": reduction,
-        "ground_peak_reduction": _ground_reduction(target, bare_ground_peak, ground_rise),
+        "ground_peak_reduction": _reduction(target, bare_ground_peak, ground_rise),
         "packing_mass_kg": mass,
         "packing_height_m": height,
         "peak_reduction_per_kg": None if reduction is None else reduction / mass,
@@ -477,33 +479,15 @@ def _largest_displacement(target: Reached | None) -> float | None:
     return float(np.abs(target.displacement).max())
 
 
-def _peak_reduction(target: Reached | None, bare: Reached | None) -> float | None:
-    """Return the reduction of the peak force on the target; None while the force still rises at the
-    end, since its peak is unknown.
-    """
-    if target is None or bare is None or target.force.argmax() == len(target.force) - 1:
-        return None
-    return _reduction(bare.peak_force, target.dynamic_peak_force)
-
-
-def _ground_reduction(
-    target: Reached | None, bare_peak: float | None, rise: float | None
-) -> float | None:
-    """Return the reduction of the peak force on the ground; None before the wave arrives, or while
-    the force on the target still rises at the end.
+def _reduction(target: Reached | None, bare_peak: float | None, rise: float | None) -> float | None:
+    """Return peak force without the packing / largest dynamic force with it; None without these
+    forces, before the wave arrives, or while the force on the target still rises at the end.
     """
     if target is None or not target.is_reached or target.rises_at_end:
         return None
-    return _reduction(bare_peak, rise)
-
-
-def _reduction(bare_peak: float | None, largest: float | None) -> float | None:
-    """Return peak force without the packing / largest dynamic force with it; None if there
-    is no such force.
-    """
-    if not bare_peak or not largest or largest <= 0:
+    if not bare_peak or not rise or rise <= 0:
         return None
-    return bare_peak / largest
+    return bare_peak / rise
 
 
 def _mass_and_height(result: Result) -> tuple[float, float]:
