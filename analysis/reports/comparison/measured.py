@@ -204,7 +204,7 @@ def ranked(deviations: Mapping[str, Deviation]) -> list[str]:
     return [
         name
         for name, difference in deviations.items()
-        if difference.n_points >= _ENOUGH * most and difference.covers_peak >= any_covers
+        if difference.n_points >= _ENOUGH * most and (difference.covers_peak or not any_covers)
     ]
 
 
