@@ -242,7 +242,9 @@ def peak_force_depth(result: Result) -> Drawing | None:
         axes.plot([], [], " ", label=_wrapped(no_decay_reason(result)))
     else:
         _draw_decay(axes, decay, scale)
-    label(axes, "Depth (mm)", f"Peak force of the run {unit}", log="y", xlim=(0, depth[-1] * _MILLI))
+    label(
+        axes, "Depth (mm)", f"Peak force of the run {unit}", log="y", xlim=(0, depth[-1] * _MILLI)
+    )
     axes.legend(fontsize=8)
     columns = {
         "layer_depth_m": depth,

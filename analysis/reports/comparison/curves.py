@@ -223,8 +223,10 @@ def front(run: ComparedRun) -> SampledCurve:
         if result.case.precompression is not None:
             raise LackingError("its contacts are loaded from the start")
         depth, arrival = front_arrivals(result)
-        _, layer = _layers_below(result)
-        is_start = np.isin(np.arange(len(depth)), layer[result.rows(np.array(result.struck))])
+        rows = result.rows(np.array(result.struck))
+        start = result["spheres/position"][rows, 2] - result.origin[2]
+    is_start = np.zeros(len(depth), dtype=bool)
+    is_start[np.abs(depth[:, None] - start).argmin(axis=0)] = True
     is_reached = np.isfinite(arrival) & ~is_start
     if np.count_nonzero(is_reached) < 2:
         raise LackingError("the wave reached fewer than two layers")

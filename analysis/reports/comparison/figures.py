@@ -391,9 +391,7 @@ def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, 
     return min(laws, key=lambda fits: (-len(fits), sum(fit.misfit**2 for fit in fits.values())))
 
 
-def _described(
-    peaks: Mapping[ComparedRun, PeaksByDepth], number: int
-) -> dict[ComparedRun, Decay]:
+def _described(peaks: Mapping[ComparedRun, PeaksByDepth], number: int) -> dict[ComparedRun, Decay]:
     """Return the fits of one of the laws that describe the forces of a run, by run."""
     fits = {run: one.decays[number] for run, one in peaks.items() if one.decays is not None}
     return {run: fit for run, fit in fits.items() if not objection(fit)}
