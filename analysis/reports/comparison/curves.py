@@ -30,7 +30,6 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 FORMS = ("kinetic", "elastic", "dissipated")  # forms of energy, in the order of their panels
 _LEAST_LAYERS = 2  # fewest layers of a curve
-_LEAST_CONTACTS = 2  # fewest loaded contacts of a course of forces
 _STATIC_LOAD = "precompression"  # beginning of the keys of a static load
 
 
@@ -169,10 +168,10 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
         fits = both_decays(result, peaks)
         n_loaded = int(np.count_nonzero(result["contacts/peak_force"] > 0))
     largest = peaks.largest
+    if n_loaded == 1:
+        raise LackingError("a single contact carries a force, the same for both spheres")
     if len(largest) < _LEAST_LAYERS or not largest.any():
         raise LackingError("no force reaches two layers")
-    if n_loaded < _LEAST_CONTACTS:
-        raise LackingError("a single contact carries its force, the same for both spheres")
     shown = peaks.is_known
     if np.count_nonzero(shown) < _LEAST_LAYERS:
         raise LackingError("the peak force of fewer than two layers is known at the end of the run")
