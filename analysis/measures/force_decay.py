@@ -344,7 +344,7 @@ def both_decays(
     n_fitted = int(np.count_nonzero(fitted))
     if n_fitted < _LEAST_FIT:
         return f"only {n_fitted} layers"
-    if _differs_along_depth(result, peaks.depth[fitted]):
+    if _differs_along_depth(result, peaks.depth[below]):
         return "the material or the diameter changes with depth"
     depth = peaks.depth[fitted]
     force = peaks.largest[fitted]
