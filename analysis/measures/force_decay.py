@@ -231,17 +231,18 @@ def force_decay(result: Result) -> Decay | None:
     fits = both_decays(result)
     if isinstance(fits, str):
         return None
-    decay = _better(fits)
+    decay = better_of(fits)
     return None if objection(decay) else decay
 
 
 def no_decay_reason(result: Result) -> str:
     """Return the reason why `force_decay` returns no decay; empty if it returns one."""
     fits = both_decays(result)
-    return fits if isinstance(fits, str) else objection(_better(fits))
+    return fits if isinstance(fits, str) else objection(better_of(fits))
 
 
-def _better(fits: tuple[ForceDecay, PowerDecay]) -> Decay:
+def better_of(fits: tuple[ForceDecay, PowerDecay]) -> Decay:
+    """Return the fit with the smaller misfit."""
     exponential, power = fits
     return exponential if exponential.misfit <= power.misfit else power
 

@@ -175,13 +175,14 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
     shown = peaks.is_known
     if np.count_nonzero(shown) < _LEAST_LAYERS:
         raise LackingError("the peak force of fewer than two layers is known at the end of the run")
-    is_refused = isinstance(fits, str)
+    decays = None if isinstance(fits, str) else fits
+    no_decay = fits if isinstance(fits, str) else ""
     return PeaksByDepth(
         depth=peaks.depth[shown],
         largest=largest[shown],
         median=peaks.median[shown],
-        decays=None if is_refused else fits,
-        no_decay=fits if is_refused else "",
+        decays=decays,
+        no_decay=no_decay,
         n_unknown=peaks.n_left_out,
         of_first_wave=peaks.of_first_wave,
     )

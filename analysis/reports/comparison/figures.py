@@ -22,7 +22,7 @@ from granwave.analysis.figures.series import (
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import interval, quantity_in
-from granwave.analysis.measures.force_decay import Decay, ForceDecay, objection
+from granwave.analysis.measures.force_decay import Decay, ForceDecay, better_of, objection
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
     FORMS,
@@ -442,7 +442,7 @@ def _refusal(peaks: PeaksByDepth) -> str:
     """Return the reason why the forces of a run have no fit: that of the better law."""
     if peaks.decays is None:
         return peaks.no_decay
-    return objection(min(peaks.decays, key=lambda fit: fit.misfit)) or _OTHER_LAW
+    return objection(better_of(peaks.decays)) or _OTHER_LAW
 
 
 def draw_dissipation(
