@@ -415,7 +415,8 @@ ENTRIES = (
     Quantity("wave_speed_m_s", "Wave speed in the deeper half", short="wave speed", digits=".4g",
              phrase="{} m/s in the deeper half", axis="Wave speed", symbol="c",
              note="Speed of the wave front in the deeper half of the layers that it reached in the "
-             "run, whatever their materials: the front reaches a contact when its force first exceeds 10 % of its largest value. Requires at least "
+             "run, whatever their materials: the front reaches a contact when its force first "
+             "exceeds 10 % of its largest value. Requires at least "
              "nine layers. Null for parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
              note="Velocity along the impact or load.direction; negative after a rebound."),

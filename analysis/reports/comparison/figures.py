@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -369,7 +370,7 @@ def _log_if_wide(*panels_of_figure: Axes) -> None:
     """Make the vertical axes of all panels logarithmic if their lines together span more than a
     decade; otherwise linear, from 0.
     """
-    lines = [line for axes in panels_of_figure for line in axes.lines]
+    lines = list(chain.from_iterable(axes.lines for axes in panels_of_figure))
     values = np.concatenate([np.asarray(line.get_ydata()) for line in lines] or [np.ones(1)])
     is_wide = len(values) and values.max() > _WIDE * values.min()
     for axes in panels_of_figure:

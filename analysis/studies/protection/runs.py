@@ -57,19 +57,13 @@ class TargetRun(FinishedRun):
         if name == "gain_per_kg":
             return (self.value("peak_reduction") - 1) / self.value("packing_mass_kg")
         if name == "impulse_over_momentum":
-            return self.dynamic_impulse / self.momentum if self.momentum else math.nan
+            return self.value("wall_impulse_Ns") / self.momentum if self.momentum else math.nan
         if name == "energy_over_input":
             if not self.moves:
                 return math.nan
             _, work = self.energy
             return float(work.max()) / self.value("energy_input_J")
         return super().value(name)
-
-    @property
-    def dynamic_impulse(self) -> float:
-        """Impulse on the target without that of a static force, N s; NaN if not applicable."""
-        dynamic = self.value("wall_dynamic_impulse_Ns")
-        return self.value("wall_impulse_Ns") if math.isnan(dynamic) else dynamic
 
     @property
     def layers(self) -> int:
