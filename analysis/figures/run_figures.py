@@ -106,8 +106,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
         "it",
      "Steps are short while contacts are stiff; the line is the tolerance for the error."),
     ("bottom_force", histories.bottom_force, "Force and impulse on the bottom",
-     "The first rise is the arrival of the wave; the impulse is the area under the force, above its "
-     "static value."),
+     "The first rise is the arrival of the wave; the impulse is the area under the force, above "
+     "its static value."),
     ("target", histories.target, "Force on the target with and without the packing, and work on it",
      "The ratio of the two force peaks is the peak reduction."),
     ("impactor_velocity", histories.impactor_velocity, "Velocity of the impacted or loaded sphere",
