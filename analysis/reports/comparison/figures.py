@@ -77,6 +77,7 @@ _MOST_MARKED = 40  # points of a curve with markers
 _NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 _POINTS_OF_FIT = 30
 _ROOM_ABOVE = 1.06  # upper end of a linear axis / largest value
+_ROOM_OF_LOG = 1.4  # end of a logarithmic axis / largest or smallest value
 _HIDES = 30.0  # ratio of the largest to the smallest peak that a linear axis hides
 _N_LAWS = 2  # laws of decay: exponential and power
 _OTHER_LAW = "it follows the other law"
@@ -367,18 +368,19 @@ def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
 
 
 def _log_if_wide(*panels_of_figure: Axes) -> None:
-    """Make the vertical axes of all panels logarithmic if their lines together span more than a
-    decade; otherwise linear, from 0.
+    """Give the vertical axes of all panels one scale, logarithmic if their lines together span more
+    than a decade, otherwise linear from 0.
     """
     lines = list(chain.from_iterable(axes.lines for axes in panels_of_figure))
     values = np.concatenate([np.asarray(line.get_ydata()) for line in lines] or [np.ones(1)])
     is_wide = len(values) and values.max() > _WIDE * values.min()
+    positive = values[values > 0]
     for axes in panels_of_figure:
-        if is_wide:
+        if is_wide and len(positive):
             axes.set_yscale("log")
+            axes.set_ylim(positive.min() / _ROOM_OF_LOG, positive.max() * _ROOM_OF_LOG)
         else:
-            own = [np.max(line.get_ydata(), initial=0.0) for line in axes.lines]
-            axes.set_ylim(0, _ROOM_ABOVE * max(own, default=1.0))
+            axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0))
 
 
 def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
@@ -627,8 +629,8 @@ FIGURES: dict[str, ComparisonFigure] = {
         notes=speed_notes, curve=_itself,
     ),
     "peak_force_field": ComparisonFigure(
-        "Peak force on the lattice plane below the impact in which spheres touch, on a common "
-        "colour scale", force_field,
+        "Peak force on the lattice plane below the impact in which spheres touch, the largest of "
+        "the run, on a common colour scale", force_field,
         draw_field_panels, notes=_field_notes, most=MOST_PANELS,
     ),
     "peak_force_difference": ComparisonFigure(

@@ -309,6 +309,7 @@ def test_one_scale_for_all_panels(place):
     with style():
         axes = draw_peaks(peaks, []).figure.axes
     assert [panel.get_yscale() for panel in axes] == ["log", "log"]
+    assert axes[0].get_ylim() == axes[1].get_ylim()
 
 
 def test_fronts_begin_below_the_impacted_sphere(place):
