@@ -33,7 +33,12 @@ from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     names_with_cases,
 )
-from granwave.analysis.reports.comparison.values import ComparedValue, factor
+from granwave.analysis.reports.comparison.values import (
+    TRUNCATED,
+    ComparedValue,
+    factor,
+    shown_values,
+)
 from granwave.analysis.reports.figures import picture_of
 
 _MOST_VALUES = 10  # rows of the table of values
@@ -82,9 +87,7 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
 
 def value_table(comparison: Comparison) -> DocumentTable:
     """Return the table of values; for many runs the smallest and the largest of each value."""
-    values = comparison.values
-    if not comparison.quantities:
-        values = values[:_MOST_VALUES]
+    values = shown_values(comparison.values, _MOST_VALUES, asked=bool(comparison.quantities))
     if len(comparison.runs) > MOST_SIDE_BY_SIDE:
         return _ranges(comparison.runs, values)
     heads = [TableColumn(run.name, numeric=True) for run in comparison.runs]
@@ -139,6 +142,8 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
 
 
 def _ratio(value: ComparedValue) -> Cell:
+    if value.is_truncated:
+        return Cell(TRUNCATED)
     return Cell("") if value.ratio is None else Cell(factor(value.ratio), value.ratio)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.reports.comparison.ends import END_KEY, LATER, end_of, have_unlike_ends
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     LackingError,
@@ -74,6 +75,8 @@ def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
         own = [key for key in own if key != _REPLACED]
     rows += [_key_row(key, runs) for key in own]
     rows += grains
+    rest = [key for key in rest if key != END_KEY]
+    rows += _end_rows(runs)
     rows += [_key_row(key, runs, is_numerical=True) for key in rest]
     return rows
 
@@ -90,6 +93,36 @@ def _kind_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
 def _key_row(key: str, runs: Sequence[ComparedRun], *, is_numerical: bool = False) -> Difference:
     texts = [value_text(key, run.run.case) if run.run.case else NOT_RECORDED for run in runs]
     return Difference(key, tuple(texts), is_numerical)
+
+
+def _end_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
+    """Return a row with the end times of runs, if the requested times or the ends differ; the time
+    that a run reached stands next to the requested time where they differ.
+    """
+    asked = {str(run.run.case[END_KEY]) for run in runs if END_KEY in run.run.case}
+    is_unlike = have_unlike_ends(runs) or any(run.unfinished for run in runs)
+    if len(asked) < 2 and not is_unlike:
+        return []
+    texts = tuple(_end_text(run) for run in runs)
+    return [Difference(END_KEY, texts, is_numerical=True)]
+
+
+def _end_text(run: ComparedRun) -> str:
+    """Return the requested end time of a run: ``1 ms``; with the time at which it stopped, if it
+    stopped earlier: ``70 µs of 1 ms (interrupted)``.
+    """
+    reached = quantity_in(end_of(run), "s")
+    asked = run.run.case.get(END_KEY)
+    if asked is None:
+        return reached
+    text = value_text(END_KEY, run.run.case)
+    is_at_end = isinstance(asked, float | int) and end_of(run) * LATER >= asked
+    if is_at_end and not run.run.is_unfinished:
+        return text
+    state = f" ({run.run.record['state']})" if run.run.is_unfinished else ""
+    if isinstance(asked, str):
+        return f"{text}: {reached}{state}"
+    return f"{reached} of {text}{state}"
 
 
 def _grain_rows(runs: Sequence[ComparedRun], *, places: bool) -> list[Difference]:
