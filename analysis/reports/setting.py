@@ -100,7 +100,7 @@ def _materials(case: Mapping[str, Any]) -> str:
     for entry in case.get("replace") or ():
         if isinstance(entry, Mapping) and (other := _name_of(entry.get("material"))):
             names[other] = None
-            replaced |= _ids_of(entry.get("index"))
+            replaced |= ids_of(entry.get("index"))
     size = case.get("packing.size")
     if len(replaced) == math.prod(size if isinstance(size, list | tuple) else [size or -1]):
         del names[next(iter(names))]
@@ -116,7 +116,7 @@ def _name_of(material: Any) -> str:
     return str(material or "")
 
 
-def _ids_of(index: Any) -> set[int]:
+def ids_of(index: Any) -> set[int]:
     """Return the ids of an index of ``[[replace]]``: one, a list, or first, last and step."""
     if isinstance(index, Mapping):
         return set(range(index["first"], index["last"] + 1, index.get("step", 1)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.ends import END_KEY, LATER, end_of, have_unlike_ends
+from granwave.analysis.reports.comparison.grain_ids import ids_in_words
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     LackingError,
@@ -22,10 +23,9 @@ from granwave.lammps_inputs.errors import GranwaveError
 
 _SAME = 1e-12  # relative tolerance of equal diameters
 _SAME_PLACE = 1e-9  # tolerance of equal positions, diameters
-_MOST_RANGES = 4  # most ranges of ids in a row of the table
+_MOST_DIAMETERS = 4  # combinations of diameters that are listed one by one
 _MOST_ROWS = 12  # most rows for grains; further grains are counted
 NOT_RECORDED = "not recorded"
-_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # endings of ordinal numbers
 UNNAMED = "unnamed"  # name of a material without a name
 _OF_PACKING = "packing."
 _REPLACED = "replace"  # key whose changes are listed by grain
@@ -182,10 +182,26 @@ def _number_rows(grains: Sequence[_Grains], *, places: bool) -> list[Difference]
     moves = [np.linalg.norm(other.position - first.position, axis=1) for other in grains]
     rows: list[Difference] = []
     if not _is_constant(sizes):  # the change is listed under another key
-        rows += _changed_row("diameter", first.ids, sizes, _SAME * scale)
+        rows += _diameter_rows(grains, sizes, _SAME * scale)
     if places:
         rows += _changed_row("position", first.ids, moves, _SAME_PLACE * scale)
     return rows
+
+
+def _diameter_rows(
+    grains: Sequence[_Grains], changes: Sequence[NDArray[np.float64]], least: float
+) -> list[Difference]:
+    """Return a row for each combination of diameters that differ; a row with the largest changes if
+    there are many combinations.
+    """
+    is_changed = np.max(np.abs(changes), axis=0) > least
+    columns = [[quantity_in(d, "m") for d in one.diameter[is_changed].tolist()] for one in grains]
+    groups: dict[tuple[str, ...], list[int]] = {}
+    for sphere, texts in zip(grains[0].ids[is_changed], zip(*columns, strict=True), strict=True):
+        groups.setdefault(texts, []).append(int(sphere))
+    if len(groups) > _MOST_DIAMETERS:
+        return _changed_row("diameter", grains[0].ids, changes, least)
+    return [Difference(f"diameter of {ids_in_words(ids)}", texts) for texts, ids in groups.items()]
 
 
 def _changed_row(
@@ -205,40 +221,4 @@ def _is_constant(changes: Sequence[NDArray[np.float64]]) -> bool:
 
 def _change_text(change: NDArray[np.float64]) -> str:
     largest = float(np.abs(change).max(initial=0.0))
-    return f"up to {quantity_in(largest, 'm')} off" if largest else "the reference"
-
-
-def ids_in_words(ids: Iterable[int]) -> str:
-    """Return ids as ranges: ``grains 1, 3 to 5``; for long lists the first ids, and the number of
-    all.
-    """
-    numbers = sorted(ids)
-    if len(numbers) == 1:
-        return f"grain {numbers[0]}"
-    ranges: list[list[int]] = []
-    for number in numbers:
-        if ranges and number == ranges[-1][-1] + 1:
-            ranges[-1] = [ranges[-1][0], number]
-        else:
-            ranges.append([number])
-    if step := _step(numbers):
-        return f"grains {numbers[0]}, {numbers[1]}, … {numbers[-1]} (every {_ordinal(step)})"
-    texts = [f"{part[0]} to {part[-1]}" if len(part) > 1 else f"{part[0]}" for part in ranges]
-    if len(texts) > _MOST_RANGES:
-        return f"{len(numbers)} grains ({', '.join(texts[:_MOST_RANGES])}, …)"
-    return f"grains {', '.join(texts)}"
-
-
-def _ordinal(number: int) -> str:
-    """Return a number as ``2nd``, ``13th``."""
-    if number % 100 in (11, 12, 13):
-        return f"{number}th"
-    return f"{number}{_ENDINGS.get(number % 10, 'th')}"
-
-
-def _step(numbers: Sequence[int]) -> int:
-    """Return the constant spacing (above 1) of at least four numbers; 0 if it is not constant."""
-    steps = set(np.diff(numbers).tolist())
-    if len(numbers) > _MOST_RANGES and len(steps) == 1 and steps != {1}:
-        return int(steps.pop())
-    return 0
+    return f"changed by up to {quantity_in(largest, 'm')}" if largest else "the reference"
