@@ -45,7 +45,12 @@ from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import figures_section, views
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
-from granwave.analysis.reports.kinds import ReportRun, report_kinds
+from granwave.analysis.reports.kinds import (
+    WARNING_OF,
+    ReportRun,
+    report_kinds,
+    warning_notes,
+)
 from granwave.analysis.reports.results import SLUG as RESULTS
 from granwave.analysis.reports.results import failures_section, results_section, status_cell
 from granwave.analysis.reports.setting import first_line, setting_of, settings_blocks, symbols_note
@@ -78,6 +83,7 @@ _CUT = (
     "The plastic zone reaches a boundary, which limits its extent, and may change "
     "the depth and radius that contain 99 % of its dissipation"
 )
+_OF_COMPARISON = (_CUT, _LEFT_OUT, WARNING_OF)  # notes that a comparison has itself
 _WAVES = (
     f"More than {100 * NOTED_SHARE:g} % of the plastic dissipation occurred after a reflection "
     "from a boundary could return"
@@ -160,7 +166,7 @@ def build_comparison(inputs: ReportInputs, comparison: Comparison, data: Link) -
     notes = [
         note
         for note in _notes(inputs, failures.slug)
-        if note.tone != "good" and not note.text.startswith((_CUT, _LEFT_OUT))
+        if note.tone != "good" and not note.text.startswith(_OF_COMPARISON)
     ]
     first = (*comparison_blocks(comparison, data), *symbols_note(inputs), *notes)
     sections = (
@@ -206,8 +212,10 @@ def _answer(
 ) -> DocumentSection:
     """Make the first section: warnings, results, and notes."""
     notes = _notes(inputs, failures)
+    compared = [run for run in inputs.runs if run.has_balance]
     if not inputs.scans and len(inputs.runs) > 1:
-        notes = [note for note in notes if not note.text.startswith(_CUT)]
+        told = warning_notes(compared) if len(compared) > 1 else []
+        notes = [note for note in notes if not note.text.startswith(_CUT) and note.text not in told]
     bad, others = (
         [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)
     )
@@ -327,6 +335,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         for text, labels, tone, section in told
         if labels
     ]
+    notes += [Note(text, "note") for text in warning_notes(list(inputs.results()))]
     notes += [
         Note(f"{_DAMAGED.format(run.label)} granwave analyse {inputs.path(run.directory)}", "bad")
         for run in runs

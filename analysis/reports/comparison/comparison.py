@@ -45,7 +45,7 @@ from granwave.analysis.reports.comparison.values import (
     unknown_values,
 )
 from granwave.analysis.reports.inputs import ReportInputs
-from granwave.analysis.reports.kinds import ReportRun
+from granwave.analysis.reports.kinds import ReportRun, warning_notes
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.own_files import AnyPath
 
@@ -325,6 +325,7 @@ class Comparison:
         notes += self._unlike_ends()
         if len(self.runs) >= _LEAST_RUNS:
             notes += definition_notes(self.runs)
+        notes += warning_notes([run.run for run in self.runs])
         for name, curve in self.measured.items():
             notes += coverage_notes(curve, self._named_deviations(name))
             notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
