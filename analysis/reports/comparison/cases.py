@@ -42,7 +42,8 @@ class Difference:
     values
         In words, by run: (n_runs,).
     is_numerical
-        True for keys of the tables run and output, which change how a run is followed.
+        True for keys of the tables run and output, which change how a run is followed; False for
+        ends that differ, which change results.
     """
 
     what: str
@@ -104,7 +105,7 @@ def _end_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
     if len(asked) < 2 and not is_unlike:
         return []
     texts = tuple(_end_text(run) for run in runs)
-    return [Difference(END_KEY, texts, is_numerical=True)]
+    return [Difference(END_KEY, texts, is_numerical=not is_unlike)]
 
 
 def _end_text(run: ComparedRun) -> str:

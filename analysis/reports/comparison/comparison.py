@@ -27,6 +27,7 @@ from granwave.analysis.reports.comparison.measured import (
     deviation,
     outside_notes,
     read_measured,
+    unranked_reasons,
 )
 from granwave.analysis.reports.comparison.protection import protection_sentences
 from granwave.analysis.reports.comparison.subjects import (
@@ -117,7 +118,7 @@ class Comparison:
         """
         is_alone = len(self.runs) < _LEAST_RUNS
         measured = [
-            closest_sentence(curve, self._named_deviations(name), _units_of(name), alone=is_alone)
+            closest_sentence(curve, self.named_deviations(name), _units_of(name), alone=is_alone)
             for name, curve in self.measured.items()
         ]
         if is_alone:
@@ -287,7 +288,7 @@ class Comparison:
             for run, data in self.data(name).present.items()
         }
 
-    def _named_deviations(self, name: str) -> dict[str, Deviation]:
+    def named_deviations(self, name: str) -> dict[str, Deviation]:
         """Return the differences from a measured curve by the names of the runs that cover it."""
         return {
             run.name: difference
@@ -299,15 +300,18 @@ class Comparison:
     def misfits(self) -> pandas.DataFrame:
         """Difference of each run from the measured curve: rms, rms divided by the measured peak,
         relative difference of the peaks, number of points, and peak of the run in the measured
-        range with its position; empty without a measured curve.
+        range with its position; ``not_ranked`` is the reason for which a run is not ranked, or
+        empty. Empty without a measured curve.
         """
         import pandas
 
         rows: list[dict[str, Any]] = []
         for name in self.measured:
+            reasons = unranked_reasons(self.named_deviations(name))
             for run, difference in self.deviations(name).items():
                 values = vars(difference) if difference is not None else {}
-                rows.append({"figure": name, "run": run.name, **values})
+                reason = reasons.get(run.name, "")
+                rows.append({"figure": name, "run": run.name, **values, "not_ranked": reason})
         return pandas.DataFrame(rows)
 
     # ------------------------------------------------------------------ in words
@@ -327,8 +331,8 @@ class Comparison:
             notes += definition_notes(self.runs)
         notes += warning_notes([run.run for run in self.runs])
         for name, curve in self.measured.items():
-            notes += coverage_notes(curve, self._named_deviations(name))
-            notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
+            notes += coverage_notes(curve, self.named_deviations(name))
+            notes += outside_notes(curve, self.named_deviations(name), _units_of(name))
         return notes + self._undrawn()
 
     def _undrawn(self) -> list[str]:

@@ -34,6 +34,7 @@ from granwave.analysis.reports.comparison.measured import (
     outside_notes,
     read_measured,
     relative_text,
+    unranked_reasons,
 )
 from granwave.analysis.reports.comparison.page import figure_folder, write_comparison
 from granwave.analysis.reports.comparison.protection import protection_sentences
@@ -517,6 +518,29 @@ def test_the_run_that_stops_before_the_peak_is_not_closest(tmp_path):
     assert "at 2 of 4 measured points; the run does not cover the measured peak, 10 N at" in only
     cells = misfit_cells(differences["short"], ("s", "N"), measured.peak)
     assert cells[4] == ""
+    (reason,) = unranked_reasons(differences).values()
+    cells = misfit_cells(differences["short"], ("s", "N"), measured.peak, reason)
+    assert cells[1] == "not ranked: fewer points than other runs"
+    assert not any("%" in cell for cell in cells)
+
+
+def test_a_run_that_still_rises_at_its_end_has_no_percentage(tmp_path):
+    """It covers the measured peak and as many points as the other run."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_ms,force_N\n" + "\n".join(f"{n},{10 - n / 200}" for n in range(200)))
+    measured = read_measured(file, ("s", "N"))
+    time = np.arange(199) * 1e-3
+    rising = deviation(measured, SampledCurve(time, time * 40.0))
+    falling = deviation(measured, SampledCurve(time, 9.0 - time))
+    assert rising.rises_at_end and np.isnan(rising.peak_difference)
+    assert falling.peak_difference == pytest.approx(-0.1)
+    differences = {"rising": rising, "falling": falling}
+    assert unranked_reasons(differences) == {"rising": "still rises at its end"}
+    text = closest_sentence(measured, differences, ("s", "N"), alone=False)
+    assert text.startswith("Only falling is compared")
+    assert "at their end: rising." in coverage_notes(measured, differences)[0]
+    alone = closest_sentence(measured, {"rising": rising}, ("s", "N"), alone=True)
+    assert "the run still rises at its end, 7.92 N at 198 ms" in alone
 
 
 def test_a_sensor_of_the_opposite_sign(tmp_path):
