@@ -9,14 +9,13 @@ from collections.abc import Callable, Sequence
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
+from granwave.analysis.reports.comparison.energy_inputs import have_same_input, inputs_in_words
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
-_INPUT = "energy_input_J"
 _FORCE = "wall_peak_force_N"
 _SPHERES = "n_spheres"
-_SAME_INPUT = 1e-6  # relative difference of energies that are equal
 _MOST_LISTED = 4  # runs that a sentence lists
 
 
@@ -35,19 +34,13 @@ def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def _inputs(runs: Sequence[ComparedRun]) -> str:
-    """Return a sentence on different energy inputs; empty if they are equal."""
-    inputs = {run: run.run.number(_INPUT) or 0.0 for run in runs}
-    largest = max(inputs.values())
-    if largest - min(inputs.values()) <= _SAME_INPUT * largest:
+    """Return a sentence on different inputs; empty if they are equal."""
+    if have_same_input(runs):
         return ""
-    listed = _listed(list(inputs), lambda run: quantity_in(inputs[run], "J"))
-    if len(inputs) > _MOST_LISTED:
-        least, *_, most = sorted(inputs, key=lambda run: inputs[run])
-        ends = [f"{quantity_in(inputs[run], 'J')} in {run.name}" for run in (least, most)]
-        listed = f"from {ends[0]} to {ends[1]}"
     return (
-        f"Energy inputs differ: {listed}. Forces, energies and sizes of the plastic zone are not "
-        "divided by them; fractions are."
+        f"Inputs differ: {inputs_in_words(runs)}. Forces, energies and sizes of the plastic zone "
+        "are not divided by them, and depths of the zone are not ranked; fractions are relative to "
+        "the input energy."
     )
 
 

@@ -26,6 +26,7 @@ from granwave.analysis.reports.comparison.curves import (
     energy_shares,
     force_at_bottom,
 )
+from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.figures import common_fits, decay_notes
 from granwave.analysis.reports.comparison.measured import (
     closest_sentence,
@@ -404,10 +405,29 @@ def test_runs_of_other_impacts_are_compared_with_the_impact_without_the_packing(
         peak_reduction=[1.25, 2.5],
     )
     assert sentence == (
-        "Relative to the same impact without the packing, run-2 protects the bottom better: its "
-        "peak force is 0.4 times the force without the packing, compared with 0.8 in run-1 (2 "
-        "times as high)."
+        "Inputs differ; the peak force on the bottom relative to the same impact without the "
+        "packing is lower in run-2, 0.4, compared with 0.8 in run-1 (2 times as high)."
     )
+
+
+def test_inputs_that_differ_are_named_and_depths_are_not_ranked(tmp_path):
+    """A faster impact has a deeper zone, which is not the merit of a packing."""
+    depths = [0.02, 0.05]
+    same = protected(tmp_path, energy_input_J=[1.0, 1.0], zone_depth_90_interpolated_m=depths)
+    assert "has the shallower plastic zone" in same[0]
+    assert not protected(tmp_path, energy_input_J=[1.0, 4.0], zone_depth_90_interpolated_m=depths)
+    changes = {"slow": (0.01, 5.0), "fast": (0.04, 10.0), "heavy": (0.04, 5.0)}
+    runs = [
+        write_run(tmp_path / name, figures=False, energy_input_J=energy, load__velocity=velocity)
+        for name, (energy, velocity) in changes.items()
+    ]
+    compared_runs_of = compare_runs(read_inputs(runs, tmp_path).runs)
+    (note,) = [note for note in compared_runs_of.notes if note.startswith("Inputs differ")]
+    assert "10 mJ (0.8 g at 5 m/s) in slow, 40 mJ (0.8 g at 10 m/s) in fast" in note
+    assert "40 mJ (3.2 g at 5 m/s) in heavy" in note
+    equal_energy = compared_runs_of.runs[1:]
+    assert not have_same_input(equal_energy)  # another velocity
+    assert have_same_input(equal_energy[:1])
 
 
 def test_protection_of_many_runs_and_of_equal_ones(tmp_path):
