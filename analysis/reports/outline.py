@@ -63,6 +63,7 @@ from granwave.analysis.reports.studies import (
     studies_section,
     verdicts,
 )
+from granwave.analysis.reports.used_symbols import parts_of, parts_of_sections, uses_symbol
 from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.case.contact.contact import ALL_LAWS, LINE
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
@@ -131,8 +132,7 @@ def report_with_studies(inputs: ReportInputs, made: ReportStudies) -> Report:
     what = text_table(
         "Contents of this report", heads, [_input_row(item, inputs) for item in inputs.items]
     )
-    sections = (
-        _answer(inputs, failures.slug, studies, picture),
+    others = (
         DocumentSection("Verdict", "verdict", verdicts(studies)),
         studies_section(inputs, studies),
         comparison_section(inputs, made.compared),
@@ -144,6 +144,7 @@ def report_with_studies(inputs: ReportInputs, made: ReportStudies) -> Report:
             "Settings and versions", "inputs", (what, *settings_blocks(inputs), *_versions(inputs))
         ),
     )
+    sections = (_answer(inputs, failures.slug, studies, picture, others), *others)
     return tidied(
         Report(
             f"Report: {_names_in_title(labels)}",
@@ -168,9 +169,8 @@ def build_comparison(inputs: ReportInputs, comparison: Comparison, data: Link) -
         for note in _notes(inputs, failures.slug)
         if note.tone != "good" and not note.text.startswith(_OF_COMPARISON)
     ]
-    first = (*comparison_blocks(comparison, data), *symbols_note(inputs), *notes)
-    sections = (
-        DocumentSection("Comparison", "short", first),
+    blocks = comparison_blocks(comparison, data)
+    others = (
         failures,
         results_section(inputs),
         balance_section(inputs),
@@ -178,6 +178,9 @@ def build_comparison(inputs: ReportInputs, comparison: Comparison, data: Link) -
             "Settings and versions", "inputs", (*settings_blocks(inputs), *_versions(inputs))
         ),
     )
+    symbols = _symbols(inputs, blocks, others)
+    first = DocumentSection("Comparison", "short", (*blocks, *symbols, *notes))
+    sections = (first, *others)
     names = _names_in_title([run.name for run in comparison.runs])
     shown = tuple(section for section in sections if section.blocks)
     return tidied(Report(f"Comparison: {names}", _lead(inputs), shown, _badges(inputs)))
@@ -208,9 +211,19 @@ def _lead(inputs: ReportInputs) -> str:
 
 
 def _answer(
-    inputs: ReportInputs, failures: str, studies: Sequence[Study], picture: Figure | None
+    inputs: ReportInputs,
+    failures: str,
+    studies: Sequence[Study],
+    picture: Figure | None,
+    later: Sequence[DocumentSection],
 ) -> DocumentSection:
-    """Make the first section: warnings, results, and notes."""
+    """Make the first section: warnings, results, and notes.
+
+    Parameters
+    ----------
+    later
+        Other sections, whose symbols it defines.
+    """
     notes = _notes(inputs, failures)
     compared = [run for run in inputs.runs if run.has_balance]
     if not inputs.scans and len(inputs.runs) > 1:
@@ -220,11 +233,17 @@ def _answer(
         [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)
     )
     answer = answer_blocks(inputs, picture, judged=any(study.verdict for study in studies))
-    return DocumentSection(
-        "In short",
-        "short",
-        (*bad, *leads(studies), *answer, *views(inputs), *symbols_note(inputs), *others),
-    )
+    blocks = [*leads(studies), *answer, *views(inputs)]
+    symbols = _symbols(inputs, blocks, later)
+    return DocumentSection("In short", "short", (*bad, *blocks, *symbols, *others))
+
+
+def _symbols(
+    inputs: ReportInputs, blocks: Sequence[Block], sections: Sequence[DocumentSection]
+) -> list[Note]:
+    """Return the definitions of the symbols that blocks and sections use."""
+    parts = [*parts_of(blocks), *parts_of_sections(sections)]
+    return symbols_note(inputs, lambda symbol: uses_symbol(symbol, parts))
 
 
 def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:

@@ -5,7 +5,7 @@ settings, versions.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -127,9 +127,14 @@ def ids_of(index: Any) -> set[int]:
     return set()
 
 
-def symbols_note(inputs: ReportInputs) -> list[Note]:
+def symbols_note(inputs: ReportInputs, uses: Callable[[str], bool] | None = None) -> list[Note]:
     """Define the symbols in which figures and tables of these runs give forces, energies and
     velocities.
+
+    Parameters
+    ----------
+    uses
+        Function that returns True for a symbol that the report uses; by default for all.
     """
     runs = [run for run in inputs.whole() if run.has_balance][:_MOST_SYMBOLS]
     packings = [run for run in runs if run.kind.of_spheres]
@@ -163,7 +168,7 @@ def symbols_note(inputs: ReportInputs) -> list[Note]:
     said = [
         f"{symbol} = {range_in(values, unit)} is {what}."
         for symbol, values, unit, what in rows
-        if values
+        if values and (uses is None or uses(symbol))
     ]
     return [Note(" ".join(said))] if said else []
 
