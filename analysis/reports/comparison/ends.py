@@ -19,6 +19,7 @@ from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 END_KEY = "run.end_time"
+SETTLED = "settled"  # reason of the end of a run with an automatic end
 _END = "end_time_s"
 LATER = 1.01  # latest over earliest end above which runs end at different times
 _CHANGE = 5e-3  # relative change up to which a value counts as final
@@ -91,21 +92,30 @@ def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[st
 
     A value is complete if it is final at the earliest end in every run: the longer runs hardly
     change it afterwards, and the shortest run hardly changes it in the last tenth of its time.
-    Values whose course is not recorded count as truncated.
+    Runs of another case that ended since they had settled are complete. Values whose course is not
+    recorded count as truncated.
     """
+    is_one_case = differ_in_end_only(runs)
     final: dict[tuple[Course, tuple[ComparedRun, ...]], bool] = {}
     truncated: set[str] = set()
     for name in names:
         compared = tuple(run for run in runs if run.run.number(name) is not None)
         if _matches(name, _INDEPENDENT) or not have_unlike_ends(compared):
             continue
+        if not is_one_case:
+            compared = tuple(run for run in compared if not _has_settled(run))
         courses = _courses_of(name)
         for course in courses:
             if (course, compared) not in final:
                 final[course, compared] = _is_final(course, compared)
-        if not courses or not all(final[course, compared] for course in courses):
+        if compared and not (courses and all(final[course, compared] for course in courses)):
             truncated.add(name)
     return truncated
+
+
+def _has_settled(run: ComparedRun) -> bool:
+    """Return True for a run that ended by itself, since it had settled."""
+    return not run.run.is_unfinished and run.run.summary.get("end_reason") == SETTLED
 
 
 def _courses_of(name: str) -> tuple[Course, ...]:
@@ -122,7 +132,7 @@ def _matches(name: str, patterns: Sequence[str]) -> bool:
 
 def _is_final(course: Course, runs: Sequence[ComparedRun]) -> bool:
     """Return True if a value is final in every run at the earliest end of all runs."""
-    earliest = min(map(end_of, runs))
+    earliest = min(map(end_of, runs), default=0.0)
     for run in runs:
         is_shortest = end_of(run) <= LATER * earliest
         time = (1 - _LAST_PART) * earliest if is_shortest else earliest

@@ -12,6 +12,7 @@ from granwave.analysis.formatting.numbers import number, plain, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.ends import AT_THE_END, truncated_names
+from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     names_in_words,
@@ -62,6 +63,7 @@ _COMPLETE = "that every run completes"  # follows "results"
 _MOST_LABELS = 6  # truncated values that a sentence lists
 _FRACTION = "_fraction"  # end of the names of fractions
 _PERCENT = 100.0
+_JOULE = "J"
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,8 @@ class ComparedValue:
         SI unit; empty if there is none.
     is_truncated
         True if an earlier end of a run truncates it, so that it has no ratio.
+    is_of_input
+        True for an energy in J of runs with different inputs, which a fraction describes better.
     """
 
     name: str
@@ -87,6 +91,7 @@ class ComparedValue:
     label: str
     unit: str
     is_truncated: bool = False
+    is_of_input: bool = False
 
     @property
     def numbers(self) -> list[float]:
@@ -119,8 +124,10 @@ class ComparedValue:
 
     @property
     def is_main(self) -> bool:
-        """True for a complete value that is not the value at an arbitrary instant."""
-        return self.is_complete and self.name not in AT_THE_END
+        """True for a complete value that is no value at an arbitrary instant, and no energy of runs
+        with different inputs.
+        """
+        return self.is_complete and not self.is_of_input and self.name not in AT_THE_END
 
     @property
     def is_negligible(self) -> bool:
@@ -342,8 +349,10 @@ def _value(name: str, runs: Sequence[ComparedRun], *, is_truncated: bool = False
         for value in finite
     ]
     called = grains_called_in([run.run.summary for run in runs])
+    unit = unit_of_value(name)
+    is_of_input = unit == _JOULE and not have_same_input(runs)
     return ComparedValue(
-        name, tuple(values), label_of(name, called), unit_of_value(name), is_truncated
+        name, tuple(values), label_of(name, called), unit, is_truncated, is_of_input
     )
 
 

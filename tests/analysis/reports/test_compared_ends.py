@@ -11,6 +11,7 @@ from granwave.analysis.reports.comparison.blocks import value_table
 from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
 from granwave.analysis.reports.comparison.curves import SampledCurve
 from granwave.analysis.reports.comparison.ends import _is_final_at, truncated_names
+from granwave.analysis.reports.comparison.subjects import compared_runs
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.compare import text_of
@@ -91,6 +92,21 @@ def test_a_killed_run_shows_the_time_that_it_reached(place):
     (row,) = comparison.case_rows
     assert row.what == "run.end_time" and not row.is_numerical  # in the table of the cases
     assert row.values == ("200 µs", "40 µs of 200 µs (interrupted)")
+
+
+def test_a_run_that_settled_is_complete(place):
+    """It ended by itself; the other run is complete if it no longer changes. A run of one case that
+    stops earlier is not.
+    """
+    full, fast, early = read_inputs(
+        [place / name for name in ("full", "fast", "early")], place
+    ).runs
+    settled = dataclasses.replace(early, summary=early.summary | {"end_reason": "settled"})
+    names = ["n_plastic_spheres", "dissipated_fraction"]
+    assert truncated_names(names, compared_runs([early, full])) == set(names)
+    assert truncated_names(names, compared_runs([settled, full])) == set(names)
+    assert truncated_names(names, compared_runs([early, fast])) == set(names)
+    assert "dissipated_fraction" not in truncated_names(names, compared_runs([settled, fast]))
 
 
 def test_a_value_is_final_if_it_does_not_change_after_the_earliest_end(place):

@@ -146,6 +146,19 @@ def test_a_run_and_itself(place):
     assert "peak_force_difference" not in drawn(comparison)
 
 
+def test_a_run_given_three_times_has_three_names(place):
+    comparison = compared(place, "fcc", "fcc", "fcc")
+    assert [run.name for run in comparison.runs] == ["fcc", "fcc (2)", "fcc (3)"]
+    assert list(comparison.table.columns) == ["fcc", "fcc (2)", "fcc (3)", "ratio"]
+
+
+def test_energies_of_different_inputs_are_no_main_results(place):
+    """The dissipated fraction describes them; the table has both."""
+    comparison = compared(place, "fcc", "fast")
+    assert "dissipated energy" not in comparison.sentence
+    assert comparison.table.index[0] == "energy_dissipated_J"
+
+
 def test_chains_to_the_bead(place):
     comparison = compared(place, "chain", "mixed")
     differences = comparison.differences
