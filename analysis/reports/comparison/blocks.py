@@ -205,8 +205,11 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
         place = quantity_in(curve.peak_at, x_unit)
         own = ("measured", "", "", peak, place, "", str(len(curve.x)))
         rows: list[tuple[str, ...]] = [own]
-        reasons = unranked_reasons(comparison.named_deviations(name))
-        for run, difference in comparison.deviations(name).items():
+        deviations = comparison.deviations(name)
+        reasons = unranked_reasons(
+            {run.name: found for run, found in deviations.items() if found is not None}
+        )
+        for run, difference in deviations.items():
             cells: tuple[str, ...] = (_NO_RANGE, *_NO_CELLS)
             if difference is not None:
                 cells = misfit_cells(difference, units, curve.peak, reasons.get(run.name, ""))

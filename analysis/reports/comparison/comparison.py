@@ -118,7 +118,7 @@ class Comparison:
         """
         is_alone = len(self.runs) < _LEAST_RUNS
         measured = [
-            closest_sentence(curve, self.named_deviations(name), _units_of(name), alone=is_alone)
+            closest_sentence(curve, self._named_deviations(name), _units_of(name), alone=is_alone)
             for name, curve in self.measured.items()
         ]
         if is_alone:
@@ -288,7 +288,7 @@ class Comparison:
             for run, data in self.data(name).present.items()
         }
 
-    def named_deviations(self, name: str) -> dict[str, Deviation]:
+    def _named_deviations(self, name: str) -> dict[str, Deviation]:
         """Return the differences from a measured curve by the names of the runs that cover it."""
         return {
             run.name: difference
@@ -307,7 +307,7 @@ class Comparison:
 
         rows: list[dict[str, Any]] = []
         for name in self.measured:
-            reasons = unranked_reasons(self.named_deviations(name))
+            reasons = unranked_reasons(self._named_deviations(name))
             for run, difference in self.deviations(name).items():
                 values = vars(difference) if difference is not None else {}
                 reason = reasons.get(run.name, "")
@@ -331,8 +331,8 @@ class Comparison:
             notes += definition_notes(self.runs)
         notes += warning_notes([run.run for run in self.runs])
         for name, curve in self.measured.items():
-            notes += coverage_notes(curve, self.named_deviations(name))
-            notes += outside_notes(curve, self.named_deviations(name), _units_of(name))
+            notes += coverage_notes(curve, self._named_deviations(name))
+            notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
         return notes + self._undrawn()
 
     def _undrawn(self) -> list[str]:

@@ -15,6 +15,7 @@ from granwave.analysis.reports.comparison.subjects import ComparedRun
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
 _FORCE = "wall_peak_force_N"
+_DEPTH = "zone_depth_90_m"
 _SPHERES = "n_spheres"
 _MOST_LISTED = 4  # runs that a sentence lists
 
@@ -37,10 +38,12 @@ def _inputs(runs: Sequence[ComparedRun]) -> str:
     """Return a sentence on different inputs; empty if they are equal."""
     if have_same_input(runs):
         return ""
+    first = f"Inputs differ: {inputs_in_words(runs)}. "
+    if not any(run.run.number(_DEPTH) for run in runs):
+        return f"{first}Forces and energies are not divided by them."
     return (
-        f"Inputs differ: {inputs_in_words(runs)}. Forces, energies and sizes of the plastic zone "
-        "are not divided by them, and depths of the zone are not ranked; fractions are relative to "
-        "the input energy."
+        f"{first}Forces, energies and sizes of the plastic zone are not divided by them, and depths "
+        "of the zone are not ranked; fractions are relative to the input energy."
     )
 
 
@@ -71,7 +74,7 @@ def _yielding_of_laws(runs: Sequence[ComparedRun]) -> str:
 
 def _depths_of_kinds(runs: Sequence[ComparedRun]) -> str:
     """Return a sentence on the origin of depths in packings and blocks; empty for one kind."""
-    has_zone = [run for run in runs if run.run.number("zone_depth_90_m")]
+    has_zone = [run for run in runs if run.run.number(_DEPTH)]
     if len({run.has_spheres for run in has_zone}) < 2:
         return ""
     return (

@@ -105,7 +105,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         "packing is"
     )
     phrase = _Phrase(
-        f"{reduced} {{1}} in {{0}}, {{2}}",
+        f"{reduced} {{1}}, {{2}}, in {{0}}",
         f"{reduced} {{}}",
         "{} times as high",
         "lower",

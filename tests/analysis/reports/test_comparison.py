@@ -419,7 +419,7 @@ def test_runs_of_other_impacts_are_compared_with_the_impact_without_the_packing(
     )
     assert sentence == (
         "Inputs differ; the peak force on the bottom relative to the same impact without the "
-        "packing is lower in run-2, 0.4, compared with 0.8 in run-1 (2 times as high)."
+        "packing is lower, 0.4, in run-2, compared with 0.8 in run-1 (2 times as high)."
     )
 
 
