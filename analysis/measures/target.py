@@ -37,6 +37,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import BAR
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import footprint_radius
+from granwave.lammps_inputs.roots import brentq
 
 if TYPE_CHECKING:  # loads h5py, which `granwave check` does without
     from granwave.analysis.result.reader import Result
@@ -264,15 +265,13 @@ class Impactors:
         """Overlap on a fixed plane when all kinetic energy has become work of the contact, m."""
         energy = 0.5 * self.mass * self.velocity**2
 
-        from scipy.optimize import brentq  # imported on demand: slow to load
-
         def missing(overlap: float) -> float:
             return float(self.law.loading_work(np.array([overlap]))[0]) - energy
 
         upper = self.law.effective_radius * 1e-6
         while missing(upper) < 0:
             upper *= 2
-        return float(brentq(missing, 0.0, upper, xtol=1e-14 * upper, rtol=1e-14))
+        return brentq(missing, 0.0, upper, xtol=1e-14 * upper, rtol=1e-14)
 
     @property
     def duration(self) -> float:

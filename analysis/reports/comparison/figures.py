@@ -107,6 +107,9 @@ class ComparisonFigure:
         Function that returns the curve of a run for comparison with a measured curve.
     most
         Largest number of runs that it shows.
+    is_cumulative
+        True if it shows largest values or sums up to the end of each run, so that its caption
+        states different ends.
     """
 
     caption: str
@@ -117,6 +120,7 @@ class ComparisonFigure:
     notes: Callable[[Mapping[ComparedRun, Any]], str] | None = None
     curve: Callable[[Any], SampledCurve] | None = None
     most: int = MOST_CURVES
+    is_cumulative: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -610,7 +614,7 @@ FIGURES: dict[str, ComparisonFigure] = {
     ),
     "peak_force_depth": ComparisonFigure(
         "Peak force against depth: largest and median sphere of each layer", peaks_by_depth,
-        draw_peaks, units=("m", "N"), notes=_peak_notes, curve=_largest,
+        draw_peaks, units=("m", "N"), notes=_peak_notes, curve=_largest, is_cumulative=True,
     ),
     "energies": ComparisonFigure(
         "Kinetic, elastic and dissipated energy against time, relative to the input", energy_shares,
@@ -619,6 +623,7 @@ FIGURES: dict[str, ComparisonFigure] = {
     ),
     "dissipation_depth": ComparisonFigure(
         "Dissipation by layer, relative to the input", dissipation_by_depth, draw_dissipation,
+        is_cumulative=True,
     ),
     "zone_growth": ComparisonFigure(
         "Growth of the plastic zone: number and largest depth of yielded spheres", growth,
@@ -631,10 +636,10 @@ FIGURES: dict[str, ComparisonFigure] = {
     "peak_force_field": ComparisonFigure(
         "Peak force on the lattice plane below the impact in which spheres touch, the largest of "
         "the run, on a common colour scale", force_field,
-        draw_field_panels, notes=_field_notes, most=MOST_PANELS,
+        draw_field_panels, notes=_field_notes, most=MOST_PANELS, is_cumulative=True,
     ),
     "peak_force_difference": ComparisonFigure(
         "Difference of the peak force of corresponding grains", force_field,
-        draw_field_difference, notes=_difference_notes, most=MOST_PANELS,
+        draw_field_difference, notes=_difference_notes, most=MOST_PANELS, is_cumulative=True,
     ),
 }  # fmt: skip
