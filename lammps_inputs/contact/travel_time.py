@@ -135,6 +135,7 @@ def row_of(assembly: Assembly) -> WaveRow | None:
 
 def _stiffness(law: ContactLaw, force: float) -> float:
     """Stiffness of a contact for small motions under a force that has not been exceeded, N/m."""
+
     def miss(overlap: float) -> float:
         return float(law.loading_force(overlap)) - force
 
