@@ -196,13 +196,17 @@ def _diameter_rows(
     there are many combinations.
     """
     is_changed = np.max(np.abs(changes), axis=0) > least
-    columns = [[quantity_in(d, "m") for d in one.diameter[is_changed].tolist()] for one in grains]
+    columns = [_in_metres(one.diameter[is_changed]) for one in grains]
     groups: dict[tuple[str, ...], list[int]] = {}
     for sphere, texts in zip(grains[0].ids[is_changed], zip(*columns, strict=True), strict=True):
         groups.setdefault(texts, []).append(int(sphere))
     if len(groups) > _MOST_DIAMETERS:
         return _changed_row("diameter", grains[0].ids, changes, least)
     return [Difference(f"diameter of {ids_in_words(ids)}", texts) for texts, ids in groups.items()]
+
+
+def _in_metres(values: NDArray[np.float64]) -> list[str]:
+    return [quantity_in(value, "m") for value in values.tolist()]
 
 
 def _changed_row(

@@ -42,8 +42,8 @@ def _inputs(runs: Sequence[ComparedRun]) -> str:
     if not any(run.run.number(_DEPTH) for run in runs):
         return f"{first}Forces and energies are not divided by them."
     return (
-        f"{first}Forces, energies and sizes of the plastic zone are not divided by them, and depths "
-        "of the zone are not ranked; fractions are relative to the input energy."
+        f"{first}Forces, energies and sizes of the plastic zone are not divided by them, and "
+        "depths of the zone are not ranked; fractions are relative to the input energy."
     )
 
 
