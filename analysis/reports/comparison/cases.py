@@ -196,7 +196,7 @@ def _diameter_rows(
     there are many combinations.
     """
     is_changed = np.max(np.abs(changes), axis=0) > least
-    columns = [_in_metres(one.diameter[is_changed]) for one in grains]
+    columns = [_lengths(one.diameter[is_changed]) for one in grains]
     groups: dict[tuple[str, ...], list[int]] = {}
     for sphere, texts in zip(grains[0].ids[is_changed], zip(*columns, strict=True), strict=True):
         groups.setdefault(texts, []).append(int(sphere))
@@ -205,14 +205,14 @@ def _diameter_rows(
     return [Difference(f"diameter of {ids_in_words(ids)}", texts) for texts, ids in groups.items()]
 
 
-def _in_metres(values: NDArray[np.float64]) -> list[str]:
+def _lengths(values: NDArray[np.float64]) -> list[str]:
     return [quantity_in(value, "m") for value in values.tolist()]
 
 
 def _changed_row(
     what: str, ids: NDArray[np.int64], changes: Sequence[NDArray[np.float64]], least: float
 ) -> list[Difference]:
-    """Return the row of the grains that changed by more than ``least``, m; None without any."""
+    """Return the row of the grains that changed by more than ``least``, m; empty without any."""
     changed = ids[np.max(np.abs(changes), axis=0) > least]
     if not len(changed):
         return []

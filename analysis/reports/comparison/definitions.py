@@ -56,7 +56,7 @@ def _static_forces(runs: Sequence[ComparedRun]) -> str:
     listed = _listed(loaded, lambda run: quantity_in(static[run], "N"))
     return (
         "Peak forces and impulses in the tables include static forces; on the bottom, before the "
-        f"impact: {listed}."
+        f"impact: {listed}. Dynamic forces and impulses do not."
     )
 
 
@@ -122,7 +122,7 @@ def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
         listed = _listed(rising, _end)
         notes.append(
             "The force on the bottom is largest at the end of the run, and may rise further: "
-            f"{listed}. Such forces are not ranked."
+            f"{listed}. Such forces are not ranked, and their arrival is not known."
         )
     return notes
 

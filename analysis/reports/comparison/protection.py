@@ -65,8 +65,7 @@ def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> l
     that end before the wave reaches the bottom, or whose force there still rises at the end, are
     left out. The second sentence orders the runs by the interpolated depth of 90 % of the plastic
     dissipation; it leaves out collisions of two spheres, and zones that reach a boundary or still
-    grow, and there is none with different inputs.
-    `granwave.analysis.reports.comparison.definitions` names these runs.
+    grow, and there is none with different inputs. The module `definitions` names these runs.
 
     Parameters
     ----------

@@ -332,7 +332,8 @@ def _value_texts(key: str, runs: Sequence[ReportRun]) -> list[str]:
 
 def _replacement_texts(runs: Sequence[ReportRun]) -> list[str]:
     """Return the replaced grains of each run that some other run does not have."""
-    entries = [list(map(_replacement, run.case.get(_REPLACED) or ())) for run in runs]
+    tables = [run.case.get(_REPLACED) or () for run in runs]
+    entries = [list(map(_replacement, of_run)) for of_run in tables]
     shared = set(entries[0]).intersection(*entries)
     texts: list[str] = []
     for of_run in entries:

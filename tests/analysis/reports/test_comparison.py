@@ -25,9 +25,10 @@ from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
     energy_shares,
     force_at_bottom,
+    front,
 )
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
-from granwave.analysis.reports.comparison.figures import common_fits, decay_notes
+from granwave.analysis.reports.comparison.figures import common_fits, decay_notes, draw_peaks
 from granwave.analysis.reports.comparison.measured import (
     closest_sentence,
     coverage_notes,
@@ -285,11 +286,62 @@ def test_runs_without_a_fitted_decay_are_named(place):
     depth = np.arange(1.0, 6.0)
     fits = exponential_of_depth(depth, depth**-1.5), power_decay(depth, depth**-1.5, 1.0)
     peaks = {
-        run: PeaksByDepth(depth, depth, depth, decays)
-        for run, decays in zip(runs, (None, fits), strict=True)
+        run: PeaksByDepth(depth, depth, depth, decays, no_decay=reason)
+        for run, decays, reason in zip(runs, (None, fits), ("only 2 layers", ""), strict=True)
     }
-    assert decay_notes(peaks).endswith("Too few layers for a fit: fcc.")
-    assert decay_notes({runs[0]: peaks[runs[0]]}) == ""
+    assert decay_notes(peaks).endswith("Without a fit: fcc (only 2 layers).")
+    assert decay_notes({runs[0]: peaks[runs[0]]}) == "Without a fit: fcc (only 2 layers)."
+
+
+def test_laws_that_do_not_describe_the_forces_are_refused(place):
+    """A step is no decay, nor is a constant force; the run that a law describes has its fit."""
+    runs = compared(place, "fcc", "hcp", "chain").runs
+    depth = np.arange(1.0, 21.0)
+    step = np.where(depth < 10, 1.0, 0.05)
+    constant = np.full(20, 3.0) + 0.5 * np.exp(-depth)
+    peaks = {}
+    for run, force in zip(runs, (step, depth**-1.5, constant), strict=True):
+        fits = (
+            exponential_of_depth(depth, force),
+            power_decay(np.append(depth, 21), np.append(force, 1), 1.0),
+        )
+        peaks[run] = PeaksByDepth(depth, force, force, fits)
+    assert list(common_fits(peaks)) == [runs[1]]
+    text = decay_notes(peaks)
+    assert "1.5" in text and "hcp, 20 layers" in text
+    misfit = min(fit.misfit for fit in peaks[runs[0]].decays)
+    assert misfit > 0.3 and f"fcc (no decay fits: rms {100 * misfit:.2g} %)" in text
+    assert "chain (the peak force is constant within 0.1 % in the deeper half)" in text
+
+
+def test_one_scale_for_all_panels(place):
+    """The median of a layer spans less than a decade, the largest force more."""
+    figure = drawn(compared(place, "fcc", "hcp"))["peak_force_depth"].figure
+    assert len({axes.get_yscale() for axes in figure.axes}) == 1
+    depth = np.arange(1.0, 9.0)
+    runs = compared(place, "fcc", "hcp").runs
+    peaks = {run: PeaksByDepth(depth, depth**-3.0, depth**-0.1, None) for run in runs}
+    with style():
+        axes = draw_peaks(peaks, []).figure.axes
+    assert [panel.get_yscale() for panel in axes] == ["log", "log"]
+
+
+def test_fronts_begin_below_the_impacted_sphere(place):
+    """Its first contact is the first one of the next bead: two equal times are no speed."""
+    run, other = compared(place, "chain", "fcc").runs
+    curve = front(run)
+    assert curve.x[0] == pytest.approx(9.52e-3)
+    assert (np.diff(curve.y) > 0).all()
+    assert front(other).x[0] > 0
+
+
+def test_two_spheres_have_no_course_of_forces(place, tmp_path):
+    two = tmp_path / "two"
+    run_case(load_case("elastic-impact", {"packing.size": 2, "run.end_time": 1e-4}), two)
+    caption = compared(place, "chain", str(two)).caption("peak_force_depth")
+    assert "Not drawn: two (a single contact carries a force" in caption
+    assert not (two / "figures" / "along_chain.png").exists()
+    assert not (two / "figures" / "peak_force_depth.png").exists()
 
 
 def test_all_runs_have_the_law_that_fits_them_better():
