@@ -60,6 +60,7 @@ MOST_SIDE_BY_SIDE = 6
 MOST_OPEN = 12  # most points of a scan whose table is not folded
 MOST_ROWS = 14  # most values of one run in the first section
 _LONGEST = 600  # most characters of a reason
+_ROUNDING = 1e-9  # relative difference of equal values
 _STATUS = "Status"
 _NUMBER = TableColumn("#", numeric=True, key=True)
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no results
@@ -375,7 +376,8 @@ def _difference(first: Any, second: Any) -> Cell:
         or second != second
     ):
         return Cell("")
-    value = 100 * (second / first - 1)
+    change = second / first - 1
+    value = 0.0 if abs(change) < _ROUNDING else 100 * change
     return Cell(percent(value), value)
 
 

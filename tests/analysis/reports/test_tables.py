@@ -173,6 +173,14 @@ def test_shares_of_friction_are_shown_where_there_is_friction(tmp_path):
     )
 
 
+def test_rounding_is_no_difference(tmp_path):
+    first = write_run(tmp_path / "first", figures=False, energy_input_J=0.045)
+    second = write_run(tmp_path / "second", figures=False, energy_input_J=0.045 * (1 + 1e-14))
+    rows = table(build([first, second], tmp_path), "results", "Values side by side")
+    (row,) = [row for row in rows if row["Quantity"].text == "Energy input"]
+    assert row["Difference"].text == "0 %"
+
+
 @pytest.mark.parametrize(
     ("errors", "number"),
     [([7.66e-5], "7.7e-5"), ([2.1e-5, 8e-5], "up to 8e-5"), ([math.nan], "infinite")],
