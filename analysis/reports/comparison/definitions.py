@@ -15,6 +15,8 @@ from granwave.analysis.reports.comparison.subjects import ComparedRun
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
 _FORCE = "wall_peak_force_N"
+_HEIGHT = "packing_height_m"
+_SAME_HEIGHT = 1.01  # largest over smallest height of packings that are equally high
 _DEPTH = "zone_depth_90_m"
 _SPHERES = "n_spheres"
 _MOST_LISTED = 4  # runs that a sentence lists
@@ -24,6 +26,7 @@ def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
     """Return sentences on values that these runs define differently, or that are limited."""
     notes = [
         _inputs(runs),
+        _heights(runs),
         _static_forces(runs),
         _yielding_of_laws(runs),
         _depths_of_kinds(runs),
@@ -44,6 +47,20 @@ def _inputs(runs: Sequence[ComparedRun]) -> str:
     return (
         f"{first}Forces, energies and sizes of the plastic zone are not divided by them, and "
         "depths of the zone are not ranked; fractions are relative to the input energy."
+    )
+
+
+def _heights(runs: Sequence[ComparedRun]) -> str:
+    """Return a sentence on packings of different heights whose forces on the bottom are compared;
+    empty if there are none.
+    """
+    heights = {run: run.run.number(_HEIGHT) for run in runs if run.run.number(_FORCE)}
+    known = {run: height for run, height in heights.items() if height}
+    if len(known) < 2 or max(known.values()) <= _SAME_HEIGHT * min(known.values()):
+        return ""
+    listed = _listed(list(known), lambda run: quantity_in(known[run], "m"))
+    return (
+        f"Packings differ in height: {listed}. Forces on the bottom and arrival times depend on it."
     )
 
 

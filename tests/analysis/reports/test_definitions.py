@@ -114,6 +114,20 @@ def test_inputs_and_zones(tmp_path):
     assert not any("dynamic" in text for text in protection_sentences(runs, ["a", "b"]))
 
 
+def test_heights_that_differ_are_named(tmp_path):
+    """A higher packing has the lower force; equal heights, within 1 %, have no note."""
+    for name, height in (("low", 0.065), ("high", 0.082), ("equal", 0.0652)):
+        write_run(tmp_path / name, wall_peak_force_N=10.0, packing_height_m=height)
+
+    def noted(*names):
+        inputs = read_inputs([tmp_path / name for name in names], tmp_path)
+        return [note for note in compare_runs(list(inputs.results())).notes if "height" in note]
+
+    (note,) = noted("low", "high")
+    assert note.startswith("Packings differ in height: 65 mm in low, 82 mm in high.")
+    assert noted("low", "equal") == []
+
+
 @pytest.mark.parametrize(("ratio", "scale"), [(10.0, "linear"), (100.0, "log")])
 def test_a_small_force_is_not_hidden(comparison, ratio, scale):
     time = np.linspace(0, 1e-4, 50)
