@@ -42,8 +42,8 @@ FORCE_IDEAL = 1332.0
 SHARE_IDEAL = 0.88
 TABLE = "Mean and 95 % confidence interval"
 KEPT = (
-    "How large each imperfection may be for 90 % of the ideal packing performance or more: a "
-    "force of at most 111 %"
+    "Largest imperfections with at least 90 % of the performance of the ideal packing (a force "
+    "of at most 111 %)"
 )
 
 
