@@ -82,8 +82,8 @@ def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
     legend_outside(figure, 2, fontsize=7)
     through = f"{_layers(runs)}, friction {plain[0].friction:g}"
     caption = (
-        f"Force, impulse and energy that reach the target through {through}, against time. The "
-        "lower the peak of the force, the better the target is protected; the impulse is spread in "
+        f"Force, impulse and energy that reach the target through {through}, against time. A "
+        "lower peak force means better protection of the target; the impulse is spread in "
         "time, not reduced"
     )
     yield Picture("", caption, Drawing(figure, columns))

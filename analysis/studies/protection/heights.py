@@ -121,8 +121,8 @@ def pictures(all_series: AllSeries) -> Iterator[Picture]:
     row[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
     legend_outside(figure, 3, fontsize=7)
     caption = (
-        "Peak force without the packing divided by the peak force with it, and gain per kilogram, "
-        "against the number of layers. Above 1 the packing protects; where the right-hand curve is "
-        "highest, its mass is most effective"
+        "Peak force without the packing divided by the peak force with it, and gain per "
+        "kilogram, against the number of layers. Above 1 the packing protects; at the maximum "
+        "of the right-hand curve its mass is most effective"
     )
     yield Picture("", caption, Drawing(figure, columns))

@@ -173,8 +173,8 @@ def pictures(groups: Sequence[Spectrum]) -> Iterator[Picture]:
     axes.set_ylim(0.3 * _MICRO * min(plates.displacement.min() for _, plates in groups))
     legend_outside(figure, 2, fontsize=7)
     caption = (
-        "Largest displacement of the plate against its period, with the packing and without, and "
-        "of an oscillator under the force on a fixed plate. The packing protects where full marks "
-        "are below open ones"
+        "Largest displacement of the plate against its period, with the packing and without, "
+        "and of an oscillator under the force on a fixed plate. The packing protects where full "
+        "marks are below open marks"
     )
     yield Picture("", caption, Drawing(figure, columns))

@@ -68,12 +68,12 @@ _CAPTIONS = {
     "lie on the curve of the reference on the normalised axis",
     "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to the fast "
     "impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",
-    "loading_area": "Granular: number of impacted spheres. Points off the curve of one sphere show "
-    "that the loading area matters at equal input",
+    "loading_area": "Granular: number of impacted spheres. If points differ from the curve of "
+    "one sphere, the loading area has an effect at equal input",
     "continuum_scaling": "Continuum: modulus and yield strength. Where similarity holds, all points lie on one curve "
     "on the normalised axis",
-    "continuum_mass": "Continuum: mass of the punch. Curves that differ at equal input show that "
-    "the velocity matters in addition to the energy",
+    "continuum_mass": "Continuum: mass of the punch. If curves differ at equal input, the "
+    "velocity has an effect in addition to the energy",
 }
 
 
@@ -128,7 +128,7 @@ def text(impacts: Impacts) -> str:
     seconds = sum(float(run.summary.get("wall_time_s") or 0) for run in runs)
     if seconds >= 1:
         who = f"All {len(runs)} runs" if len(runs) > 1 else "The run"
-        parts.append(f"{who} took {show(round(seconds))} s of computing.")
+        parts.append(f"{who} took {show(round(seconds))} s of computing time.")
     return " ".join(parts)
 
 

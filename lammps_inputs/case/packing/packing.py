@@ -89,7 +89,7 @@ class PackingSection:
         default=None,
     )
     source: str | None = schema.text(
-        "origin of the grains of a file, as reports name it; default: the name of the file, or the "
+        "name of the source of the grains, for reports; default: the name of the file, or the "
         "kind of packing that was generated",
         default=None,
     )
