@@ -294,7 +294,9 @@ ENTRIES = (
              "elastoplastic-fe for the contact with the peak force.",
              note="Error of the law at this overlap, not of the run; null for other laws, outside "
              "the range of the fit, with cohesion and with a rate-dependent yield strength."),
-    Quantity("peak_overlap_m", note="Largest overlap of all contacts at any time."),
+    Quantity("peak_overlap_m",
+             note="Largest overlap of two spheres at any time, excluding walls; null if no two "
+             "spheres are in contact."),
     Quantity("contacts_beyond_law", "Contacts beyond the law", short="contacts beyond 0.2 R*",
              note="Contacts whose overlap exceeded 0.2 R*, the limit of the fit of the law."),
     Quantity("contacts_beyond_half_law", "Contacts beyond half the range of the law",
@@ -358,11 +360,17 @@ ENTRIES = (
              note="Longest time between two records; absent where a single contact carries the "
              "force, whose largest value is exact."),
     Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom",
-             digits=".6g", note="Integral of the force on the bottom up to the end."),
+             digits=".6g",
+             meaning="Integral of the force on the bottom up to the end, including the static force."),
+    Quantity("wall_dynamic_impulse_Ns", "Dynamic impulse on the bottom",
+             "Integral, up to the end, of the change of the force on the bottom since before the "
+             "load. Only where there is a static force.",
+             short="dynamic part of the impulse", digits=".6g"),
     Quantity("wall_*_peak_force_N", "Peak force on a side wall",
-             "Largest force on each wall, by name: xlo, xhi, ylo, yhi or tube."),
-    Quantity("wall_*_impulse_Ns", "Impulse on a side wall", "Integral of the force on the wall "
-                                                            "over the run."),
+             "Largest force on each wall, including the static force, by name: xlo, xhi, ylo, yhi or "
+             "tube."),
+    Quantity("wall_*_impulse_Ns", "Impulse on a side wall",
+             "Integral of the force on the wall over the run, including the static force."),
     Quantity("plate_peak_force_N", "Peak force on the plate",
              "Force of all grains on a rigid plate.", digits=".6g"),
     Quantity("plate_impulse_Ns", "Impulse on the plate", "Integral of the force on the plate over "
@@ -374,7 +382,9 @@ ENTRIES = (
     Quantity("energy_plate_J", "Kinetic energy of the plate", "Part of the kinetic energy."),
     Quantity("base_arrival_s", "Arrival at the bottom",
              "Arrival time of the wave at the bottom: first time at which the force on the "
-             "bottom has increased by 1 % of its largest increase, interpolated between records."),
+             "bottom has increased by 1 % of its largest increase in the run, interpolated between "
+             "records. Null if the force still increases at the end, because the largest increase is "
+             "then not known."),
     Quantity("target_peak_force_N", "Peak force on the target",
              "Force on the bottom, which the packing protects."),
     Quantity("target_peak_displacement_m", "Largest displacement of the target",
@@ -411,10 +421,10 @@ ENTRIES = (
     # motion
     Quantity("wave_speed_m_s", "Wave speed in the deeper half", short="wave speed", digits=".4g",
              phrase="{} m/s in the deeper half", axis="Wave speed", symbol="c",
-             note="Speed of the wave front in the deeper half of the packing, for any "
-                  "materials. The front reaches a contact when its force first exceeds 10 % of "
-                  "its largest value. Requires at least nine layers. Null for parallel "
-                  "cylinders."),
+             note="Speed of the wave front in the deeper half of the layers that the wave reached "
+                  "in the run, for any materials. The front reaches a contact when its force first "
+                  "exceeds 10 % of its largest value. Requires at least nine layers. Null for "
+                  "parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
              note="Velocity along the impact or load.direction; negative after a rebound."),
     Quantity("restitution", digits=".5g", axis="Coefficient of restitution", symbol="e",
@@ -507,7 +517,7 @@ REPORT_COLUMNS = (
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_depth_90_interpolated_m",
     "zone_radius_90_m", "zone_radius_90_interpolated_m", "zone_volume_90_m3", "zone_cut",
     "wave_return_share", "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns",
-    "base_arrival_s", "unprotected_peak_force_N",
+    "wall_dynamic_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
     "peak_reduction", "ground_peak_force_N", "target_peak_displacement_m", "energy_target_J", "impactor_velocity_m_s",
     "wave_speed_m_s", "energy_input_J", "energy_input_normalised", "velocity_normalised", "contacts_beyond_law",
     "energy_balance_error", "deck_changed", "n_spheres", "end_time_s", "wall_time_s",
@@ -539,7 +549,7 @@ RUN_ROWS = _quantities(
     "energy_balance_error", "peak_force_N", "peak_force_with_walls_N",
     "n_plastic_contacts", "n_dissipating_contacts", "n_plastic_spheres", "n_dissipating_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
     "contacts_beyond_law", "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns",
-    "peak_reduction", "impactor_velocity_m_s", "restitution",
+    "wall_dynamic_impulse_Ns", "peak_reduction", "impactor_velocity_m_s", "restitution",
     "transmission", "load_power_W", "absorbed_power_W", "wall_time_s", "sphere_steps_per_s",
 )  # fmt: skip
 

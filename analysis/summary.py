@@ -50,7 +50,6 @@ logger = logging.getLogger(__name__)
 
 Summary = dict[str, Any]
 _ROUNDING = 1e-12  # fraction of the input
-_STATIC = 1e-6  # fraction of the peak force: touching grains overlap by rounding at the start
 _ENERGIES = ("kinetic", "elastic", "dissipated", "rotational", "dissipated_wall")
 _DISSIPATED = ("plastic", "friction", "viscous", "holder")
 # for contacts with resistance to rolling or twisting, or with cohesion
@@ -111,6 +110,7 @@ def summarise(
 def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
     """The summary of a result that is open."""
     of_contacts = _of_contacts(result, processes)
+    largest_overlap = of_contacts["peak_overlap"]
     rebound = restitution(result)
     record = result.record
     n_cylinders = result.assembly.n_cylinders
@@ -138,7 +138,7 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
             of_contacts["peak_force"],
             float(result["wall_contacts/peak_force"].max(initial=0.0)),
         ),
-        "peak_overlap_m": of_contacts["peak_overlap"],
+        "peak_overlap_m": largest_overlap if largest_overlap > 0 else None,
         "contacts_beyond_law": of_contacts["beyond_law"],
         "contacts_beyond_half_law": of_contacts["beyond_half_law"],
         "n_wall_contacts": len(result["wall_contacts/id"]),
@@ -435,14 +435,15 @@ def _impulse_on(target: Reached | None) -> Summary:
     """Return the peak force and the impulse on the target, and when the force arrives."""
     if target is None:
         return dict.fromkeys(("wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s"))
-    under_static = target.static_force > _STATIC * target.peak_force
+    under_static = target.has_static_force
     is_sampled = target.largest_force is None and len(target.time) > 1
     return {
         "wall_peak_force_N": target.peak_force,
         **({"wall_dynamic_peak_force_N": target.dynamic_peak_force} if under_static else {}),
         **({"wall_sample_s": _record_interval(target)} if is_sampled else {}),
         "wall_impulse_Ns": float(target.impulse[-1]),
-        "base_arrival_s": target.arrival,
+        **({"wall_dynamic_impulse_Ns": float(target.dynamic_impulse[-1])} if under_static else {}),
+        "base_arrival_s": target.known_arrival,
     }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,12 @@ from granwave.analysis.figures.style import (
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures import waves
 from granwave.analysis.measures.dynamic_force import has_static_forces
-from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay, force_decay
+from granwave.analysis.measures.force_decay import (
+    ForceDecay,
+    PowerDecay,
+    force_decay,
+    no_decay_reason,
+)
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import (
     cumulated,
@@ -54,6 +60,8 @@ _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second
 _RANGE = 1e-10  # smallest / largest dissipation in the ranked figure
 _POINTS_OF_FIT = 50
+_FEWEST = 2  # fewest layers and loaded contacts of a course of forces
+_LETTERS = 36  # most letters of a line of a legend
 _ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipation
 
 
@@ -205,12 +213,13 @@ def peak_force_depth(result: Result) -> Drawing | None:
     these directions.
 
     Under a static load it also shows the largest dynamic force of each layer, above the static
-    force; the law is then fitted to this force.
+    force; the law is then fitted to this force. The forces are the largest of the run, including
+    reflections. Where no law describes them, the legend gives the reason.
     """
     depth, force = peak_force_by_depth(result)
-    if (
-        len(depth) < 2 or not np.any(force > 0) or "chain" in result
-    ):  # a chain has a figure of its own
+    n_loaded = np.count_nonzero(result["contacts/peak_force"] > 0)
+    # a single contact has no course of forces, and a chain has a figure of its own
+    if len(depth) < _FEWEST or n_loaded < _FEWEST or "chain" in result:
         return None
     scale, unit, name = force_scale(result)
     along = rays(result)
@@ -229,9 +238,13 @@ def peak_force_depth(result: Result) -> Drawing | None:
         above = f"{layer}, dynamic"
         axes.plot(depth * _MILLI, dynamic / scale, "-.", color=GREEN, label=above, zorder=1)
     decay = force_decay(result)
-    if decay is not None:
+    if decay is None:
+        axes.plot([], [], " ", label=_wrapped(no_decay_reason(result)))
+    else:
         _draw_decay(axes, decay, scale)
-    label(axes, "Depth (mm)", f"Peak force {unit}", log="y", xlim=(0, depth[-1] * _MILLI))
+    label(
+        axes, "Depth (mm)", f"Peak force of the run {unit}", log="y", xlim=(0, depth[-1] * _MILLI)
+    )
     axes.legend(fontsize=8)
     columns = {
         "layer_depth_m": depth,
@@ -246,6 +259,11 @@ def peak_force_depth(result: Result) -> Drawing | None:
         f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)
     }
     return Drawing(figure, columns)
+
+
+def _wrapped(reason: str) -> str:
+    """Return the reason why no decay is drawn, in lines of a legend."""
+    return "\n".join(wrap(f"no fit: {reason}".replace("no fit: no decay", "no decay"), _LETTERS))
 
 
 def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> None:
@@ -270,7 +288,7 @@ def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> Non
         "--",
         color="black",
         linewidth=0.9,
-        label=f"fitted {law}",
+        label=f"fitted {law}, rms {100 * decay.misfit:.2g} %",
     )
 
 

@@ -32,7 +32,7 @@ from granwave.analysis.figures.style import (
     legend_above,
 )
 from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
-from granwave.analysis.measures.target import reached, unprotected
+from granwave.analysis.measures.target import Reached, reached, unprotected
 from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
 from granwave.lammps_inputs.case.case import Case
 
@@ -187,14 +187,16 @@ def _energy_parts(result: Result) -> dict[str, NDArray]:
 
 
 def bottom_force(result: Result) -> Drawing | None:
-    """Draw the force on the bottom and its impulse."""
+    """Draw the force on the bottom and its impulse, under a static load of the dynamic force."""
     if "walls/bottom" not in result:
         return None
     time = result["walls/bottom/time"]
     force = result["walls/bottom/force"]
     if not np.any(force):
         return None
-    impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
+    record = Reached(time, force, force)
+    is_pressed = record.has_static_force
+    impulse = record.dynamic_impulse if is_pressed else record.impulse
     figure, axes = panels(2.3)
     against_time(axes, time, force, linewidth=0.8)
     axes.update_datalim([(0.0, 0.0)])  # a nearly constant force is not drawn on the frame
@@ -202,9 +204,13 @@ def bottom_force(result: Result) -> Drawing | None:
     axes.set_ylabel("Force on the bottom (N)", color=BLUE)
     beside = axes.twinx()
     beside.plot(time * _MICRO, impulse * 1e3, color=ORANGE, linestyle="--")
-    beside.set_ylabel("Impulse (mN s)", color=ORANGE)
+    kind = "Dynamic impulse" if is_pressed else "Impulse"
+    beside.set_ylabel(f"{kind} (mN s)", color=ORANGE)
     _common_zero(axes, beside)
-    return Drawing(figure, {"time_s": time, "force_N": force, "impulse_Ns": impulse})
+    columns = {"time_s": time, "force_N": force, "impulse_Ns": record.impulse}
+    if is_pressed:
+        columns["dynamic_impulse_Ns"] = impulse
+    return Drawing(figure, columns)
 
 
 def impactor_velocity(result: Result) -> Drawing | None:

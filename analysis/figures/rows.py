@@ -44,6 +44,7 @@ from granwave.analysis.measures.driven import (
 )
 from granwave.analysis.measures.force_decay import BEFORE_END
 from granwave.analysis.measures.fronts import AXIS, LineMotion, line_motions
+from granwave.analysis.measures.leading_wave import leading_peaks
 from granwave.analysis.measures.lines import LineRecord, lines_of, sensor_forces
 from granwave.analysis.result.reader import Result
 
@@ -65,6 +66,10 @@ _FITTED: dict[str, Any] = {
     "color": ORANGE, "linewidth": 1.1, "path_effects": _EDGE, "zorder": 1.5
 }  # fmt: skip
 _MOST_OF_A_LINE = 12  # largest number of curves of a line of grains
+_FEWEST = 2  # fewest contacts along which forces are drawn
+_SAME = 1e-3  # relative difference of equal forces
+_LEAST_FORCE = 1e-4  # fraction of the largest force: contacts that the wave reached
+_WIDE_FORCES = 30.0  # largest over smallest value from which on an axis is logarithmic
 _WIDE = 0.05  # smallest / largest amplitude below which the axis is logarithmic
 
 
@@ -204,41 +209,82 @@ def force_histories(result: Result) -> Drawing | None:
 
 
 def along_chain(result: Result) -> Drawing | None:
-    """Draw peak force and dissipated energy of every contact along the chain; without the peak
-    force of contacts whose force still rises at the end.
+    """Draw peak force and dissipated energy of every contact along the chain.
+
+    The forces are those of the first wave, before the reflection from the end, above the static
+    force; grey marks are the largest forces of the run where they are larger. Under a load that
+    keeps oscillating they are the largest of the run only. None for a single contact.
     """
     if "chain" not in result:
         return None
     peak = result.along_chain("peak_force")
     lost = result.along_chain("dissipated_energy")
-    if not np.any(peak):
+    if len(peak) < _FEWEST or not np.any(peak):
         return None
     number = np.arange(1, len(peak) + 1)
-    scale, unit = _unit(peak)
-    has_risen = result.along_chain("time_peak") < BEFORE_END * float(result["energy/time"][-1])
-    drawn = peak * scale
-    if np.any(has_risen & (peak > 0)):
-        drawn = np.where(has_risen, drawn, 0.0)
-    curves = [(drawn, f"Peak force ({unit})")]
-    if np.any(lost > 0):
+    is_first = not result.case.load.keeps_oscillating
+    first = leading_peaks(result) if is_first else np.zeros(len(peak))
+    has_panel_of_loss = bool(np.any(lost > 0))
+    n_panels = 1 + has_panel_of_loss
+    figure, upper, *lower = panels(1.0 + 1.4 * n_panels, rows=n_panels, sharex=True)
+    _draw_peaks_along(upper, result, first)
+    for axes in lower:
         energy, name = energy_unit(float(lost.max()))
-        curves.append((lost * energy, f"Dissipated ({name})"))
-    figure, *stack = panels(0.8 + 1.4 * len(curves), rows=len(curves), sharex=True)
-    for axes, (values, quantity) in zip(stack, curves, strict=True):
-        shown = values > 0
-        axes.plot(number[shown], values[shown], ".", color=BLUE, markersize=3)
-        wide = shown.any() and values[shown].max() > 30 * values[shown].min()
-        label(
-            axes,
-            y=quantity,
-            **({"yscale": "log"} if wide else {"ylim": (0, 1.05 * float(values.max()))}),
-        )
-    label(stack[-1], f"Contact, {_counted(result)}")
-    stack[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+        _dots(axes, number, lost * energy, "dissipated")
+        _scale_axis(axes, lost * energy, f"Dissipated ({name})")
+    label(figure.axes[-1], f"Contact, {_counted(result)}")
+    figure.axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     ids = {"i": result["chain/contact_i"], "j": result["chain/contact_j"]}
-    return Drawing(
-        figure, {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost}
-    )
+    columns = {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost}
+    if is_first:
+        columns["first_wave_peak_force_N"] = first
+    return Drawing(figure, columns)
+
+
+def _draw_peaks_along(axes: Axes, result: Result, first: NDArray[np.float64]) -> None:
+    """Draw the peak forces of the first wave along a chain, and of the run where they differ.
+
+    Parameters
+    ----------
+    first
+        Of the first wave, above the static force: (n_contacts,), N; 0 or NaN where not known.
+    """
+    peak = result.along_chain("peak_force")
+    has_risen = result.along_chain("time_peak") < BEFORE_END * float(result["energy/time"][-1])
+    static = np.zeros(len(peak))
+    if result.case.precompression is not None:
+        static = result["chain/contact_force"][0]
+    scale, unit = _unit(peak)
+    whole = np.where(has_risen, peak - static, 0.0) * scale
+    whole = np.where(whole > _LEAST_FORCE * whole.max(initial=0.0), whole, 0.0)
+    shown = np.nan_to_num(first) * scale
+    number = np.arange(1, len(peak) + 1)
+    differs = whole > (1 + _SAME) * shown
+    if np.any(differs):
+        look: Any = {"color": GREY, "markersize": 3, "label": "largest of the run"}
+        axes.plot(number[differs], whole[differs], "x", **look)
+    if np.any(shown > 0):
+        _dots(axes, number, shown, "first wave")
+    kind = "Dynamic peak force" if np.any(static > 0) else "Peak force"
+    _scale_axis(axes, np.maximum(whole, shown), f"{kind} ({unit})")
+    legend_above(axes, 2)
+
+
+def _dots(axes: Axes, number: NDArray, values: NDArray[np.float64], name: str) -> None:
+    """Draw positive values of contacts as dots."""
+    shown = values > 0
+    axes.plot(number[shown], values[shown], ".", color=BLUE, markersize=3, label=name)
+
+
+def _scale_axis(axes: Axes, values: NDArray[np.float64], quantity: str) -> None:
+    """Make an axis logarithmic if its positive values span much, otherwise linear from 0."""
+    positive = values[values > 0]
+    is_wide = len(positive) and positive.max() > _WIDE_FORCES * positive.min()
+    label(axes, y=quantity)
+    if is_wide:
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(0, 1.05 * float(values.max()))
 
 
 def bead_velocities(result: Result) -> Drawing | None:

@@ -75,9 +75,10 @@ class RunFigure:
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
      "Bright lines are chains of contacts that carry the wave."),
-    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth, excluding walls",
-     "A straight line is an exponential decay, and the legend gives the fitted law; markers "
-     "show the preferred directions."),
+    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest of the run "
+        "with reflections, excluding walls",
+     "A straight line is an exponential decay. The legend gives the fitted law, or the reason why no "
+     "law is fitted; markers show the preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "The coloured spheres show the extent of the plastic zone."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
@@ -105,7 +106,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
         "it",
      "Steps are short while contacts are stiff; the line is the tolerance for the error."),
     ("bottom_force", histories.bottom_force, "Force and impulse on the bottom",
-     "The first rise is the arrival of the wave; the impulse is the area under the force."),
+     "The first rise is the arrival of the wave; the impulse is the area under the force, above "
+     "its static value."),
     ("target", histories.target, "Force on the target with and without the packing, and work on it",
      "The ratio of the two force peaks is the peak reduction."),
     ("impactor_velocity", histories.impactor_velocity, "Velocity of the impacted or loaded sphere",
@@ -120,7 +122,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "reversal is a reflection."),
     ("force_histories", rows.force_histories, "Forces of individual contacts",
      "Equal successive pulses are a steady wave; pulses that become lower and longer lose energy."),
-    ("along_chain", rows.along_chain, "Peak force and dissipation along the chain",
+    ("along_chain", rows.along_chain, "Peak force of the first wave above the static force, "
+        "and dissipation, along the chain; crosses: larger forces later in the run",
      "Constant values show a wave without decay; decreasing values show its decay. Forces that "
      "still rise at the end are omitted."),
     ("bead_velocities", rows.bead_velocities, "Velocities along the chain",

@@ -132,6 +132,8 @@ def _along_axis(result: Result, place: Array, direction: Array) -> LineMotion:
     velocity = velocity[:, order]
     arrival = _arrivals(result, ids, time, velocity)
     front = _front_along_load(result, along, arrival)
+    # the wave starts at a loaded grain, whose first contact is also the first of the next grain
+    arrival = np.where(np.isin(ids, result.struck), np.nan, arrival)
     return LineMotion(AXIS, ids, time, along, velocity, arrival, front)
 
 

@@ -39,7 +39,6 @@ from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 from scipy.special import jv, jvp
 
 from granwave._contact_laws import ContactLaw
@@ -51,6 +50,7 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.roots import brentq
 
 Values = TypeVar("Values", float, Array)
 

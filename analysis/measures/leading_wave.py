@@ -45,14 +45,42 @@ def leading_peaks(result: Result) -> Array:
 
 def _reflection_start(result: Result, time: Array, rise: Array) -> float | None:
     """Return the time at which the wave arrives at the end of the chain, s; None: never."""
+    least = _REACHED * float(rise.max(initial=0.0))
     target = reached(result)
     if target is not None:
-        return target.arrival
+        return target.arrival if target.dynamic_peak_force > least else None
     last = rise[:, -1]
     largest = float(last.max(initial=0.0))
-    if largest <= _REACHED * float(rise.max(initial=0.0)):
+    if largest <= least:
         return None
     return arrival(time, last, ARRIVED * largest)
+
+
+def has_first_wave(result: Result) -> bool:
+    """Return True for a chain of beads with recorded forces, under a load that does not keep
+    oscillating: its first wave has a peak at each contact.
+    """
+    return (
+        "chain" in result
+        and len(result["chain/id"]) == result.n_spheres
+        and not result.case.load.keeps_oscillating
+    )
+
+
+def leading_peaks_of_spheres(result: Result) -> Array:
+    """Return the largest of `leading_peaks` at the contacts of each bead of a chain, with bars:
+    (n_spheres,), N; NaN where the force of a contact of the bead is not known.
+    """
+    peaks = leading_peaks(result)
+    largest = np.zeros(result.n_spheres)
+    is_known = np.ones(result.n_spheres, dtype=bool)
+    for name in ("chain/contact_i", "chain/contact_j"):
+        ids = result[name]
+        is_bead = ids <= result.n_spheres
+        rows = result.rows(ids[is_bead])
+        np.fmax.at(largest, rows, peaks[is_bead])
+        is_known[rows[~(peaks[is_bead] > 0)]] = False
+    return np.where(is_known, largest, np.nan)
 
 
 def stretch_speeds(result: Result) -> dict[str, float]:

@@ -37,11 +37,13 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import BAR
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import footprint_radius
+from granwave.lammps_inputs.roots import brentq
 
 if TYPE_CHECKING:  # loads h5py, which `granwave check` does without
     from granwave.analysis.result.reader import Result
 
 ARRIVED = 0.01  # fraction of the largest dynamic force on the bottom
+_STATIC = 1e-6  # fraction of the peak force: touching grains overlap by rounding at the start
 _NOISE = 1e-6  # fraction of the initial force: precision of a static stage
 _TOLERANCE = 1e-8  # relative tolerance of the integration
 _IN_CONTACT = 200  # fewest steps during a collision with a plane at rest
@@ -69,10 +71,13 @@ class Reached:
 
     @property
     def impulse(self) -> Array:
-        """Impulse of the force on the target so far, N s."""
-        return np.concatenate(
-            [[0.0], np.cumsum(np.diff(self.time) * (self.force[1:] + self.force[:-1]) / 2)]
-        )
+        """Impulse of the force on the target so far, including the static force, N s."""
+        return _integral(self.time, self.force)
+
+    @property
+    def dynamic_impulse(self) -> Array:
+        """Impulse of the change of the force on the target since the start so far, N s."""
+        return _integral(self.time, self.force - self.static_force)
 
     @property
     def peak_force(self) -> float:
@@ -102,6 +107,11 @@ class Reached:
         return float(self.force[0]) if len(self.force) else 0.0
 
     @property
+    def has_static_force(self) -> bool:
+        """True if the target carries a force at the start, beyond the rounding of contacts."""
+        return self.static_force > _STATIC * self.peak_force
+
+    @property
     def dynamic_peak_force(self) -> float:
         """Largest rise of the force on the target above its static value, N; 0 before the wave
         arrives.
@@ -129,14 +139,29 @@ class Reached:
 
     @property
     def arrival(self) -> float | None:
-        """Time at which the force has first risen by 1 % of its largest rise, s, interpolated
-        between records; None if it never does.
+        """Time at which the force has first risen by 1 % of its largest rise in the record, s,
+        interpolated between records; None if it never does.
+
+        As long as the force rises, so does the level, see `known_arrival`.
         """
         rise = self.force - self.force[0]
         level = max(ARRIVED * float(rise.max()), _NOISE * abs(float(self.force[0])))
         if not np.any(rise > level):
             return None
         return arrival(self.time, rise, level)
+
+    @property
+    def known_arrival(self) -> float | None:
+        """`arrival`; None while the force still rises at the end of the record, since the arrival
+        would depend on the end.
+        """
+        return None if self.rises_at_end else self.arrival
+
+
+def _integral(time: Array, force: Array) -> Array:
+    """Return the integral of a force over time up to each time: (n_times,), N s."""
+    steps = np.diff(time) * (force[1:] + force[:-1]) / 2
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def reached(result: Result) -> Reached | None:
@@ -177,8 +202,8 @@ def rising_force_warning(directory: Path) -> str:
     if record is None or not record.rises_at_end:
         return ""
     return (
-        "the force on the bottom is largest at the end of the run, and may rise further. Increase "
-        "run.end_time to record its peak."
+        "the force on the bottom is largest at the end of the run, and may rise further. Its "
+        "arrival and the peak reduction are not known. Increase run.end_time to record its peak."
     )
 
 
@@ -240,15 +265,13 @@ class Impactors:
         """Overlap on a fixed plane when all kinetic energy has become work of the contact, m."""
         energy = 0.5 * self.mass * self.velocity**2
 
-        from scipy.optimize import brentq  # imported on demand: slow to load
-
         def missing(overlap: float) -> float:
             return float(self.law.loading_work(np.array([overlap]))[0]) - energy
 
         upper = self.law.effective_radius * 1e-6
         while missing(upper) < 0:
             upper *= 2
-        return float(brentq(missing, 0.0, upper, xtol=1e-14 * upper, rtol=1e-14))
+        return brentq(missing, 0.0, upper, xtol=1e-14 * upper, rtol=1e-14)
 
     @property
     def duration(self) -> float:

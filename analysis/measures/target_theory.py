@@ -21,7 +21,6 @@ import dataclasses
 import math
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.signal import lsim
 from scipy.special import beta
 
@@ -31,6 +30,7 @@ from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.roots import brentq
 
 _POINTS = 2000  # points of Hertz's force in time
 
@@ -139,7 +139,7 @@ class HertzImpact:
                 - energy
             )
 
-        return brentq(missing, 0, self.force)
+        return brentq(missing, 0, self.force, xtol=2e-12)
 
 
 def response(

@@ -212,10 +212,12 @@ def _labels(paths: Sequence[Path], base: Path) -> list[str]:
     for path in paths:
         name = path.resolve().name or "/"
         label = name if names.count(name) == 1 else relative(path, base)
-        number = 1 + labels.count(label)
-        labels.append(label)
-        if number > 1:
-            labels[-1] = f"{label} ({number})"
+        number = 1
+        unique = label
+        while unique in labels:
+            number += 1
+            unique = f"{label} ({number})"
+        labels.append(unique)
     return labels
 
 

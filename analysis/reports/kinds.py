@@ -14,7 +14,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
-from granwave.analysis.document.model import Report, is_number
+from granwave.analysis.document.model import Report, is_number, named
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.quantities import Quantity, quantity, report_columns
 from granwave.analysis.result.not_a_run import (
@@ -40,6 +40,7 @@ from granwave.lammps_inputs.run_directory import (
     SUMMARY_FILE,
 )
 
+WARNING_OF = "Warning of"  # beginning of a note on the warning of a run
 _ACCEPTED = "energy_balance_accepted"
 _LONGEST = 60  # most characters of an invalid value in a message
 # end_reason of runs whose balance did not close, of this and of earlier versions
@@ -89,6 +90,12 @@ class ReportRun:
     def is_unfinished(self) -> bool:
         """True if the run ended before its end: interrupted, failed or still running."""
         return self.record.get("state") in UNFINISHED
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about the case and the run that its record keeps."""
+        texts = self.record.get("warnings")
+        return [str(text) for text in texts] if isinstance(texts, list) else []
 
     @property
     def has_balance(self) -> bool:
@@ -356,6 +363,15 @@ def report_kind_in(results: ResultDirectory) -> ReportKind:
     if kind.why_no_run:
         raise InputError(f"{results}: contains {kind.content}, which reports do not support")
     return GRANULAR
+
+
+def warning_notes(runs: Sequence[ReportRun]) -> list[str]:
+    """Return the warnings of runs with the names of the runs, each warning once."""
+    names: dict[str, list[str]] = {}
+    for run in runs:
+        for text in run.warnings:
+            names.setdefault(text, []).append(run.label)
+    return [f"{WARNING_OF} {named(labels)}: {text}." for text, labels in names.items()]
 
 
 def by_key(tables: Mapping[str, Any]) -> dict[str, Any]:

@@ -45,7 +45,12 @@ from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import figures_section, views
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
-from granwave.analysis.reports.kinds import ReportRun, report_kinds
+from granwave.analysis.reports.kinds import (
+    WARNING_OF,
+    ReportRun,
+    report_kinds,
+    warning_notes,
+)
 from granwave.analysis.reports.results import SLUG as RESULTS
 from granwave.analysis.reports.results import failures_section, results_section, status_cell
 from granwave.analysis.reports.setting import first_line, setting_of, settings_blocks, symbols_note
@@ -58,6 +63,7 @@ from granwave.analysis.reports.studies import (
     studies_section,
     verdicts,
 )
+from granwave.analysis.reports.used_symbols import parts_of, parts_of_sections, uses_symbol
 from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.case.contact.contact import ALL_LAWS, LINE
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
@@ -78,6 +84,7 @@ _CUT = (
     "The plastic zone reaches a boundary, which limits its extent, and may change "
     "the depth and radius that contain 99 % of its dissipation"
 )
+_OF_COMPARISON = (_CUT, _LEFT_OUT, WARNING_OF)  # notes that a comparison has itself
 _WAVES = (
     f"More than {100 * NOTED_SHARE:g} % of the plastic dissipation occurred after a reflection "
     "from a boundary could return"
@@ -125,8 +132,7 @@ def report_with_studies(inputs: ReportInputs, made: ReportStudies) -> Report:
     what = text_table(
         "Contents of this report", heads, [_input_row(item, inputs) for item in inputs.items]
     )
-    sections = (
-        _answer(inputs, failures.slug, studies, picture),
+    others = (
         DocumentSection("Verdict", "verdict", verdicts(studies)),
         studies_section(inputs, studies),
         comparison_section(inputs, made.compared),
@@ -138,6 +144,7 @@ def report_with_studies(inputs: ReportInputs, made: ReportStudies) -> Report:
             "Settings and versions", "inputs", (what, *settings_blocks(inputs), *_versions(inputs))
         ),
     )
+    sections = (_answer(inputs, failures.slug, studies, picture, others), *others)
     return tidied(
         Report(
             f"Report: {_names_in_title(labels)}",
@@ -160,11 +167,10 @@ def build_comparison(inputs: ReportInputs, comparison: Comparison, data: Link) -
     notes = [
         note
         for note in _notes(inputs, failures.slug)
-        if note.tone != "good" and not note.text.startswith((_CUT, _LEFT_OUT))
+        if note.tone != "good" and not note.text.startswith(_OF_COMPARISON)
     ]
-    first = (*comparison_blocks(comparison, data), *symbols_note(inputs), *notes)
-    sections = (
-        DocumentSection("Comparison", "short", first),
+    blocks = comparison_blocks(comparison, data)
+    others = (
         failures,
         results_section(inputs),
         balance_section(inputs),
@@ -172,6 +178,9 @@ def build_comparison(inputs: ReportInputs, comparison: Comparison, data: Link) -
             "Settings and versions", "inputs", (*settings_blocks(inputs), *_versions(inputs))
         ),
     )
+    symbols = _symbols(inputs, blocks, others)
+    first = DocumentSection("Comparison", "short", (*blocks, *symbols, *notes))
+    sections = (first, *others)
     names = _names_in_title([run.name for run in comparison.runs])
     shown = tuple(section for section in sections if section.blocks)
     return tidied(Report(f"Comparison: {names}", _lead(inputs), shown, _badges(inputs)))
@@ -202,21 +211,39 @@ def _lead(inputs: ReportInputs) -> str:
 
 
 def _answer(
-    inputs: ReportInputs, failures: str, studies: Sequence[Study], picture: Figure | None
+    inputs: ReportInputs,
+    failures: str,
+    studies: Sequence[Study],
+    picture: Figure | None,
+    later: Sequence[DocumentSection],
 ) -> DocumentSection:
-    """Make the first section: warnings, results, and notes."""
+    """Make the first section: warnings, results, and notes.
+
+    Parameters
+    ----------
+    later
+        Other sections, whose symbols it defines.
+    """
     notes = _notes(inputs, failures)
+    compared = [run for run in inputs.runs if run.has_balance]
     if not inputs.scans and len(inputs.runs) > 1:
-        notes = [note for note in notes if not note.text.startswith(_CUT)]
+        told = warning_notes(compared) if len(compared) > 1 else []
+        notes = [note for note in notes if not note.text.startswith(_CUT) and note.text not in told]
     bad, others = (
         [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)
     )
     answer = answer_blocks(inputs, picture, judged=any(study.verdict for study in studies))
-    return DocumentSection(
-        "In short",
-        "short",
-        (*bad, *leads(studies), *answer, *views(inputs), *symbols_note(inputs), *others),
-    )
+    blocks = [*leads(studies), *answer, *views(inputs)]
+    symbols = _symbols(inputs, blocks, later)
+    return DocumentSection("In short", "short", (*bad, *blocks, *symbols, *others))
+
+
+def _symbols(
+    inputs: ReportInputs, blocks: Sequence[Block], sections: Sequence[DocumentSection]
+) -> list[Note]:
+    """Return the definitions of the symbols that blocks and sections use."""
+    parts = [*parts_of(blocks), *parts_of_sections(sections)]
+    return symbols_note(inputs, lambda symbol: uses_symbol(symbol, parts))
 
 
 def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
@@ -327,6 +354,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         for text, labels, tone, section in told
         if labels
     ]
+    notes += [Note(text, "note") for text in warning_notes(list(inputs.results()))]
     notes += [
         Note(f"{_DAMAGED.format(run.label)} granwave analyse {inputs.path(run.directory)}", "bad")
         for run in runs

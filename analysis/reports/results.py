@@ -90,17 +90,19 @@ _NOTHING = (
     "zone_radius_90_m",
 )  # values that are omitted where they are zero
 _OF_BOTTOM = (
-    "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns", "base_arrival_s",
+    "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns",
+    "wall_dynamic_impulse_Ns", "base_arrival_s",
     "ground_peak_force_N", "target_peak_displacement_m",
     "energy_target_J", "peak_reduction", "unprotected_peak_force_N",
 )  # fmt: skip
 _OF_A_TARGET = (
-    "wall_peak_force_N", "unprotected_peak_force_N", "peak_reduction", "wall_impulse_Ns", "ground_peak_force_N",
+    "wall_peak_force_N", "unprotected_peak_force_N", "peak_reduction", "wall_impulse_Ns",
+    "wall_dynamic_impulse_Ns", "ground_peak_force_N",
     "unprotected_ground_peak_force_N", "target_peak_displacement_m",
 )  # fmt: skip
 #: Values of contacts between spheres, and relative to the load on the bare target.
 _OF_PACKINGS = {
-    "peak_force_N", "n_plastic_contacts", "n_dissipating_contacts", "n_plastic_spheres",
+    "peak_force_N", "peak_overlap_m", "n_plastic_contacts", "n_dissipating_contacts", "n_plastic_spheres",
     "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "peak_reduction",
     "unprotected_peak_force_N",
 }  # fmt: skip

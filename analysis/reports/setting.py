@@ -5,7 +5,7 @@ settings, versions.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -100,7 +100,7 @@ def _materials(case: Mapping[str, Any]) -> str:
     for entry in case.get("replace") or ():
         if isinstance(entry, Mapping) and (other := _name_of(entry.get("material"))):
             names[other] = None
-            replaced |= _ids_of(entry.get("index"))
+            replaced |= ids_of(entry.get("index"))
     size = case.get("packing.size")
     if len(replaced) == math.prod(size if isinstance(size, list | tuple) else [size or -1]):
         del names[next(iter(names))]
@@ -116,7 +116,7 @@ def _name_of(material: Any) -> str:
     return str(material or "")
 
 
-def _ids_of(index: Any) -> set[int]:
+def ids_of(index: Any) -> set[int]:
     """Return the ids of an index of ``[[replace]]``: one, a list, or first, last and step."""
     if isinstance(index, Mapping):
         return set(range(index["first"], index["last"] + 1, index.get("step", 1)))
@@ -127,9 +127,14 @@ def _ids_of(index: Any) -> set[int]:
     return set()
 
 
-def symbols_note(inputs: ReportInputs) -> list[Note]:
+def symbols_note(inputs: ReportInputs, uses: Callable[[str], bool] | None = None) -> list[Note]:
     """Define the symbols in which figures and tables of these runs give forces, energies and
     velocities.
+
+    Parameters
+    ----------
+    uses
+        Function that returns True for a symbol that the report uses; by default for all.
     """
     runs = [run for run in inputs.whole() if run.has_balance][:_MOST_SYMBOLS]
     packings = [run for run in runs if run.kind.of_spheres]
@@ -163,7 +168,7 @@ def symbols_note(inputs: ReportInputs) -> list[Note]:
     said = [
         f"{symbol} = {range_in(values, unit)} is {what}."
         for symbol, values, unit, what in rows
-        if values
+        if values and (uses is None or uses(symbol))
     ]
     return [Note(" ".join(said))] if said else []
 

@@ -192,14 +192,12 @@ def _check_columns(name: str, table: Container[str], required: Sequence[str]) ->
 
 
 def _check_table(name: str, table: h5py.Group) -> None:
-    """Raise ValueError for a table whose columns differ in length, or are no numbers."""
+    """Raise ValueError for a table whose columns differ in length."""
     lengths = {column: values.shape[0] for column, values in table.items()}
     first = next(iter(lengths), "")
     for column, length in lengths.items():
         if length != lengths[first]:
             raise ValueError(f"{name}/{column} has {length} rows, {name}/{first} {lengths[first]}")
-        if table[column].dtype.kind not in "biuf" and column not in _TEXTS:
-            raise ValueError(f"{name}/{column} does not hold numbers")
 
 
 def _check_snapshots(file: h5py.File) -> None:

@@ -12,7 +12,13 @@ from granwave.lammps_inputs.case.contact.contact import (
     FITTED_POISSON_RATIO,
     hertz_von_mises_yield_factor,
 )
-from granwave.lammps_inputs.case.contact.law_parameters import OF_MATERIAL, RATE, is_set, laws_with
+from granwave.lammps_inputs.case.contact.law_parameters import (
+    OF_MATERIAL,
+    PARAMETERS,
+    RATE,
+    is_set,
+    laws_with,
+)
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.packing.contact_ways import KEEP, KEY
 from granwave.lammps_inputs.case.packing.grains import Grains
@@ -41,7 +47,24 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     chose_yield_factor
         The case file gives ``contact.yield_factor``, so that it is meant.
     """
-    warnings = [
+    for text in case_warnings(assembly, chose_yield_factor=chose_yield_factor):
+        _LOG.warning("%s: %s", assembly.case.name, text)
+
+
+def warnings_of_run(assembly: Assembly) -> list[str]:
+    """Return the warnings about the values of a case that the record of its run keeps.
+
+    A yield factor that differs from its default is meant.
+    """
+    is_chosen = is_set(assembly.case.contact, PARAMETERS["yield_factor"])
+    return case_warnings(assembly, chose_yield_factor=is_chosen)
+
+
+def case_warnings(assembly: Assembly, *, chose_yield_factor: bool) -> list[str]:
+    """Return warnings about values that are valid but may not be meant; parameters as in
+    `warn_about`.
+    """
+    return [
         *missing_products(assembly.case.figures),
         *_of_yield_factor(assembly, chose_yield_factor=chose_yield_factor),
         *_of_materials(assembly),
@@ -56,8 +79,6 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
         *_of_walls_of_the_file(assembly),
         *_of_spins(assembly),
     ]
-    for text in warnings:
-        _LOG.warning("%s: %s", assembly.case.name, text)
 
 
 def _of_yield_factor(assembly: Assembly, *, chose_yield_factor: bool) -> Iterator[str]:

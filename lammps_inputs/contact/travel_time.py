@@ -25,6 +25,7 @@ from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, force_on_top, static_stiffness
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids, line_ids, struck_of
+from granwave.lammps_inputs.roots import brentq
 
 Array = NDArray[np.float64]
 
@@ -134,7 +135,6 @@ def row_of(assembly: Assembly) -> WaveRow | None:
 
 def _stiffness(law: ContactLaw, force: float) -> float:
     """Stiffness of a contact for small motions under a force that has not been exceeded, N/m."""
-    from scipy.optimize import brentq  # imported on demand: slow to load
 
     def miss(overlap: float) -> float:
         return float(law.loading_force(overlap)) - force

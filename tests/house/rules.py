@@ -6,6 +6,7 @@ tests allow no more of them, so that the list only becomes shorter.
 
 from __future__ import annotations
 
+import argparse
 import ast
 import json
 import subprocess
@@ -201,4 +202,5 @@ def write_exceptions() -> None:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__).parse_args()
     write_exceptions()

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _MOST_VALUES = 12  # rows at the terminal
 _MOST_KEYS = 12
 _MOST_RUNS = 6  # most runs with a column each
-_WIDEST = 28  # characters of a cell
+_WIDEST = 32  # characters of a cell
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -43,15 +43,17 @@ def text_of(comparison: Comparison) -> str:
 
 def _values(comparison: Comparison) -> str:
     """Return the table of the values that differ most."""
-    values = comparison.values
-    if not comparison.quantities:
-        values = values[:_MOST_VALUES]
+    from granwave.analysis.reports.comparison.values import TRUNCATED, shown_values
+
+    values = shown_values(comparison.values, _MOST_VALUES, asked=bool(comparison.quantities))
     if not values:
         return ""
     rows = [["quantity", "unit", *(_cut(run.name) for run in comparison.runs), "ratio"]]
     for value in values:
         numbers = ["" if number is None else f"{number:.5g}" for number in value.values]
         ratio = "" if value.ratio is None else f"{value.ratio:.3g}"
+        if value.is_truncated:
+            ratio = TRUNCATED
         rows.append([value.name, value.unit, *numbers, ratio])
     return columns(rows, left=(0, 1))
 

@@ -25,6 +25,7 @@ from granwave.analysis.pipeline import analyse
 from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.summary import check_value_names
+from granwave.lammps_inputs.checks.warnings import warnings_of_run
 from granwave.lammps_inputs.deck.commands import PARTS
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
@@ -60,6 +61,7 @@ from granwave.workflows.run.directory import (
     start,
 )
 from granwave.workflows.run.initial_state import make_spheres
+from granwave.workflows.run.kept_warnings import keeping_warnings
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress, announce
@@ -202,12 +204,18 @@ class _Run:
             results / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly)
         )
         self.state = record.RUNNING  # state of the time integration; recorded after the analysis
-        self.reserve = on_first(
-            comm, lambda: plan(assembly).disk_reserve
-        )  # disk space to be kept free, bytes
+        self.warnings: list[str] = []
+        # disk space to be kept free, bytes
+        self.reserve = on_first(comm, self._plan)
         # dissipated energy at the start of the current block of end_time = "auto", J
         self.lost_before_block = 0.0
         self.began = False  # LAMMPS has opened its output
+
+    def _plan(self) -> float:
+        """Keep the warnings about the case, and return the disk space to be kept free, bytes."""
+        self.warnings += warnings_of_run(self.assembly)
+        with keeping_warnings(self.case.name, self.warnings):
+            return plan(self.assembly).disk_reserve
 
     # ------------------------------------------------------------------ attempts
 
@@ -228,13 +236,15 @@ class _Run:
         """Integrate in time; halve an automatic timestep until the balance closes."""
         if go_on:
             self.record = on_first(self.comm, lambda: self.results.read_record() or record.Record())
+        self.warnings = list(dict.fromkeys([*self.record.warnings, *self.warnings]))
         self.record.energy_balance_accepted = self.balance.accepted
         timestep = None
         chosen = self.case.run.timestep == "auto"
         while True:
             deck = self._deck(timestep, go_on)
             try:
-                self._attempt(deck, stop, go_on)
+                with keeping_warnings(self.case.name, self.warnings):
+                    self._attempt(deck, stop, go_on)
             except (RunError, OSError) as error:
                 self._fail(error)
             if self.state != record.REFUSED:
@@ -369,6 +379,7 @@ class _Run:
                 "wall_time_s": 0.0,
             }
             self.record = dataclasses.replace(self.record, versions=record.versions(), **fresh)
+        self.record.warnings = self.warnings  # the list grows during the run
         self.record.n_ranks = self.comm.size
         self.record.nodes = nodes(self.comm)
         self.record.timestep_s = deck.schedule.first_timestep

@@ -64,6 +64,8 @@ class Record:
         Rejected timesteps with their errors of the energy balance.
     checkpoint
         Step and file sizes at the last checkpoint.
+    warnings
+        Warnings about the case and the run, without its name.
     """
 
     state: str = RUNNING
@@ -80,6 +82,7 @@ class Record:
     energy_balance_accepted: float | None = None
     attempts: list[dict[str, float]] = dataclasses.field(default_factory=list)
     checkpoint: dict[str, Any] | None = None
+    warnings: list[str] = dataclasses.field(default_factory=list)
 
 
 def record_of(content: dict[str, Any] | None) -> Record | None:

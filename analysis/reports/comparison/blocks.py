@@ -27,13 +27,23 @@ from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.figures import FIGURES
-from granwave.analysis.reports.comparison.measured import NEGLIGIBLE, Deviation, relative_text
+from granwave.analysis.reports.comparison.measured import (
+    NEGLIGIBLE,
+    Deviation,
+    relative_text,
+    unranked_reasons,
+)
 from granwave.analysis.reports.comparison.subjects import (
     MOST_SIDE_BY_SIDE,
     ComparedRun,
     names_with_cases,
 )
-from granwave.analysis.reports.comparison.values import ComparedValue, factor
+from granwave.analysis.reports.comparison.values import (
+    TRUNCATED,
+    ComparedValue,
+    factor,
+    shown_values,
+)
 from granwave.analysis.reports.figures import picture_of
 
 _MOST_VALUES = 10  # rows of the table of values
@@ -82,9 +92,7 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
 
 def value_table(comparison: Comparison) -> DocumentTable:
     """Return the table of values; for many runs the smallest and the largest of each value."""
-    values = comparison.values
-    if not comparison.quantities:
-        values = values[:_MOST_VALUES]
+    values = shown_values(comparison.values, _MOST_VALUES, asked=bool(comparison.quantities))
     if len(comparison.runs) > MOST_SIDE_BY_SIDE:
         return _ranges(comparison.runs, values)
     heads = [TableColumn(run.name, numeric=True) for run in comparison.runs]
@@ -139,6 +147,8 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
 
 
 def _ratio(value: ComparedValue) -> Cell:
+    if value.is_truncated:
+        return Cell(TRUNCATED)
     return Cell("") if value.ratio is None else Cell(factor(value.ratio), value.ratio)
 
 
@@ -195,10 +205,14 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
         place = quantity_in(curve.peak_at, x_unit)
         own = ("measured", "", "", peak, place, "", str(len(curve.x)))
         rows: list[tuple[str, ...]] = [own]
-        for run, difference in comparison.deviations(name).items():
+        deviations = comparison.deviations(name)
+        reasons = unranked_reasons(
+            {run.name: found for run, found in deviations.items() if found is not None}
+        )
+        for run, difference in deviations.items():
             cells: tuple[str, ...] = (_NO_RANGE, *_NO_CELLS)
             if difference is not None:
-                cells = misfit_cells(difference, units, curve.peak)
+                cells = misfit_cells(difference, units, curve.peak, reasons.get(run.name, ""))
             rows.append((run.name, *cells))
         for run, why in comparison.data(name).lacking.items():
             rows.append((run.name, why, *_NO_CELLS))
@@ -207,21 +221,29 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
 
 
 def misfit_cells(
-    difference: Deviation, units: tuple[str, str], measured_peak: float
+    difference: Deviation, units: tuple[str, str], measured_peak: float, unranked: str = ""
 ) -> tuple[str, ...]:
-    """Return the difference from a measured curve in words, below the `MISFIT_HEADS`."""
+    """Return the difference from a measured curve in words, below the `MISFIT_HEADS`.
+
+    Parameters
+    ----------
+    unranked
+        Reason for which the run is not ranked, which stands in place of percentages; empty if it
+        is ranked.
+    """
     x_unit, y_unit = units
     peak = quantity_in(difference.peak, y_unit)
     place = quantity_in(difference.peak_at, x_unit)
     if abs(difference.peak) < NEGLIGIBLE * abs(measured_peak):
         peak = "0"
         place = ""
+    relative = relative_text(difference.relative_rms).removesuffix(" of")
     return (
         quantity_in(difference.rms, y_unit),
-        relative_text(difference.relative_rms).removesuffix(" of"),
+        f"not ranked: {unranked}" if unranked else relative,
         peak,
         place,
-        _peak_text(difference.peak_difference),
+        "" if unranked else _peak_text(difference.peak_difference),
         str(difference.n_points),
     )
 

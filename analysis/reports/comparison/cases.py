@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.reports.comparison.ends import END_KEY, LATER, end_of, have_unlike_ends
+from granwave.analysis.reports.comparison.grain_ids import ids_in_words
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     LackingError,
@@ -21,10 +23,9 @@ from granwave.lammps_inputs.errors import GranwaveError
 
 _SAME = 1e-12  # relative tolerance of equal diameters
 _SAME_PLACE = 1e-9  # tolerance of equal positions, diameters
-_MOST_RANGES = 4  # most ranges of ids in a row of the table
+_MOST_DIAMETERS = 4  # combinations of diameters that are listed one by one
 _MOST_ROWS = 12  # most rows for grains; further grains are counted
 NOT_RECORDED = "not recorded"
-_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # endings of ordinal numbers
 UNNAMED = "unnamed"  # name of a material without a name
 _OF_PACKING = "packing."
 _REPLACED = "replace"  # key whose changes are listed by grain
@@ -41,7 +42,8 @@ class Difference:
     values
         In words, by run: (n_runs,).
     is_numerical
-        True for keys of the tables run and output, which change how a run is followed.
+        True for keys of the tables run and output, which change how a run is followed; False for
+        ends that differ, which change results.
     """
 
     what: str
@@ -74,6 +76,8 @@ def case_differences(runs: Sequence[ComparedRun]) -> list[Difference]:
         own = [key for key in own if key != _REPLACED]
     rows += [_key_row(key, runs) for key in own]
     rows += grains
+    rest = [key for key in rest if key != END_KEY]
+    rows += _end_rows(runs)
     rows += [_key_row(key, runs, is_numerical=True) for key in rest]
     return rows
 
@@ -90,6 +94,36 @@ def _kind_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
 def _key_row(key: str, runs: Sequence[ComparedRun], *, is_numerical: bool = False) -> Difference:
     texts = [value_text(key, run.run.case) if run.run.case else NOT_RECORDED for run in runs]
     return Difference(key, tuple(texts), is_numerical)
+
+
+def _end_rows(runs: Sequence[ComparedRun]) -> list[Difference]:
+    """Return a row with the end times of runs, if the requested times or the ends differ; the time
+    that a run reached stands next to the requested time where they differ.
+    """
+    asked = {str(run.run.case[END_KEY]) for run in runs if END_KEY in run.run.case}
+    is_unlike = have_unlike_ends(runs) or any(run.unfinished for run in runs)
+    if len(asked) < 2 and not is_unlike:
+        return []
+    texts = tuple(_end_text(run) for run in runs)
+    return [Difference(END_KEY, texts, is_numerical=not is_unlike)]
+
+
+def _end_text(run: ComparedRun) -> str:
+    """Return the requested end time of a run: ``1 ms``; with the time at which it stopped, if it
+    stopped earlier: ``70 µs of 1 ms (interrupted)``.
+    """
+    reached = quantity_in(end_of(run), "s")
+    asked = run.run.case.get(END_KEY)
+    if asked is None:
+        return reached
+    text = value_text(END_KEY, run.run.case)
+    is_at_end = isinstance(asked, float | int) and end_of(run) * LATER >= asked
+    if is_at_end and not run.run.is_unfinished:
+        return text
+    state = f" ({run.run.record['state']})" if run.run.is_unfinished else ""
+    if isinstance(asked, str):
+        return f"{text}: {reached}{state}"
+    return f"{reached} of {text}{state}"
 
 
 def _grain_rows(runs: Sequence[ComparedRun], *, places: bool) -> list[Difference]:
@@ -149,16 +183,36 @@ def _number_rows(grains: Sequence[_Grains], *, places: bool) -> list[Difference]
     moves = [np.linalg.norm(other.position - first.position, axis=1) for other in grains]
     rows: list[Difference] = []
     if not _is_constant(sizes):  # the change is listed under another key
-        rows += _changed_row("diameter", first.ids, sizes, _SAME * scale)
+        rows += _diameter_rows(grains, sizes, _SAME * scale)
     if places:
         rows += _changed_row("position", first.ids, moves, _SAME_PLACE * scale)
     return rows
 
 
+def _diameter_rows(
+    grains: Sequence[_Grains], changes: Sequence[NDArray[np.float64]], least: float
+) -> list[Difference]:
+    """Return a row for each combination of diameters that differ; a row with the largest changes if
+    there are many combinations.
+    """
+    is_changed = np.max(np.abs(changes), axis=0) > least
+    columns = [_lengths(one.diameter[is_changed]) for one in grains]
+    groups: dict[tuple[str, ...], list[int]] = {}
+    for sphere, texts in zip(grains[0].ids[is_changed], zip(*columns, strict=True), strict=True):
+        groups.setdefault(texts, []).append(int(sphere))
+    if len(groups) > _MOST_DIAMETERS:
+        return _changed_row("diameter", grains[0].ids, changes, least)
+    return [Difference(f"diameter of {ids_in_words(ids)}", texts) for texts, ids in groups.items()]
+
+
+def _lengths(values: NDArray[np.float64]) -> list[str]:
+    return [quantity_in(value, "m") for value in values.tolist()]
+
+
 def _changed_row(
     what: str, ids: NDArray[np.int64], changes: Sequence[NDArray[np.float64]], least: float
 ) -> list[Difference]:
-    """Return the row of the grains that changed by more than ``least``, m; None without any."""
+    """Return the row of the grains that changed by more than ``least``, m; empty without any."""
     changed = ids[np.max(np.abs(changes), axis=0) > least]
     if not len(changed):
         return []
@@ -172,40 +226,4 @@ def _is_constant(changes: Sequence[NDArray[np.float64]]) -> bool:
 
 def _change_text(change: NDArray[np.float64]) -> str:
     largest = float(np.abs(change).max(initial=0.0))
-    return f"up to {quantity_in(largest, 'm')} off" if largest else "the reference"
-
-
-def ids_in_words(ids: Iterable[int]) -> str:
-    """Return ids as ranges: ``grains 1, 3 to 5``; for long lists the first ids, and the number of
-    all.
-    """
-    numbers = sorted(ids)
-    if len(numbers) == 1:
-        return f"grain {numbers[0]}"
-    ranges: list[list[int]] = []
-    for number in numbers:
-        if ranges and number == ranges[-1][-1] + 1:
-            ranges[-1] = [ranges[-1][0], number]
-        else:
-            ranges.append([number])
-    if step := _step(numbers):
-        return f"grains {numbers[0]}, {numbers[1]}, … {numbers[-1]} (every {_ordinal(step)})"
-    texts = [f"{part[0]} to {part[-1]}" if len(part) > 1 else f"{part[0]}" for part in ranges]
-    if len(texts) > _MOST_RANGES:
-        return f"{len(numbers)} grains ({', '.join(texts[:_MOST_RANGES])}, …)"
-    return f"grains {', '.join(texts)}"
-
-
-def _ordinal(number: int) -> str:
-    """Return a number as ``2nd``, ``13th``."""
-    if number % 100 in (11, 12, 13):
-        return f"{number}th"
-    return f"{number}{_ENDINGS.get(number % 10, 'th')}"
-
-
-def _step(numbers: Sequence[int]) -> int:
-    """Return the constant spacing (above 1) of at least four numbers; 0 if it is not constant."""
-    steps = set(np.diff(numbers).tolist())
-    if len(numbers) > _MOST_RANGES and len(steps) == 1 and steps != {1}:
-        return int(steps.pop())
-    return 0
+    return f"changed by up to {quantity_in(largest, 'm')}" if largest else "the reference"

@@ -12,6 +12,12 @@ from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
 from granwave.analysis.reports.comparison.definitions import definition_notes
+from granwave.analysis.reports.comparison.ends import (
+    differ_in_end_only,
+    ends_in_words,
+    have_unlike_ends,
+    same_case_sentence,
+)
 from granwave.analysis.reports.comparison.figures import FIGURES, FigureData, read_figure
 from granwave.analysis.reports.comparison.measured import (
     Deviation,
@@ -21,6 +27,7 @@ from granwave.analysis.reports.comparison.measured import (
     deviation,
     outside_notes,
     read_measured,
+    unranked_reasons,
 )
 from granwave.analysis.reports.comparison.protection import protection_sentences
 from granwave.analysis.reports.comparison.subjects import (
@@ -35,10 +42,11 @@ from granwave.analysis.reports.comparison.values import (
     compared_values,
     differing_values,
     sentence,
+    truncation_note,
     unknown_values,
 )
 from granwave.analysis.reports.inputs import ReportInputs
-from granwave.analysis.reports.kinds import ReportRun
+from granwave.analysis.reports.kinds import ReportRun, warning_notes
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.own_files import AnyPath
 
@@ -50,8 +58,6 @@ BOTTOM_FORCE = "bottom_force"  # default quantity for a measured curve
 _UNITS = "units"  # key of ``attrs`` of a table
 _RATIO = "ratio"
 _LEAST_RUNS = 2
-_MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
-_LATER = 1.01  # latest over earliest end above which the note on different ends is printed
 
 
 class Comparison:
@@ -117,7 +123,9 @@ class Comparison:
         ]
         if is_alone:
             return " ".join(measured)
-        if not self.differs:
+        if differ_in_end_only(self.runs):
+            first = f"{same_case_sentence(self.runs)} {self._largest_differences()}"
+        elif not self.differs:
             listed = names_in_words([run.name for run in self.runs])
             first = f"Nothing differs: cases and results of {listed} are equal."
         else:
@@ -139,6 +147,8 @@ class Comparison:
         """
         if self.quantities or len(self.runs) < _LEAST_RUNS or not self.differs:
             return []
+        if differ_in_end_only(self.runs):
+            return []
         names = names_with_cases(self.runs)
         finished = [place for place, run in enumerate(self.runs) if not run.run.is_unfinished]
         return protection_sentences(
@@ -151,7 +161,7 @@ class Comparison:
 
         Units are in ``attrs["units"]``, by name. The ratio is that of the second to the first of
         two runs, of the largest to the smallest value of more runs; NaN where a value is zero or
-        missing.
+        missing, or where an earlier end of a run truncates it.
         """
         import pandas
 
@@ -208,6 +218,8 @@ class Comparison:
         parts = [f"{figure.caption}."]
         if figure.look:
             parts.append(figure.look)
+        if figure.is_cumulative and have_unlike_ends(list(data.present)):
+            parts.append(f"Up to the end of each run: {ends_in_words(list(data.present))}.")
         if figure.notes is not None:
             parts.append(figure.notes(data.present))
         if name in self.measured:
@@ -288,15 +300,18 @@ class Comparison:
     def misfits(self) -> pandas.DataFrame:
         """Difference of each run from the measured curve: rms, rms divided by the measured peak,
         relative difference of the peaks, number of points, and peak of the run in the measured
-        range with its position; empty without a measured curve.
+        range with its position; ``not_ranked`` is the reason for which a run is not ranked, or
+        empty. Empty without a measured curve.
         """
         import pandas
 
         rows: list[dict[str, Any]] = []
         for name in self.measured:
+            reasons = unranked_reasons(self._named_deviations(name))
             for run, difference in self.deviations(name).items():
                 values = vars(difference) if difference is not None else {}
-                rows.append({"figure": name, "run": run.name, **values})
+                reason = reasons.get(run.name, "")
+                rows.append({"figure": name, "run": run.name, **values, "not_ranked": reason})
         return pandas.DataFrame(rows)
 
     # ------------------------------------------------------------------ in words
@@ -314,6 +329,7 @@ class Comparison:
         notes += self._unlike_ends()
         if len(self.runs) >= _LEAST_RUNS:
             notes += definition_notes(self.runs)
+        notes += warning_notes([run.run for run in self.runs])
         for name, curve in self.measured.items():
             notes += coverage_notes(curve, self._named_deviations(name))
             notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
@@ -329,18 +345,15 @@ class Comparison:
         return [f"In no figure: {by_reason(undrawn)}."] if undrawn else []
 
     def _unlike_ends(self) -> list[str]:
-        """Return a sentence on runs that end at different times; nothing if they do not."""
-        ends = {run.name: run.run.number("end_time_s") or 0.0 for run in self.runs}
-        if max(ends.values()) <= _LATER * min(ends.values()):
+        """Return sentences on runs that end at different times; nothing if they do not."""
+        if not have_unlike_ends(self.runs):
             return []
-        texts = [f"{name} at {quantity_in(end, 's')}" for name, end in ends.items()]
-        listed = ", ".join(texts)
-        if len(texts) > _MOST_LISTED:
-            names = sorted(ends, key=lambda name: ends[name])
-            earliest = texts[list(ends).index(names[0])]
-            latest = texts[list(ends).index(names[-1])]
-            listed = f"from {earliest} to {latest}"
-        return [f"Runs end at different times, so their integrals over time differ: {listed}."]
+        notes: list[str] = []
+        if not differ_in_end_only(self.runs):  # the sentence states the times
+            notes.append(f"Runs end at different times: {ends_in_words(self.runs)}.")
+        if truncated := truncation_note(self.values):
+            notes.append(truncated)
+        return notes
 
     def __repr__(self) -> str:
         lines = [*self.protection, self.sentence, *self.notes, "", self.table.to_string(na_rep="")]

@@ -12,12 +12,11 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.analysis.measures.dynamic_force import dynamic_peak_forces
 from granwave.analysis.measures.force_decay import (
     ForceDecay,
     PowerDecay,
     both_decays,
-    still_rising,
+    layer_peaks,
 )
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
@@ -32,7 +31,6 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 FORMS = ("kinetic", "elastic", "dissipated")  # forms of energy, in the order of their panels
 _LEAST_LAYERS = 2  # fewest layers of a curve
 _STATIC_LOAD = "precompression"  # beginning of the keys of a static load
-_LEAST_SHARE = 1e-4  # fraction of the largest peak force: layers that the wave reached
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,17 +52,23 @@ class PeaksByDepth:
     largest, median
         Of the peak forces of their spheres, N: (n_layers,).
     decays
-        Fits of the largest by an exponential and by a power of the depth; None with fewer than
-        four layers below the impacted one.
-    n_rising
-        Number of layers that are left out, since their force still rises at the end.
+        Fits of the largest by an exponential and by a power of the depth; None without fits.
+    no_decay
+        Reason why there are no fits; empty if there are.
+    n_unknown
+        Number of layers that are left out: their force still rises at the end, or includes the
+        reflection from the end of a chain.
+    of_first_wave
+        True for the forces of the first wave along a chain, False for the largest of the run.
     """
 
     depth: Array
     largest: Array
     median: Array
     decays: tuple[ForceDecay, PowerDecay] | None
-    n_rising: int = 0
+    no_decay: str = ""
+    n_unknown: int = 0
+    of_first_wave: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,22 +164,28 @@ def _dataset(file: h5py.File, name: str) -> Array:
 def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
     """Return the peak forces of the layers of a run."""
     with run.opened() as result:
-        mean, layer = _layers_below(result)
-        force = dynamic_peak_forces(result)
-        decays = both_decays(result)
-        largest = np.array([force[layer == n].max() for n in range(len(mean))])
-        median = np.array([np.median(force[layer == n]) for n in range(len(mean))])
-        rising = still_rising(result, layer, largest) & (largest > 0)
-    if len(mean) < 2 or not largest.any():
+        peaks = layer_peaks(result)
+        fits = both_decays(result, peaks)
+        n_loaded = int(np.count_nonzero(result["contacts/peak_force"] > 0))
+    largest = peaks.largest
+    if n_loaded == 1:
+        raise LackingError("a single contact carries a force, the same for both spheres")
+    if len(largest) < _LEAST_LAYERS or not largest.any():
         raise LackingError("no force reaches two layers")
-    shown = largest > _LEAST_SHARE * largest.max()
-    if np.count_nonzero(shown & ~rising) >= _LEAST_LAYERS:
-        shown &= ~rising
-    else:
-        rising[:] = False
-    depth = mean[shown]
-    largest = largest[shown]
-    return PeaksByDepth(depth, largest, median[shown], decays, int(np.count_nonzero(rising)))
+    shown = peaks.is_known
+    if np.count_nonzero(shown) < _LEAST_LAYERS:
+        raise LackingError("the peak force of fewer than two layers is known at the end of the run")
+    decays = None if isinstance(fits, str) else fits
+    no_decay = fits if isinstance(fits, str) else ""
+    return PeaksByDepth(
+        depth=peaks.depth[shown],
+        largest=largest[shown],
+        median=peaks.median[shown],
+        decays=decays,
+        no_decay=no_decay,
+        n_unknown=peaks.n_left_out,
+        of_first_wave=peaks.of_first_wave,
+    )
 
 
 def dissipation_by_depth(run: ComparedRun) -> SampledCurve:
@@ -205,12 +215,19 @@ def growth(run: ComparedRun) -> GrowthCurves:
 def front(run: ComparedRun) -> SampledCurve:
     """Return the times at which the front of the wave reached each layer, or bead of a
     chain: m, s.
+
+    Layers with loaded or moving spheres are left out: the wave starts there, and their first
+    contact is also the first one of the next layer.
     """
     with run.opened() as result:
         if result.case.precompression is not None:
             raise LackingError("its contacts are loaded from the start")
         depth, arrival = front_arrivals(result)
-    is_reached = np.isfinite(arrival)
+        rows = result.rows(np.array(result.struck))
+        start = result["spheres/position"][rows, 2] - result.origin[2]
+    is_start = np.zeros(len(depth), dtype=bool)
+    is_start[np.abs(depth[:, None] - start).argmin(axis=0)] = True
+    is_reached = np.isfinite(arrival) & ~is_start
     if np.count_nonzero(is_reached) < 2:
         raise LackingError("the wave reached fewer than two layers")
     return SampledCurve(depth[is_reached], arrival[is_reached])

@@ -9,14 +9,14 @@ from collections.abc import Callable, Sequence
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
+from granwave.analysis.reports.comparison.energy_inputs import have_same_input, inputs_in_words
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
-_INPUT = "energy_input_J"
 _FORCE = "wall_peak_force_N"
+_DEPTH = "zone_depth_90_m"
 _SPHERES = "n_spheres"
-_SAME_INPUT = 1e-6  # relative difference of energies that are equal
 _MOST_LISTED = 4  # runs that a sentence lists
 
 
@@ -35,19 +35,15 @@ def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def _inputs(runs: Sequence[ComparedRun]) -> str:
-    """Return a sentence on different energy inputs; empty if they are equal."""
-    inputs = {run: run.run.number(_INPUT) or 0.0 for run in runs}
-    largest = max(inputs.values())
-    if largest - min(inputs.values()) <= _SAME_INPUT * largest:
+    """Return a sentence on different inputs; empty if they are equal."""
+    if have_same_input(runs):
         return ""
-    listed = _listed(list(inputs), lambda run: quantity_in(inputs[run], "J"))
-    if len(inputs) > _MOST_LISTED:
-        least, *_, most = sorted(inputs, key=lambda run: inputs[run])
-        ends = [f"{quantity_in(inputs[run], 'J')} in {run.name}" for run in (least, most)]
-        listed = f"from {ends[0]} to {ends[1]}"
+    first = f"Inputs differ: {inputs_in_words(runs)}. "
+    if not any(run.run.number(_DEPTH) for run in runs):
+        return f"{first}Forces and energies are not divided by them."
     return (
-        f"Energy inputs differ: {listed}. Forces, energies and sizes of the plastic zone are not "
-        "divided by them; fractions are."
+        f"{first}Forces, energies and sizes of the plastic zone are not divided by them, and "
+        "depths of the zone are not ranked; fractions are relative to the input energy."
     )
 
 
@@ -60,7 +56,7 @@ def _static_forces(runs: Sequence[ComparedRun]) -> str:
     listed = _listed(loaded, lambda run: quantity_in(static[run], "N"))
     return (
         "Peak forces and impulses in the tables include static forces; on the bottom, before the "
-        f"impact: {listed}."
+        f"impact: {listed}. Dynamic forces and impulses do not."
     )
 
 
@@ -78,7 +74,7 @@ def _yielding_of_laws(runs: Sequence[ComparedRun]) -> str:
 
 def _depths_of_kinds(runs: Sequence[ComparedRun]) -> str:
     """Return a sentence on the origin of depths in packings and blocks; empty for one kind."""
-    has_zone = [run for run in runs if run.run.number("zone_depth_90_m")]
+    has_zone = [run for run in runs if run.run.number(_DEPTH)]
     if len({run.has_spheres for run in has_zone}) < 2:
         return ""
     return (
@@ -126,7 +122,7 @@ def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
         listed = _listed(rising, _end)
         notes.append(
             "The force on the bottom is largest at the end of the run, and may rise further: "
-            f"{listed}. Such forces are not ranked."
+            f"{listed}. Such forces are not ranked, and their arrival is not known."
         )
     return notes
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from granwave.analysis.figures.series import (
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import interval, quantity_in
-from granwave.analysis.measures.force_decay import ForceDecay, PowerDecay
+from granwave.analysis.measures.force_decay import Decay, ForceDecay, better_of, objection
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import (
     FORMS,
@@ -55,8 +56,6 @@ from granwave.analysis.reports.comparison.subjects import (
     spread_first,
 )
 
-Decay = ForceDecay | PowerDecay
-
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
 #: Line styles of the runs, which distinguish curves in grey prints; fits and measured curves are
 #: dotted.
@@ -78,7 +77,10 @@ _MOST_MARKED = 40  # points of a curve with markers
 _NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 _POINTS_OF_FIT = 30
 _ROOM_ABOVE = 1.06  # upper end of a linear axis / largest value
+_ROOM_OF_LOG = 1.4  # end of a logarithmic axis / largest or smallest value
 _HIDES = 30.0  # ratio of the largest to the smallest peak that a linear axis hides
+_N_LAWS = 2  # laws of decay: exponential and power
+_OTHER_LAW = "it follows the other law"
 _BELOW = 1e-2  # lowest force of a logarithmic axis, divided by the smallest peak
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
 
@@ -105,6 +107,9 @@ class ComparisonFigure:
         Function that returns the curve of a run for comparison with a measured curve.
     most
         Largest number of runs that it shows.
+    is_cumulative
+        True if it shows largest values or sums up to the end of each run, so that its caption
+        states different ends.
     """
 
     caption: str
@@ -115,6 +120,7 @@ class ComparisonFigure:
     notes: Callable[[Mapping[ComparedRun, Any]], str] | None = None
     curve: Callable[[Any], SampledCurve] | None = None
     most: int = MOST_CURVES
+    is_cumulative: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -347,45 +353,63 @@ def draw_peaks(
             f"{name}_median_N": one.median,
         }
     columns |= _measured_lines(left, measured, _MILLI, 1.0)
-    is_dynamic = any(has_static_load(run) for run in peaks)
-    label(left, "Depth (mm)", "Peak dynamic force (N)" if is_dynamic else "Peak force (N)")
-    _log_if_wide(left)
+    label(left, "Depth (mm)", _peak_title(peaks))
     for right in others:
         left.set_title("largest of the layer")
         label(right, "Depth (mm)", title="median of the layer")
-        _log_if_wide(right)
+    _log_if_wide(left, *others)
     _legend(figure)
     return Drawing(figure, columns)
 
 
-def _log_if_wide(axes: Axes) -> None:
-    """Make the vertical axis logarithmic if the lines span more than a decade."""
-    values = np.concatenate([np.asarray(line.get_ydata()) for line in axes.lines] or [np.ones(1)])
-    if len(values) and values.max() > _WIDE * values.min():
-        axes.set_yscale("log")
-    else:
-        axes.set_ylim(0, _ROOM_ABOVE * values.max())
+def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the title of the axis of peak forces."""
+    is_dynamic = any(has_static_load(run) for run in peaks)
+    title = "Peak dynamic force" if is_dynamic else "Peak force"
+    if all(one.of_first_wave for one in peaks.values()):
+        return f"{title}\nof the first wave (N)"
+    return f"{title} (N)"
+
+
+def _log_if_wide(*panels_of_figure: Axes) -> None:
+    """Give the vertical axes of all panels one scale, logarithmic if their lines together span more
+    than a decade, otherwise linear from 0.
+    """
+    lines = list(chain.from_iterable(axes.lines for axes in panels_of_figure))
+    values = np.concatenate([np.asarray(line.get_ydata()) for line in lines] or [np.ones(1)])
+    is_wide = len(values) and values.max() > _WIDE * values.min()
+    positive = values[values > 0]
+    for axes in panels_of_figure:
+        if is_wide and len(positive):
+            axes.set_yscale("log")
+            axes.set_ylim(positive.min() / _ROOM_OF_LOG, positive.max() * _ROOM_OF_LOG)
+        else:
+            axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0))
 
 
 def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
     """Return the fits of the runs that have one, by the law that fits all runs better.
 
-    The law is the same for all runs, so that its constants can be compared: the exponential or
-    the power with the smaller sum of squared misfits.
+    The law is the same for all runs, so that its constants can be compared: the exponential or the
+    power that describes more runs, of two that describe equally many the one with the smaller sum
+    of squared misfits. Runs that it does not describe have no fit.
     """
-    pairs = {run: one.decays for run, one in peaks.items() if one.decays is not None}
-    exponential = sum(pair[0].misfit ** 2 for pair in pairs.values())
-    power = sum(pair[1].misfit ** 2 for pair in pairs.values())
-    if exponential <= power:
-        return {run: pair[0] for run, pair in pairs.items()}
-    return {run: pair[1] for run, pair in pairs.items()}
+    laws = [_described(peaks, number) for number in range(_N_LAWS)]
+    return min(laws, key=lambda fits: (-len(fits), sum(fit.misfit**2 for fit in fits.values())))
+
+
+def _described(peaks: Mapping[ComparedRun, PeaksByDepth], number: int) -> dict[ComparedRun, Decay]:
+    """Return the fits of one of the laws that describe the forces of a run, by run."""
+    fits = {run: one.decays[number] for run, one in peaks.items() if one.decays is not None}
+    return {run: fit for run, fit in fits.items() if not objection(fit)}
 
 
 def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return a sentence on the fits of the decay."""
+    """Return sentences on the fits of the decay, and on runs without a fit."""
     fits = common_fits(peaks)
+    without = _without_fit(peaks, fits)
     if not fits:
-        return ""
+        return without
     is_exponential = isinstance(next(iter(fits.values())), ForceDecay)
     law = "exponential, F ~ exp(-bz), fitted" if is_exponential else "power law, F ~ z^-n, fitted"
     constant = "b" if is_exponential else "n"
@@ -393,10 +417,11 @@ def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
         f"{_constant(fit)} ({run.name}, {fit.n_layers} layers, rms {100 * fit.misfit:.2g} %)"
         for run, fit in fits.items()
     ]
-    return (
+    fitted = (
         f"Dotted: {law} to the largest force between the impacted and the last layer; {constant} "
-        f"and its standard error: {'; '.join(parts)}.{_without_fit(peaks)}"
+        f"and its standard error: {'; '.join(parts)}."
     )
+    return f"{fitted} {without}".rstrip()
 
 
 def _constant(fit: Decay) -> str:
@@ -406,10 +431,25 @@ def _constant(fit: Decay) -> str:
     return interval(fit.exponent, fit.error)
 
 
-def _without_fit(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return a sentence on the runs without a fit of the decay; empty if there is none."""
-    names = [run.name for run, curves in peaks.items() if curves.decays is None]
-    return f" Too few layers for a fit: {', '.join(names)}." if names else ""
+def _without_fit(
+    peaks: Mapping[ComparedRun, PeaksByDepth], fits: Mapping[ComparedRun, Decay]
+) -> str:
+    """Return a sentence on the runs without a fit of the decay, by reason; empty if there is
+    none.
+    """
+    reasons: dict[str, list[str]] = {}
+    for run, one in peaks.items():
+        if run not in fits:
+            reasons.setdefault(_refusal(one), []).append(run.name)
+    parts = [f"{', '.join(names)} ({reason})" for reason, names in reasons.items()]
+    return f"Without a fit: {'; '.join(parts)}." if parts else ""
+
+
+def _refusal(peaks: PeaksByDepth) -> str:
+    """Return the reason why the forces of a run have no fit: that of the better law."""
+    if peaks.decays is None:
+        return peaks.no_decay
+    return objection(better_of(peaks.decays)) or _OTHER_LAW
 
 
 def draw_dissipation(
@@ -498,15 +538,31 @@ def dynamic_notes(curves: Mapping[ComparedRun, Any]) -> str:
 
 def _peak_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return the sentences below the peak forces against depth."""
-    return " ".join(filter(None, [dynamic_notes(peaks), decay_notes(peaks), _rising_notes(peaks)]))
+    notes = [wave_notes(peaks), dynamic_notes(peaks), decay_notes(peaks), _unknown_notes(peaks)]
+    return " ".join(filter(None, notes))
 
 
-def _rising_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on the part of the run whose largest force is drawn."""
+    first = [run.name for run, one in peaks.items() if one.of_first_wave]
+    whole = [run.name for run, one in peaks.items() if not one.of_first_wave]
+    parts = []
+    if first:
+        parts.append(f"of the first wave, before the reflection ({named(first, len(first))})")
+    if whole:
+        parts.append(f"of the whole run, with reflections ({named(whole, len(whole))})")
+    return f"Largest forces {' and '.join(parts)}."
+
+
+def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return a sentence on layers that are left out; empty if there are none."""
-    parts = [f"{one.n_rising} ({run.name})" for run, one in peaks.items() if one.n_rising]
+    parts = [f"{one.n_unknown} ({run.name})" for run, one in peaks.items() if one.n_unknown]
     if not parts:
         return ""
-    return f"Without layers whose force still rises at the end: {', '.join(parts)}."
+    reasons = "whose force still rises at the end"
+    if any(one.of_first_wave for one in peaks.values()):
+        reasons += " or also includes the reflection"
+    return f"Without layers {reasons}: {', '.join(parts)}."
 
 
 def _field_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
@@ -558,7 +614,7 @@ FIGURES: dict[str, ComparisonFigure] = {
     ),
     "peak_force_depth": ComparisonFigure(
         "Peak force against depth: largest and median sphere of each layer", peaks_by_depth,
-        draw_peaks, units=("m", "N"), notes=_peak_notes, curve=_largest,
+        draw_peaks, units=("m", "N"), notes=_peak_notes, curve=_largest, is_cumulative=True,
     ),
     "energies": ComparisonFigure(
         "Kinetic, elastic and dissipated energy against time, relative to the input", energy_shares,
@@ -567,6 +623,7 @@ FIGURES: dict[str, ComparisonFigure] = {
     ),
     "dissipation_depth": ComparisonFigure(
         "Dissipation by layer, relative to the input", dissipation_by_depth, draw_dissipation,
+        is_cumulative=True,
     ),
     "zone_growth": ComparisonFigure(
         "Growth of the plastic zone: number and largest depth of yielded spheres", growth,
@@ -577,12 +634,12 @@ FIGURES: dict[str, ComparisonFigure] = {
         notes=speed_notes, curve=_itself,
     ),
     "peak_force_field": ComparisonFigure(
-        "Peak force on the lattice plane below the impact in which spheres touch, on a common "
-        "colour scale", force_field,
-        draw_field_panels, notes=_field_notes, most=MOST_PANELS,
+        "Peak force on the lattice plane below the impact in which spheres touch, the largest of "
+        "the run, on a common colour scale", force_field,
+        draw_field_panels, notes=_field_notes, most=MOST_PANELS, is_cumulative=True,
     ),
     "peak_force_difference": ComparisonFigure(
         "Difference of the peak force of corresponding grains", force_field,
-        draw_field_difference, notes=_difference_notes, most=MOST_PANELS,
+        draw_field_difference, notes=_difference_notes, most=MOST_PANELS, is_cumulative=True,
     ),
 }  # fmt: skip

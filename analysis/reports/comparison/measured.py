@@ -38,6 +38,10 @@ _SPELLINGS = {"µs": "us", "μs": "us"}
 _LEAST_POINTS = 2
 NEGLIGIBLE = 1e-4  # fraction of the measured peak below which a value counts as zero
 _ENOUGH = 0.99  # fraction of the points of the run with the most points: runs that are ranked
+#: Reasons for which a run is not ranked.
+_FEWER_POINTS = "fewer points than other runs"
+_BEFORE_PEAK = "ends before the measured peak"
+_STILL_RISES = "still rises at its end"
 _TIMES = 10.0  # ratio above which a difference is given as a factor
 _MOST_LISTED = 4  # runs that a sentence lists
 
@@ -101,7 +105,8 @@ class Deviation:
         This root mean square / largest measured value.
     peak_difference
         Largest value of the run in the measured range / largest measured value, minus 1; NaN if
-        the run does not cover the measured peak, or if the measured curve is reversed.
+        the run does not cover the measured peak, still rises at its end, or if the measured curve
+        is reversed.
     n_points
         Number of measured points within the curve of the run.
     peak
@@ -113,6 +118,9 @@ class Deviation:
         it lies inside.
     covers_peak
         True if the measured peak is within the curve of the run.
+    rises_at_end
+        True if the run ends within the measured range with its largest value, so that it may rise
+        further.
     """
 
     rms: float
@@ -123,6 +131,7 @@ class Deviation:
     peak_at: float
     outside_at: float | None = None
     covers_peak: bool = True
+    rises_at_end: bool = False
 
 
 def read_measured(
@@ -180,16 +189,19 @@ def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
     first = int(own.y.argmax())
     largest = float(own.y[first])
     place = int(curve.y.argmax())
+    rises_at_end = place == len(curve.y) - 1 and low < curve.x[-1] <= measured.x[-1]
+    has_peaks = covers_peak and not rises_at_end and not measured.is_reversed
     is_outside = not low <= curve.x[place] <= high and curve.y[place] > largest
     return Deviation(
         rms,
         rms / size,
-        largest / size - 1 if covers_peak and not measured.is_reversed else np.nan,
+        largest / size - 1 if has_peaks else np.nan,
         int(inside.sum()),
         peak=largest,
         peak_at=float(own.x[first]),
         outside_at=float(curve.x[place]) if is_outside else None,
         covers_peak=covers_peak,
+        rises_at_end=bool(rises_at_end),
     )
 
 
@@ -197,15 +209,31 @@ def ranked(deviations: Mapping[str, Deviation]) -> list[str]:
     """Return the names of the runs whose differences from a measured curve can be ranked.
 
     Their differences are means over the same points: those of the run with the most points. A run
-    that does not cover the measured peak is not ranked if another run covers it.
+    that does not cover the measured peak is not ranked if another run covers it, nor is a run that
+    ends with its largest value if another does not.
+    """
+    reasons = unranked_reasons(deviations)
+    return [name for name in deviations if name not in reasons]
+
+
+def unranked_reasons(deviations: Mapping[str, Deviation]) -> dict[str, str]:
+    """Return the reasons for which runs are not ranked by their difference from a measured curve,
+    by their names.
     """
     most = max((difference.n_points for difference in deviations.values()), default=0)
     any_covers = any(difference.covers_peak for difference in deviations.values())
-    return [
-        name
-        for name, difference in deviations.items()
-        if difference.n_points >= _ENOUGH * most and (difference.covers_peak or not any_covers)
-    ]
+    any_falls = any(
+        difference.covers_peak and not difference.rises_at_end for difference in deviations.values()
+    )
+    reasons: dict[str, str] = {}
+    for name, difference in deviations.items():
+        if difference.n_points < _ENOUGH * most:
+            reasons[name] = _FEWER_POINTS
+        elif any_covers and not difference.covers_peak:
+            reasons[name] = _BEFORE_PEAK
+        elif any_falls and difference.rises_at_end:
+            reasons[name] = _STILL_RISES
+    return reasons
 
 
 def closest_sentence(
@@ -253,6 +281,8 @@ def _peaks_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[st
     other = f"{quantity_in(measured.peak, y_unit)} at {quantity_in(measured.peak_at, x_unit)}"
     if not closest.covers_peak:
         return f"the run does not cover the measured peak, {other}"
+    if closest.rises_at_end:
+        return f"the run still rises at its end, {own}; the measured peak is {other}"
     if abs(closest.peak) < NEGLIGIBLE * abs(measured.peak):
         return f"it is zero in the measured range, the measured peak is {other}"
     return f"its peak in the measured range is {own}, the measured peak {other}"
@@ -260,7 +290,7 @@ def _peaks_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[st
 
 def coverage_notes(measured: MeasuredCurve, deviations: Mapping[str, Deviation]) -> list[str]:
     """Return sentences on runs that are not ranked, since they cover fewer points of a measured
-    curve, and on a curve of the opposite sign; empty if neither applies.
+    curve or still rise at their end, and on a curve of the opposite sign; empty if none applies.
 
     Parameters
     ----------
@@ -268,16 +298,22 @@ def coverage_notes(measured: MeasuredCurve, deviations: Mapping[str, Deviation])
         As of `closest_sentence`.
     """
     notes: list[str] = []
-    names = ranked(deviations)
+    reasons = unranked_reasons(deviations)
     parts = [
-        f"{name} ({difference.n_points} of {len(measured.x)} points)"
-        for name, difference in deviations.items()
-        if name not in names
+        f"{name} ({deviations[name].n_points} of {len(measured.x)} points)"
+        for name, reason in reasons.items()
+        if reason != _STILL_RISES
     ]
+    rising = [name for name, reason in reasons.items() if reason == _STILL_RISES]
     if parts:
         notes.append(
             f"Not ranked by their difference from {measured.source}, of which they cover only a "
             f"part: {_first(parts)}."
+        )
+    if rising:
+        notes.append(
+            f"Not ranked by their difference from {measured.source}, since their largest value is "
+            f"at their end: {_first(rising)}."
         )
     if measured.is_reversed:
         notes.append(

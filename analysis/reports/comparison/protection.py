@@ -12,15 +12,14 @@ from granwave.analysis.reports.comparison.curves import (
     has_peak_at_bottom,
     static_force_at_bottom,
 )
+from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import ComparedRun, names_in_words
 from granwave.analysis.reports.setting import target_of
 
 _FORCE = "wall_peak_force_N"
 _REDUCTION = "peak_reduction"
-_INPUT = "energy_input_J"
 _SPHERES = "n_spheres"
 _DEPTH = "zone_depth_90_interpolated_m"
-_SAME_INPUT = 1e-6  # relative tolerance of equal energies
 _SAME = 5e-3  # relative difference of results that are called equal
 _MOST_LISTED = 4  # runs that a sentence lists; of more the best and the worst
 _LEAST_RUNS = 2
@@ -61,12 +60,12 @@ class _Phrase:
 def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[str]:
     """Return sentences that compare the protection, with all values and their ratios.
 
-    Runs with the same energy input are ordered by the peak force on the bottom, above its static
-    force if there is one; others by the peak force relative to the impact without the packing. Runs
+    Runs with the same input are ordered by the peak force on the bottom, above its static force if
+    there is one; others by the peak force relative to the impact without the packing. Runs
     that end before the wave reaches the bottom, or whose force there still rises at the end, are
     left out. The second sentence orders the runs by the interpolated depth of 90 % of the plastic
     dissipation; it leaves out collisions of two spheres, and zones that reach a boundary or still
-    grow. `granwave.analysis.reports.comparison.definitions` names these runs.
+    grow, and there is none with different inputs. The module `definitions` names these runs.
 
     Parameters
     ----------
@@ -88,7 +87,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     kept = [n for n, run in enumerate(runs) if has_peak_at_bottom(run)]
     runs = [runs[n] for n in kept]
     names = [names[n] for n in kept]
-    if _have_same_input(runs):
+    if have_same_input([run for run in runs if run.run.number(_FORCE)]):
         static = [static_force_at_bottom(run) for run in runs]
         force = "peak dynamic force" if any(static) else "peak force"
         entries = _entries(_FORCE, runs, names, static)
@@ -101,19 +100,24 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         )
         return _ordered(phrase, entries, partial(quantity_in, unit="N"), n_runs)
     relative = [_Entry(entry.name, 1 / entry.value) for entry in _entries(_REDUCTION, runs, names)]
+    reduced = (
+        f"Inputs differ; the peak force on the {place} relative to the same impact without the "
+        "packing is"
+    )
     phrase = _Phrase(
-        f"Relative to the same impact without the packing, {{}} protects the {place} {{}}: its "
-        "peak force is {} times the force without the packing",
-        f"The peak force on the {place} is {{}} times the force without the packing",
+        f"{reduced} {{1}}, {{2}}, in {{0}}",
+        f"{reduced} {{}}",
         "{} times as high",
-        "better",
-        "best",
+        "lower",
+        "lowest",
     )
     return _ordered(phrase, relative, number, n_runs)
 
 
 def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     """Return the order of the runs by the depth of the plastic zone; empty without two zones."""
+    if not have_same_input([run for run in runs if run.run.number(_DEPTH)]):
+        return ""
     complete = [place for place, run in enumerate(runs) if _has_complete_zone(run)]
     entries = _entries(
         _DEPTH, [runs[place] for place in complete], [names[place] for place in complete]
@@ -198,10 +202,3 @@ def _entries(
         if value > 0 and run.run.number(_SPHERES) != 1:  # one sphere is the impact without packing
             entries.append(_Entry(name, value))
     return entries
-
-
-def _have_same_input(runs: Sequence[ComparedRun]) -> bool:
-    """Return True if the runs that have a force on the bottom have the same energy input."""
-    with_force = [run for run in runs if run.run.number(_FORCE)]
-    inputs = [run.run.number(_INPUT) or 0.0 for run in with_force]
-    return bool(inputs) and max(inputs) - min(inputs) <= _SAME_INPUT * max(inputs)

@@ -15,11 +15,13 @@ from granwave.analysis.document.model import named, show
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.numbers import quantity_in, size_text
 from granwave.analysis.formatting.values import as_label, unit_in_cases
+from granwave.analysis.reports.comparison.grain_ids import short_ids
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.setting import (
     KIND_OF_PACKING,
     applied_value,
     differing,
+    ids_of,
     is_nothing,
     origin_of,
 )
@@ -35,6 +37,9 @@ _NONE_AT_ZERO = ("contact.initial_overlap",)  # keys whose value 0 means that th
 _REPLACED = "replace"  # key of replaced grains ...
 _DIAMETER = "diameter"
 _INDEX = "index"  # ... and of their ids
+NONE_REPLACED = "none replaced"  # in the label of a run without replaced grains ...
+NONE_FURTHER = "no others replaced"  # ... and of a run with those of all runs only
+_LONGEST_REPLACEMENT = 30  # characters of replaced grains that a label lists
 _OF_MATERIAL = "material."
 _OF_BOUNDARY = "boundary."
 _CLEAR = ("packing.size", "packing.diameter", "load.velocity")  # keys known by their units
@@ -252,14 +257,13 @@ def value_text(key: str, case: Mapping[str, Any], *, missing: str = "none") -> s
 
 
 def _replacement(table: Mapping[str, Any]) -> str:
-    """Return an entry of ``[[replace]]`` in words: ``aluminium at 3, 4``."""
+    """Return an entry of ``[[replace]]`` in words: ``aluminium at 3 to 4``."""
     changes = [
         quantity_in(value, "m") if name == _DIAMETER else as_label(value)
         for name, value in table.items()
         if name != _INDEX
     ]
-    places = ", ".join(map(str, np.atleast_1d(table.get(_INDEX, []))))
-    return f"{', '.join(changes)} at {places}"
+    return f"{', '.join(changes)} {short_ids(ids_of(table.get(_INDEX)))}"
 
 
 def _without_nothing(entry: Any) -> Any:
@@ -296,11 +300,16 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
         said = [
             _with_name(key, part)
             for key, part in parts.items()
-            if 0 < len(part) <= _LONGEST_VALUE and part not in in_name
+            if 0 < len(part) <= _longest_value(key) and part not in in_name
         ]
         more = ["…"] if len(said) > _MOST_KEYS else []
         texts.append(_BETWEEN_DIFFERENCES.join([*said[:_MOST_KEYS], *more]))
     return texts
+
+
+def _longest_value(key: str) -> int:
+    """Return the largest number of characters of a value of a key in a label."""
+    return _LONGEST if key == _REPLACED else _LONGEST_VALUE
 
 
 def _has_table(key: str, runs: Sequence[ReportRun]) -> bool:
@@ -309,17 +318,40 @@ def _has_table(key: str, runs: Sequence[ReportRun]) -> bool:
 
 
 def _value_texts(key: str, runs: Sequence[ReportRun]) -> list[str]:
-    """Return the value of a key of each run in words; empty where it is missing or zero."""
+    """Return the value of a key of each run in words; empty where it is missing or zero.
+
+    Of replaced grains these are the entries that some runs lack.
+    """
+    if key == _REPLACED:
+        return _replacement_texts(runs)
     return [
         "" if is_nothing(run.case.get(key)) else value_text(key, run.case, missing="")
         for run in runs
     ]
 
 
+def _replacement_texts(runs: Sequence[ReportRun]) -> list[str]:
+    """Return the replaced grains of each run that some other run does not have."""
+    tables = [run.case.get(_REPLACED) or () for run in runs]
+    entries = [list(map(_replacement, of_run)) for of_run in tables]
+    shared = set(entries[0]).intersection(*entries)
+    texts: list[str] = []
+    for of_run in entries:
+        own = [text for text in of_run if text not in shared]
+        nothing = NONE_FURTHER if of_run else NONE_REPLACED
+        text = " and ".join(own) or nothing
+        if len(text) > _LONGEST_REPLACEMENT:
+            text = f"{own[0]} and {len(own) - 1} more"
+        texts.append(text)
+    return texts
+
+
 def _with_name(key: str, text: str) -> str:
     """Return the value of a key in a label: with the name of the key for a boundary, for a number
     without a unit, and for a unit that does not identify the key.
     """
+    if key == _REPLACED:
+        return text
     is_bare = re.fullmatch(r"[-+.\de]+", text) is not None
     is_unclear = text[:1].isdigit() and key not in _CLEAR
     if is_bare or is_unclear or key.startswith(_OF_BOUNDARY):

@@ -6,11 +6,13 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from granwave.analysis.document.model import label_of, unit_of_value
+from granwave.analysis.document.model import label_of, named, unit_of_value
 from granwave.analysis.errors import did_you_mean
 from granwave.analysis.formatting.numbers import number, plain, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantities, report_columns
+from granwave.analysis.reports.comparison.ends import AT_THE_END, truncated_names
+from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     names_in_words,
@@ -55,9 +57,13 @@ _ROUNDING = 1e-12  # value / largest value of the runs that counts as zero
 _SAME = 1e-9  # relative difference of values that are equal
 _NO_FRACTION = 1e-3  # fraction that counts as zero next to zero
 _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
+TRUNCATED = "truncated"  # in place of the ratio of a value that an earlier end truncates
 _IN_SENTENCE = 3
+_COMPLETE = "that every run completes"  # follows "results"
+_MOST_LABELS = 6  # truncated values that a sentence lists
 _FRACTION = "_fraction"  # end of the names of fractions
 _PERCENT = 100.0
+_JOULE = "J"
 
 
 @dataclass(frozen=True)
@@ -74,12 +80,18 @@ class ComparedValue:
         Name in words.
     unit
         SI unit; empty if there is none.
+    is_truncated
+        True if an earlier end of a run truncates it, so that it has no ratio.
+    is_of_input
+        True for an energy in J of runs with different inputs, which a fraction describes better.
     """
 
     name: str
     values: tuple[float | None, ...]
     label: str
     unit: str
+    is_truncated: bool = False
+    is_of_input: bool = False
 
     @property
     def numbers(self) -> list[float]:
@@ -96,14 +108,26 @@ class ComparedValue:
         """Ratio of the second to the first value of two runs; for more runs, of the largest to the
         smallest magnitude.
 
-        None if a run has no value, or with zero or different signs.
+        None if a run has no value, or with zero or different signs, or if the value is truncated.
         """
-        if None in self.values or not all(self.numbers):
+        if self.is_truncated or None in self.values or not all(self.numbers):
             return None
         if len(self.numbers) == 2:
             return self.numbers[1] / self.numbers[0]
         smallest, *_, largest = sorted(self.numbers, key=abs)
         return largest / smallest
+
+    @property
+    def is_complete(self) -> bool:
+        """True for a value that every run has, and that no earlier end truncates."""
+        return not self.is_truncated and None not in self.values
+
+    @property
+    def is_main(self) -> bool:
+        """True for a complete value that is no value at an arbitrary instant, and no energy of runs
+        with different inputs.
+        """
+        return self.is_complete and not self.is_of_input and self.name not in AT_THE_END
 
     @property
     def is_negligible(self) -> bool:
@@ -140,7 +164,9 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
     below a bottom at rest, are omitted unless they are requested by name.
     """
     asked = list(names)
-    values = [_value(name, runs) for name in asked or _outcomes(runs)]
+    wanted = asked or _outcomes(runs)
+    truncated = truncated_names(wanted, runs)
+    values = [_value(name, runs, is_truncated=name in truncated) for name in wanted]
     if asked:
         return values
     by_name = {value.name: value.values for value in values}
@@ -155,6 +181,24 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
 def _repeats(value: ComparedValue, by_name: Mapping[str, tuple[float | None, ...]]) -> bool:
     """Return True for a value that equals the value that it may repeat in every run."""
     return by_name.get(_REPEATED.get(value.name, "")) == value.values
+
+
+def shown_values(
+    values: Sequence[ComparedValue], most: int, *, asked: bool
+) -> Sequence[ComparedValue]:
+    """Return the values that a table shows: the requested values, or the first results without
+    values at the arbitrary end of a run.
+
+    Parameters
+    ----------
+    most
+        Number of results.
+    asked
+        True if the values were requested by name.
+    """
+    if asked:
+        return values
+    return [value for value in values if value.name not in AT_THE_END][:most]
 
 
 def unknown_values(
@@ -193,17 +237,17 @@ def sentence(
     asked
         True if the values were requested by name, so that others may differ.
     """
-    different = differing_values(value for value in values if None not in value.values)
+    compared = [value for value in values if (value.is_complete if asked else value.is_main)]
+    different = differing_values(compared)
+    is_truncated = any(value.is_truncated for value in values)
     if not different:
-        names = names_in_words([run.name for run in runs])
-        if asked:
-            return f"The requested values do not differ between {names}, or a run lacks them."
-        return f"No result differs between {names}."
+        return _without_difference(values, compared, runs, asked=asked)
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
         percent = plain(f"{_PERCENT * math.expm1(largest.spread):.2g}")
-        return f"Results differ by at most {percent} % ({_in_sentence(largest.label)})."
+        results = f"Results {_COMPLETE}" if is_truncated else "Results"
+        return f"{results} differ by at most {percent} % ({_in_sentence(largest.label)})."
     with_cases = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
@@ -215,10 +259,41 @@ def sentence(
     most, *others = [_clause(value, with_cases) for value in chosen]
     if asked:
         return f"The requested values differ most in {'; '.join([most, *others])}."
-    text = f"The main results differ most in {most}."
+    results = f"results {_COMPLETE}" if is_truncated else "main results"
+    text = f"The {results} differ most in {most}."
     if not others:
         return text
     return f"{text} Largest differences of other kinds of results: {'; '.join(others)}."
+
+
+def _without_difference(
+    values: Sequence[ComparedValue],
+    compared: Sequence[ComparedValue],
+    runs: Sequence[ComparedRun],
+    *,
+    asked: bool,
+) -> str:
+    """Return the sentence on runs whose compared values are equal, or that have none."""
+    names = names_in_words([run.name for run in runs])
+    is_truncated = any(value.is_truncated for value in values)
+    if is_truncated and not compared:
+        which = "requested value" if asked else "result"
+        return f"No {which} is complete in {names}: an earlier end truncates it."
+    if asked:
+        return f"The requested values do not differ between {names}, or a run lacks them."
+    result = f"result {_COMPLETE}" if is_truncated else "result"
+    return f"No {result} differs between {names}."
+
+
+def truncation_note(values: Sequence[ComparedValue]) -> str:
+    """Return a sentence on values that an earlier end truncates; empty if there are none."""
+    labels = [_in_sentence(value.label) for value in values if value.is_truncated]
+    if not labels:
+        return ""
+    return (
+        f"Truncated by the earlier end, or at an arbitrary instant, and therefore not compared: "
+        f"{named(labels, _MOST_LABELS)}."
+    )
 
 
 def factor(ratio: float) -> str:
@@ -265,7 +340,7 @@ def _keys(runs: Sequence[ComparedRun]) -> list[str]:
     return list(keys)
 
 
-def _value(name: str, runs: Sequence[ComparedRun]) -> ComparedValue:
+def _value(name: str, runs: Sequence[ComparedRun], *, is_truncated: bool = False) -> ComparedValue:
     numbers = [run.run.number(name) for run in runs]
     finite = [None if value is None or not math.isfinite(value) else value for value in numbers]
     largest = max((abs(value) for value in finite if value is not None), default=0.0)
@@ -274,14 +349,18 @@ def _value(name: str, runs: Sequence[ComparedRun]) -> ComparedValue:
         for value in finite
     ]
     called = grains_called_in([run.run.summary for run in runs])
-    return ComparedValue(name, tuple(values), label_of(name, called), unit_of_value(name))
+    unit = unit_of_value(name)
+    is_of_input = unit == _JOULE and not have_same_input(runs)
+    return ComparedValue(
+        name, tuple(values), label_of(name, called), unit, is_truncated, is_of_input
+    )
 
 
 def _rank(value: ComparedValue) -> tuple[bool, float]:
     """Return the order of a value: zeros next to numbers and different signs, then the most
-    different; values that a run lacks, and negligible fractions, come last.
+    different; values that a run lacks or that are truncated, and negligible fractions come last.
     """
-    return None in value.values or value.is_negligible, -value.spread
+    return not value.is_complete or value.is_negligible, -value.spread
 
 
 def _family(name: str) -> str:

@@ -8,6 +8,7 @@ import contextlib
 import copy
 import dataclasses
 import itertools
+import math
 import re
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
@@ -369,14 +370,16 @@ def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[s
     smallest spheres, a quarter of their diameter. ``kinetic_share`` is the kinetic energy at the
     end divided by the energy input.
     """
-    overlap = summary.get("peak_overlap_m")
+    overlap = summary.get("peak_overlap_m", math.nan)
+    if overlap is None:
+        overlap = 0.0  # no two spheres are in contact
     kinetic = summary.get("energy_kinetic_J")
     yielded = summary.get("n_plastic_spheres")
     return {
         **summary,
         "mass_kg": summary.get("packing_mass_kg"),
         "height_m": summary.get("packing_height_m"),
-        "overlap_over_radius": None if overlap is None else 4 * overlap / smallest_diameter,
+        "overlap_over_radius": None if math.isnan(overlap) else 4 * overlap / smallest_diameter,
         "kinetic_share": _ratio(kinetic, summary.get("energy_input_J")),
         "yielded_share": _ratio(yielded, summary.get("n_spheres")),
     }

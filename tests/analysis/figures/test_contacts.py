@@ -53,7 +53,7 @@ def test_figures_drawn_by_name_stay(tmp_path, monkeypatch):
     names others.
     """
     monkeypatch.setenv(PROCESSES, "1")
-    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 2)))
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 3)))
     folder = tmp_path / "figures"
     png_only = Figures(formats=())
     draw_figures(tmp_path, names=("line_diagram",), options=png_only)

@@ -69,7 +69,8 @@ def test_wave_front_is_shown_over_the_passage_of_the_wave(tmp_path, end_time):
             for kind in KINDS
         ),
         ({"law": "hertz"}, MOVING | PLANES | PRESSED),
-        *(({"kind": "chain", "size": size}, MOVING | PRESSED | LOST) for size in (2, 12)),
+        ({"kind": "chain", "size": 2}, MOVING | LOST),  # a single contact
+        ({"kind": "chain", "size": 12}, MOVING | PRESSED | LOST),
         ({"size": (1, 1, 1)}, MOVING),
     ],
 )

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from granwave.analysis.figures import rows
+from granwave.analysis.figures.style import style
+from granwave.analysis.measures.force_decay import force_decay, layer_peaks, no_decay_reason
 from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speeds
 from granwave.analysis.measures.regions import WHOLE, usual_regions
 from granwave.analysis.result.reader import Result
@@ -40,6 +43,53 @@ def test_peaks_of_the_first_wave_are_constant_up_to_the_wall(tmp_path):
     assert largest[-1] > 1.03 * peaks[30]
 
 
+def test_a_solitary_wave_has_no_decay(tmp_path):
+    """Its force is constant behind the first beads; reflections at the wall are left out."""
+    with run(tmp_path) as result:
+        assert force_decay(result) is None
+        assert no_decay_reason(result).startswith("the peak force is constant within 0.1 %")
+        peaks = layer_peaks(result)
+        assert peaks.of_first_wave and peaks.n_left_out > 0
+        assert peaks.largest[peaks.is_known][1:].max() == pytest.approx(leading_peaks(result)[0])
+
+
+def test_a_step_of_the_material_has_no_decay(tmp_path):
+    """Both laws would be 50 % from the forces."""
+    soft = [{"index": {"first": 21, "last": 40}, "material": "ptfe"}]
+    with run(tmp_path, {"replace": soft, "run.end_time": 4e-3}) as result:
+        assert force_decay(result) is None
+        assert no_decay_reason(result) == "the material or the diameter changes with depth"
+
+
+def test_a_damped_wave_decays(tmp_path):
+    """Also where the wave has not passed the chain: beads ahead of it are left out."""
+    rates = []
+    for name, end in (("whole", 1e-3), ("part", 4e-4)):
+        loss = {"contact.loss": {"dashpot": 0.05}, "run.end_time": end}
+        with run(tmp_path / name, loss) as result:
+            decay = force_decay(result)
+            assert decay is not None and no_decay_reason(result) == ""
+            assert decay.misfit < 0.05 and decay.explained > 0.95
+            rates.append(layer_peaks(result).largest[5:15])
+    assert rates[0] == pytest.approx(rates[1], rel=1e-3)
+
+
+def test_figure_along_a_chain_is_of_the_first_wave(tmp_path):
+    """The figure shows the forces of the sentence; the reflection has marks of its own."""
+    with run(tmp_path, {"precompression": {"kind": "uniaxial", "force": 5.0}}) as result, style():
+        drawing = rows.along_chain(result)
+        first = leading_peaks(result)
+        rise = result.along_chain("peak_force") - result["chain/contact_force"][0]
+    later, wave = drawing.figure.axes[0].lines
+    known = np.nan_to_num(first) > 0
+    assert wave.get_ydata() == pytest.approx(first[known])
+    assert drawing.figure.axes[0].get_ylabel() == "Dynamic peak force (N)"
+    assert len(later.get_xdata()) and rise[int(later.get_xdata()[-1]) - 1] == pytest.approx(
+        later.get_ydata()[-1]
+    )
+    assert drawing.columns["first_wave_peak_force_N"] == pytest.approx(first, nan_ok=True)
+
+
 def test_speeds_of_two_materials(tmp_path):
     """Each stretch has its own speed; the speed of the summary is of the deeper half."""
     soft = [{"index": {"first": 21, "last": 40}, "material": "ptfe"}]
@@ -63,3 +113,4 @@ def test_a_bead_alone(tmp_path):
     assert summary["ground_peak_force_N"] == summary["wall_peak_force_N"]
     assert "wall_sample_s" not in summary
     assert summary["base_arrival_s"] == pytest.approx(4.13e-7, rel=0.01)
+    assert summary["peak_overlap_m"] is None  # no two spheres are in contact

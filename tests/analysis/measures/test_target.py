@@ -258,6 +258,26 @@ def test_the_noise_of_a_static_stage_is_no_peak():
     assert rising.dynamic_peak_force == pytest.approx(2e-4)
 
 
+def test_the_arrival_of_a_force_that_still_rises_is_not_known():
+    """1 % of the largest force so far is a level that rises with the end of the record."""
+    time = np.linspace(0.0, 1.0, 1001)
+    cut = [Reached(time[:n], time[:n] ** 2, None) for n in (500, 1001)]
+    first, second = (record.arrival for record in cut)
+    assert second > 1.9 * first
+    assert [record.known_arrival for record in cut] == [None, None]
+    whole = Reached(time, np.sin(math.pi * time), None)
+    assert whole.known_arrival == whole.arrival
+
+
+def test_the_dynamic_impulse_excludes_the_static_force():
+    time = np.linspace(0.0, 2.0, 2001)
+    record = Reached(time, 20.0 + np.sin(math.pi * time) ** 2, None)
+    assert record.has_static_force
+    assert record.impulse[-1] == pytest.approx(41.0)
+    assert record.dynamic_impulse[-1] == pytest.approx(1.0)
+    assert not Reached(time, np.sin(math.pi * time) ** 2, None).has_static_force
+
+
 def test_the_peak_of_one_contact_is_exact():
     """Between records the force was larger; without a contact of its own only records are known."""
     time = np.linspace(0, 1, 11)

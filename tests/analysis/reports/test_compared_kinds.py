@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import dataclasses
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from granwave.analysis.figures.series import COLOURS
 from granwave.analysis.reports.comparison.figures import _styles
+from granwave.analysis.reports.comparison.grain_ids import short_ids
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     by_reason,
     comparable_keys,
+    compared_runs,
     spread_first,
 )
+from granwave.analysis.reports.inputs import read_inputs
+from tests.helpers.made_up.synthetic_report import write_run
 
 
 def runs():
@@ -57,3 +63,41 @@ def test_runs_are_listed_by_the_reason():
     compared = [ComparedRun(run, run.label, n, look=n) for n, run in enumerate(names)]
     lacking = {run: "few rows" for run in compared[:3]} | {compared[4]: "a block"}
     assert by_reason(lacking) == "a #0 to a #2 (few rows); a #4 (a block)"
+
+
+@pytest.mark.parametrize(
+    ("ids", "words"),
+    [
+        ([4], "at 4"),
+        ([3, 4, 5, 9], "at 3 to 5, 9"),
+        (range(2, 21, 2), "every 2nd"),
+        ([1, 3, 7, 12], "at 4 positions"),
+    ],
+)
+def test_ids_in_a_label(ids, words):
+    assert short_ids(ids) == words
+
+
+def replaced(tmp_path, **entries):
+    """Labels of synthetic runs with replaced grains, by their names."""
+    directories = [write_run(tmp_path / name, figures=False) for name in entries]
+    runs = [
+        dataclasses.replace(run, case=run.case | {"replace": entries[run.label]})
+        for run in read_inputs(directories, tmp_path).runs
+    ]
+    return [run.label for run in compared_runs(runs)]
+
+
+def test_legends_name_replaced_grains(tmp_path):
+    """A plain chain, a mix and a chain with a defect; entries that all runs have are left out."""
+    mix = [{"index": {"first": 2, "last": 20, "step": 2}, "material": "aluminium"}]
+    heavy = [{"index": [5], "material": "steel"}]
+    large = [{"index": 10, "diameter": 0.015}]
+    assert replaced(tmp_path / "a", plain=[], mix=mix, large=large) == [
+        "plain: none replaced", "mix: aluminium every 2nd", "large: 15 mm at 10"
+    ]  # fmt: skip
+    both = replaced(tmp_path / "b", mix=mix, more=mix + heavy)
+    assert both == ["mix: no others replaced", "more: steel at 5"]
+    many = [{"index": n, "material": "stainless-steel-316"} for n in (3, 9)]
+    labels = replaced(tmp_path / "c", a=[], b=many)
+    assert labels[1] == "b: stainless-steel-316 at 3 and 1 more"

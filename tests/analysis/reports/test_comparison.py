@@ -25,8 +25,10 @@ from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
     energy_shares,
     force_at_bottom,
+    front,
 )
-from granwave.analysis.reports.comparison.figures import common_fits, decay_notes
+from granwave.analysis.reports.comparison.energy_inputs import have_same_input
+from granwave.analysis.reports.comparison.figures import common_fits, decay_notes, draw_peaks
 from granwave.analysis.reports.comparison.measured import (
     closest_sentence,
     coverage_notes,
@@ -34,6 +36,7 @@ from granwave.analysis.reports.comparison.measured import (
     outside_notes,
     read_measured,
     relative_text,
+    unranked_reasons,
 )
 from granwave.analysis.reports.comparison.page import figure_folder, write_comparison
 from granwave.analysis.reports.comparison.protection import protection_sentences
@@ -142,6 +145,19 @@ def test_a_run_and_itself(place):
     assert not len(comparison.differences)
     assert (comparison.table["ratio"].dropna() == 1).all()
     assert "peak_force_difference" not in drawn(comparison)
+
+
+def test_a_run_given_three_times_has_three_names(place):
+    comparison = compared(place, "fcc", "fcc", "fcc")
+    assert [run.name for run in comparison.runs] == ["fcc", "fcc (2)", "fcc (3)"]
+    assert list(comparison.table.columns) == ["fcc", "fcc (2)", "fcc (3)", "ratio"]
+
+
+def test_energies_of_different_inputs_are_no_main_results(place):
+    """The dissipated fraction describes them; the table has both."""
+    comparison = compared(place, "fcc", "fast")
+    assert "dissipated energy" not in comparison.sentence
+    assert comparison.table.index[0] == "energy_dissipated_J"
 
 
 def test_chains_to_the_bead(place):
@@ -270,11 +286,63 @@ def test_runs_without_a_fitted_decay_are_named(place):
     depth = np.arange(1.0, 6.0)
     fits = exponential_of_depth(depth, depth**-1.5), power_decay(depth, depth**-1.5, 1.0)
     peaks = {
-        run: PeaksByDepth(depth, depth, depth, decays)
-        for run, decays in zip(runs, (None, fits), strict=True)
+        run: PeaksByDepth(depth, depth, depth, decays, no_decay=reason)
+        for run, decays, reason in zip(runs, (None, fits), ("only 2 layers", ""), strict=True)
     }
-    assert decay_notes(peaks).endswith("Too few layers for a fit: fcc.")
-    assert decay_notes({runs[0]: peaks[runs[0]]}) == ""
+    assert decay_notes(peaks).endswith("Without a fit: fcc (only 2 layers).")
+    assert decay_notes({runs[0]: peaks[runs[0]]}) == "Without a fit: fcc (only 2 layers)."
+
+
+def test_laws_that_do_not_describe_the_forces_are_refused(place):
+    """A step is no decay, nor is a constant force; the run that a law describes has its fit."""
+    runs = compared(place, "fcc", "hcp", "chain").runs
+    depth = np.arange(1.0, 21.0)
+    step = np.where(depth < 10, 1.0, 0.05)
+    constant = np.full(20, 3.0) + 0.5 * np.exp(-depth)
+    peaks = {}
+    for run, force in zip(runs, (step, depth**-1.5, constant), strict=True):
+        fits = (
+            exponential_of_depth(depth, force),
+            power_decay(np.append(depth, 21), np.append(force, 1), 1.0),
+        )
+        peaks[run] = PeaksByDepth(depth, force, force, fits)
+    assert list(common_fits(peaks)) == [runs[1]]
+    text = decay_notes(peaks)
+    assert "1.5" in text and "hcp, 20 layers" in text
+    misfit = min(fit.misfit for fit in peaks[runs[0]].decays)
+    assert misfit > 0.3 and f"fcc (no decay fits: rms {100 * misfit:.2g} %)" in text
+    assert "chain (the peak force is constant within 0.1 % in the deeper half)" in text
+
+
+def test_one_scale_for_all_panels(place):
+    """The median of a layer spans less than a decade, the largest force more."""
+    figure = drawn(compared(place, "fcc", "hcp"))["peak_force_depth"].figure
+    assert len({axes.get_yscale() for axes in figure.axes}) == 1
+    depth = np.arange(1.0, 9.0)
+    runs = compared(place, "fcc", "hcp").runs
+    peaks = {run: PeaksByDepth(depth, depth**-3.0, depth**-0.1, None) for run in runs}
+    with style():
+        axes = draw_peaks(peaks, []).figure.axes
+    assert [panel.get_yscale() for panel in axes] == ["log", "log"]
+    assert axes[0].get_ylim() == axes[1].get_ylim()
+
+
+def test_fronts_begin_below_the_impacted_sphere(place):
+    """Its first contact is the first one of the next bead: two equal times are no speed."""
+    run, other = compared(place, "chain", "fcc").runs
+    curve = front(run)
+    assert curve.x[0] == pytest.approx(9.52e-3)
+    assert (np.diff(curve.y) > 0).all()
+    assert front(other).x[0] > 0
+
+
+def test_two_spheres_have_no_course_of_forces(place, tmp_path):
+    two = tmp_path / "two"
+    run_case(load_case("elastic-impact", {"packing.size": 2, "run.end_time": 1e-4}), two)
+    caption = compared(place, "chain", str(two)).caption("peak_force_depth")
+    assert "Not drawn: two (a single contact carries a force" in caption
+    assert not (two / "figures" / "along_chain.png").exists()
+    assert not (two / "figures" / "peak_force_depth.png").exists()
 
 
 def test_all_runs_have_the_law_that_fits_them_better():
@@ -403,10 +471,29 @@ def test_runs_of_other_impacts_are_compared_with_the_impact_without_the_packing(
         peak_reduction=[1.25, 2.5],
     )
     assert sentence == (
-        "Relative to the same impact without the packing, run-2 protects the bottom better: its "
-        "peak force is 0.4 times the force without the packing, compared with 0.8 in run-1 (2 "
-        "times as high)."
+        "Inputs differ; the peak force on the bottom relative to the same impact without the "
+        "packing is lower, 0.4, in run-2, compared with 0.8 in run-1 (2 times as high)."
     )
+
+
+def test_inputs_that_differ_are_named_and_depths_are_not_ranked(tmp_path):
+    """A faster impact has a deeper zone, which is not the merit of a packing."""
+    depths = [0.02, 0.05]
+    same = protected(tmp_path, energy_input_J=[1.0, 1.0], zone_depth_90_interpolated_m=depths)
+    assert "has the shallower plastic zone" in same[0]
+    assert not protected(tmp_path, energy_input_J=[1.0, 4.0], zone_depth_90_interpolated_m=depths)
+    changes = {"slow": (0.01, 5.0), "fast": (0.04, 10.0), "heavy": (0.04, 5.0)}
+    runs = [
+        write_run(tmp_path / name, figures=False, energy_input_J=energy, load__velocity=velocity)
+        for name, (energy, velocity) in changes.items()
+    ]
+    compared_runs_of = compare_runs(read_inputs(runs, tmp_path).runs)
+    (note,) = [note for note in compared_runs_of.notes if note.startswith("Inputs differ")]
+    assert "10 mJ (0.8 g at 5 m/s) in slow, 40 mJ (0.8 g at 10 m/s) in fast" in note
+    assert "40 mJ (3.2 g at 5 m/s) in heavy" in note
+    equal_energy = compared_runs_of.runs[1:]
+    assert not have_same_input(equal_energy)  # another velocity
+    assert have_same_input(equal_energy[:1])
 
 
 def test_protection_of_many_runs_and_of_equal_ones(tmp_path):
@@ -517,6 +604,29 @@ def test_the_run_that_stops_before_the_peak_is_not_closest(tmp_path):
     assert "at 2 of 4 measured points; the run does not cover the measured peak, 10 N at" in only
     cells = misfit_cells(differences["short"], ("s", "N"), measured.peak)
     assert cells[4] == ""
+    (reason,) = unranked_reasons(differences).values()
+    cells = misfit_cells(differences["short"], ("s", "N"), measured.peak, reason)
+    assert cells[1] == "not ranked: fewer points than other runs"
+    assert not any("%" in cell for cell in cells)
+
+
+def test_a_run_that_still_rises_at_its_end_has_no_percentage(tmp_path):
+    """It covers the measured peak and as many points as the other run."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_ms,force_N\n" + "\n".join(f"{n},{10 - n / 200}" for n in range(200)))
+    measured = read_measured(file, ("s", "N"))
+    time = np.arange(199) * 1e-3
+    rising = deviation(measured, SampledCurve(time, time * 40.0))
+    falling = deviation(measured, SampledCurve(time, 9.0 - time))
+    assert rising.rises_at_end and np.isnan(rising.peak_difference)
+    assert falling.peak_difference == pytest.approx(-0.1)
+    differences = {"rising": rising, "falling": falling}
+    assert unranked_reasons(differences) == {"rising": "still rises at its end"}
+    text = closest_sentence(measured, differences, ("s", "N"), alone=False)
+    assert text.startswith("Only falling is compared")
+    assert "at their end: rising." in coverage_notes(measured, differences)[0]
+    alone = closest_sentence(measured, {"rising": rising}, ("s", "N"), alone=True)
+    assert "the run still rises at its end, 7.92 N at 198 ms" in alone
 
 
 def test_a_sensor_of_the_opposite_sign(tmp_path):

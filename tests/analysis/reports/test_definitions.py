@@ -107,7 +107,7 @@ def test_inputs_and_zones(tmp_path):
     write_run(tmp_path / "b", energy_input_J=2.0, zone_cut=[], zone_growing=["depth"])
     inputs = read_inputs([tmp_path / "a", tmp_path / "b"], tmp_path)
     notes = " ".join(compare_runs(list(inputs.results())).notes)
-    assert "Energy inputs differ: 1 J in a, 2 J in b." in notes
+    assert "Inputs differ: 1 J (80 g at 5 m/s) in a, 2 J (160 g at 5 m/s) in b." in notes
     assert "reaches a boundary, which limits its size: bottom and sides in a." in notes
     assert "still grows at the end of the run: depth in b." in notes
     runs = compared_runs(list(inputs.results()))
@@ -151,5 +151,5 @@ def test_layers_that_the_wave_has_just_reached_are_left_out(tmp_path):
     run_case(load_case("elastic-impact", changes), tmp_path / "short", figures=False)
     inputs = read_inputs([tmp_path / "short"], tmp_path)
     peaks = peaks_by_depth(compared_runs(list(inputs.results()))[0])
-    assert peaks.n_rising > 0
+    assert peaks.n_unknown > 0
     assert peaks.largest.min() > 0.5 * peaks.largest.max()

@@ -4,22 +4,25 @@ no runs.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from granwave.analysis.document.model import Figure, Gallery, Note, text_table
 from granwave.analysis.reports.answer import _decay, in_words
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import GRANULAR, ReportRun
 from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.setting import setting_of, symbols_note
+from granwave.analysis.reports.used_symbols import uses_symbol
 from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from tests.helpers.made_up.synthetic_report import write_run
+from tests.helpers.made_up.synthetic_report import blocks, build, write_run
 
 MASS = 8500 * math.pi * 0.00952**3 / 6  # kg, a bead of the row
 
@@ -193,6 +196,24 @@ def test_symbols_are_defined_with_their_values(tmp_path):
     )
     (note,) = symbols_note(read_inputs([elastic], tmp_path))
     assert note.text.startswith("F_max = 700 N is the largest force between two")
+
+
+def test_symbols_that_no_table_or_figure_uses_are_not_defined(tmp_path):
+    """Tables of a run without figures use none; a picture of the dissipation uses e_in."""
+    run = write_run(tmp_path / "run", figures=False, energy_input_J=0.05, peak_force_N=700.0)
+    texts = " ".join(
+        note.text for note in blocks(build([run], tmp_path), "short") if isinstance(note, Note)
+    )
+    assert "e_in =" not in texts and "F_y =" not in texts
+    table = text_table("Energies", ("Input / (F_y alpha_y)",), [("3",)])
+    assert uses_symbol("F_y", [table]) and uses_symbol("F_y alpha_y", [table])
+    assert not uses_symbol("e_in", [table])
+    picture = Figure("packing", "Dissipation.", "", b"", (1, 1), csv=b"id,dissipated_over_input\n")
+    assert uses_symbol("e_in", [Gallery((picture,))])
+    assert not uses_symbol("F_y", [Gallery((picture,))])
+    compared = dataclasses.replace(picture, name="compared-dissipation-depth")
+    assert not uses_symbol("e_in", [Gallery((compared,))])
+    assert uses_symbol("v\u0304_0", [Note("the velocity v\u0304_0 is small")])
 
 
 @pytest.mark.parametrize(

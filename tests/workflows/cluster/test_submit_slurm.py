@@ -101,7 +101,7 @@ def test_a_chain_goes_on_from_checkpoints(submit, tmp_path):
 def test_a_chain_goes_on_after_the_time_limit(submit, tmp_path):
     """Slurm signals the first job before its limit of two minutes; the second one continues."""
     (tmp_path / "profile.toml").write_text(PROFILE.replace("time = 10", "time = 2"))
-    done = submit(*LONG, "--set", "run.end_time=1e-1", "--np", "2", "--chain", "2", "--json")
+    done = submit(*LONG, "--set", "run.end_time=1", "--np", "2", "--chain", "2", "--json")
     assert done.returncode == 0, done.stderr
     first, second = json.loads(done.stdout)["jobs"]
     wait_for(lambda: first not in states(), 240)

@@ -1,0 +1,262 @@
+"""End times of the runs of a comparison, and values that depend on an earlier end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fnmatch import fnmatchcase
+from typing import Protocol
+
+import h5py
+import numpy as np
+
+from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target import Reached
+from granwave.analysis.reports.comparison.curves import SampledCurve, bottom_record
+from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+from granwave.analysis.reports.setting import differing
+from granwave.lammps_inputs.files import regular
+from granwave.lammps_inputs.run_directory import RESULT_FILE
+
+END_KEY = "run.end_time"
+SETTLED = "settled"  # reason of the end of a run with an automatic end
+_END = "end_time_s"
+LATER = 1.01  # latest over earliest end above which runs end at different times
+_CHANGE = 5e-3  # relative change up to which a value counts as final
+_LAST_PART = 0.1  # fraction of the earliest run: values that still change in it are not final
+_MOST_LISTED = 4  # runs that a sentence lists; of more the earliest and the latest
+_LEAST_RUNS = 2
+#: Keys that change what is recorded, or how ranks share the work, but no result.
+_NO_RESULT = ("output.", "figures", "run.frames", "run.processors", "run.balance", END_KEY)
+
+#: Values at the end of a run, which is arbitrary: no sentence calls them main results.
+AT_THE_END = (
+    "impactor_velocity_m_s", "plate_velocity_m_s", "energy_kinetic_J", "energy_rotational_J",
+    "energy_elastic_J", "energy_plate_J", "energy_bar_J", "energy_incident_bar_J",
+    "support_energy_J",
+)  # fmt: skip
+#: Values that have no dependence on the end once they exist, by patterns.
+_INDEPENDENT = (
+    "wave_speed_m_s", "restitution", "restitution_error", "line_*_front_speed_m_s",
+    "transmission", "driven_velocity_m_s", "load_power_W", "absorbed_power_W",
+    "amplitude_hysteresis", "energy_stored_J",
+)  # fmt: skip
+
+
+class Course(Protocol):
+    """Function that returns the course of a value in a run; it never decreases."""
+
+    def __call__(self, run: ComparedRun) -> SampledCurve:
+        """Return the course, or raise `LackingError`."""
+
+
+def ends_in_words(runs: Sequence[ComparedRun]) -> str:
+    """Return the end times of runs: ``a at 70 µs, b at 1 ms``; of many runs the earliest and the
+    latest.
+    """
+    texts = [f"{run.name} at {quantity_in(end_of(run), 's')}" for run in runs]
+    if len(texts) <= _MOST_LISTED:
+        return ", ".join(texts)
+    order = sorted(range(len(runs)), key=lambda place: end_of(runs[place]))
+    return f"from {texts[order[0]]} to {texts[order[-1]]}"
+
+
+def end_of(run: ComparedRun) -> float:
+    """Return the time at the end of a run, s; 0 if it is unknown."""
+    return run.run.number(_END) or 0.0
+
+
+def have_unlike_ends(runs: Sequence[ComparedRun]) -> bool:
+    """Return True for runs that end at different times."""
+    ends = [end_of(run) for run in runs]
+    return max(ends, default=0.0) > LATER * min(ends, default=0.0)
+
+
+def differ_in_end_only(runs: Sequence[ComparedRun]) -> bool:
+    """Return True for runs of one case that differ in nothing but the time at which they stop."""
+    cases = [run.run for run in runs]
+    if len(runs) < _LEAST_RUNS or not have_unlike_ends(runs) or not all(run.case for run in cases):
+        return False
+    if len({run.kind for run in cases}) > 1:
+        return False
+    return all(key.startswith(_NO_RESULT) for key in differing(cases))
+
+
+def same_case_sentence(runs: Sequence[ComparedRun]) -> str:
+    """Return the sentence on runs of one case that stop at different times."""
+    return (
+        f"The runs have the same case and differ only in their end times ({ends_in_words(runs)})."
+    )
+
+
+def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
+    """Return the values that an earlier end of a run truncates.
+
+    A value is complete if it is final at the earliest end in every run: the longer runs hardly
+    change it afterwards, and the shortest run hardly changes it in the last tenth of its time.
+    Runs of another case that ended since they had settled are complete. Values whose course is not
+    recorded count as truncated.
+    """
+    is_one_case = differ_in_end_only(runs)
+    final: dict[tuple[Course, tuple[ComparedRun, ...]], bool] = {}
+    truncated: set[str] = set()
+    for name in names:
+        compared = tuple(run for run in runs if run.run.number(name) is not None)
+        if _matches(name, _INDEPENDENT) or not have_unlike_ends(compared):
+            continue
+        if not is_one_case:
+            compared = tuple(run for run in compared if not _has_settled(run))
+        courses = _courses_of(name)
+        for course in courses:
+            if (course, compared) not in final:
+                final[course, compared] = _is_final(course, compared)
+        if compared and not (courses and all(final[course, compared] for course in courses)):
+            truncated.add(name)
+    return truncated
+
+
+def _has_settled(run: ComparedRun) -> bool:
+    """Return True for a run that ended by itself, since it had settled."""
+    return not run.run.is_unfinished and run.run.summary.get("end_reason") == SETTLED
+
+
+def _courses_of(name: str) -> tuple[Course, ...]:
+    """Return the courses that determine a value; empty if there are none."""
+    for patterns, courses in _COURSES:
+        if _matches(name, patterns):
+            return courses
+    return ()
+
+
+def _matches(name: str, patterns: Sequence[str]) -> bool:
+    return any(fnmatchcase(name, pattern) for pattern in patterns)
+
+
+def _is_final(course: Course, runs: Sequence[ComparedRun]) -> bool:
+    """Return True if a value is final in every run at the earliest end of all runs."""
+    earliest = min(map(end_of, runs), default=0.0)
+    for run in runs:
+        is_shortest = end_of(run) <= LATER * earliest
+        time = (1 - _LAST_PART) * earliest if is_shortest else earliest
+        try:
+            curve = course(run)
+        except LackingError:
+            return False
+        if not _is_final_at(curve, time):
+            return False
+    return True
+
+
+def _is_final_at(curve: SampledCurve, time: float) -> bool:
+    """Return True if the last value of a course is reached at a time."""
+    if not len(curve.x):
+        return False
+    return bool(np.interp(time, curve.x, curve.y) >= (1 - _CHANGE) * curve.y[-1])
+
+
+# ---------------------------------------------------------------------- courses
+
+
+def _dissipated(run: ComparedRun) -> SampledCurve:
+    return _of_energies(run, run.run.kind.ledger["dissipated"])
+
+
+def _yielded(run: ComparedRun) -> SampledCurve:
+    return _of_energies(run, ("contacts_yielded",))
+
+
+def _of_energies(run: ComparedRun, columns: Sequence[str]) -> SampledCurve:
+    """Return the sum of columns of the energy record against time, of those that the run has."""
+    try:
+        with h5py.File(regular(run.run.directory / RESULT_FILE), "r") as file:
+            table = file["energy"]
+            time = np.asarray(table["time"][()], dtype=np.float64)
+            parts = [np.asarray(table[name][()]) for name in columns if name in table]
+    except (OSError, KeyError, ValueError, TypeError):
+        raise LackingError(f"{RESULT_FILE} has no energies") from None
+    if not parts or any(part.shape != time.shape for part in parts):
+        raise LackingError(f"{RESULT_FILE} lacks {', '.join(columns)}")
+    return SampledCurve(time, np.sum(parts, axis=0))
+
+
+def _part_of_energy(*columns: str) -> Course:
+    """Return the course of columns of the energy record."""
+
+    def course(run: ComparedRun) -> SampledCurve:
+        return _of_energies(run, columns)
+
+    return course
+
+
+def _contact_peak(run: ComparedRun) -> SampledCurve:
+    """Return the largest force of all contacts between spheres so far against time: s, N."""
+    return _largest_of(run, ("contacts",))
+
+
+def _any_peak(run: ComparedRun) -> SampledCurve:
+    """Return the largest force of all contacts so far against time: s, N."""
+    return _largest_of(run, ("contacts", "wall_contacts"))
+
+
+def _largest_of(run: ComparedRun, tables: Sequence[str]) -> SampledCurve:
+    times: list[Array] = []
+    forces: list[Array] = []
+    with run.opened() as result:
+        for table in tables:
+            if f"{table}/time_peak" in result:
+                times.append(result[f"{table}/time_peak"])
+                forces.append(result[f"{table}/peak_force"])
+    if not times:
+        raise LackingError("the times of its peak forces are not recorded")
+    time = np.concatenate(times)
+    force = np.concatenate(forces)
+    reached = np.flatnonzero(np.isfinite(time) & (force > 0))
+    order = reached[np.argsort(time[reached], kind="stable")]
+    return _so_far(time[order], force[order])
+
+
+def _bottom_peak(run: ComparedRun) -> SampledCurve:
+    """Return the largest rise of the force on the bottom so far against time: s, N."""
+    return _of_bottom(run, lambda record: record.force - record.static_force)
+
+
+def _bottom_impulse(run: ComparedRun) -> SampledCurve:
+    """Return the largest impulse on the bottom so far against time: s, N s."""
+    return _of_bottom(run, lambda record: record.impulse)
+
+
+def _of_bottom(run: ComparedRun, values: Callable[[Reached], Array]) -> SampledCurve:
+    record = bottom_record(run)
+    if record is None or not record.is_reached:
+        raise LackingError("the wave does not reach its bottom, or the force is not recorded")
+    return _so_far(record.time, values(record))
+
+
+def _so_far(time: Array, values: Array) -> SampledCurve:
+    """Return the largest of some values so far, from zero at time zero."""
+    if not len(time):
+        return SampledCurve(np.zeros(1), np.zeros(1))
+    largest = np.maximum.accumulate(values)
+    return SampledCurve(np.append(0.0, time), np.append(0.0, largest))
+
+
+#: Courses by the patterns of the values that they determine; the first match counts.
+_COURSES: tuple[tuple[tuple[str, ...], tuple[Course, ...]], ...] = (
+    (("n_plastic_*", "plastic_zone_*"), (_yielded,)),
+    (("n_dissipating_*", "zone_*_99_*"), (_dissipated, _yielded)),
+    (("zone_*", "plastic_fraction", "dissipated_fraction", "energy_dissipated_J"), (_dissipated,)),
+    (("friction_fraction",), (_part_of_energy("friction"),)),
+    (("viscous_fraction",), (_part_of_energy("viscous"),)),
+    (("rolling_fraction",), (_part_of_energy("rolling"),)),
+    (("twisting_fraction",), (_part_of_energy("twisting"),)),
+    (("adhesion_fraction",), (_part_of_energy("adhesion"),)),
+    (("absorbed_fraction",), (_part_of_energy("absorbed"),)),
+    (("peak_force_with_walls_N",), (_any_peak,)),
+    (("peak_force_N", "peak_force_error_N", "peak_overlap_m"), (_contact_peak,)),
+    (("wall_impulse_Ns",), (_bottom_impulse,)),
+    (
+        ("wall_peak_force_N", "wall_dynamic_peak_force_N", "target_peak_force_N",
+         "ground_peak_force_N", "base_arrival_s", "peak_reduction*", "ground_peak_reduction"),
+        (_bottom_peak,),
+    ),
+)  # fmt: skip

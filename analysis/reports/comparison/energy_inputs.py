@@ -1,0 +1,64 @@
+"""Inputs of the runs of a comparison: energy, and velocity and mass of an impactor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from granwave.analysis.formatting.numbers import number, quantity_in
+from granwave.analysis.reports.comparison.subjects import ComparedRun
+
+_ENERGY = "energy_input_J"
+_VELOCITY = "load.velocity"
+_KIND = "load.kind"
+_IMPACT = "impact"
+_STRIKER = "striker"
+_GRAMS = 1e3
+_SAME = 1e-6  # relative difference of inputs that are equal
+_MOST_LISTED = 4  # runs that a sentence lists; of more the smallest and the largest input
+
+
+def have_same_input(runs: Sequence[ComparedRun]) -> bool:
+    """Return True for runs with equal input energies, and equal velocities of their impactors."""
+    return _are_equal([input_energy(run) for run in runs]) and _are_equal(
+        [velocity for velocity in map(_velocity, runs) if velocity is not None]
+    )
+
+
+def input_energy(run: ComparedRun) -> float:
+    """Return the input energy of a run, J; 0 if it is unknown."""
+    return run.run.number(_ENERGY) or 0.0
+
+
+def inputs_in_words(runs: Sequence[ComparedRun]) -> str:
+    """Return the inputs of runs: ``55.6 mJ (4.45 g at 5 m/s) in a, 222 mJ (4.45 g at 10 m/s) in
+    b``; of many runs the smallest and the largest.
+    """
+    if len(runs) <= _MOST_LISTED:
+        return ", ".join(f"{_input_text(run)} in {run.name}" for run in runs)
+    ends = (min(runs, key=input_energy), max(runs, key=input_energy))
+    least, most = [f"{_input_text(run)} in {run.name}" for run in ends]
+    return f"from {least} to {most}"
+
+
+def _input_text(run: ComparedRun) -> str:
+    energy = input_energy(run)
+    velocity = _velocity(run)
+    if not energy or not velocity:
+        return quantity_in(energy, "J")
+    mass = 2 * energy / velocity**2
+    return f"{quantity_in(energy, 'J')} ({number(_GRAMS * mass)} g at {abs(velocity):g} m/s)"
+
+
+def _velocity(run: ComparedRun) -> float | None:
+    """Return the velocity of the impacted sphere, m/s; None with another load or a striker."""
+    case = run.run.case
+    velocity = case.get(_VELOCITY)
+    is_impact = case.get(_KIND, _IMPACT) == _IMPACT and not case.get(_STRIKER)
+    if not is_impact or not isinstance(velocity, float | int) or isinstance(velocity, bool):
+        return None
+    return float(velocity)
+
+
+def _are_equal(values: Sequence[float]) -> bool:
+    largest = max(map(abs, values), default=0.0)
+    return max(values, default=0.0) - min(values, default=0.0) <= _SAME * largest

@@ -1,0 +1,126 @@
+"""Runs of a comparison that end at different times: values that the earlier end truncates."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from granwave.analysis.reports.comparison.blocks import value_table
+from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
+from granwave.analysis.reports.comparison.curves import SampledCurve
+from granwave.analysis.reports.comparison.ends import _is_final_at, truncated_names
+from granwave.analysis.reports.comparison.subjects import compared_runs
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.workflows import load_case, run_case
+from granwave.workflows.cli.compare import text_of
+
+pytestmark = pytest.mark.xdist_group("ends of compared runs")  # its fixture is made once
+
+SMALL = {"packing.size": [6, 6, 4]}
+ENDS = {"early": 4e-5, "full": 2e-4}
+#: Values of the early run that the longer run changes.
+TRUNCATED = ("wall_peak_force_N", "wall_impulse_Ns", "n_plastic_spheres", "impactor_velocity_m_s")
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """One small packing, stopped before and after the wave reaches the bottom, and a faster one."""
+    folder = tmp_path_factory.mktemp("ends")
+    for name, end in ENDS.items():
+        changes = SMALL | {"run.end_time": end}
+        run_case(load_case("fcc-small", changes), folder / name, figures=False)
+    fast = SMALL | {"run.end_time": ENDS["full"], "load.velocity": 10}
+    run_case(load_case("fcc-small", fast), folder / "fast", figures=False)
+    return folder
+
+
+def compared(place, *names: str, **options) -> Comparison:
+    return compare_runs(list(read_inputs([place / name for name in names], place).runs), **options)
+
+
+def test_one_case_that_stops_earlier_is_no_comparison_of_results(place):
+    """The first sentence names the ends; nothing is ranked."""
+    comparison = compared(place, "early", "full")
+    first = (
+        "The runs have the same case and differ only in their end times "
+        "(early at 40 µs, full at 200 µs). "
+    )
+    assert comparison.sentence.startswith(first)
+    assert "main results" not in comparison.sentence
+    assert "peak contact force" in comparison.sentence  # both runs contain it
+    assert comparison.protection == []
+    assert text_of(comparison).startswith(first)
+    table = comparison.table
+    assert table.loc["peak_force_N", "ratio"] == pytest.approx(1.0, rel=1e-4)
+    assert all(np.isnan(table.loc[name, "ratio"]) for name in TRUNCATED if name in table.index)
+    ratios = {row[0].text: row[-1].text for row in value_table(comparison).rows}
+    assert ratios["Peak force on the bottom"] == "truncated"
+    (note,) = [note for note in comparison.notes if note.startswith("Truncated by the earlier")]
+    assert "peak force on the bottom" in note
+    assert "Up to the end of each run: early at 40 µs" in comparison.caption("peak_force_field")
+
+
+def test_other_cases_with_another_end_are_compared_by_complete_values(place):
+    comparison = compared(place, "early", "fast")
+    assert comparison.sentence.startswith("The results that every run completes differ most in ")
+    assert not any(f"{name}" in comparison.sentence for name in ("yielded", "bottom", "impacted"))
+    assert "Runs end at different times: early at 40 µs, fast at 200 µs." in comparison.notes
+    assert compared(place, "full", "fast").sentence.startswith("The main results differ most in ")
+
+
+def test_the_velocity_at_an_arbitrary_end_is_no_main_result(place):
+    """Not even with equal ends: a table of results omits it, unless it is requested."""
+    names = {"Impacted sphere at the end", "Kinetic energy"}
+    comparison = compared(place, "full", "fast")
+    assert not names & {row[0].text for row in value_table(comparison).rows}
+    assert "impacted sphere" not in comparison.sentence
+    asked = compared(place, "full", "fast", quantities=["impactor_velocity_m_s"])
+    assert "impacted sphere at the end" in asked.sentence
+    early = compared(place, "early", "full", quantities=["wall_impulse_Ns"]).sentence
+    assert early.endswith(
+        "No requested value is complete in early and full: an earlier end truncates it."
+    )
+
+
+def test_a_killed_run_shows_the_time_that_it_reached(place):
+    """Its case is the case of the full run."""
+    full, early = read_inputs([place / "full", place / "early"], place).runs
+    killed = dataclasses.replace(
+        early, label="killed", case=full.case, record=early.record | {"state": "interrupted"}
+    )
+    comparison = compare_runs([full, killed])
+    assert comparison.sentence.startswith(
+        "The runs have the same case and differ only in their end times"
+    )
+    (row,) = comparison.case_rows
+    assert row.what == "run.end_time" and not row.is_numerical  # in the table of the cases
+    assert row.values == ("200 µs", "40 µs of 200 µs (interrupted)")
+
+
+def test_a_run_that_settled_is_complete(place):
+    """It ended by itself; the other run is complete if it no longer changes. A run of one case that
+    stops earlier is not.
+    """
+    full, fast, early = read_inputs(
+        [place / name for name in ("full", "fast", "early")], place
+    ).runs
+    settled = dataclasses.replace(early, summary=early.summary | {"end_reason": "settled"})
+    names = ["n_plastic_spheres", "dissipated_fraction"]
+    assert truncated_names(names, compared_runs([early, full])) == set(names)
+    assert truncated_names(names, compared_runs([settled, full])) == set(names)
+    assert truncated_names(names, compared_runs([early, fast])) == set(names)
+    assert "dissipated_fraction" not in truncated_names(names, compared_runs([settled, fast]))
+
+
+def test_a_value_is_final_if_it_does_not_change_after_the_earliest_end(place):
+    """The longest course decides; values without a course, with unlike ends, are truncated."""
+    time = np.linspace(0.0, 1.0, 101)
+    assert _is_final_at(SampledCurve(time, np.minimum(time, 0.4)), 0.5)
+    assert not _is_final_at(SampledCurve(time, time), 0.5)
+    assert not _is_final_at(SampledCurve(time, np.where(time > 0.6, 2.0, 1.0)), 0.5)
+    runs = compared(place, "early", "full").runs
+    names = ["peak_force_N", "wall_peak_force_N", "energy_kinetic_J", "wave_speed_m_s"]
+    assert truncated_names(names, runs) == {"wall_peak_force_N", "energy_kinetic_J"}
+    assert truncated_names(names, compared(place, "fast", "full").runs) == set()
