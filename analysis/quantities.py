@@ -88,13 +88,15 @@ def readable(name: str) -> str:
 
 
 _OUTERMOST = (
-    "Position of the outermost sphere (element) that yielded, however little energy it dissipated."
+    "Position of the outermost yielded sphere (element), independently of the energy that it "
+    "dissipated."
 )
 _HOLDS_90 = {
-    "depth": "Smallest depth below the centre of the impacted sphere (the face of the block) that "
-    "contains 90 % of the plastic dissipation, evaluated at the centres of spheres (elements) "
-    "without interpolation: in a lattice it is the depth of a layer. Strikers are excluded. "
-    "Likewise for 50 and 99 %.",
+    "depth": "Smallest depth below the centre of the impacted sphere (the face of the block) "
+    "that contains 90 % of the plastic dissipation, evaluated at the centres of "
+    "spheres (elements) without interpolation: in a lattice it is the depth of a "
+    "layer. Strikers are excluded. The 50 % and 99 % values are defined in the same "
+    "way.",
     "radius": "Smallest distance from the impact axis that contains 90 % of the plastic "
     "dissipation, "
     "evaluated like the depth. The axis is parallel to z through the centroid of the impacted "
@@ -144,7 +146,7 @@ def _zone_sizes() -> tuple[Quantity, ...]:
 ENTRIES = (
     # the run
     Quantity("name", note="Name of the case."),
-    Quantity("n_spheres", "Spheres", note="Includes strikers, and cylinders if there are any."),
+    Quantity("n_spheres", "Spheres", note="Number of grains, including strikers and cylinders."),
     Quantity("n_cylinders", "Cylinders among the grains", short="cylinders",
              note="Only for packings with cylinders."),
     Quantity("n_clumps", "Clumps",
@@ -153,9 +155,9 @@ ENTRIES = (
              "Pairs of spheres that touch before the run; smaller spheres at lattice sites leave "
              "gaps."),
     Quantity("n_loaded_contacts", "Loaded contacts",
-             "Pairs of spheres that carried a force at some time during the run: overlap above "
-             "1e-6 of the yield overlap, so that rounding does not count. Elastic contacts: any "
-             "overlap."),
+             "Pairs of spheres that carried a force at some time during the run. The overlap "
+             "must exceed 1e-6 of the yield overlap, which excludes rounding errors; for "
+             "elastic contacts any overlap is counted."),
     Quantity("n_wall_contacts", "Wall contacts", note="Number of sphere-wall pairs in result.h5."),
     Quantity("end_time_s", short="simulated", digits=".6g", note="Time at the end of the run."),
     Quantity("end_reason", short="ended",
@@ -164,9 +166,9 @@ ENTRIES = (
              meaning="Simulated time divided by the number of steps; the mean of an automatic "
              "timestep."),
     Quantity("timestep_smallest_s", "Smallest timestep", digits=".4g",
-             note="It covers all steps of the run."),
+             note="Value of all steps of the run."),
     Quantity("timestep_largest_s", "Largest timestep", digits=".4g",
-             note="It covers all steps of the run."),
+             note="Value of all steps of the run."),
     Quantity("n_steps", "Steps", note="Number of steps of the run."),
     Quantity("wall_time_s", digits=".1f", note="Wall time of the time integration."),
     Quantity("sphere_steps_per_s", short="speed", digits=".3g", phrase="{} sphere-steps/s",
@@ -181,11 +183,12 @@ ENTRIES = (
              digits=".4g", phrase="{} sigma_y^2 D^3/E", axis="Input energy",
              symbol=r"e_\mathrm{in}/(F_\mathrm{y}\alpha_\mathrm{y})",
              note="Packings: relative to F_y alpha_y of two spheres. Continuum: relative to "
-             "sigma_y^2 D^3/E with the diameter of the punch. The two cannot be compared."),
+                  "sigma_y^2 D^3/E with the diameter of the punch. The values of packing and "
+                  "continuum cannot be compared."),
     Quantity("velocity_normalised", "Velocity, normalised", axis="Normalised impact velocity",
              symbol=r"\bar{v}_0",
-             note="(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v, for which different "
-             "materials fall on one curve."),
+             note="(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v, with which results "
+                  "for different materials fall on one curve."),
     Quantity("dissipated_fraction", short="dissipated", digits=".5f", phrase="{} of the input",
              axis="Dissipated fraction", symbol=r"e_\mathrm{dis}/e_\mathrm{in}",
              note="Dissipated energy relative to the energy input."),
@@ -265,7 +268,8 @@ ENTRIES = (
     Quantity("energy_dissipated_twisting_J", "Dissipated by resistance to twisting",
              note="Part of the dissipated energy."),
     Quantity("energy_dissipated_adhesion_J", "Dissipated by cohesion",
-             note="Part of the dissipated energy, when surfaces snap into contact and separate."),
+             note=("Part of the dissipated energy, dissipated when surfaces snap into contact "
+                   "and separate.")),
     Quantity("energy_dissipated_viscous_J", "Dissipated by viscous damping",
              note="Part of the dissipated energy; null without contact.loss."),
     Quantity("energy_dissipated_holder_J", "Dissipated by friction in the guide",
@@ -300,8 +304,8 @@ ENTRIES = (
     # plastic zone
     Quantity("n_plastic_contacts", "Yielded contacts",
              "Contacts between two spheres whose overlap exceeded first yield in this run; an "
-             "earlier indentation counts only if it grew. Just beyond first yield a contact may "
-             "keep an indentation without dissipating energy."),
+             "earlier indentation counts only if it grew. Just beyond first yield, a contact "
+             "can keep an indentation without having dissipated energy."),
     Quantity("n_dissipating_contacts", "Yielded contacts that dissipated energy",
              "Yielded contacts that dissipated energy by yielding.", short="  that dissipated"),
     Quantity("n_plastic_spheres", "Yielded spheres", axis="Yielded spheres", symbol=r"N_\mathrm{p}",
@@ -312,8 +316,9 @@ ENTRIES = (
              "dissipation. Excludes spheres whose contacts yielded without dissipating energy.",
              short="dissipating spheres"),
     Quantity("plastic_zone_volume_m3", "Plastic zone volume",
-             "Volume of all spheres that yielded at contacts with spheres; in the continuum, the "
-             "largest yielding volume at one instant. The two cannot be compared.", short="plastic zone", digits=".4g",
+             "Volume of all spheres that yielded at contacts with spheres; in the continuum, "
+             "the largest yielding volume at one instant. The values of packing and continuum "
+             "cannot be compared.", short="plastic zone", digits=".4g",
              phrase="{} m3 at one instant", axis="Plastic zone", symbol=r"V_\mathrm{p}"),
     Quantity("plastic_zone_depth_m", "Plastic zone, depth", _OUTERMOST, digits=".4g",
              axis="Depth of the plastic zone", symbol=r"z_\mathrm{p}"),
@@ -344,27 +349,28 @@ ENTRIES = (
     # bottom and target
     Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom",
              digits=".6g", axis="Peak force on the bottom",
-             meaning="Largest force of the packing on the bottom, static force included: of a "
-             "single contact in any step, otherwise of the records, every wall_sample_s."),
+             meaning="Largest force of the packing on the bottom, including the static force. "
+                     "For a single contact it is the largest value of all steps, otherwise of "
+                     "the records, which have the interval wall_sample_s."),
     Quantity("wall_dynamic_peak_force_N", "Peak dynamic force on the bottom",
-             "Largest rise of the force on the bottom above its value before the load; 0 before "
-             "the wave arrives. Only where there is a static force.",
+             "Largest increase of the force on the bottom above its value before the load; 0 if "
+             "the wave has not arrived. Only for packings with a static force.",
              short="dynamic part", digits=".6g"),
     Quantity("wall_sample_s", "Interval of records of the force on the bottom",
              note="Longest time between two records; absent where a single contact carries the "
              "force, whose largest value is exact."),
     Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom",
              digits=".6g",
-             meaning="Integral of the force on the bottom up to the end, static force included."),
+             meaning="Integral of the force on the bottom up to the end, including the static force."),
     Quantity("wall_dynamic_impulse_Ns", "Dynamic impulse on the bottom",
              "Integral, up to the end, of the change of the force on the bottom since before the "
              "load. Only where there is a static force.",
              short="dynamic part of the impulse", digits=".6g"),
     Quantity("wall_*_peak_force_N", "Peak force on a side wall",
-             "Largest force on each wall, static force included, by name: xlo, xhi, ylo, yhi or "
+             "Largest force on each wall, including the static force, by name: xlo, xhi, ylo, yhi or "
              "tube."),
     Quantity("wall_*_impulse_Ns", "Impulse on a side wall",
-             "Integral of the force on the wall over the run, static force included."),
+             "Integral of the force on the wall over the run, including the static force."),
     Quantity("plate_peak_force_N", "Peak force on the plate",
              "Force of all grains on a rigid plate.", digits=".6g"),
     Quantity("plate_impulse_Ns", "Impulse on the plate", "Integral of the force on the plate over "
@@ -375,9 +381,10 @@ ENTRIES = (
              axis="Velocity of the plate at the end", symbol=r"v_\mathrm{p}"),
     Quantity("energy_plate_J", "Kinetic energy of the plate", "Part of the kinetic energy."),
     Quantity("base_arrival_s", "Arrival at the bottom",
-             "Time at which the force on the bottom first rises by 1 % of its largest rise in the "
-             "run, interpolated between records; null while the force still rises at the end, since "
-             "the largest rise is not known."),
+             "Arrival time of the wave at the bottom: first time at which the force on the "
+             "bottom has increased by 1 % of its largest increase in the run, interpolated between "
+             "records. Null if the force still increases at the end, because the largest increase is "
+             "then not known."),
     Quantity("target_peak_force_N", "Peak force on the target",
              "Force on the bottom, which the packing protects."),
     Quantity("target_peak_displacement_m", "Largest displacement of the target",
@@ -414,10 +421,10 @@ ENTRIES = (
     # motion
     Quantity("wave_speed_m_s", "Wave speed in the deeper half", short="wave speed", digits=".4g",
              phrase="{} m/s in the deeper half", axis="Wave speed", symbol="c",
-             note="Speed of the wave front in the deeper half of the layers that it reached in the "
-             "run, whatever their materials: the front reaches a contact when its force first "
-             "exceeds 10 % of its largest value. Requires at least "
-             "nine layers. Null for parallel cylinders."),
+             note="Speed of the wave front in the deeper half of the layers that the wave reached "
+                  "in the run, for any materials. The front reaches a contact when its force first "
+                  "exceeds 10 % of its largest value. Requires at least nine layers. Null for "
+                  "parallel cylinders."),
     Quantity("impactor_velocity_m_s", "Impacted sphere at the end", digits=".5g",
              note="Velocity along the impact or load.direction; negative after a rebound."),
     Quantity("restitution", digits=".5g", axis="Coefficient of restitution", symbol="e",

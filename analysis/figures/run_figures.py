@@ -77,8 +77,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Bright lines are chains of contacts that carry the wave."),
     ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest of the run "
         "with reflections, excluding walls",
-     "A straight line is an exponential decay; the legend gives the law, or why none fits; markers "
-     "are the preferred directions."),
+     "A straight line is an exponential decay. The legend gives the fitted law, or the reason why no "
+     "law is fitted; markers show the preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "The coloured spheres show the extent of the plastic zone."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
@@ -87,20 +87,20 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("dents_*", sections.dents_section, "Plastic indentations before the run",
      "A contact is elastic up to the force that caused its indentation."),
     ("dissipation_ranked", dissipation.dissipation_ranked, "Dissipation of spheres in descending order",
-     "The steeper the decrease, the fewer spheres dissipate most of the energy. Spheres that "
+     "A steep decrease means that few spheres dissipate most of the energy. Spheres that "
      "yielded without dissipation are excluded."),
     ("dissipation_cumulated", dissipation.dissipation_cumulated, "Cumulative dissipation against "
         "volume",
      "If a curve rises early, few spheres dissipate most of the energy."),
     ("plastic_zone_growth", dissipation.plastic_zone_growth, "Growth of the plastic zone",
-     "All yielded spheres are counted. Once curves are level, the zone is complete; if they still "
-     "rise, use a longer run."),
+     "All yielded spheres are counted. If the curves are constant at the end, the zone is "
+     "complete; if they still rise, use a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a distance",
      "The curve reaches 0.1 at the 90 % depth or radius; a curve that ends abruptly is cut by a "
      "boundary."),
     ("energies", histories.energies, "Energies and the error of their balance",
-     "Once the dissipated energy is constant, the impact is over; the residual is the error of "
+     "When the dissipated energy is constant, the impact is over; the residual is the error of "
      "the balance."),
     ("timestep", histories.timestep, "Timestep, and the error of the energy balance that controls "
         "it",
@@ -113,10 +113,10 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("impactor_velocity", histories.impactor_velocity, "Velocity of the impacted or loaded sphere",
      "Negative values are a rebound; where the velocity is constant, the sphere moves freely."),
     ("probes", histories.probes, "Probes",
-     "The delay between curves gives the wave speed, and the height of the peaks the decay."),
+     "The delay between curves gives the wave speed, and the height of the peaks gives the decay."),
     ("wave_front", sections.wave_front, "Wave front",
-     "The edge of the coloured region is the wave front; its distance in each direction shows how "
-     "the speed varies."),
+     "The edge of the coloured region is the wave front; its distance in each direction shows "
+     "how the speed depends on direction."),
     ("force_map", rows.force_map, "Contact force in space and time",
      "A wave is an inclined line; its slope gives the speed, fading colours show decay, and a "
      "reversal is a reflection."),
@@ -125,19 +125,19 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("along_chain", rows.along_chain, "Peak force of the first wave above the static force, "
         "and dissipation, along the chain; crosses: larger forces later in the run",
      "Constant values show a wave without decay; decreasing values show its decay. Forces that "
-     "still rise at the end are left out."),
+     "still rise at the end are omitted."),
     ("bead_velocities", rows.bead_velocities, "Velocities along the chain",
      "Each curve is the whole chain at one instant: the front moves to the right, and its height "
      "shows the decay."),
     ("transmission", rows.transmission,
      "Amplitude along the chain, or transmission against frequency, for an oscillating load",
-     "Where the curve is near zero, nothing is transmitted."),
+     "Where the curve is near zero, no wave is transmitted."),
     ("amplitude_sweep", rows.amplitude_sweep, "Response of the chain against the load amplitude",
      "A jump, or separate curves, shows two states of the chain at one amplitude."),
     ("bars", rows.bars, "Bars: contact force and energy",
      "A second peak is a reflected pulse; the energies are given for each bar."),
     ("sensors", rows.sensors, "Sensors",
-     "The delay between curves gives the wave speed, and the height of the peaks the decay."),
+     "The delay between curves gives the wave speed, and the height of the peaks gives the decay."),
     ("line_speeds", rows.line_speeds, "Speeds along lines of grains",
      "The first peak of each grain is the wave; later peaks are rattling and reflections from "
      "walls."),
@@ -152,14 +152,14 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Consecutive thick lines are a force chain; the title gives the force of the thickest line."),
     ("force_distribution", contacts.force_distribution,
      "Distribution of contact forces relative to their mean",
-     "A straight line is an exponential tail; the slower its decay, the less uniform the forces."),
+     "A straight line is an exponential tail; a slow decay means that the forces are not uniform."),
     ("line_diagram", rows.line_diagram,
      "Speed of a line of grains in space and time, with the front",
      "The front is the lower edge of the colours; dots on the fitted line show a constant speed."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
-     "The delay between the curves gives the speed of the wave, and their heights its decay."),
+     "The delay between the curves gives the speed of the wave, and their heights give its decay."),
     ("energy_by_region", regions.energy_by_region, "Energy in regions of the packing",
-     "A region takes energy where its area grows; all areas together are the energy input."),
+     "A region gains energy when its area grows; the sum of all areas is the energy input."),
 )  # fmt: skip
 _PLANES = {
     "principal": "principal plane",

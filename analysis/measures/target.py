@@ -71,7 +71,7 @@ class Reached:
 
     @property
     def impulse(self) -> Array:
-        """Impulse of the force on the target so far, static force included, N s."""
+        """Impulse of the force on the target so far, including the static force, N s."""
         return _integral(self.time, self.force)
 
     @property
@@ -298,7 +298,7 @@ def unprotected(assembly: Assembly, end_time: float) -> Reached | None:
     """The load of a case directly on its target; None without a target, or without spheres or
     forces that hit it.
 
-    None for loads that oscillate, too: they are measured by the transmission of the row, not by
+    None for oscillating loads, too: they are measured by the transmission of the chain, not by
     protection.
 
     Parameters

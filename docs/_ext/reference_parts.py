@@ -11,7 +11,7 @@ import importlib
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -59,9 +59,17 @@ def _section(table: KeyTable) -> str:
     level = (
         "##" if table.file == CASE_FILE.name else "###"
     )  # the pages of others have several kinds of files
-    return "\n\n".join(
-        [f"{anchor}{level} {title}", text, *(_entry(table, key) for key in table.keys)]
-    )
+    searched = []
+    if table.file == CASE_FILE.name and table.name:
+        searched = [_indexed(f"{table.name}.{key.name}" for key in table.keys)]
+    entries = [_entry(table, key) for key in table.keys]
+    return "\n\n".join([f"{anchor}{level} {title}", *searched, text, *entries])
+
+
+def _indexed(names: Iterable[str]) -> str:
+    """Return entries of the index, so that the search finds the page by each of the names."""
+    entries = ", ".join(f"! {name}" for name in names)
+    return f"```{{index}} {entries}\n```"
 
 
 def _entry(table: KeyTable, key: Key) -> str:
@@ -98,7 +106,9 @@ def _escape(text: str) -> str:
 
 def quantities() -> str:
     """Return the table of the values of summary.json of runs."""
-    return _table_of(entries())
+    shown = entries()
+    indexed = _indexed(entry.name for entry in shown if "*" not in entry.name)
+    return f"{indexed}\n\n{_table_of(shown)}"
 
 
 def _table_of(shown: Sequence[Quantity]) -> str:

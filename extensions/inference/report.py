@@ -52,8 +52,7 @@ _LOOKS = {
     "force_network": "The width of a line is proportional to the force.",
     "residuals": "An outlier is a grain with a measurement error or a missing contact.",
     "force_errors": "Forces below twice their error may be zero.",
-    "modulus": "The narrower the minimum, the better strains and accelerations determine the "
-    "modulus.",
+    "modulus": "A narrow minimum means that strains and accelerations determine the modulus well.",
     "noise": "A larger slope requires more accurate strains and accelerations.",
 }
 _TABLES = {INFERENCE: ENTRIES}

@@ -16,7 +16,9 @@ _MOST_GRAINS = 100_000
 class PouredSection:
     """Grains poured into a box or a tube, settled under gravity."""
 
-    kind: str = schema.choice("grains that are poured, and settle under gravity", ("poured",))
+    kind: str = schema.choice(
+        "kind of packing: grains that are poured and settle under gravity", ("poured",)
+    )
     grains: int = schema.count("number of grains", at_most=_MOST_GRAINS)
     diameter: SizeDistribution = schema.typed(
         "diameter of all grains, or its distribution", DIAMETERS, unit=hints.DIAMETER
@@ -32,20 +34,20 @@ class PouredSection:
         "radius of a tube around x = y = 0, instead of a box", hints.LENGTH, above=0, default=None
     )
     friction: float | None = schema.number(
-        "coefficient of friction of grains and walls while they settle; default: the value of "
-        "[contact]",
+        "coefficient of friction of grains and walls while the grains settle; default: the "
+        "value of [contact]",
         at_least=0,
         at_most=10,
         default=None,
     )
     rolling: float = schema.number(
-        "coefficient of rolling resistance while they settle, which stops slow rolling",
+        "coefficient of rolling resistance while the grains settle, which stops slow rolling",
         at_least=0,
         at_most=1,
         default=0.01,
     )
     restitution: float = schema.number(
-        "coefficient of restitution while they settle", above=0, at_most=1, default=0.5
+        "coefficient of restitution while the grains settle", above=0, at_most=1, default=0.5
     )
     seed: int = schema.count("seed of diameters and positions", at_least=0, default=0)
 
@@ -55,7 +57,8 @@ class CompressedSection:
     """Random grains in a box that shrinks to a solid fraction or a pressure."""
 
     kind: str = schema.choice(
-        "random grains, compressed to a solid fraction or a pressure", ("compressed",)
+        "kind of packing: random grains, compressed to a solid fraction or a pressure",
+        ("compressed",),
     )
     grains: int = schema.count("number of grains", at_most=_MOST_GRAINS)
     diameter: SizeDistribution = schema.typed(
@@ -77,8 +80,8 @@ class CompressedSection:
         default=(1.0, 1.0, 1.0),
     )
     friction: float | None = schema.number(
-        "coefficient of friction of grains and walls while they are compressed; default: the "
-        "value of [contact]",
+        "coefficient of friction of grains and walls during the compression; default: the value "
+        "of [contact]",
         at_least=0,
         at_most=10,
         default=None,

@@ -255,7 +255,7 @@ PEAK_FORCE = RunFigure(
 DISSIPATION = RunFigure(
     "Packing cut open, dissipation",
     packing_3d_dissipation,
-    "A quarter is cut away at the impact; bright spheres dissipated most.",
+    "A quarter is cut away at the impact; bright spheres dissipated the most energy.",
     shares_work_with=("packing_3d",),
     takes_long=True,
 )

@@ -98,7 +98,8 @@ class Striker:
     """``[[striker]]``: sphere or cylinder touching grains of the packing, or earlier strikers."""
 
     touches: tuple[int, ...] = schema.typed(
-        'ids of the spheres that it touches; "centre": the sphere at the centre of the top, as for an '
+        'ids of the spheres that the striker touches; "centre": the sphere at the centre of the '
+        "top, as for an "
         "impact; in a disordered packing, the most central grain on which the striker can rest "
         "without touching another grain",
         _TOUCHED,
@@ -118,7 +119,7 @@ class Striker:
     )
     misalignment: tuple[float, float, float] = schema.typed(
         "largest random displacement along x, y, z in addition to the offset, uniformly "
-        "distributed in both directions; drawn with packing.seed",
+        "distributed in both directions, with the seed packing.seed",
         schema.vector_type(
             3,
             _POINT_FORM,
@@ -211,7 +212,7 @@ class Line:
         default=None,
     )
     direction: tuple[float, float, float] = schema.typed(
-        "direction of the line; it includes grains up to a quarter of a diameter from it",
+        "direction of the line, which includes grains up to a quarter of a diameter away",
         schema.vector_type(
             3,
             "[x, y, z], a vector of any nonzero length, such as [0, 0, 1] for straight down",
@@ -264,7 +265,7 @@ class Guide:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Sensor:
-    """``[[sensor]]``: a sphere that is recorded as by an embedded transducer.
+    """``[[sensor]]``: a sphere with an embedded transducer, whose signals are recorded.
 
     In a chain the mean of its two contact forces is recorded; in other packings its acceleration.
     """
@@ -280,7 +281,7 @@ _RATE = Usual("1/s", 1.0, 1e8)
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Absorb:
-    """``[[absorb]]``: spheres that are damped, so that waves run out of the packing.
+    """``[[absorb]]``: spheres that are damped, so that waves leave the packing.
 
     ``rate`` damps motion in all directions, and rotation, by m rate v: a layer that becomes
     stronger with depth reflects little over many frequencies. ``impedance`` is a dashpot along z on

@@ -332,9 +332,9 @@ class Boundary:
         tuple(BOTTOMS),
         default="wall",
         otherwise=schema.TablesType(
-            expected="{material = ...} for a wall of a material; or {plate = ...}, {damper = ...}, "
-            "{half_space = ...} or {bar = ...} for a support that moves: tables "
-            "[boundary.bottom.plate] etc.",
+            expected="{material = ...} for a wall of a material; or {plate = ...}, {damper = "
+            "...}, {half_space = ...} or {bar = ...} for a support that moves (see the "
+            "tables [boundary.bottom.plate] and so on)",
             inner={"material": MATERIAL} | _tables_of(SUPPORTS),
         ),
     )

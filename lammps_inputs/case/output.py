@@ -66,9 +66,9 @@ class Output:
         "time between records of probes and walls; auto: five timesteps", INTERVAL
     )
     history: int | Literal["auto"] = schema.typed(
-        "number of instants at which the velocity of every bead of a chain and the force of every "
-        "contact are recorded; auto: 1000 (fewer with long bars) for chains of at least five "
-        "beads; for each [[line]] likewise, auto: 2000",
+        "number of instants at which the velocity of every bead of a chain and the force of "
+        "every contact are recorded; auto: 1000 (fewer with long bars) for chains of at least "
+        "five beads, and 2000 for each [[line]]",
         schema.or_word(
             AUTO,
             schema.CountType(at_least=0, at_most=schema.NO_LIMIT),

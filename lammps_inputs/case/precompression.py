@@ -249,16 +249,14 @@ class Overlaps(StaticLoad):
 STATIC_LOADS: dict[str, StaticLoad] = {
     load.name: load for load in (Uniaxial(), Uniform(), Gravity(), MovedWalls(), Overlaps())
 }
-_SUMMARIES = [load.summary for load in STATIC_LOADS.values()]
+_SUMMARIES = ", ".join(f"{load.name} ({load.summary})" for load in STATIC_LOADS.values())
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Precompression:
     """``[precompression]``: a static load, applied before the impact and kept during it."""
 
-    kind: str = schema.choice(
-        f"{', '.join(_SUMMARIES[:-1])}, or {_SUMMARIES[-1]}", tuple(STATIC_LOADS)
-    )
+    kind: str = schema.choice(f"kind of static load: {_SUMMARIES}", tuple(STATIC_LOADS))
     pressure: float | None = schema.number(
         "pressure on the faces of the packing", hints.PRESSURE, **_NONE
     )
@@ -273,13 +271,13 @@ class Precompression:
     )
     tube: float | None = schema.number("distance by which the tube's radius shrinks", **_MOVE)
     x_force: float | None = schema.number(
-        "force on each of the planes across x, which move in until they carry it", **_PRESS
+        "force on each of the planes across x, which move in until they carry this force", **_PRESS
     )
     y_force: float | None = schema.number(
-        "force on each of the planes across y, which move in until they carry it", **_PRESS
+        "force on each of the planes across y, which move in until they carry this force", **_PRESS
     )
     tube_force: float | None = schema.number(
-        "total outward force on the tube, which shrinks until it carries it", **_PRESS
+        "total outward force on the tube, which shrinks until it carries this force", **_PRESS
     )
     overlaps: bool | None = schema.choice(
         "true: initial overlaps of grains are part of the precompression; otherwise they are "

@@ -96,7 +96,8 @@ class RunSettings:
         default=1e-3,
     )
     timestep: float | str = schema.positive_or_auto(
-        "auto: controlled by the error of the energy balance; a number: the length of all steps",
+        "length of the timesteps; auto: controlled by the error of the energy balance; a "
+        "number: the same for all steps",
         INTERVAL,
     )
     energy_tolerance: float = schema.number(
@@ -118,8 +119,8 @@ class RunSettings:
     )
     frames: int | Literal["auto"] | tuple[float, ...] | tuple[str, ...] = schema.typed(
         "snapshots, including start and end: their number (evenly spaced), or their times; auto: "
-        f"{AUTO_FRAMES}, {FRAMES_OF_A_FILM} with an animation, two thirds of them before the wave "
-        "is expected at the bottom, if this time is known",
+        f"{AUTO_FRAMES}, or {FRAMES_OF_A_FILM} with an animation, two thirds of them before the "
+        "expected arrival of the wave at the bottom, if this time is known",
         _FRAMES,
         default=AUTO,
     )

@@ -121,7 +121,7 @@ def _outside_fit(material: Material) -> str:
         ratio = material.youngs_modulus / material.yield_strength
     ranges = (
         ("Poisson's ratio", material.poisson_ratio, FE_RANGE["poisson_ratio"]),
-        ("Young's modulus over yield strength", ratio, FE_RANGE["modulus_over_strength"]),
+        ("Young's modulus / yield strength", ratio, FE_RANGE["modulus_over_strength"]),
         ("hardening", material.hardening or 0.0, FE_RANGE["hardening"]),
     )
     outside = [

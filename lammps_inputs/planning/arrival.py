@@ -36,7 +36,7 @@ _FEWEST_STEPS = 3  # steps from layer to layer
 
 def expected_arrival(assembly: Assembly) -> float | None:
     """Return the expected time of arrival of the wave at the bottom, s; None if it is not known:
-    for bars, loads that oscillate or do not push down, lying packings, and cylinders.
+    for bars, loads that oscillate or do not push down, horizontal packings, and cylinders.
     """
     case = assembly.case
     load = case.load

@@ -29,8 +29,8 @@ namespace granwave {
 
 inline constexpr LawParameter TANGENTIAL_LOSS =
     LawParameter("tangential", "x",
-                 "tangential damping divided by normal damping, within Coulomb's limit: x_gamma_t of LAMMPS's pair "
-                 "style granular, 1 after Tsuji")
+                 "tangential damping divided by normal damping, as x_gamma_t of LAMMPS's pair style granular; "
+                 "limited by Coulomb friction; 1 according to Tsuji")
         .in(NOT_NEGATIVE)
         .in_cases({0.0, 1e3, true, true})
         .optional(0.0, 1.0)

@@ -1,9 +1,10 @@
 """Decorated chains: small beads between large ones.
 
 The chain has ten beads whose diameter decreases by 5 % from one to the next, with a small bead
-between each two. The impact at 1 m/s is on the first bead; the last bead is free. Two limits are
-known (Harbola and others 2009): hard spheres that collide once each, and small beads without mass,
-which act as two springs in series, so that only the large beads have inertia.
+between neighbouring large beads. The impact at 1 m/s is on the first bead; the last bead is free.
+Two limits are known (Harbola and others 2009). In the first, hard spheres collide once each. In the
+second, the small beads have no mass and act as two springs in series, so that only the large beads
+have inertia.
 """
 
 import numpy as np
@@ -55,10 +56,10 @@ def rows(runs):
     yield gw.Row("Ratio of small and large diameter with the least energy of the last bead", "",
         ours=small[last.argmin()],
                  where=NEWS, digits=2, remark="In the source, smaller beads absorb more energy. "
-                                              "In our runs that holds only from 0.9 down to this "
-                                              "size; still smaller beads absorb less and less.")
+                                              "In our runs this holds only from 0.9 down to "
+                                              "this size; smaller beads absorb less energy.")
     yield gw.Row("Least energy of the last bead / input", "", ours=last.min(), where="ours",
-                 remark=f"A chain of the large beads only has {large[0]:.3f}, for hard spheres.")
+                 remark=f"For hard spheres, a chain with only the large beads has {large[0]:.3f}.")
     # fmt: on
 
 

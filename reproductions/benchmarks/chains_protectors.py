@@ -1,9 +1,9 @@
 """Protectors: best order of hard and soft beads in front of a wall.
 
 Fraternali, Porter and Daraio (arXiv:0802.1451) let an evolutionary algorithm arrange beads of steel
-and PTFE so that the largest force on a wall is smallest. The chains here have twelve beads of 10 mm
-and an impact at 1 m/s: equal beads, two halves, alternating beads, and the result of `granwave
-design` after 80 runs among the 4096 orders.
+and PTFE so that the largest force on a wall is smallest. Our chains have twelve beads of 10 mm and
+an impact at 1 m/s. They have equal beads, two halves, alternating beads, or the order that
+`granwave design` found in 80 runs among the 4096 orders.
 """
 
 import numpy as np

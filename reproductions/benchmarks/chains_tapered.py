@@ -23,7 +23,7 @@ SOURCE = (
     "In the source hard spheres describe the measured front well, and better with a small "
     "loss. Our front falls faster."
 )
-SLOW = "The remaining energy stays in beads that move on slowly."
+SLOW = "The remaining energy stays in beads that continue to move slowly."
 LEFT = (
     "A wave in a Hertzian chain extends over about five beads. The energy that it leaves "
     "behind does not reach the front again."
@@ -84,8 +84,8 @@ def rows(runs):
         80,
         100 * (1 - most.last),
         NEWS,
-        "Well over 80 % according to the source, which states neither the taper nor the length. "
-        "Our chain has no dissipation.",
+        "According to the source the fraction is well above 80 %; it states neither the taper "
+        "nor the length of the chain. Our chain has no dissipation.",
         bound=True,
     )
 

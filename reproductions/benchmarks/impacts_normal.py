@@ -1,8 +1,8 @@
 """Normal impacts: tests 1 to 3 of Chung and Ooi.
 
 Tests 1 and 2 are impacts of two elastic spheres, and of a sphere on a rigid plane. Test 3 compares
-the specified restitution with the result. The largest force and overlap follow from Hertz's law and
-the energy.
+the specified restitution with the result. The largest force and overlap are calculated from Hertz's
+law and the energy.
 """
 
 import numpy as np

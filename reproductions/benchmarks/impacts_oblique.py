@@ -4,9 +4,10 @@ A sphere of aluminium oxide or alloy with a diameter of 5 mm hits a rigid plane 
 angles from 4 to 85 degrees from the normal, with friction 0.092 and restitution 0.98. The rebound
 angle is the angle of the contact point. Beyond about 33 degrees the sphere slides throughout, and
 all programs agree. At smaller angles the result depends on the tangential spring. The tests are
-defined for a no-slip spring. Our spring keeps its force and releases some of it as the contact
-circle shrinks; their spring keeps its elongation. The measurements show the annulus of slip of the
-theory of Mindlin and Deresiewicz, which contact.tangential = "partial_slip" computes.
+defined for a no-slip spring. Our spring keeps its force, and its force is reduced as the contact
+circle shrinks; the spring of the source keeps its elongation. The measurements agree with the
+partial slip of the theory of Mindlin and Deresiewicz, which contact.tangential = "partial_slip"
+computes.
 """
 
 import itertools
@@ -24,13 +25,13 @@ NAMES = {3.8e11: "oxide", 7e10: "alloy"}
 KINDS = (("tangential restitution", ""), ("spin", "rad/s"), ("rebound angle", "degrees"))
 MODELS = {"mindlin_rescale": "one spring", "partial_slip": "partial slip"}  # contact.tangential
 ONE_SPRING = (
-    "Both have a single spring: theirs keeps its elongation, ours its force. The theory "
-    "has partial slip (Mindlin, Deresiewicz)."
+    "Both models have a single spring: the spring of the source keeps its elongation, our "
+    "spring keeps its force. The theory includes partial slip (Mindlin, Deresiewicz)."
 )
 EXPERIMENT = "Kharaz et al. 2001, in Chung and Ooi 2011"
 MEASURED = {
-    "mindlin_rescale": "The value was measured on glass. The theory has partial slip, a single "
-    "spring has not.",
+    "mindlin_rescale": "The value was measured on glass. The theory includes partial slip; a "
+    "single spring does not.",
     "partial_slip": "The value was measured on glass.",
 }
 

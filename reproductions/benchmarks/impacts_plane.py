@@ -21,14 +21,14 @@ import granwave as gw
 NAMES = {2.08e11: "steel", 1e9: "polyethylene", 7e10: "alloy", 2.5e9: "nylon"}
 WHERE = "Chung and Ooi 2011, test {}"
 REMARKS = {
-    5: "The theory is partial slip, which the finite elements in the same figure follow. A single "
-    "spring does not.",
+    5: "The theory is partial slip. The finite elements in the same figure agree with this "
+    "theory; a single spring does not.",
     6: "The theory is partial slip. Their tangential motion is damped in the same way as the "
     "normal motion, which explains most of the difference.",
 }
 FINITE = {
-    "one spring": "The finite elements follow the theory of partial slip. A single spring does "
-    "not.",
+    "one spring": "The finite elements agree with the theory of partial slip; a single spring "
+    "does not.",
     "partial slip": "",
 }
 

@@ -111,8 +111,7 @@ def rows(runs):
         yield gw.Row(f"Restitution at {own.velocity[at]:.3g} m/s with / without rate-dependent yielding",
                      ours=fast.restitution[at] / own.restitution[at],
                      theory=own.stronger(sensitivity)[at] ** 0.625, where=f"{JOHNSON}, similarity",
-                     remark="The contact comes to rest before it unloads, while its pressure "
-                            "still rises.")
+                     remark="The largest overlap is reached while the pressure is still rising.")
     for first, last in ((1, 10), (10, 100)):
         for one in (own, thesis, thornton, fast):
             yield gw.Row(f"Exponent of restitution against velocity, {first} to {last} m/s, {one.law}", ours=one.slope(first, last),

@@ -1,9 +1,10 @@
 """Impacts of two spinning spheres: tests 7 and 8 of Chung and Ooi.
 
-In test 7 two equal spheres with opposite spins hit each other: their surfaces do not slip, so that
-the spins are kept and there is no sideways motion. In test 8 a spinning sphere hits a sphere that
-is five times as large and 125 000 times as heavy, stiffer (case A) or of the same stiffness (case
-B): the result must equal test 6 with a plane, the source of the printed values.
+In test 7 two equal spheres with opposite spins hit each other. Their surfaces do not slip, so that
+the spins do not change and there is no sideways motion. In test 8 a spinning sphere hits a sphere
+that is five times as large and 125 000 times as heavy, stiffer (case A) or of the same stiffness
+(case B). The result must equal the result of test 6 with a plane, from which the printed values are
+taken.
 """
 
 import numpy as np

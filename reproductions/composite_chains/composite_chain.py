@@ -35,8 +35,8 @@ ROLLED = 0.010
 SLOPE = math.radians(3)
 GRAVITY = 9.81
 OF_SPEED = (
-    "The elastic chain has no dissipation. The study of the measured speeds has the reasons tried "
-    "for the difference.",
+    "The elastic chain has no dissipation. The study of the measured speeds lists the possible "
+    "reasons for the difference that were tested.",
     "The yield strength is our choice, since the source gives none.",
 )
 OF_CHANGE = (
@@ -121,8 +121,8 @@ def of_speed(kind, found, measured):
         yield gw.Row(f"Largest error of V against the measurement, {kind}", "%", ERROR,
             100 * max(errors),
                      f"{PLACE}section 4", "The source value is the error of its finite elements "
-                                          "for all N2. Our value is the error for those N2 whose "
-                                          "measured V is printed.")
+                                          "for all N2. Our value is the error for the two N2 "
+                                          "for which a measured V is printed.")
     if measured and not yields:
         yield from over_steel(found, measured)
     if fit := exponential_decay(np.array(n), speed):

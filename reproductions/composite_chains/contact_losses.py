@@ -34,8 +34,9 @@ def rows(runs):
         last = chains[-1]
         # fmt: off
         for chain in chains[:: max(len(chains) - 1, 1)]:
-            remark = ("The source value was measured. The restitution is our choice. The study of "
-                      "the measured speeds has the reasons tried for the difference.")
+            remark = ("The source value was measured. The restitution is our choice. The study "
+                      "of the measured speeds lists the possible reasons for the difference "
+                      "that were tested.")
             yield gw.Row(f"V, N2 = {chain.n}, {kind}", "m/s", speeds.get(chain.n), chain.speed, f"{where}section 4",
                          remark if chain.n in speeds else "")
         if len(chains) > 1:
@@ -46,7 +47,7 @@ def rows(runs):
             yield gw.Row(f"Change of lambda from N2 = {first.n} to {last.n}, {kind}", "%",
                          ours=100 * (last.ratio / first.ratio - 1), where=f"{where}Fig. 11",
                          remark=f"lambda changes from {first.ratio:.3f} to {last.ratio:.3f}. In "
-                                "the source it falls exponentially.")
+                                "the source lambda falls exponentially.")
         for chain in (one for one in chains if one.n == WATCHED):
             name = ("Largest pressure of the last contact / first contact of the section, N2 = "
                     f"{chain.n}, "

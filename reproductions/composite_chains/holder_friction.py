@@ -1,9 +1,9 @@
 """Friction of the holder in composite chains.
 
-The beads of elastic composite chains lie in a level guide, press on it with their weight and slide
-in it. V and lambda are defined as in the study of composite chains. Only friction dissipates
-energy. In the source lambda falls with the length of the section; the source attributes this to
-friction between beads and guide, without a coefficient.
+The beads of elastic composite chains lie in a horizontal guide. They press on the guide with their
+weight and slide in it. V and lambda are defined as in the study of composite chains. Only friction
+dissipates energy. In the source lambda falls with the length of the section; the source attributes
+this to friction between beads and guide, without a coefficient.
 """
 
 import numpy as np

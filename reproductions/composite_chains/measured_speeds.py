@@ -1,4 +1,4 @@
-"""Measured speeds of composite chains: tested reasons for the difference.
+"""Measured speeds of composite chains: possible reasons for the difference.
 
 Elastic composite chains are compared with the two measured speeds for several moduli of the brass,
 with Hertz's law and with the contact law of the source's finite elements, under the weight of the
@@ -109,9 +109,9 @@ def of_law(law, curves, speeds):
             remark += (f" With their contact law and N2 = {n} our chain is {left:.1f} % above it, "
                        f"so that {left - ERROR:.1f} % are not explained.")
         if law == "power":
-            remark += (" Their law is that of spheres of 4.76 mm. In spheres of 10 mm their "
-                       "elements are finer relative to the contact, and the law may be closer to "
-                       "Hertz's.")
+            remark += (" Their contact law was determined for spheres of 4.76 mm. In spheres of "
+                       "10 mm their elements are finer relative to the contact, and the law may "
+                       "be closer to Hertz's law.")
         yield gw.Row(f"V, N2 = {n}, brass of {moduli[-1]:g} GPa, {LAWS[law]}", "m/s",
                      MEASURED[n], values[-1], WHERE, digits=4, remark=remark)
     shortest = min(curves)
@@ -131,7 +131,7 @@ def of_front(n, section):
     return gw.Row(
         f"V, N2 = {n}, by arrivals at {100 * FRONT:g} % of the peaks", "m/s", MEASURED[n],
         front_speed(section), WHERE, digits=4,
-        remark=f"By the peaks, as in the source, V is {section.speed:.1f} m/s.",
+        remark=f"With arrivals at the peaks, as in the source, V is {section.speed:.1f} m/s.",
     )
 
 

@@ -31,8 +31,8 @@ def of_reflections(waves, from_end):
                      PLACE + ("3.3" if key == "end" else "Fig. 6"), remark)
     yield gw.Row(f"Energy travelling back {waves.at} / energy leaving the section", "",
                  ours=waves.passed(waves.middle)[1] / waves.passed(waves.last)[0], where=f"{PLACE}Fig. 6",
-                 remark="Energies count until a pulse returns from the end of the chain. The "
-                        "source states a much higher value for PTFE than for brass.")
+                 remark="Energies are measured until a pulse returns from the end of the chain. "
+                        "The source states a much higher value for PTFE than for brass.")
 
 
 def of_output(waves, longest, kind):
@@ -72,9 +72,10 @@ def of_energy(waves, kind):
     place = list(waves.chain.array("chain/id")).index
     for part, first, last, remark in (
         ("steel before the section", 3, waves.first - 2,
-         "In the source it is constant. In our run the pulse is still forming here."),
+         "In the source the energy density is constant here. In our run the pulse is still "
+         "forming at this position."),
         ("section without its last bead", waves.first, waves.last - 1,
-            "In the source it falls by yielding only."),
+            "In the source only yielding reduces the energy density."),
     ):
         yield gw.Row(f"Change of the largest energy density along the {part}, N2 = {waves.n}, {kind}", "%",
                      ours=100 * (density[place(last)] / density[place(first)] - 1), remark=remark, **where)
@@ -89,12 +90,12 @@ def of_pressure(section, source):
     at = f"N2 = {section.n}, elastic"
     where = f"{PLACE}3.3"
     yield gw.Row(f"Largest pressure, first contact of the section, {at}", "MPa", source[0], first, where,
-                 "The source value is the largest compressive stress in the contact area, without "
-                 "N2 and position. In Hertz's contact that is the largest pressure; the mean "
-                 f"pressure is {2 / 3 * first:.0f} MPa. An elastic contact with the printed stress "
-                 f"would carry {force:.2g} N. "
-                 "According to the source the contact yields, which limits the pressure (see the "
-                 "rows of yielding chains).")
+                 "The source value is the largest compressive stress in the contact area, "
+                 "without N2 and position. In Hertz's contact the largest compressive stress "
+                 f"is the largest pressure; the mean pressure is {2 / 3 * first:.0f} MPa. An "
+                 f"elastic contact with the printed stress would carry {force:.2g} N. According "
+                 "to the source the contact yields, which limits the pressure (see the rows of "
+                 "yielding chains).")
     yield gw.Row(f"Largest pressure, last contact of the section, {at}", "MPa", source[1], last, where,
                  "Without dissipation the pressure does not change along the section; in the "
                  "source it falls.")
@@ -102,22 +103,23 @@ def of_pressure(section, source):
     for name, printed, pressure in (("first", source[0], first), ("last", source[1], last)):
         yield gw.Row(f"Largest von Mises stress, {name} contact of the section, {at}",
                      "MPa", printed, pressure / ratio,
-                     where, "The source value is read here as the largest von Mises stress of its "
-                            "elastic finite elements, below the surface. The source calls it "
-                            "compressive and compares it with the yield strength.")
+                     where, "The source value is interpreted here as the largest von Mises "
+                            "stress of its elastic finite elements, below the surface. The "
+                            "source calls it compressive and compares it with the yield "
+                            "strength.")
     fallen = source[1] / source[0]
     before = 1e-6 * section.pressure(section.first - 1)
     yield gw.Row("Largest pressure, first contact of the section / contact with the steel before "
                  f"it, {at}", "",
                  fallen, first / before, where,
-                 "The source value is the ratio of its two stresses, read here as a change from "
-                 "the contact with steel to the contacts within the section. This reading nearly "
-                 "holds for PTFE only.")
+                 "The source value is the ratio of its two stresses, interpreted here as the "
+                 "change from the contact with steel to the contacts within the section. This "
+                 "interpretation nearly holds for PTFE only.")
     yield gw.Row(f"Last of these pressures / first, {at}", ours=last / first, where=where,
                  remark=f"The two values of the source have the ratio {fallen:.3f}. Any stress "
                         "grows as the cube root of the force, so that the force falls to "
-                        f"{fallen**3:.2f} of its first value within the section. That requires "
-                        "dissipation.")
+                        f"{fallen**3:.2f} of its first value within the section. This "
+                        "decrease requires dissipation.")
 
 
 def of_yielded_pressure(section, source, kind):

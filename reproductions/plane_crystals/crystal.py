@@ -42,7 +42,7 @@ def not_kept(value, remark=""):
     """Remark with the value of an earlier program, which is no longer available, so that the value
     is no evidence.
     """
-    return f"An earlier program, no longer available, gave {value:g}. {remark}".strip()
+    return f"An earlier program, which is no longer available, gave {value:g}. {remark}".strip()
 
 
 def by_name(crystals):

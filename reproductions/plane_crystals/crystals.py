@@ -73,8 +73,8 @@ def rows(runs):
                      both["BCC"].down.front_speed / both["HCP"].down.front_speed, fig9, digits=3,
                      theory=long_waves(stuck, case.contact.friction), remark=f"{remark} {theory}")
     for name in motions:
-        remark = ("The time counts from the start of the impact; the time origin of the camera in "
-                  "the source is not known.")
+        remark = ("The time is measured from the start of the impact; the time origin of the "
+                  "camera in the source is not known.")
         if name == "HCP":
             remark += (" At 70 MPa waves are 1.6 times too fast; the study of influences has the "
                        "modulus that gives 125 m/s.")
@@ -98,8 +98,8 @@ def rows(runs):
         fig10 = f"{SOURCE}, Fig. 10"
         yield gw.Row(f"Largest speeds of all grains, p for a Gaussian distribution, {name}",
             ours=speeds.normal_p, digits=1,
-                     where=fig10, remark="According to the source they are Gaussian. p is the "
-                                         "result of the test of Shapiro and Wilk.")
+                     where=fig10, remark="According to the source the distributions are "
+                                         "Gaussian. p is the result of the Shapiro-Wilk test.")
         yield gw.Row(f"Largest speeds of all grains, standard deviation / mean, {name}",
                      digits=2, where=fig10,
                      ours=speeds.deviation / speeds.mean, remark=(

@@ -90,8 +90,8 @@ def rows(runs):
         yield gw.Row(f"Decay of the peak speed, first region, a rigid cylinder on the middle grain, {one.name}", "1/m",
                      ours=one.decay.first, digits=2, **alone,
                      remark=not_kept({"BCC": 66.5, "HCP": 28.0}[one.name],
-                                     "The decay is far from the source value, where the load acts "
-                                     "on the whole top."))
+                                     "The decay differs strongly from the source value, for "
+                                     "which the load acts on the whole top."))
     for which, name in enumerate(NAMES.values()):
         for value, one in series["height", name]:
             if value in TRIAL["height"]:
@@ -144,8 +144,8 @@ def of_modulus(points, which, name):
     yield gw.Row(f"Second, small peak of the speed in deep grains, {value / 1e6:g} MPa, {name}", "ms", 4.0,
                  1e3 * later_peak(one), f"{SOURCE}, Fig. 9", digits=2,
                  remark=f"The front has {one.down.front_speed:.0f} m/s; the source prints about "
-                        "125 m/s. The time counts from the start of the impact; the time origin of "
-                        "the camera in the source is not known.")
+                        "125 m/s. The time is measured from the start of the impact; the time "
+                        "origin of the camera in the source is not known.")
     # fmt: on
 
 

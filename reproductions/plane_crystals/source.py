@@ -106,10 +106,13 @@ def rows(runs):
             "ms, by equation 7 with time "
         )
         remark += (
-            "constants in ms. The rise is chosen to fit, since the source prints none; its "
-            "experiment lasts 5 to 6 ms. "
+            "constants in ms. The rise time is chosen to fit the printed modulus, since the "
+            "source does not print it; its experiment lasts 5 to 6 ms. "
         )
-        remark += f"With the printed seconds no rise within 6 ms gives less than {slow:.0f} MPa."
+        remark += (
+            f"With time constants in seconds, as printed, no rise within 6 ms gives less than "
+            f"{slow:.0f} MPa."
+        )
         if rise > EVENT:
             remark += " This rise is longer than the experiment."
         yield gw.Row(f"Effective modulus at contact {contact}", "MPa", modulus, theory=secant(rise), digits=3,
@@ -124,8 +127,8 @@ def rows(runs):
             "with the linear law that fits each best. "
         )
         remark += (
-            "The strains of the source are measured and not printed. Pulses that fall again give "
-            "the printed size (next rows)."
+            "The strains of the source are measured and not printed. Pulses that decrease again "
+            "give differences of the printed size (next rows)."
         )
         yield gw.Row(
             quantity, "%", source, theory=theory, where=f"{SOURCE}, Fig. 3", remark=remark, digits=3

@@ -139,8 +139,8 @@ def of_decay(name, by_law):
     words = "The source prints the rate along the diagonal (next row)."
     if along_middle:
         source = DECAY[name]
-        words = "In the source the rate is higher in HCP, in our runs in BCC; this is "
-        words += "not explained."
+        words = "In the source the rate is higher in HCP; in our runs it is higher in BCC. "
+        words += "This is not explained."
     yield gw.Row(
         f"Decay of the peak speed in region 1, {IN_MS}, {name}", "1/m", source, rates[IN_MS],
         f"{SOURCE}, Fig. 7", digits=3,
@@ -153,9 +153,10 @@ def of_decay(name, by_law):
         yield gw.Row(
             f"Decay of the peak speed in region 1, {IN_MS}, {name}, along the diagonal", "1/m",
             DECAY[name], diagonal[IN_MS], f"{SOURCE}, Fig. 7", digits=3,
-            remark="According to the source the rate along the vertical is drastically different. "
-            f"Without relaxation it is {diagonal[ELASTIC]:.2g}. In the source the rate is higher "
-            "than in BCC, in our runs lower; this is not explained.",
+            remark="According to the source the rate along the vertical is drastically "
+                   f"different. Without relaxation it is {diagonal[ELASTIC]:.2g}. In the source "
+                   "the rate is higher than in BCC; in our runs it is lower. This is not "
+                   "explained.",
         )  # fmt: skip
     yield gw.Row(
         f"Decay of the peak speed in region 1, {ELASTIC}, {name}", "1/m", ours=rates[ELASTIC],
@@ -217,8 +218,8 @@ def of_contacts(name, contacts):
             f"Difference of impulses at the contacts of the run, {word}, {name}", "%", printed,
             found, f"{SOURCE}, Fig. 3", digits=3,
             remark="The viscoelastic law is compared with this linear law. The source uses "
-                   "measured strains, which are not printed. Half-sines with the printed moduli "
-                   "give the printed size.",
+                   "measured strains, which are not printed. Half-sine pulses with the printed "
+                   "moduli give differences of the printed size.",
         )  # fmt: skip
 
 

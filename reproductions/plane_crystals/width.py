@@ -99,10 +99,10 @@ def rows(group):
         )
     # fmt: off
     yield gw.Row(f"Layers of region 1, {crystal}", "layers", layers, slope * width * a_diameter, digits=2,
-                 where=f"{SOURCE}, Fig. 4 to 7", remark="This row is no test. The source does not "
-                                                        f"print the width of its crystals; {count} "
-                                                        "grains per row were inferred from these "
-                                                        "layers.")
+                 where=f"{SOURCE}, Fig. 4 to 7", remark="This row is not a test. The source "
+                                                        "does not print the width of its "
+                                                        f"crystals; {count} grains per row were "
+                                                        "inferred from these layers.")
     yield gw.Row(f"Depth of region 1 / width, {crystal}", "", 1.0, slope, theory=group.law, digits=2,
                  where=f"{SOURCE}, 3, Fig. 6e",
                  remark="Theory: where the signals of both top corners meet on the middle line.")
@@ -119,8 +119,8 @@ def rows(group):
     away = np.abs(np.array(group.parted) - group.width * group.law) / np.diff(group.wide.depth).mean()
     yield gw.Row(f"Depth of separation minus depth of the law, at most, {crystal}", "grains",
                  ours=np.nanmax(away), where=SOURCE, digits=2,
-                 remark="The value covers all widths, with walls and with free sides. The "
-                        "resolution is one grain.")
+                 remark="The value is the largest of all widths, with walls and with free "
+                        "sides. The resolution is one grain.")
     # fmt: on
 
 

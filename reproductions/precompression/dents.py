@@ -1,8 +1,8 @@
 """Effect of keeping the plastic indentation.
 
 Each packing is run twice. Indentations are kept (boundary.forget_gap of 0.1 diameters), or
-forgotten as soon as the undeformed spheres separate (1e-9 diameters). The second is the treatment
-of yielding laws in LIGGGHTS, YADE and MercuryDPM, and of the contact history in LAMMPS's own
+forgotten as soon as the undeformed spheres separate (1e-9 diameters). The second choice corresponds
+to the plastic laws of LIGGGHTS, YADE and MercuryDPM, and to the contact history of LAMMPS's own
 granular styles, which ends when the distance exceeds the sum of the radii. Indentations in rigid
 walls are kept in both runs. Chains that rattle move chaotically: there the sign and the order of
 magnitude of a change are meaningful, but not its digits.
@@ -82,9 +82,9 @@ def tables(runs):
     kept, forgotten = restitution_at_zero_force(Chain(run).law, run.case.sphere_mass / 2, velocity)
     yield (
         "If indentations were forgotten at zero force, where spheres still overlap by the "
-        f"indentation, energy would be created. Two such spheres that collide at {velocity:g} m/s "
-        f"separate with {kept:.3f} of this speed, and would separate with {forgotten:.3f} (by the "
-        "law alone). No run can show this, and no program is known to do so."
+        f"indentation, energy would be created. Two such spheres that collide at {velocity:g} "
+        f"m/s separate with {kept:.3f} of this speed, and would separate with {forgotten:.3f} "
+        "(by the law alone). No run can show this, and we know no program with such a law."
     )
 
 

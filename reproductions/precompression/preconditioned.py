@@ -18,7 +18,7 @@ ELASTIC = 1e-9  # fraction of the input that counts as no dissipation
 REACHED = 1e-3  # fraction of the largest force along the chain that marks the arrival of the pulse
 CLOSED = {
     "chain": "are open at the impact.",
-    "fcc": "are closed by a static load, which stays on.",
+    "fcc": "are closed by a static load, which remains during the impact.",
 }
 TITLES = {
     "chain": "Chain of 80 brass spheres of 9.52 mm",
@@ -71,8 +71,8 @@ def rows(runs):
                     f"{which} dissipation / force of the preconditioning, {pressed:g} N",
                         ours=found / pressed,
                     theory=1.0, where="thesis 1.1",
-                    remark="In theory the two values lie on either side of 1. They are taken from "
-                           f"{len(force)} impacts.",
+                    remark="In theory one of the two values is below 1 and the other above 1. The "
+                           f"values are from {len(force)} impacts.",
                 )  # fmt: skip
 
 

@@ -1,11 +1,11 @@
 """Settled packings, scatter of 5 µm.
 
 Impacts at 5 m/s act on FCC packings of 10 × 10 × 6 brass spheres of 10 mm, whose diameters are up
-to 5 µm smaller. The packings are as placed, with gaps, or settled without friction by a static load
-that stays on. Values are means over seeds with 95 % confidence intervals. Loaded contacts are
-contacts of two spheres at the start. Static equilibrium without friction requires three contacts
-per sphere, including contacts with walls. The residual is the largest net force on a sphere divided
-by the largest static contact force.
+to 5 µm smaller. The spheres are at their lattice sites, with gaps, or are settled without friction
+by a static load that remains during the impact. Values are means over seeds with 95 % confidence
+intervals. Loaded contacts are contacts of two spheres at the start. Static equilibrium without
+friction requires three contacts per sphere, including contacts with walls. The residual is the
+largest net force on a sphere divided by the largest static contact force.
 """
 
 import math
@@ -91,9 +91,10 @@ def verdict(runs):
         force = forces[name]
         alike = "" if differ_significantly(force, placed) else "; the difference is not significant"
         yield (
-            f"Packing {name}: the dynamic force at the bottom is {force.mean:.0f} ± {force.half_width:.0f} "
-            f"N, {force.mean / placed.mean:.3g} times the force below the packing as placed ({placed.mean:.0f} "
-            f"± {placed.half_width:.0f} N{alike})."
+            f"Packing {name}: the dynamic force at the bottom is {force.mean:.0f} ± "
+            f"{force.half_width:.0f} N, {force.mean / placed.mean:.3g} times the force below "
+            f"the packing that is not settled ({placed.mean:.0f} ± {placed.half_width:.0f} "
+            f"N{alike})."
         )
 
 

@@ -28,7 +28,7 @@ def rows(runs):
     # fmt: off
     yield gw.Row("Exponent of the speed of small pulses against the static force", ours=power_law(force, speed).exponent,
                  theory=1 / 6, verification=True, where=WHERE, remark=(
-                     "By similarity every correct code gives this value."))
+                     "Every correct code gives this value, because of similarity."))
     yield gw.Row("Factor of c0 in (4 E^2 F0/(a^2 rho^3 (1-nu^2)^2))^(1/6)", source=PRINTED_FACTOR, theory=EXACT_FACTOR,
                  ours=PRINTED_FACTOR * np.mean(speed / printed), where=WHERE,
                  remark="Theory: long waves of the lattice, sqrt(9/pi) 3^(-1/3) 4^(-1/6), with a the diameter.")

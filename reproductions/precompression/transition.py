@@ -1,8 +1,8 @@
 """Precompressed to uncompressed chain, 0.1 m/s.
 
 An impact at 0.1 m/s acts on a chain under ten static forces from 3 mN to 100 N. As long as c0 is
-far below its speed, the wave is that of an uncompressed chain; for larger static forces it is a
-small pulse. The two lines cross at F0 = 1.52 N.
+far below the speed of the wave, the wave is the wave of an uncompressed chain; for larger static
+forces it is a small pulse. The two lines cross at F0 = 1.52 N.
 """
 
 import numpy as np
@@ -29,8 +29,8 @@ def rows(runs):
         gw.Row(f"Speed at F0 = {first.static:g} N / speed of an uncompressed chain",
             ours=first.speed / free,
                theory=first.of_lattice / free, where="composite (4)",
-               remark="The two chains have the same largest added force. Theory: the travelling "
-                      "wave of the lattice under F0."),
+               remark="The two chains have the same largest dynamic force. Theory: the "
+                      "travelling wave of the lattice under F0."),
         gw.Row(f"Largest force at F0 = {first.static:g} N", "N", ours=first.static + first.added,
                theory=height + first.static, where="thesis 4.5",
                remark="Theory: the uncompressed lattice, 0.7176 (m^3 E*^2 R* v^6)^(1/5), and F0."),

@@ -1,10 +1,10 @@
 """Precompressed chain: waves on 20 N.
 
 Impacts at 1 mm/s to 100 m/s act on a chain under a static force of 20 N. F_m, which includes F0,
-and the speed of its crest are taken after three quarters of the path of the wave before it reaches
-the far end. Theory: the travelling wave of the lattice, slightly faster than equation 3, which
-holds for a continuum. The equation is right in the limits: its last factors approach 1 as f_r =
-F_m/F0 approaches 1, and 0.9314 sqrt(8/15) = 0.6802 turns it into equation 4 for large f_r.
+and the speed of the crest are measured at three quarters of the path to the far end. Theory: the
+travelling wave of the lattice, slightly faster than equation 3, which holds for a continuum. The
+equation is right in the limits: its last factors approach 1 as f_r = F_m/F0 approaches 1, and
+0.9314 sqrt(8/15) = 0.6802 turns it into equation 4 for large f_r.
 """
 
 import numpy as np
@@ -17,7 +17,9 @@ from granwave.theory import lattice_speed
 IMPULSE = (
     0.7176 * (9 / 16 * 1.5**3) ** 0.2
 )  # thesis (4.5), of the lattice, in units of the static state
-SPREADS = "The crest still spreads and falls: it is not yet a solitary wave, and slower."
+SPREADS = (
+    "The crest still spreads and decreases: the pulse is not yet a solitary wave, and is slower."
+)
 
 
 def measured(runs):
@@ -31,7 +33,7 @@ def rows(runs):
     for wave in waves:
         remarks = [f"Equation 3 gives {wave.printed:.5g} m/s.", "" if wave.steady else SPREADS]
         small = wave.ratio < 1 + SMALL
-        remarks.append("Theory: the crest in the linear chain." if small else "")
+        remarks.append("Theory: speed of the crest in the linear chain." if small else "")
         yield gw.Row(
             f"Speed of the wave, F_m/F0 = {wave.ratio:.4g}, impact at {wave.velocity:g} m/s", "m/s", ours=wave.speed,
             theory=wave.linear_speed if small else wave.of_lattice, where=WHERE, remark=" ".join(filter(None, remarks)),

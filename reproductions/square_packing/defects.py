@@ -77,7 +77,8 @@ def rows(runs):
         # fmt: off
         if not scatter:
             yield gw.Row(quantity, ours=whole, theory=1 / 6, verification=packing == SQUARE, **BACKGROUND,
-                         remark="By similarity every correct elastic code gives this value.")
+                         remark=("Every correct elastic code gives this value, because of "
+                                 "similarity."))
         else:
             yield gw.Row(quantity, source=0.25, ours=whole, **BACKGROUND,
                          remark=f"There is no single power: it changes from {local[0]:.3f} at the "

@@ -21,7 +21,7 @@ ENERGIES = {
     "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "impacted spheres": 47.7},
 }  # % of the input
 SETTLED = 0.02  # fraction of its last length by which a settled pulse may differ
-REBOUND = "The source calls this the remaining energy, which is 4.0 % by its numbers."
+REBOUND = "The source calls this the remaining energy, which is 4.0 % according to its numbers."
 ASYMPTOTIC = (
     "The 13 % of the source are the difference of Chatterjee's asymptotic wave from Nesterenko's; "
     "the source calls the decrease in its simulations similar. Theory: the travelling wave of the "
@@ -79,7 +79,7 @@ def rows(one):
     yield gw.Row(f"Chains with a wave, {way}", source=WAVES[way], ours=carrying, **paths)
     yield gw.Row(f"Largest energy in other spheres, {way}", percent,
         ours=100 * one.energies["other spheres"].max(),
-                 theory=0.0, remark="The theory value follows from symmetry.", **paths)
+                 theory=0.0, remark="The theory value is due to symmetry.", **paths)
     for time in SHOWN:
         speeds = one.velocity["central chains"][np.abs(one.time - time).argmin()]
         crest = speeds[1:].argmax() + 2
@@ -92,7 +92,7 @@ def rows(one):
         last = last_length(found)
         pulse = {"where": "square packing, Pulse Length"}
         for n, (measure, theory) in enumerate(solitary_lengths().items()):
-            remark = "The source states about 5, which is Nesterenko's value." if n < 2 else "Theory: Nesterenko's wave."
+            remark = ("The source states a length of about 5, which is Nesterenko's value.") if n < 2 else "Theory: Nesterenko's wave."
             yield gw.Row(f"Pulse length, {measure}, {of}", "diameters", 5.0 if n < 2 else None, found[measure][last],
                          theory=theory, remark=remark, **pulse)
         half = found[MEASURES[3]]
@@ -103,8 +103,8 @@ def rows(one):
                      theory=100 * (1 - discrete_width() / theory), remark=ASYMPTOTIC, **pulse)
         yield gw.Row(f"First sphere with a steady pulse, {of}", source=5.0, ours=unsettled[-1] + 3,
             **pulse,
-                     remark="The source prints roughly five or six. From this sphere on, our "
-                            f"length is within {100 * SETTLED:g} % of its last value.")
+                     remark="The source states sphere five or six. From this sphere on, the "
+                            f"length in our run is within {100 * SETTLED:g} % of its last value.")
     # fmt: on
 
 

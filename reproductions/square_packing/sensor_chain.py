@@ -46,15 +46,15 @@ def rows(runs):
         # fmt: off
         if weighed:
             yield gw.Row("Mass of a solid sphere", "g", SOLID, 1e3 * chain.mass, **SETUP,
-                         remark="The source value was weighed; ours follows from the density and "
-                                "the diameter of the source.")
+                         remark="The source value was measured by weighing; our value is "
+                                "calculated from the density and the diameter of the source.")
             yield gw.Row("Mass of a sphere with a sensor", "g", SENSOR, 1e3 * ratio * chain.mass, **SETUP,
                          remark="The value is the ratio of the weighed masses.")
             yield gw.Row("Their ratio", "%", 92.0, 100 * ratio, **SETUP)
         yield gw.Row(f"Largest reflection of a sphere of {ratio:.3g} of the mass of the others",
             "% of the wave",
                      LIMIT if weighed else None, share, **SETUP, bound=weighed,
-                     remark="The source states less than 1.2 %." if weighed else "")
+                     remark="The source states a reflection of less than 1.2 %." if weighed else "")
         # fmt: on
 
 

@@ -94,8 +94,8 @@ def rows(one):
     quiet = QUIET[one.way]
     yield gw.Row(f"Largest acceleration at sensor {quiet}, apart from the chains", "% of the largest", theory=0.0,
                  ours=100 * np.linalg.norm(found[quiet], axis=1).max() / largest, **paths,
-                 remark="According to the source it is not measurably excited. The theory "
-                        "value follows from symmetry.")
+                 remark="According to the source this sphere is not measurably excited. The "
+                        "theory value is due to symmetry.")
     scale = material.youngs_modulus / (diameter / 2 * material.density**1.5 * (1 - material.poisson_ratio**2))
     for pair in BETWEEN[one.way]:
         (group, first), (_, second) = (PLACES[one.way][sensor] for sensor in pair)

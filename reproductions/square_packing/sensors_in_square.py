@@ -1,7 +1,7 @@
 """Sensor spheres in a square packing.
 
 Spheres with sensors are lighter. Their effect on the peak velocity and its time at the sensors is
-compared with equal spheres. The source found no trend in its experiments with a chain.
+compared with equal spheres. In the experiments of the source with a chain, no trend was found.
 """
 
 import numpy as np

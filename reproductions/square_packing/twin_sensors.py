@@ -53,8 +53,8 @@ class Sample:
         parts = []
         if "striker off centre" in self.setting:
             parts.append(
-                "The resting striker leaves to the side. The source does not state how far "
-                "impacts are off the centre."
+                "The resting striker moves sideways. The source does not state the offset of "
+                "the impacts."
             )
         if "resting striker aside" in self.setting:
             parts.append(
@@ -151,10 +151,15 @@ def rows(samples):
             errors = abs(mean) / (scatter / math.sqrt(IMPACTS))
             remark = (
                 f"the source value differs by {errors:.1f} standard errors of its {IMPACTS} "
-                "impacts, which is within chance."
+                "impacts, which is not significant."
             )
             yield gw.Row(
-                name, unit, mean, theory=0.0, remark=f"By symmetry the value is 0; {remark}", **PATH
+                name,
+                unit,
+                mean,
+                theory=0.0,
+                remark=f"Because of symmetry the expected value is 0; {remark}",
+                **PATH,
             )
 
 

@@ -16,7 +16,7 @@ SENSORS = {
     "in-plane": {"central chains": (6, 10), "edge chains": (5, 8)},
     "out-of-plane": {"central chains": (6, 8)},
 }
-SIMILAR = "By similarity every correct elastic code gives this value."
+SIMILAR = "Every correct elastic code gives this value, because of similarity."
 WHERE = "square packing, equation 3, Figs 8 to 10"
 
 

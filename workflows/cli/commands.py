@@ -152,11 +152,11 @@ def radii(what: str) -> Option:
 
 # --------------------------------------------------------------------- options of several commands
 
-CASE = option("case", metavar="CASE", help="a case file, or the name of a built-in study")
+CASE = option("case", metavar="CASE", help="a case file, or the name of a built-in case")
 SOURCE = option(
     "case",
     metavar="CASE",
-    help="a case file, the name of a built-in study, or the directory of a finished run",
+    help="a case file, the name of a built-in case, or the directory of a finished run",
 )
 RUN = option("directory", type=read.input_name, metavar="DIR", help="directory of a run")
 RUN_OR_SCAN = option(
@@ -174,7 +174,7 @@ RANKS = option(
     metavar="N",
     help="number of MPI ranks (default: 1)",
 )
-NO_FIGURES = flag("--no-figures", "make no figures", dest="figures", action="store_false")
+NO_FIGURES = flag("--no-figures", "do not draw figures", dest="figures", action="store_false")
 FORCE = flag(
     "--force", "move existing results to DIR.old (DIR.old2, ...) and restart from the beginning"
 )
@@ -185,7 +185,10 @@ SUBMIT = option(
     const=True,
     type=read.input_name,
     metavar="PROFILE",
-    help="run it as jobs on a cluster described by PROFILE (default: a standard Slurm)",
+    help=(
+        "submit it as jobs to the cluster described by PROFILE (default: a standard Slurm "
+        "installation)"
+    ),
 )
 PRINT = flag("--print", "with --submit: print the script of the (first) job, and submit nothing")
 CHAIN = option(

@@ -139,7 +139,7 @@ def _core() -> tuple[Command, ...]:
             "scans", "granwave.workflows.cli.package:cases", (
             option("words", nargs="*", metavar="WORD", help="list only entries whose name or "
                 "title contains all these words"),
-            flag("--all", "list all, with descriptions"),
+            flag("--all", "list all entries, with descriptions"),
             as_json("the list"),
         )),
         Command("show", FIND, "print an editable copy of a built-in case or "
@@ -186,7 +186,8 @@ def _core() -> tuple[Command, ...]:
                     help="profile of the cluster: partition, account, time, ..."),
             SUBMIT, PRINT,
             option("--jobs", type=read.positive, metavar="N",
-                    help="jobs at once (default: the cores of this machine; 100 on a cluster)"),
+                    help=("number of simultaneous jobs (default: the cores of this machine; 100 "
+                          "on a cluster)")),
             flag("--plan", "print the plan of the scan without running it"),
             as_json("the plan, or all points and their values at the end,"), RESUME_OR_FORCE,
         )),
@@ -231,9 +232,9 @@ def _core() -> tuple[Command, ...]:
             option("--depth", type=read.bounds, metavar="LOW,HIGH",
                     help="rows at these depths below the impacted sphere, m"),
             option("--region", metavar="WORDS",
-                    help='rows in a region of LAMMPS, m, such as "sphere 0.04 0.04 0 0.02"'),
+                    help='rows in a LAMMPS region, in m, such as "sphere 0.04 0.04 0 0.02"'),
             option("--time", type=read.bounds, metavar="FROM,TO",
-                    help="instants of histories, and snapshots, s"),
+                    help="time range of histories and snapshots, s"),
             output("directory or file of the export (default: DIR/export)", "DIR"),
         )),
         Command("law", CONTACTS, "plot or tabulate force-overlap curves of a "

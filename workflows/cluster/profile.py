@@ -67,7 +67,7 @@ class SlurmProfile:
     partition: str | None = schema.typed("partition or queue to submit to", _NAME, default=None)
     account: str | None = schema.typed("account or project to charge", _NAME, default=None)
     time: int | None = schema.count(
-        "time limit of a job, minutes; default: thrice the expected time", default=None
+        "time limit of a job, minutes; default: three times the expected time", default=None
     )
     memory: int | None = schema.count(
         f"memory of a job on each node, MB; default: {_MARGIN:g} times the expected memory",
@@ -100,7 +100,7 @@ class Profile(SlurmProfile):
 
     scheduler: str = schema.choice("scheduler of the cluster", tuple(SCHEDULERS), default="slurm")
     template: str | None = schema.path(
-        "template of the job script of the site, in the language of Jinja", default=None
+        "Jinja template for the job script of the site", default=None
     )
     cores: int | None = schema.count(
         "cores of a node: number of ranks of a run, unless --np is given", default=None

@@ -46,13 +46,13 @@ _NET_FORCES = (
     "bed. "
 )
 _ONE_ROLLS = (
-    "%s: %d of %d grains still rolls after the static stage, as its contacts do not hold it: "
-    f"%s. {_NET_FORCES}This grain starts at rest and rolls on during the run; "
+    "%s: %d of %d grains still rolls after the static stage, because its contacts do not hold "
+    f"it: %s. {_NET_FORCES}This grain starts at rest and continues to roll during the run; "
     "contact.rolling (0.01) stops it"
 )
 _SEVERAL_ROLL = (
-    "%s: %d of %d grains still roll after the static stage, as their contacts do not hold them: "
-    f"%s. {_NET_FORCES}These grains start at rest and roll on during the run; "
+    "%s: %d of %d grains still roll after the static stage, because their contacts do not hold "
+    f"them: %s. {_NET_FORCES}These grains start at rest and continue to roll during the run; "
     "contact.rolling (0.01) stops them"
 )
 

@@ -53,7 +53,7 @@ _IMPATIENT = 0.1
 _PAUSE = 0.01
 _LOOK = 0.5  # s between checks for a stop file
 _LAST_OUTPUT = 1.0  # s to wait for the output of ranks that were killed
-_MOST_RANKS = 8  # most ranks per core that are started here
+_MOST_RANKS = 8  # largest number of ranks per core that are started here
 _C_LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
 _SET_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of <sys/prctl.h>
 _FIRST_IS_READY = 1  # tag of a message

@@ -23,7 +23,7 @@ class RanksBySize:
     """``ranks = {...}``: MPI ranks of a point by the number of its spheres."""
 
     spheres_per_rank: float = schema.number("spheres for each rank", at_least=1, default=100_000)
-    most: int = count("most ranks", default=1)
+    most: int = count("largest number of ranks", default=1)
 
     def of(self, n_spheres: int) -> int:
         """Return the number of ranks for a packing."""
@@ -81,7 +81,7 @@ class ScanHeader:
     """Top-level keys of a scan file."""
 
     name: str = schema.typed("name of the scan", schema.PLAIN_NAME, default="")
-    case: str = schema.text("a built-in study or a case file")
+    case: str = schema.text("a built-in case or a case file")
     ranks: RanksBySize = schema.typed("MPI ranks of a point", _RANKS, default=_ONE_RANK)
     replicates: int = count(
         "number of runs of each point with random quantities, with seeds 1 to n", default=1

@@ -95,8 +95,8 @@ def _depths_of_kinds(runs: Sequence[ComparedRun]) -> str:
     if len({run.has_spheres for run in has_zone}) < 2:
         return ""
     return (
-        "Depths of the plastic zone count from the centre of the impacted sphere in a packing, and "
-        "from the loaded face in a block."
+        "Depths of the plastic zone are measured from the centre of the impacted sphere in a "
+        "packing, and from the loaded face in a block."
     )
 
 

@@ -84,7 +84,9 @@ def differ_in_end_only(runs: Sequence[ComparedRun]) -> bool:
 
 def same_case_sentence(runs: Sequence[ComparedRun]) -> str:
     """Return the sentence on runs of one case that stop at different times."""
-    return f"Same case; the runs differ only in when they stop ({ends_in_words(runs)})."
+    return (
+        f"The runs have the same case and differ only in their end times ({ends_in_words(runs)})."
+    )
 
 
 def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:

@@ -45,11 +45,12 @@ def title(runs: Sequence[TargetRun]) -> str:
 def text(runs: Sequence[TargetRun]) -> str:
     """Describe the comparison."""
     return (
-        f"The same impact through {_layers(runs)} on each bottom. Reduction: the peak force of the "
-        "same impact directly on the target divided by the peak force on the target below the "
-        "packing. Impulse: of the last layer on the target, up to the end of the run; a packing "
-        "spreads it in space and time but does not reduce it, and rebounding spheres add to it. "
-        "Energy: the largest work on the target. A rigid wall absorbs none."
+        f"The same impact through {_layers(runs)} on each bottom. The reduction is the peak "
+        "force of the same impact directly on the target, divided by the peak force on the "
+        "target below the packing. The impulse is the impulse of the last layer on the target, "
+        "up to the end of the run. A packing spreads the impulse in space and time but does "
+        "not reduce it, and rebounding spheres increase it. The energy is the largest work on "
+        "the target; a rigid wall absorbs no energy."
     )
 
 
@@ -81,8 +82,8 @@ def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
     legend_outside(figure, 2, fontsize=7)
     through = f"{_layers(runs)}, friction {plain[0].friction:g}"
     caption = (
-        f"Force, impulse and energy that reach the target through {through}, against time. The "
-        "lower the peak of the force, the better the target is protected; the impulse is spread in "
+        f"Force, impulse and energy that reach the target through {through}, against time. A "
+        "lower peak force means better protection of the target; the impulse is spread in "
         "time, not reduced"
     )
     yield Picture("", caption, Drawing(figure, columns))

@@ -15,9 +15,9 @@ from granwave.analysis.studies.study import Row
 from granwave.lammps_inputs.case.boundary import Boundary, Plate
 
 TEXT = (
-    "A single elastic sphere on each bottom. Theory: Hertz's impact on a rigid wall; a plate after "
-    "a short impulse, or on a spring so stiff that it follows the force; the energy that an "
-    "impedance absorbs from a nearly unchanged force."
+    "A single elastic sphere hits each bottom. The theory values are Hertz's impact on a rigid "
+    "wall, a plate after a short impulse, a plate on a spring so stiff that it follows the "
+    "force, and the energy that an impedance absorbs if the force is nearly unchanged."
 )
 _MICRO = 1e6
 _MILLI = 1e3

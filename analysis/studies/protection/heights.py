@@ -35,10 +35,11 @@ _MARKERS = "os^Dv"  # one for each friction
 _SHOWN = {"peak_reduction": "reduction", "gain_per_kg": "per_kg", "packing_mass_kg": "mass_kg"}
 _LABELS = ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)")
 TEXT = (
-    "The same impact through packings with an increasing number of layers. Reduction: the peak "
-    "force of the same impact directly on the target divided by the peak force on the target below "
-    "the packing; also per mass and per height of the packing. Gain per kilogram: the reduction "
-    "minus 1 (the value without packing), divided by the mass."
+    "The same impact acts on packings with an increasing number of layers. The reduction is the "
+    "peak force of the same impact directly on the target, divided by the peak force on the "
+    "target below the packing. It is also given per mass and per height of the packing. The "
+    "gain per kilogram is the reduction minus 1 (the value without packing), divided by the "
+    "mass."
 )
 
 
@@ -120,8 +121,8 @@ def pictures(all_series: AllSeries) -> Iterator[Picture]:
     row[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
     legend_outside(figure, 3, fontsize=7)
     caption = (
-        "Peak force without the packing divided by the peak force with it, and gain per kilogram, "
-        "against the number of layers. Above 1 the packing protects; where the right-hand curve is "
-        "highest, its mass is most effective"
+        "Peak force without the packing divided by the peak force with it, and gain per "
+        "kilogram, against the number of layers. Above 1 the packing protects; at the maximum "
+        "of the right-hand curve its mass is most effective"
     )
     yield Picture("", caption, Drawing(figure, columns))

@@ -38,8 +38,8 @@ QUANTITIES: dict[str, tuple[str, str, float, str]] = {
     "ground_peak_force_N": ("Peak force on the ground", "N", 1.0, "B"),
     "ground_peak_reduction": ("Reduction on the ground", "", 1.0, "B"),
     "wall_impulse_Ns": ("Impulse", "mN s", 1e3, "HB"),
-    "impulse_over_momentum": ("Impulse over the impactor's momentum", "", 1.0, "B"),
-    "energy_over_input": ("Most energy at the target", "% of input", 100.0, "HB"),
+    "impulse_over_momentum": ("Impulse / momentum of the impactor", "", 1.0, "B"),
+    "energy_over_input": ("Largest energy at the target", "% of input", 100.0, "HB"),
     "target_peak_displacement_m": ("Largest displacement", "µm", 1e6, "B"),
 }
 

@@ -20,10 +20,11 @@ from granwave.analysis.studies.study import Picture, Row, span
 from granwave.lammps_inputs.case.boundary import Plate, time_label
 
 TEXT = (
-    "Displacement of a plate on a spring with the packing and without. The line is an "
-    "oscillator under the force of the same packing on a fixed wall of the plate's material; its "
-    "limits are a short impulse, J/(M omega), and a slow force, F/k. If a plate moves, the force "
-    "on it is smaller than on a fixed wall, and its point is below the line."
+    "The displacement of a plate on a spring is given with and without the packing. The line is "
+    "the displacement of an oscillator under the force of the same packing on a fixed wall of "
+    "the plate's material. Its limits are J/(M omega) for a short impulse and F/k for a slow "
+    "force. If a plate moves, the force on the plate is smaller than on a fixed wall, and its "
+    "point is below the line."
 )
 _FEWEST = 4  # smallest number of stiffnesses
 _MICRO = 1e6
@@ -172,8 +173,8 @@ def pictures(groups: Sequence[Spectrum]) -> Iterator[Picture]:
     axes.set_ylim(0.3 * _MICRO * min(plates.displacement.min() for _, plates in groups))
     legend_outside(figure, 2, fontsize=7)
     caption = (
-        "Largest displacement of the plate against its period, with the packing and without, and "
-        "of an oscillator under the force on a fixed plate. The packing protects where full marks "
-        "are below open ones"
+        "Largest displacement of the plate against its period, with the packing and without, "
+        "and of an oscillator under the force on a fixed plate. The packing protects where full "
+        "marks are below open marks"
     )
     yield Picture("", caption, Drawing(figure, columns))

@@ -58,8 +58,8 @@ def pictures(packing: PackingRuns) -> Iterator[Picture]:
             if any(packing.random(setting) for setting in _settings_along(packing, axis)):
                 content = "means, 95 % confidence bands, and single runs as dots"
             seen = (
-                "An imperfection matters where the band departs from the value at 0, the ideal "
-                "packing"
+                "An imperfection has an effect where the band differs from the value at 0, the "
+                "ideal packing"
             )
             caption = f"Against {axis.words}: {content}{packing.suffix}. {seen}"
             yield Picture(f"_{axis.name}", caption, drawing)
@@ -69,7 +69,7 @@ def pictures(packing: PackingRuns) -> Iterator[Picture]:
             caption = (
                 f"{across.heading} and {up.words} combined, in per cent of the ideal "
                 f"packing{packing.suffix}. If values change along both rows and columns, both "
-                "imperfections matter"
+                "imperfections have an effect"
             )
             yield Picture(f"_{across.name}_{up.name}", caption, drawing)
     drawing = _convergence(packing)

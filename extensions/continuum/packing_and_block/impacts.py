@@ -135,7 +135,7 @@ def not_ideal(run: FinishedRun) -> str:
     case = run.case
     reasons = {
         "a chain": case.packing.rule.is_chain,
-        "the load is no impact": not case.load.gives_velocity,
+        "the load is not an impact": not case.load.gives_velocity,
         "the grains are not identical": not run.assembly.plain,
         "friction": case.has_friction,
         f"the law is {case.contact.law}": case.contact.law != "elastoplastic",

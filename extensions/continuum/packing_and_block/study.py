@@ -57,7 +57,7 @@ _GRANULAR_LISTED = 6  # largest number of packings in the table
 _OTHERS_LISTED = 24  # largest number of impacts with other materials, diameters or loading areas
 _FIT_REMARK = (
     "D2 is 0.5 if fast impacts dissipate all their energy: {:.3g} to {:.3g} of the input in the "
-    "fitted runs. A constant whose standard deviation is as large as itself is undetermined."
+    "fitted runs. A constant is undetermined if its standard deviation is as large as its value."
 )
 _CAPTIONS = {
     "dissipated_fraction": "Dissipated fraction, granular and continuum. At equal input the higher "
@@ -68,12 +68,12 @@ _CAPTIONS = {
     "lie on the curve of the reference on the normalised axis",
     "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to the fast "
     "impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",
-    "loading_area": "Granular: number of impacted spheres. Points off the curve of one sphere show "
-    "that the loading area matters at equal input",
+    "loading_area": "Granular: number of impacted spheres. If points differ from the curve of "
+    "one sphere, the loading area has an effect at equal input",
     "continuum_scaling": "Continuum: modulus and yield strength. Where similarity holds, all points lie on one curve "
     "on the normalised axis",
-    "continuum_mass": "Continuum: mass of the punch. Curves that differ at equal input show that "
-    "the velocity matters in addition to the energy",
+    "continuum_mass": "Continuum: mass of the punch. If curves differ at equal input, the "
+    "velocity has an effect in addition to the energy",
 }
 
 
@@ -128,7 +128,7 @@ def text(impacts: Impacts) -> str:
     seconds = sum(float(run.summary.get("wall_time_s") or 0) for run in runs)
     if seconds >= 1:
         who = f"All {len(runs)} runs" if len(runs) > 1 else "The run"
-        parts.append(f"{who} took {show(round(seconds))} s of computing.")
+        parts.append(f"{who} took {show(round(seconds))} s of computing time.")
     return " ".join(parts)
 
 
@@ -194,9 +194,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         ("Dissipated per mass", "J/kg"), ("Dissipated per volume", "MJ/m³"),
     )  # fmt: skip
     if rows:
-        caption = (
-            f"Dissipation per mass and volume of the material that does {100 * SHARE:.0f} % of it"
-        )
+        caption = f"Dissipation per mass and volume of the material with {100 * SHARE:.0f} % of the dissipation"
         yield table_of(
             caption,
             (TableColumn("Run", key=True), TableColumn("What"), *numbers),
@@ -278,7 +276,7 @@ def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         for energy, fractions in areas.iterrows():
             cells = [None if math.isnan(fraction) else fraction for fraction in fractions]
             rows.append((energy, *cells, float(np.ptp(fractions.dropna()))))
-        columns = (*numeric("Input over F_y alpha_y", key=True), *numbers)
+        columns = (*numeric("Input / (F_y alpha_y)", key=True), *numbers)
         yield table_of("Loading area: dissipated fraction at equal input energy", columns, rows)
 
 
@@ -315,7 +313,7 @@ def _of_blocks(impacts: Impacts) -> Iterator[DocumentTable]:
     if rows:
         columns = (
             TableColumn("Differs from the reference in", key=True),
-            *numeric("Input over sigma_y^2 D^3/E", key=True),
+            *numeric("Input / (sigma_y^2 D^3/E)", key=True),
             *numeric("Difference in fraction", "Difference in volume"),
         )
         yield table_of(

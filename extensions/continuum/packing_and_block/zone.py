@@ -46,8 +46,8 @@ _MARKERS = "os^"  # markers of the fractions
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
 _LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
 _CUT_REMARK = (
-    "Where the zone reaches a boundary (open marks in the figure), or still grew when the run "
-    "ended, the total extent is a lower limit: ≥."
+    "Where the zone reaches a boundary (open marks in the figure), or was still growing at the "
+    "end of the run, the total extent is a lower limit (≥)."
 )
 _WAVE_REMARK = (
     "Half open marks: a reflected wave could return from a boundary while the last part of the "
@@ -112,7 +112,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     columns = (
         TableColumn("Run", key=True),
         TableColumn("What", key=True),
-        *numeric("Input over sigma_y^2 D^3/E", key=True),
+        *numeric("Input / (sigma_y^2 D^3/E)", key=True),
         *numeric(*((f"Depth {percent} %", "D") for percent in SHARES), ("Outermost depth", "D")),
         *numeric(*((f"Radius {percent} %", "D") for percent in SHARES), ("Outermost radius", "D")),
         *numeric(*((f"Volume {percent} %", "pi D^3/6") for percent in SHARES)),

@@ -356,7 +356,7 @@ def quasi_static(result: SphereContactResult) -> Drawing:
     label(
         lower,
         result.overlap_label,
-        "Force at the face\nover contact, less 1 (%)",
+        "Force at the face /\ncontact force - 1 (%)",
         xlim=(RESOLVED, float(x.max())),
     )
     return Drawing(figure, columns | {"face_force_difference_percent": difference})

@@ -81,10 +81,10 @@ def tables(loadings: Sequence[SphereLoading]) -> Iterator[DocumentTable]:
     """
     headings = (
         *(f"At {spot:g} alpha_y" for spot in _SPOTS),
-        "Least, 1 to 10 alpha_y",
-        "Most, 1 to 10 alpha_y",
-        "Least, beyond",
-        "Most, beyond",
+        "Smallest, 1 to 10 alpha_y",
+        "Largest, 1 to 10 alpha_y",
+        "Smallest, beyond",
+        "Largest, beyond",
         "Smallest unloading exponent",
         "Largest unloading exponent",
         "Plastic dissipation in the softer sphere",
@@ -135,8 +135,8 @@ def pictures(loadings: Sequence[SphereLoading]) -> Iterator[Picture]:
     axes.legend(fontsize=6)
     caption = (
         "Force of finite elements divided by the force of the contact law, minus 1, against "
-        "overlap, on loading. Zero is agreement; above zero the contact is stiffer than the law, "
-        "below zero softer"
+        "overlap, on loading. Zero means agreement; above zero the contact is stiffer than the "
+        "law, below zero it is softer"
     )
     yield Picture("", caption, Drawing(figure, data))
 

@@ -68,7 +68,8 @@ class DesignHeader:
     FURTHER_KEYS: ClassVar[dict[str, Any]] = {
         "set": schema.typed("values for all designs", TABLE_OF_KEYS, default=None),
         "variables": schema.typed(
-            "variables: positions in lists from 0, replace.ID.KEY of grains, layers",
+            "variables: keys of the case, with positions in lists from 0; replace.ID.KEY for "
+            "grains; layers",
             schema.OtherType(
                 expected="for each key a list of choices, or {low = ..., high = ...} with log, "
                 "integer or step",
@@ -136,7 +137,9 @@ class UncertaintyTable:
 
     FURTHER_KEYS: ClassVar[dict[str, Any]] = {
         "velocity": schema.typed(
-            "range of load.velocity; any key of a case likewise", _RANGE, default=None
+            "range of load.velocity; ranges of other keys of the case are given in the same way",
+            _RANGE,
+            default=None,
         ),
         "tolerance": schema.typed("range of packing.diameter_scatter, m", _RANGE, default=None),
     }
@@ -151,7 +154,8 @@ class SearchTable:
     )
     seed: int = schema.count("seed of the search", at_least=0, default=1)
     sampler: str = schema.choice(
-        "model: a Gaussian process of the objective; random: for comparison",
+        "method of the search: model (a Gaussian process of the objective) or random (for "
+        "comparison)",
         ("model", "random"),
         default="model",
     )
@@ -167,8 +171,9 @@ class SearchTable:
         at_most=100_000,
     )
     tolerance: float | str = schema.number(
-        "run.energy_tolerance of the search; the best tenth is run again with the tolerance of "
-        "the case; auto: 3e-5 if a run takes seconds, otherwise the tolerance of the case",
+        "value of run.energy_tolerance in the search; the best tenth of the designs is run "
+        "again with the tolerance of the case; auto: 3e-5 if a run takes seconds, otherwise the "
+        "tolerance of the case",
         above=0,
         at_most=1e-3,
         word="auto",

@@ -208,8 +208,8 @@ class Infer:
         "length of the cylinders; 1: forces are per metre of length", LENGTH, above=0, default=1.0
     )
     contact_tolerance: float = number(
-        "largest gap of possible contacts, relative to the sum of the radii: the error of "
-        "measured positions",
+        "largest gap of possible contacts, relative to the sum of the radii; use the error of "
+        "the measured positions",
         at_least=0,
         at_most=0.5,
         default=1e-3,
@@ -224,9 +224,9 @@ class Infer:
         "standard deviations of the measured values", NoiseType(), default=None
     )
     weights: Weights | None = choice(  # noqa: RUF009
-        "weights of the equations: equal, each by its own standard deviation (white), or with the "
-        "correlation of the stress components that strains give (correlated); default: white if "
-        "noise is given, otherwise equal",
+        "weights of the equations: equal, by the standard deviation of each equation (white), "
+        "or also by the correlation of the stress components calculated from strains "
+        "(correlated); default: white if noise is given, otherwise equal",
         WEIGHTS,
         default=None,
     )
@@ -240,8 +240,8 @@ class Infer:
         default=30,
     )
     ridge: float = number(
-        "weight of the regularisation to small forces, relative to the equations, if these do not "
-        "determine all forces",
+        "weight of the regularisation towards small forces, relative to the equations, if the "
+        "equations do not determine all forces",
         at_least=0,
         at_most=1.0,
         default=0.0,
@@ -259,7 +259,9 @@ class Infer:
         default=3,
     )
     time: float | None = number(
-        "instant of a series (the nearest frame is used); default: all", TIME, default=None
+        "instant of a series (the nearest frame is used); default: all instants",
+        TIME,
+        default=None,
     )
     seed: int = count("seed of the noise of repetitions", at_least=0, default=1)
 

@@ -29,9 +29,8 @@ ENTRIES = (
         "the tolerance."),
     Quantity("n_loaded_contacts", "Loaded contacts"),
     Quantity("n_significant_contacts", "Contacts with a force above two standard errors",
-             "Number of contacts with a normal force above two standard errors, since noise gives "
-             "most "
-             "candidates a small force. Null without standard errors."),
+             "Number of contacts with a normal force above two standard errors, because noise "
+             "causes a small force at most candidates. Null without standard errors."),
     Quantity("n_equations", "Equations"),
     Quantity("n_unknowns", "Components of forces"),
     Quantity("condition_number", meaning="Ratio of the extreme singular values of the equations."),
@@ -69,8 +68,8 @@ ENTRIES = (
     Quantity("position_noise_m", meaning="For synthetic measurements of a run: error of measured "
         "positions."),
     Quantity("acceleration_error", "Error of the accelerations",
-             "For synthetic measurements of a run: defined as the error of the forces; due to "
-             "frame rate and position errors."),
+             "For synthetic measurements of a run: defined like the error of the forces, and "
+             "caused by frame rate and position errors."),
     Quantity("notes", meaning="Assumptions for quantities that were not measured."),
     Quantity("versions"),
 )  # fmt: skip

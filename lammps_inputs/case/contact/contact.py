@@ -126,9 +126,10 @@ class Contact:
         default=0.0,
     )
     tangential: str = schema.choice(
-        "tangential force below Coulomb's limit: one spring whose force is reduced as the contact "
-        "circle shrinks, or kept, which can create energy; or several springs that slip from the "
-        "edge inwards (Mindlin and Deresiewicz)",
+        "tangential force below Coulomb's limit: mindlin_rescale (one spring, whose force is "
+        "reduced as the contact circle shrinks), mindlin (one spring without this reduction, "
+        "which can create energy) or partial_slip (several springs that slip from the edge "
+        "inwards, after Mindlin and Deresiewicz)",
         ("mindlin_rescale", "mindlin", "partial_slip"),
         default="mindlin_rescale",
     )
@@ -142,7 +143,7 @@ class Contact:
     twisting: Resistance | str | None = schema.typed(
         "resistance to twisting: largest torque divided by normal force (m), a table of "
         "coefficient, stiffness (N m) and "
-        'damping (N m s), or "marshall", which follows from friction on the contact circle',
+        'damping (N m s), or "marshall", which is determined by friction on the contact circle',
         TWISTING,
         default=None,
     )

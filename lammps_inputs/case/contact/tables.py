@@ -26,10 +26,11 @@ def _restitution_field(description: str, default: Any) -> Any:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class DashpotRestitution:
-    """Restitution that a dashpot gives a Hertzian contact, at any speed."""
+    """Restitution of a Hertzian contact with a dashpot, which does not depend on speed."""
 
     restitution: float = _restitution_field(
-        "restitution of a head-on collision of two spheres, at any speed", schema.REQUIRED
+        "coefficient of restitution of a head-on collision of two spheres, at any speed",
+        schema.REQUIRED,
     )
 
 
@@ -93,7 +94,7 @@ _TIMES = schema.ListType(
     OF_LOSS, first=("time", "restitution", "velocity", "dashpot", "kind", "weights", "times")
 )
 class Loss:
-    """Viscous loss of contacts: a time, a restitution at a velocity, a dashpot, or a Prony series.
+    """Viscous damping of contacts: a time, restitution at a velocity, a dashpot, or a Prony series.
 
     The parameters of the loss along the surface are fields as well, with the names of the plugin.
     """
@@ -106,7 +107,8 @@ class Loss:
         default=None,
     )
     restitution: float | None = _restitution_field(
-        "restitution of a head-on collision, from which the relaxation time follows", None
+        "coefficient of restitution of a head-on collision, which determines the relaxation time",
+        None,
     )
     velocity: float | None = schema.number(
         "approach velocity at which the restitution applies",
@@ -117,14 +119,14 @@ class Loss:
         default=None,
     )
     dashpot: float | DashpotRestitution | None = schema.typed(
-        "factor of Tsuji's dashpot, times sqrt(mass × stiffness); or the restitution that it gives "
-        "a Hertzian contact",
+        "factor of Tsuji's dashpot, which multiplies sqrt(mass × stiffness); or the restitution "
+        "of a Hertzian contact with this dashpot",
         _DASHPOT,
         default=None,
     )
     kind: str | None = schema.choice(
-        '"prony": viscoelastic grains, whose modulus relaxes by a Prony series from '
-        "`youngs_modulus`, the instantaneous one; for laws that do not yield",
+        '"prony": viscoelastic grains, whose modulus relaxes by a Prony series; '
+        "`youngs_modulus` is the instantaneous modulus; for laws that do not yield",
         (PRONY,),
         default=None,
     )
@@ -132,7 +134,7 @@ class Loss:
         "fractions of the modulus that relax, with a sum below 1", _WEIGHTS, default=None
     )
     times: tuple[float, ...] | None = schema.typed(
-        "time constants of these fractions", _TIMES, unit="s", default=None
+        "relaxation times of these fractions", _TIMES, unit="s", default=None
     )
 
     if TYPE_CHECKING:
@@ -215,10 +217,13 @@ class Resistance:
         form=_COEFFICIENT_FORM,
     )
     stiffness: float | None = schema.number(
-        "stiffness, N/m for rolling, N m for twisting; default: it follows the contact circle",
+        "stiffness, N/m for rolling, N m for twisting; default: determined from the contact circle",
         above=0,
         at_most=_MOST_STIFFNESS,
-        form=f"a stiffness above 0, to {_MOST_STIFFNESS:g}; omit it to follow the contact circle",
+        form=(
+            f"a stiffness above 0, to {_MOST_STIFFNESS:g}; omit it to determine it from the "
+            "contact circle"
+        ),
         default=None,
     )
     damping: float = schema.number(
@@ -256,7 +261,8 @@ class Cohesion:
     """
 
     kind: str = schema.choice(
-        "jkr: after Johnson, Kendall and Roberts; dmt: after Derjaguin, Muller and Toporov",
+        "model of cohesion: jkr (Johnson, Kendall and Roberts) or dmt (Derjaguin, Muller and "
+        "Toporov)",
         ("jkr", "dmt"),
     )
     energy: float = schema.number(

@@ -83,10 +83,8 @@ def load_section() -> type:
         As of `load_kinds`.
     """
     kinds = load_kinds()
-    *earlier, last = (load.means for load in kinds.values())
-    kind: Any = schema.choice(
-        f"{', '.join(earlier)}, or {last}", tuple(kinds), default=next(iter(kinds))
-    )
+    meanings = ", ".join(f"{name} ({load.means})" for name, load in kinds.items())
+    kind: Any = schema.choice(f"kind of load: {meanings}", tuple(kinds), default=next(iter(kinds)))
     keys: dict[str, tuple[str, Any, Field]] = {}
     owners: dict[str, type[Load]] = {}
     for load in sorted(kinds.values(), key=lambda load: len(load_keys(load))):

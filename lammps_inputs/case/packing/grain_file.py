@@ -117,7 +117,7 @@ class GrainFileSection:
         default=_BY_CONTENT,
     )
     columns: Any = schema.typed(
-        "names of the columns of the file, if it has none or unusual ones",
+        "names of the columns, if the file has no names or unusual names",
         ColumnsType(),
         default=(),
     )
@@ -128,7 +128,7 @@ class GrainFileSection:
         default=None,
     )
     step: int | None = schema.typed(
-        "timestep to read from a file of several; default: the last",
+        "timestep to read from a file with several timesteps; default: the last timestep",
         schema.CountType(at_least=0, at_most=_LARGEST_STEP, form="a whole number from 0 up"),
         default=None,
     )

@@ -62,17 +62,18 @@ class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
     kind: str = schema.choice(
-        "lattice; file: grains at user-defined positions; restart: spheres of a LAMMPS restart "
-        "file, whose contacts keep their plastic indentations and springs",
+        "lattice of the packing; file: grains at user-defined positions; restart: spheres of a "
+        "LAMMPS restart file, whose contacts keep their plastic indentations and springs",
         kind_names,
     )
     size: tuple[int, ...] = schema.typed(
-        "spheres along x, rows along y, layers along z, where the kind has them; not for a file",
+        "number of spheres along x, rows along y and layers along z, as far as the kind has "
+        "them; not for a file",
         SIZE,
     )
     top_row: str = schema.choice(
-        "impacted row of a plane crystal whose rows alternate between n and n - 1 grains: a long "
-        "or a short one; or all rows have n grains",
+        "top row of a plane crystal whose rows alternate between n and n - 1 grains: long, "
+        "short, or equal (all rows have n grains)",
         ROWS,
         default="long",
     )
@@ -88,7 +89,7 @@ class PackingSection:
         default=None,
     )
     source: str | None = schema.text(
-        "origin of the grains of a file, as reports name it; default: the name of the file, or the "
+        "name of the source of the grains, for reports; default: the name of the file, or the "
         "kind of packing that was generated",
         default=None,
     )
@@ -106,8 +107,8 @@ class PackingSection:
     )
     contacts: str | None = schema.choice(
         f"treatment of grains of a file that overlap or nearly touch: {described_ways()}; "
-        "default: overlaps are rejected, unless rounding of the file explains them: these grains "
-        "touch",
+        "default: overlaps are rejected, unless they are rounding errors of the file; such "
+        "grains then touch",
         tuple(CONTACT_WAYS),
         default=None,
     )
@@ -146,7 +147,8 @@ class PackingSection:
         default=None,
     )
     enclosure: Enclosure | None = schema.typed(
-        "planes of the walls around grains of a file; default: they touch the outermost grains",
+        "planes of the walls around grains of a file; default: planes that touch the outermost "
+        "grains",
         schema.TableType(section=Enclosure, expected=ENCLOSURE_FORM),
         default=None,
     )
@@ -169,9 +171,9 @@ class PackingSection:
         default=0.0,
     )
     tilt: tuple[int, int] | None = schema.typed(
-        "slight tilt of the floor of a square packing: directions along x and y, 1 or -1 each, in "
-        "which the spheres roll until they rest against each other; default: they stay at the "
-        "lattice sites",
+        "slight tilt of the floor of a square packing: directions along x and y (1 or -1) in "
+        "which the spheres roll until they rest against each other; default: the spheres stay "
+        "at the lattice sites",
         WAYS,
         default=None,
     )

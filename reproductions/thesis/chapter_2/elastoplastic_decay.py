@@ -105,7 +105,9 @@ def rows(runs):
             source=INVERSE,
             ours=wave.inverse_constant(),
             where="thesis 2.26",
-            remark=f"The value of single contacts lies between {steps.min():.2f} and {steps.max():.2f}.",
+            remark=(
+                f"The value for single contacts is between {steps.min():.2f} and {steps.max():.2f}."
+            ),
         )
         yield gw.Row(
             f"Exponent of the peak force against distance, contacts {FAR} to {last}, {wave.tag}",

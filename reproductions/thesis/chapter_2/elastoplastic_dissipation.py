@@ -82,7 +82,7 @@ def rows(runs):
     for n, (per, printed, theory, remark) in enumerate(table):
         yield gw.Row(f"d{n} of 2.28, fitted to the law up to {FITTED_TO:g} N", per, printed, theory=theory,
                      where="thesis 2.28", remark="The constant is printed as normalised; it is "
-                                                 f"read as {per} for brass contacts of R = 4.76 "
+                                                 f"interpreted as {per} for brass contacts of R = 4.76 "
                                                  f"mm, where it agrees with the law. {remark}")
     # fmt: on
 

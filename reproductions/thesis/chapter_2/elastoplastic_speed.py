@@ -28,19 +28,20 @@ def rows(runs):
         low = wave.largest[last - 1] / wave.law.yield_force
         what = f"contacts {FIRST} to {last}, {wave.tag}"
         yield gw.Row(f"Exponent of the leading speed against distance, {what}", source=-0.2, ours=of_distance.exponent,
-                     remark="With arrival at 1, 10 and 50 % of the largest force of a contact the "
-                            f"power is {', '.join(levels)}. Contacts 20 to 40 alone give {near:.2f}. "
-                            "The source states neither the level nor the range. The peak force at "
-                            f"contact {last} is {low:.2g} F_y.", **where)
+                     remark="With arrival at 1, 10 and 50 % of the largest force of a contact "
+                            f"the power is {', '.join(levels)}. Contacts 20 to 40 give "
+                            f"{near:.2f}. The source states neither the level nor the range. "
+                            f"The peak force at contact {last} is {low:.2g} F_y.", **where)
         yield gw.Row(f"Exponent of the leading speed against the peak force, {what}", source=0.2, ours=of_force.exponent,
                      **where)
     contact = np.arange(FIRST, last + 1.0)
     speed = [np.exp(np.mean(np.log(np.interp(contact, *wave.speed())))) for wave in waves]
     law = power_law(np.array([wave.reduced for wave in waves]), np.array(speed))
     yield gw.Row(f"Exponent of the leading speed against the impulse, contacts {FIRST} to {last}", source=1 / 6,
-                 ours=law.exponent, remark="The source contradicts itself. With F ~ I/x and a "
-                                           "speed that depends only on F, the powers with I and "
-                                           "with 1/x are equal; 1/6 and 1/5 cannot both hold.", **where)
+                 ours=law.exponent, remark="The two powers of the source contradict each other. "
+                                           "With F ~ I/x and a speed that depends only on F, "
+                                           "the powers with I and with 1/x are equal; 1/6 and "
+                                           "1/5 cannot both hold.", **where)
     # fmt: on
 
 

@@ -1,4 +1,4 @@
-"""First yield of two spheres of the chain, by hand.
+"""First yield of two spheres of the chain, calculated by hand.
 
 The overlap and the force at which the contact of two brass spheres of R = 4.76 mm begins to yield.
 """

@@ -112,8 +112,8 @@ def rows(contacts):
             yield gw.Row(
                 f"{words} at {place:g} alpha_y", source=float(formula(place)),
                 ours=np.mean(values), where=where,
-                remark=f"The source value is its fit. Our value is the mean of {len(values)} "
-                       f"ratios, with a spread of {spread:.1f} %.",
+                remark="The source value is from its fit. Our value is the mean of "
+                       f"{len(values)} ratios, with a spread of {spread:.1f} %.",
                 digits=3,
             )  # fmt: skip
     for one in contacts:

@@ -22,9 +22,9 @@ FIRST_YIELD = 16 / 15
 PLATEAU = 2.48
 SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
 REMARKS = (
-    "The source states about 6 % at most. This range is too small a part of its Fig. 2.8, which "
-    "extends to 800 yield overlaps.",
-    "The source states about 6 % at most. It states that its law gives too large a force at large "
+    "The source states about 6 % at most. This range of overlaps is hardly visible in its Fig. "
+    "2.8, which extends to 800 yield overlaps.",
+    "The source states about 6 % at most, and that its law gives too large a force at large "
     "overlaps.",
 )
 
@@ -146,7 +146,8 @@ def rows(runs):
             yield gw.Row(f"Fraction of the plastic dissipation in the softer sphere, {one.name}",
                 ours=one.share_of_softer,
                          where="thesis 3.1, Fig. 3.1", remark=(
-                             "According to the source it is almost all."), digits=3)  # fmt: skip
+                             "According to the source nearly all dissipation is in the softer "
+                             "sphere."), digits=3)  # fmt: skip
     for one in found:
         for word, key, source in (("Smallest", "min", 1.30), ("Largest", "max", 1.42)):
             printed = source if one.identical else None

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 import granwave as gw
 
 ASSUMED = (
-    "The source prints neither the incident signal nor a value. The pulse is our choice, "
-    "and this number tests nothing."
+    "The source prints neither the incident signal nor a value. The pulse is our choice, and "
+    "this number is not a test."
 )
 REFLECTED = "According to the source most of the energy is reflected."
 SECTIONS = {"incident_bar": 0.5, "bar": 0.25}  # shown; lengths from the end where the pulse enters

@@ -67,10 +67,11 @@ def rows(runs):
                      theory=-math.log(model.ratio), **where,
                      remark=f"4.28 with its constants gives {model.decay:.3f}. {BY_CONTACTS}")
         yield gw.Row(f"Largest difference of 4.28 from the leading peaks 1 to {end} / first peak, {beta}", source=0.10,
-                     ours=of_first, remark="The source states 'around 10 %', presumably for beta "
-                                           "0.8, without a reference value. Here it is the first "
-                                           "peak, in the next row each peak. 4.28 starts at the "
-                                           "simulated contact 1.", **where)
+                     ours=of_first, remark="The source states 'around 10 %', presumably for "
+                                           "beta 0.8, without a reference value. In this row "
+                                           "the reference value is the first peak, in the next "
+                                           "row it is each peak. 4.28 starts at the simulated "
+                                           "contact 1.", **where)
         yield gw.Row(f"Largest difference of 4.28 from the leading peaks 1 to {end}, {beta}", source=0.10, ours=by_4_28,
                      remark="The difference is relative to each peak. The balance contact by "
                             f"contact, in place of the differential equation, gives {by_contacts:.1%}.", **where)
@@ -78,8 +79,8 @@ def rows(runs):
                      ours=one.transition, theory=math.ceil(model.transition), where="thesis 4.2.1, Fig. 4.7",
                      remark=f"The force of a later wave is {one.excess(end + 1):.2g} % larger than "
                             "the leading peak. Theory: the intersection of the two models of the "
-                            f"source, {model.transition:.1f}. Excesses count from {100 * (OVERTAKEN - 1):.1g} "
-                            f"% on, as in all studies; contact {end} has {one.excess(end):.2g} %.")
+                            f"source, {model.transition:.1f}. Only excesses of at least "
+                            f"{100 * (OVERTAKEN - 1):.1g} % are counted, as in all studies; contact {end} has {one.excess(end):.2g} %.")
     # fmt: on
 
 

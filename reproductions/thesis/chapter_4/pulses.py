@@ -36,18 +36,18 @@ def rows(runs):
                                                  f"Theory: the discrete chain; (4.5) gives {IMPULSE_LIMIT:.4f}.")
     yield gw.Row("Long pulses: peak force at a load of 40 N", "N", PEAK, LOAD * (y / x)[long].mean(), where="thesis 4.1.3",
                  remark=f"The value is the mean for A/I^(6/5) < {CROSSING / 8:.2g}, where the "
-                        "force only sets the scale.")
+                        "force only changes the scale.")
     yield gw.Row("Largest spread of F_peak/I^(6/5) between impulses at equal A/I^(6/5)", "%", ours=100 * spread,
                  theory=0.0, verification=True, where="thesis Fig. 4.3",
-                 remark="The power must vanish, since Hertz's chain has no scale of its own.")
-    for duration, source, what in ((1e-6, 1.0, "one wave"), (1e-4, None, "a train")):
+                 remark="The power must vanish, since a Hertzian chain has no intrinsic scale.")
+    for duration, source, what in ((1e-6, 1.0, "one wave"), (1e-4, None, "a train of waves")):
         for pulse in pulses:
             load = pulse.chain.load
             if np.allclose((load.impulse, load.lasts), (0.4, duration), rtol=1e-3, atol=0):
                 count = np.count_nonzero(pulse.waves >= SECOND)
                 name = f"Waves above 1 % at contact {pulse.contact}, 0.4 N s within {1e6 * duration:g} us"
                 yield gw.Row(name, source=source, ours=count, where="thesis 4.1.1", remark=(
-                    f"According to the source it is {what}."))
+                    f"According to the source there is {what}."))
     # fmt: on
 
 

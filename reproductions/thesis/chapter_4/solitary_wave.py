@@ -17,7 +17,7 @@ from granwave.measures import Chain, power_law, width
 from granwave.theory import discrete_speed
 
 LENGTH = math.pi * math.sqrt(10) / 2  # length of Nesterenko's wave, diameters
-SIMILAR = "The elastic chain has no scale of its own, so that every correct code gives this value."
+SIMILAR = "The elastic chain has no intrinsic scale, so that every correct code gives this value."
 DISCRETE = {
     "coefficient": 0.7176,
     "speed": discrete_speed(),

@@ -29,8 +29,8 @@ def rows(runs):
     _, amplitude, critical, fit = measured(runs)
     yield gw.Row(
         "Exponent of the critical loading time against the amplitude", ours=fit.exponent, theory=-1 / 6, verification=True,
-        where="thesis Fig. 4.1", remark=f"{fit.interval} By similarity every correct code gives "
-                                        "this value.",
+        where="thesis Fig. 4.1", remark=f"{fit.interval} Every correct code gives this value, "
+                                        "because of similarity.",
     )  # fmt: skip
     yield gw.Row(
         "Critical loading time T/tau times (A/(E* R*^2))^(1/6)", ours=np.mean(critical * amplitude ** (1 / 6)),

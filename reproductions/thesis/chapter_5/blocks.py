@@ -79,6 +79,6 @@ def rows(runs):
     yield gw.Row(f"Volume that dissipates {share:.2g} of the input, spheres at {packing['energy_input_J']:.3g} J / "
                  f"plastic volume of a block at {name}", source=1.0, digits=2, where="thesis 5.5, Fig. 5.14",
                  ours=np.interp(share, spheres.fraction, spheres.volume) / VOLUME / volume,
-                 remark="The source calls the volumes very close. Whole spheres count here, "
-                        "although only contacts yield.")
+                 remark="The source calls the volumes very close. Whole spheres are counted "
+                        "here, although only their contacts yield.")
     # fmt: on

@@ -133,7 +133,8 @@ def constants(single):
 
 
 def on_axis(impacts):
-    """Inputs over sigma_y^2 D^3/E of brass, and dissipated fractions, for packings and blocks."""
+    """Inputs of brass divided by sigma_y^2 D^3/E, and dissipated fractions, of packings and
+    blocks."""
     unit = unit_of(impacts.brass[0]) / unit_of(impacts.blocks[0])
     packing = [unit * run["energy_input_normalised"] for run in impacts.early[1]]
     block = [run["energy_input_normalised"] for run in impacts.blocks]
@@ -160,7 +161,8 @@ def shares_on_axis(impacts):
         "Dissipated fraction of a packing divided by the fraction of a block, input "
         f"{block[-1]:.3g} sigma_y^2 D^3/E", digits=3,
         ours=np.interp(np.log(block[-1]), np.log(packing), of_packing) / of_block[-1],
-        where="thesis Fig. 5.13", remark="According to the source it is much larger in a packing.",
+        where="thesis Fig. 5.13", remark=("According to the source the fraction is much larger "
+                                          "in a packing."),
     )  # fmt: skip
 
 

@@ -100,7 +100,7 @@ def rows(runs):
          -np.polyfit(np.arange(len(along)), np.log(along), 1)[0],
              "The source describes a rapid decay, as in its chains.", 3),
         ("Layers whose largest force lies on a preferred direction, 10 m/s", count,
-            "The source states the first few.", 5),
+            "The source states that these are the first few layers.", 5),
         ("Force straight below the impacted sphere / force on a preferred direction, layer "
          f"{LAYER}, "
          "10 m/s", below,
@@ -113,7 +113,8 @@ def rows(runs):
                         "of its spheres.")
     yield gw.Row(f"Spheres with half of the dissipation, {name}",
         ours=involved.part(0.5)[1] / volume,
-                 where="thesis Fig. 5.8", remark="The source states that most is in the first few.")
+                 where="thesis Fig. 5.8", remark=("According to the source the first few spheres "
+                                                  "have most of the dissipation."))
     yield gw.Row(f"Dissipated fraction of a packing, {fast['energy_input_J']:.3g} J, at most",
         source=0.9, bound=True,
                  ours=fast["dissipated_fraction"], where="thesis Fig. 5.13",

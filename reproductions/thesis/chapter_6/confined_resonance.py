@@ -18,7 +18,7 @@ from granwave.measures import maxima
 RESONANCES = (0.10, 0.24, 5.0)  # density ratios of the source's model
 ANTI_RESONANCES = (0.056, 0.18, 0.42, 0.75, 2.0)
 SETTLED = 2.0  # density ratio up to which the wave decays uniformly from contact 60 on
-FORGETS = "With heavy small spheres the decay is not yet uniform so near the impacted bead."
+FORGETS = "With heavy small spheres the decay is not yet uniform near the impacted bead."
 
 
 class Densities:
@@ -57,7 +57,7 @@ def rows(found):
                      remark=remark(ratio), verification=True, digits=3)
     worst = found.decay[found.ratio <= SETTLED].argmax()
     yield gw.Row("Density ratio of the most rapid decay", ours=found.ratio[worst], where="thesis figure 6.7", digits=3,
-                 remark="The value is taken from the densities of the runs.")
+                 remark="The value is one of the densities of the runs.")
     yield gw.Row("Largest decay per contact", ours=found.decay[worst], where="thesis figure 6.7", digits=3)
     # fmt: on
 

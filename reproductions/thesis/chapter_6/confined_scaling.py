@@ -2,8 +2,8 @@
 
 Hertz's law has no length scale. If velocities scale as v, displacements and the precompression a as
 v^(4/5), forces as v^(6/5) and speeds as v^(1/5), the motion is the same (6.11). The source has
-impacts at 2 m/s with the same a and with a scaled a. The moving geometry has a length scale, which
-breaks the similarity slightly.
+impacts at 2 m/s with the same a and with a scaled value of a. The moving geometry has a length
+scale, which breaks the similarity slightly.
 """
 
 import math
@@ -41,8 +41,8 @@ def rows(runs):
                  theory=1 / 5, **where)
     yield gw.Row("Decrease of F/v^1.2 at contact 200, same a", "%", **figure,
                  ours=100 * (1 - same.peaks[199] / first.peaks[199] / 2**1.2),
-                 remark="In the source the curves do not coincide. For the faster wave the same a "
-                        "is relatively smaller.")
+                 remark="In the source the curves do not coincide. For the faster wave, the "
+                        "same a is smaller relative to the overlaps.")
     # fmt: on
 
 

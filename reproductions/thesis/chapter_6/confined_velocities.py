@@ -52,7 +52,7 @@ def rows(runs):
     half = width(*run.probe(100, "vz")) * run.speed / BEAD
     yield gw.Row(f"Length of the wave, {run.label}", "D", 5.0, where="thesis 6.2",
                  ours=half * LENGTH / solitary_lengths()["half maximum of velocity"],
-                 remark='The source states "about five". The length follows from the width at '
+                 remark='The source states "about five". The length is calculated from the width at '
                         'half the velocity, for the shape of a solitary wave of 4.97 D. It is '
                         'larger under precompression.')
     # fmt: on

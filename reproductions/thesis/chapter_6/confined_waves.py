@@ -8,7 +8,7 @@ geometry. The model of the source differs: its wall is softer than Hertz's conta
 do not turn. The curves of the source are pictures without numbers, and its axes end at 3e-4. All
 four of its statements hold in either model: rapid decay for n = 7 and 8, which precompression
 removes; hardly any decay for n = 6 and 9; smaller forces and higher speeds with increasing a.
-Contacts count from 1.
+Contacts are numbered from 1.
 """
 
 from functools import cached_property

@@ -84,7 +84,7 @@ def rows(runs):
                                                                          "cylinders outwards."), **where)
     yield gw.Row("Decay of the weak pulse in the indented / undamaged chain",
                  ours=dented.decay / whole.decay, digits=2,
-                 remark="The decay contains the remaining effect of the filter and the "
+                 remark="The decay includes the remaining effect of the filter and the "
                         "dissipation by yielding.", **where)
     # fmt: on
 

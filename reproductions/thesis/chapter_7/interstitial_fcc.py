@@ -1,9 +1,10 @@
 """FCC packing with grains in its octahedral holes.
 
 An impact on the whole top layer of a loaded fcc packing with periodic sides makes a plane pulse.
-The holes between six spheres are empty, or contain spheres of 0.414 of the diameter, which touch
-all six. Speed and decay refer to the mean velocity of the layers, between the 11th and the 41st;
-the decay is the decay of its peak per layer. The force on the bottom is the largest dynamic force.
+The holes between six spheres are empty, or contain spheres of 0.414 times the diameter, which touch
+all six spheres. Speed and decay refer to the mean velocity of the layers, between the 11th and the
+41st; the decay is the decay of its peak per layer. The force on the bottom is the largest dynamic
+force.
 """
 
 from itertools import groupby

@@ -24,11 +24,11 @@ import granwave as gw
 CONTACTS = (21, 31, 61, 101, 151, 201)
 #: Statements of the source on the curve, by density, gamma and a.
 SAID = {
-    (DENSITY, 0.56, 0.0): "near solitary",
+    (DENSITY, 0.56, 0.0): "nearly solitary",
     (DENSITY, 0.56, 8e-4): "rapidly decaying",
     (DENSITY, 0.90, 0.0): "oscillating and decreasing",
     (DENSITY, 0.90, 8e-4): "almost constant",
-    (PRINTED_DENSITY, 0.56, 0.0): "near solitary, which does not hold with this density",
+    (PRINTED_DENSITY, 0.56, 0.0): "nearly solitary, which does not hold with this density",
     (PRINTED_DENSITY, 0.56, 8e-4): "rapidly decaying",
     (PRINTED_DENSITY, 0.90, 0.0): "oscillating and decreasing",
     (PRINTED_DENSITY, 0.90, 8e-4): "almost constant, which does not hold with this density",
@@ -69,7 +69,7 @@ def rows(found):
         for contact in CONTACTS:
             yield gw.Row(f"Peak force at contact {contact}, {found[key].name}", "N", ours=found[key].peaks[contact - 1],
                          theory=solved[key][f"contact_{contact}_N"], verification=True,
-                         remark=f"{SOLVER} In the source it is {said}.", **figure)
+                         remark=f"{SOLVER} In the source the wave is {said}.", **figure)
     solitary, decaying, spread, _ = own = [row for key, row in found.items() if key[0] == DENSITY]
     yield gw.Row(f"Largest force between two spheres, {solitary.name}",
                  "N", ours=solitary.peaks.max(),

@@ -74,7 +74,7 @@ def rows(measured):
     loose = [row.first[1] for row in found[DOWNSTREAM, 0.0]]
     yield gw.Row("First peak at sphere 21, loose, downstream: spread over the numbers of cylinders", "N", 0.0,
                  max(loose) - min(loose), "thesis 8.4, Fig. 8.10b",
-                     "According to the source it is independent of the number.")
+                     "According to the source the peak is independent of the number.")
     # fmt: on
     yield from both_sensors(found, none)
 

@@ -43,7 +43,10 @@ def compared(place, *names: str, **options) -> Comparison:
 def test_one_case_that_stops_earlier_is_no_comparison_of_results(place):
     """The first sentence names the ends; nothing is ranked."""
     comparison = compared(place, "early", "full")
-    first = "Same case; the runs differ only in when they stop (early at 40 µs, full at 200 µs). "
+    first = (
+        "The runs have the same case and differ only in their end times "
+        "(early at 40 µs, full at 200 µs). "
+    )
     assert comparison.sentence.startswith(first)
     assert "main results" not in comparison.sentence
     assert "peak contact force" in comparison.sentence  # both runs contain it
@@ -88,7 +91,9 @@ def test_a_killed_run_shows_the_time_that_it_reached(place):
         early, label="killed", case=full.case, record=early.record | {"state": "interrupted"}
     )
     comparison = compare_runs([full, killed])
-    assert comparison.sentence.startswith("Same case; the runs differ only in when they stop")
+    assert comparison.sentence.startswith(
+        "The runs have the same case and differ only in their end times"
+    )
     (row,) = comparison.case_rows
     assert row.what == "run.end_time" and not row.is_numerical  # in the table of the cases
     assert row.values == ("200 µs", "40 µs of 200 µs (interrupted)")

@@ -42,8 +42,8 @@ FORCE_IDEAL = 1332.0
 SHARE_IDEAL = 0.88
 TABLE = "Mean and 95 % confidence interval"
 KEPT = (
-    "How large each imperfection may be for 90 % of the ideal packing performance or more: a "
-    "force of at most 111 %"
+    "Largest imperfections with at least 90 % of the performance of the ideal packing (a force "
+    "of at most 111 %)"
 )
 
 
@@ -350,7 +350,7 @@ def test_differences_are_finite_elements_over_the_law(tmp_path: Path) -> None:
     found = differences(study)
     assert list(found) == ["brass, equal radii", "brass, radii 2 to 1"]
     alike, unlike = found.values()
-    assert (alike["At 3 alpha_y"], alike["Most, 1 to 10 alpha_y"]) == (
+    assert (alike["At 3 alpha_y"], alike["Largest, 1 to 10 alpha_y"]) == (
         pytest.approx(0.15),
         pytest.approx(0.15),
     )
