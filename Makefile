@@ -23,6 +23,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 RANKS := $(shell n=$$(nproc 2>/dev/null || echo 1); [ $$n -gt 2 ] && n=2; echo $$n)
+# processes of the tests: some tests wait for other programs, and leave a processor to others
+TESTERS := $(shell echo $$(($(RANKS) + 1)))
 SOURCES := pyproject.toml $(shell find plugins lammps_inputs workflows analysis extensions -type f -not -name '*.pyc' 2>/dev/null)
 DEMO := runs/fcc-impact
 CPP := $(shell find plugins -name '*.cpp' -o -name '*.h')
@@ -78,7 +80,7 @@ demo: $(READY)
 	@echo "Figures: $(DEMO)/figures   summary: $(DEMO)/summary.json   fields: $(DEMO)/result.h5"
 
 test: $(READY)
-	$(BIN)/python -m pytest -n $(RANKS) --dist loadgroup
+	$(BIN)/python -m pytest -n $(TESTERS) --dist loadgroup
 
 validate: $(READY)
 	$(BIN)/python -m pytest -m validation

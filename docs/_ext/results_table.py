@@ -186,7 +186,7 @@ def _first_page(stored: Mapping[str, Any]) -> str:
     tree = "\n".join(f"{LABELS.get(name, name)} <results/{name}>" for name in names)
     return f"""# {_TITLE}
 
-```{{index}} ! validation, ! comparison with experiments
+```{{index}} ! validation, ! comparison with experiments, ! compare with experiments
 ```
 
 {_LEAD}
