@@ -11,6 +11,7 @@ from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
+from granwave.analysis.reports.comparison.curves import SampledCurve
 from granwave.analysis.reports.comparison.definitions import definition_notes
 from granwave.analysis.reports.comparison.ends import (
     differ_in_end_only,
@@ -25,8 +26,10 @@ from granwave.analysis.reports.comparison.measured import (
     closest_sentence,
     coverage_notes,
     deviation,
+    near_end_notes,
     outside_notes,
     read_measured,
+    unit_notes,
     unranked_reasons,
 )
 from granwave.analysis.reports.comparison.protection import protection_sentences
@@ -296,6 +299,12 @@ class Comparison:
             if difference is not None
         }
 
+    def _curves(self, name: str) -> dict[str, SampledCurve]:
+        """Return the curves of a figure that are compared with a measured curve, by run."""
+        curve_of = FIGURES[name].curve
+        assert curve_of is not None  # a measured curve cannot be drawn over it
+        return {run.name: curve_of(data) for run, data in self.data(name).present.items()}
+
     @property
     def misfits(self) -> pandas.DataFrame:
         """Difference of each run from the measured curve: rms, rms divided by the measured peak,
@@ -333,6 +342,8 @@ class Comparison:
         for name, curve in self.measured.items():
             notes += coverage_notes(curve, self._named_deviations(name))
             notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
+            notes += near_end_notes(curve, self._named_deviations(name), _units_of(name))
+            notes += unit_notes(curve, self._curves(name), _units_of(name))
         return notes + self._undrawn()
 
     def _undrawn(self) -> list[str]:

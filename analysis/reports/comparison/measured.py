@@ -38,7 +38,13 @@ _SPELLINGS = {"µs": "us", "μs": "us"}
 _LEAST_POINTS = 2
 NEGLIGIBLE = 1e-4  # fraction of the measured peak below which a value counts as zero
 _ENOUGH = 0.99  # fraction of the points of the run with the most points: runs that are ranked
+_FEWEST_COMMON = 3  # measured points within the curve of a run that is ranked
+_TIE = 1e-3  # relative difference of rms values below which runs are equally close
+_NEAR_END = 0.01  # of the spacing of a curve: distance up to which its end has the value there
+_OTHER_UNIT = 100.0  # ratio of lengths or peaks above which the unit is doubtful
 #: Reasons for which a run is not ranked.
+_FEW_COMMON = f"fewer than {_FEWEST_COMMON} common points"
+_OPPOSITE = "opposite sign"
 _FEWER_POINTS = "fewer points than other runs"
 _BEFORE_PEAK = "ends before the measured peak"
 _STILL_RISES = "still rises at its end"
@@ -121,6 +127,11 @@ class Deviation:
     rises_at_end
         True if the run ends within the measured range with its largest value, so that it may rise
         further.
+    is_reversed
+        True if the measured curve has the opposite sign.
+    n_near_end
+        Number of these points that lie slightly beyond an end of the curve of the run, and are
+        compared with its value there.
     """
 
     rms: float
@@ -132,6 +143,8 @@ class Deviation:
     outside_at: float | None = None
     covers_peak: bool = True
     rises_at_end: bool = False
+    is_reversed: bool = False
+    n_near_end: int = 0
 
 
 def read_measured(
@@ -175,9 +188,14 @@ def read_measured(
 
 
 def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
-    """Return the difference of a run from a measured curve; None if they do not overlap."""
-    low = max(float(curve.x.min()), float(measured.x[0]))
-    high = min(float(curve.x.max()), float(measured.x[-1]))
+    """Return the difference of a run from a measured curve; None if they do not overlap.
+
+    A measured point beyond an end of the curve, by up to 1 % of the median spacing of its points,
+    is compared with the value at this end: measured depths are rounded.
+    """
+    near = _near_end(curve)
+    low = max(float(curve.x.min()) - near, float(measured.x[0]))
+    high = min(float(curve.x.max()) + near, float(measured.x[-1]))
     inside = (measured.x >= low) & (measured.x <= high)
     if not inside.any():
         return None
@@ -191,6 +209,7 @@ def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
     place = int(curve.y.argmax())
     rises_at_end = place == len(curve.y) - 1 and low < curve.x[-1] <= measured.x[-1]
     has_peaks = covers_peak and not rises_at_end and not measured.is_reversed
+    beyond = (measured.x[inside] < curve.x.min()) | (measured.x[inside] > curve.x.max())
     is_outside = not low <= curve.x[place] <= high and curve.y[place] > largest
     return Deviation(
         rms,
@@ -202,15 +221,24 @@ def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
         outside_at=float(curve.x[place]) if is_outside else None,
         covers_peak=covers_peak,
         rises_at_end=bool(rises_at_end),
+        is_reversed=measured.is_reversed,
+        n_near_end=int(beyond.sum()),
     )
+
+
+def _near_end(curve: SampledCurve) -> float:
+    """Return the distance beyond the ends of a curve within which its end has the value, s or m."""
+    if len(curve.x) < _LEAST_POINTS:
+        return 0.0
+    return _NEAR_END * float(np.median(np.abs(np.diff(curve.x))))
 
 
 def ranked(deviations: Mapping[str, Deviation]) -> list[str]:
     """Return the names of the runs whose differences from a measured curve can be ranked.
 
-    Their differences are means over the same points: those of the run with the most points. A run
-    that does not cover the measured peak is not ranked if another run covers it, nor is a run that
-    ends with its largest value if another does not.
+    Their differences are means over the same points, at least three: those of the run with the
+    most points. A run is not ranked if it does not cover the measured peak, if it ends with its
+    largest value, or if the measured curve has the opposite sign.
     """
     reasons = unranked_reasons(deviations)
     return [name for name in deviations if name not in reasons]
@@ -221,19 +249,32 @@ def unranked_reasons(deviations: Mapping[str, Deviation]) -> dict[str, str]:
     by their names.
     """
     most = max((difference.n_points for difference in deviations.values()), default=0)
-    any_covers = any(difference.covers_peak for difference in deviations.values())
-    any_falls = any(
-        difference.covers_peak and not difference.rises_at_end for difference in deviations.values()
-    )
     reasons: dict[str, str] = {}
     for name, difference in deviations.items():
-        if difference.n_points < _ENOUGH * most:
-            reasons[name] = _FEWER_POINTS
-        elif any_covers and not difference.covers_peak:
-            reasons[name] = _BEFORE_PEAK
-        elif any_falls and difference.rises_at_end:
-            reasons[name] = _STILL_RISES
+        if reason := _unranked_reason(difference, most):
+            reasons[name] = reason
     return reasons
+
+
+def _unranked_reason(difference: Deviation, most: int) -> str:
+    """Return the reason for which a run is not ranked; empty if it is ranked.
+
+    Parameters
+    ----------
+    most
+        Number of points of the run with the most points.
+    """
+    if difference.is_reversed:
+        return _OPPOSITE
+    if difference.n_points < _ENOUGH * most:
+        return _FEWER_POINTS
+    if difference.n_points < _FEWEST_COMMON:
+        return _FEW_COMMON
+    if not difference.covers_peak:
+        return _BEFORE_PEAK
+    if difference.rises_at_end:
+        return _STILL_RISES
+    return ""
 
 
 def closest_sentence(
@@ -256,22 +297,57 @@ def closest_sentence(
     """
     if not deviations:
         return f"No run has a common range with {measured.source}."
-    y_unit = units[1]
-    names = ranked(deviations)
-    name = min(names, key=lambda other: deviations[other].rms)
-    closest = deviations[name]
-    size = relative_text(closest.relative_rms)
-    rms = f"{quantity_in(closest.rms, y_unit)} rms, {size} the measured peak"
-    if closest.n_points < len(measured.x):
-        rms += f", at {closest.n_points} of {len(measured.x)} measured points"
-    peaks = _peaks_in_words(measured, closest, units)
     if alone:
-        return f"{name} differs from {measured.source} by {rms}; {peaks}."
+        (name,) = deviations
+        return _sentence_on_one_run(measured, name, deviations[name], units)
+    names = ranked(deviations)
+    if not names:
+        return f"No run is ranked by its difference from {measured.source}: {_reasons(deviations)}."
+    least = min(deviations[name].rms for name in names)
+    closest_names = [name for name in names if deviations[name].rms <= least * (1 + _TIE)]
+    name = closest_names[0]
+    closest = deviations[name]
+    rms = _rms_in_words(measured, closest, units)
+    if len(closest_names) > 1:
+        return f"Equally close to {measured.source}: {_first(closest_names)}, with {rms}."
+    peaks = _peaks_in_words(measured, closest, units)
     if len(names) < len(deviations) and len(names) == 1:
         return (
             f"Only {name} is compared with {measured.source}, with a difference of {rms}; {peaks}."
         )
     return f"Closest to {measured.source} is {name}, with a difference of {rms}; {peaks}."
+
+
+def _sentence_on_one_run(
+    measured: MeasuredCurve, name: str, difference: Deviation, units: tuple[str, str]
+) -> str:
+    """Return a sentence on the difference of a single run from a measured curve, or on the reason
+    for which they are not compared: too few points, or the opposite sign.
+    """
+    if difference.is_reversed:
+        return f"{name} is not compared with {measured.source}: {_OPPOSITE}."
+    if difference.n_points < _FEWEST_COMMON:
+        return f"{name} is not compared with {measured.source}: {_FEW_COMMON}."
+    rms = _rms_in_words(measured, difference, units)
+    peaks = _peaks_in_words(measured, difference, units)
+    return f"{name} differs from {measured.source} by {rms}; {peaks}."
+
+
+def _reasons(deviations: Mapping[str, Deviation]) -> str:
+    """Return the reasons for which runs are not ranked, in words, with the runs of each."""
+    names: dict[str, list[str]] = {}
+    for name, reason in unranked_reasons(deviations).items():
+        names.setdefault(reason, []).append(name)
+    return "; ".join(f"{reason} ({_first(runs)})" for reason, runs in names.items())
+
+
+def _rms_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[str, str]) -> str:
+    """Return the root mean square difference of a run in words."""
+    size = relative_text(closest.relative_rms)
+    rms = f"{quantity_in(closest.rms, units[1])} rms, {size} the measured peak"
+    if closest.n_points < len(measured.x):
+        rms += f", at {closest.n_points} of {len(measured.x)} measured points"
+    return rms
 
 
 def _peaks_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[str, str]) -> str:
@@ -299,6 +375,8 @@ def coverage_notes(measured: MeasuredCurve, deviations: Mapping[str, Deviation])
     """
     notes: list[str] = []
     reasons = unranked_reasons(deviations)
+    if not ranked(deviations):
+        reasons = {}  # the sentence has the reasons
     parts = [
         f"{name} ({deviations[name].n_points} of {len(measured.x)} points)"
         for name, reason in reasons.items()
@@ -316,12 +394,87 @@ def coverage_notes(measured: MeasuredCurve, deviations: Mapping[str, Deviation])
             f"at their end: {_first(rising)}."
         )
     if measured.is_reversed:
+        remedy = (
+            "If the sensor has the opposite sign, multiply its values by -1: --scale -1, or "
+            "scale=-1 in Python."
+        )
+        if measured.scale < 0.0:
+            remedy = f"The scale {measured.scale:g} reverses them; use a positive scale."
         notes.append(
-            f"The largest values of {measured.source} are negative, and peaks are not compared. If "
-            "the sensor has the opposite sign, multiply its values by -1: --scale -1, or scale=-1 "
-            "in Python."
+            f"The largest values of {measured.source} are negative, and no run is ranked. {remedy}"
         )
     return notes
+
+
+def unit_notes(
+    measured: MeasuredCurve, curves: Mapping[str, SampledCurve], units: tuple[str, str]
+) -> list[str]:
+    """Return sentences on a measured curve that is much longer, or has much larger values, than
+    the curves of all runs, or the reverse, as with a wrong unit.
+
+    Parameters
+    ----------
+    curves
+        Curves of the runs, by their names.
+    units
+        SI units of the curve.
+    """
+    if not curves:
+        return []
+    x_unit, y_unit = units
+    lasts = "lasts" if x_unit == "s" else "extends to"
+    end = float(np.abs(measured.x).max())
+    ends = [float(np.abs(curve.x).max()) for curve in curves.values()]
+    peak = abs(measured.peak)
+    peaks = [float(np.abs(curve.y).max()) for curve in curves.values()]
+    notes: list[str] = []
+    if _has_other_size(end, ends):
+        own = quantity_in(end, x_unit)
+        notes.append(
+            f"{measured.source} {lasts} {own}, the runs {_range(ends, x_unit)}; check the unit."
+        )
+    if _has_other_size(peak, peaks):
+        own = quantity_in(peak, y_unit)
+        notes.append(
+            f"The largest value of {measured.source} is {own}, of the runs "
+            f"{_range(peaks, y_unit)}; check the unit."
+        )
+    return notes
+
+
+def _has_other_size(value: float, others: Sequence[float]) -> bool:
+    """Return True if a value is much larger or much smaller than all of some positive values."""
+    low = min(others)
+    high = max(others)
+    if low <= 0.0 or value <= 0.0:
+        return False
+    return value > _OTHER_UNIT * high or value < low / _OTHER_UNIT
+
+
+def _range(values: Sequence[float], unit: str) -> str:
+    """Return a range of values with the unit; one value if all have the same text."""
+    ends = [quantity_in(value, unit) for value in (min(values), max(values))]
+    return " to ".join(dict.fromkeys(ends))
+
+
+def near_end_notes(
+    measured: MeasuredCurve, deviations: Mapping[str, Deviation], units: tuple[str, str]
+) -> list[str]:
+    """Return a sentence on measured points slightly beyond the ends of curves, if there are any.
+
+    Parameters
+    ----------
+    deviations, units
+        As of `closest_sentence`.
+    """
+    names = [name for name, difference in deviations.items() if difference.n_near_end]
+    if not names:
+        return []
+    spacing = "layer spacing" if units[0] == "m" else "spacing of the points of a run"
+    return [
+        f"Points of {measured.source} beyond an end of a curve, by up to {share(_NEAR_END)} of the "
+        f"{spacing}, are compared with the value at this end: {_first(names)}."
+    ]
 
 
 def _first(parts: Sequence[str]) -> str:

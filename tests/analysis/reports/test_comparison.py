@@ -33,9 +33,11 @@ from granwave.analysis.reports.comparison.measured import (
     closest_sentence,
     coverage_notes,
     deviation,
+    near_end_notes,
     outside_notes,
     read_measured,
     relative_text,
+    unit_notes,
     unranked_reasons,
 )
 from granwave.analysis.reports.comparison.page import figure_folder, write_comparison
@@ -586,12 +588,12 @@ def test_a_measured_curve_in_words(tmp_path):
 def test_the_run_that_stops_before_the_peak_is_not_closest(tmp_path):
     """The short run agrees exactly as far as it goes; the long run differs by a tenth."""
     file = tmp_path / "measured.csv"
-    file.write_text("time_ms,force_N\n0,0\n1,4\n2,10\n3,2\n")
+    file.write_text("time_ms,force_N\n0,0\n0.5,2\n1,4\n2,10\n3,2\n")
     measured = read_measured(file, ("s", "N"))
-    time = np.arange(4) * 1e-3
-    force = np.array([0.0, 4.0, 10.0, 2.0])
+    time = np.array([0.0, 0.5, 1.0, 2.0, 3.0]) * 1e-3
+    force = np.array([0.0, 2.0, 4.0, 10.0, 2.0])
     differences = {
-        "short": deviation(measured, SampledCurve(time[:2], force[:2])),
+        "short": deviation(measured, SampledCurve(time[:3], force[:3])),
         "long": deviation(measured, SampledCurve(time, 1.1 * force)),
     }
     assert differences["short"].rms == 0 and np.isnan(differences["short"].peak_difference)
@@ -599,9 +601,9 @@ def test_the_run_that_stops_before_the_peak_is_not_closest(tmp_path):
     text = closest_sentence(measured, differences, ("s", "N"), alone=False)
     assert text.startswith("Only long is compared with") and "the measured peak 10 N" in text
     (note,) = coverage_notes(measured, differences)
-    assert note.endswith("of which they cover only a part: short (2 of 4 points).")
+    assert note.endswith("of which they cover only a part: short (3 of 5 points).")
     only = closest_sentence(measured, {"short": differences["short"]}, ("s", "N"), alone=True)
-    assert "at 2 of 4 measured points; the run does not cover the measured peak, 10 N at" in only
+    assert "at 3 of 5 measured points; the run does not cover the measured peak, 10 N at" in only
     cells = misfit_cells(differences["short"], ("s", "N"), measured.peak)
     assert cells[4] == ""
     (reason,) = unranked_reasons(differences).values()
@@ -641,6 +643,68 @@ def test_a_sensor_of_the_opposite_sign(tmp_path):
     turned = read_measured(file, ("s", "N"), scale=-1.0)
     assert deviation(turned, curve).peak_difference == pytest.approx(0)
     assert coverage_notes(turned, {"a": deviation(turned, curve)}) == []
+    for runs in (("a",), ("a", "b")):
+        differences = dict.fromkeys(runs, deviation(measured, curve))
+        text = closest_sentence(measured, differences, ("s", "N"), alone=len(runs) == 1)
+        assert text.startswith("No run is ranked" if len(runs) > 1 else "a is not compared")
+        assert ": opposite sign" in text and "rms" not in text
+    reversed_twice = dataclasses.replace(measured, scale=-1.0)
+    (note,) = coverage_notes(reversed_twice, {"a": deviation(reversed_twice, curve)})
+    assert "The scale -1 reverses them" in note
+
+
+def test_a_wrong_unit_of_time_gives_no_agreement(tmp_path):
+    """Of 5 points only the first, zero in all curves, is within the runs."""
+    file = tmp_path / "measured.csv"
+    file.write_text("time_s,force_N\n0,0\n50,10\n60,900\n70,1500\n80,1200\n")
+    measured = read_measured(file, ("s", "N"))
+    time = np.linspace(0.0, 2e-4, 50)
+    curves = {"a": SampledCurve(time, 1500.0 * np.sin(np.pi * time / 2e-4))}
+    curves["b"] = SampledCurve(time, 0.5 * curves["a"].y)
+    differences = {name: deviation(measured, curve) for name, curve in curves.items()}
+    assert differences["a"].rms == 0 and differences["a"].n_points == 1
+    assert set(unranked_reasons(differences).values()) == {"fewer than 3 common points"}
+    text = closest_sentence(measured, differences, ("s", "N"), alone=False)
+    assert text.endswith("measured.csv: fewer than 3 common points (a, b).")
+    assert text.startswith("No run is ranked") and "Closest" not in text
+    assert coverage_notes(measured, differences) == []
+    (note,) = unit_notes(measured, curves, ("s", "N"))
+    assert note.endswith("lasts 80 s, the runs 200 µs; check the unit.")
+    small = read_measured(file, ("s", "N"), scale=1e-3)
+    assert len(unit_notes(small, curves, ("s", "N"))) == 2
+    fits = {"a": SampledCurve(time * 4e5, curves["a"].y)}
+    assert unit_notes(measured, fits, ("s", "N")) == []
+
+
+def test_runs_that_end_before_the_peak_or_tie_are_not_ranked(tmp_path):
+    file = tmp_path / "measured.csv"
+    file.write_text("time_ms,force_N\n0,0\n1,4\n2,6\n3,10\n4,2\n")
+    measured = read_measured(file, ("s", "N"))
+    time = np.arange(5) * 1e-3
+    force = np.array([0.0, 4.0, 6.0, 10.0, 2.0])
+    early = deviation(measured, SampledCurve(time[:3], force[:3]))
+    text = closest_sentence(measured, {"a": early, "b": early}, ("s", "N"), alone=False)
+    assert text.endswith("ends before the measured peak (a, b).")
+    high = deviation(measured, SampledCurve(time, 1.1 * force))
+    low = deviation(measured, SampledCurve(time, 0.9 * force))
+    text = closest_sentence(measured, {"a": high, "b": low}, ("s", "N"), alone=False)
+    assert text.startswith("Equally close to") and ": a, b, with" in text
+
+
+def test_a_rounded_depth_beyond_the_last_layer_is_compared(tmp_path):
+    """32.70 mm with the last layer at 32.66 mm; 33 mm is beyond 1 % of the spacing."""
+    depth = 8.165e-3 * np.arange(1, 5)
+    curve = SampledCurve(depth, np.array([400.0, 190.0, 90.0, 60.0]))
+    counts = {}
+    for last in (32.70, 33.0):
+        file = tmp_path / "measured.csv"
+        file.write_text(f"depth_mm,force_N\n8.17,400\n16.33,190\n24.5,90\n{last},60\n")
+        measured = read_measured(file, ("m", "N"))
+        difference = deviation(measured, curve)
+        counts[last] = (difference.n_points, difference.n_near_end)
+        notes = near_end_notes(measured, {"a": difference}, ("m", "N"))
+        assert len(notes) == difference.n_near_end
+    assert counts == {32.70: (4, 1), 33.0: (3, 0)}
 
 
 @pytest.mark.parametrize(
