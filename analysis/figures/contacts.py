@@ -222,8 +222,9 @@ _FEWEST = 10  # fewest contacts of a distribution
 _FEWEST_BINS = 5
 _MOST_BINS = 60
 _TAIL_FROM = 1.0  # start of the fitted tail / mean force
-_WIDE = 20.0  # largest force / mean above which the axis of the forces is logarithmic
+_WIDE = 20.0  # largest force / mean above which the bins widen with the force
 _ALIKE = 0.06  # standard deviation / mean of nearly equal forces, which have no distribution
+_FIRST_BIN = 0.25  # upper edge of the first of widening bins / mean force
 _NOT_SMALL = 0.5  # smallest force / mean, above which bins begin with it
 _CURVE = 200  # points of a fitted tail
 _BEYOND = 3.0  # ratio of the limits of the axis to the densities
@@ -243,21 +244,19 @@ def force_distribution(result: Result) -> Drawing | None:
         return None
     figure, axes = panels(2.7)
     all_alike = all(_is_alike(state) for state in states)
-    wide = any(state.force.max() > _WIDE * state.force.mean() for state in states)
     columns: dict[str, ArrayLike] = {}
     for state in states:
         relative = state.force / state.force.mean()
         if _is_alike(state):
             columns |= _draw_alike_forces(axes, state)
         else:
-            columns |= _draw_distribution(axes, state, relative, wide)
-    label(axes, r"Contact force / mean $F/\langle F\rangle$", log="x" if wide else "")
+            columns |= _draw_distribution(axes, state, relative)
+    label(axes, r"Contact force / mean $F/\langle F\rangle$")
     if all_alike:
         _say_that_all_are_alike(axes)
     else:
         label(axes, y=r"$P(F/\langle F\rangle)$", log="y")
-    if not wide:
-        axes.set_xlim(left=0)
+    axes.set_xlim(left=0)
     legend_above(axes, 1, fontsize=7)
     return Drawing(figure, columns)
 
@@ -277,7 +276,7 @@ def _draw_alike_forces(axes: Axes, state: ContactForces) -> dict[str, ArrayLike]
     if _newton(low) != _newton(high):
         forces = f"{_newton(low)} to {_newton(high)}"
     axes.axvspan(low / mean, high / mean, color=colour, alpha=0.25, linewidth=0)
-    text = f"{state.title}: {len(state.force)} contacts, {forces}"
+    text = f"{state.title}: {_counted(state)}, {forces}"
     axes.axvline(1.0, color=colour, linestyle=_LINES[state.name], linewidth=0.9, label=text)
     return {
         f"{state.name}_mean_force_N": [mean],
@@ -300,19 +299,27 @@ def _say_that_all_are_alike(axes: Axes) -> None:
     )
 
 
-def _draw_distribution(
-    axes: Axes, state: ContactForces, relative: Vectors, wide: bool
-) -> dict[str, ArrayLike]:
+def _counted(state: ContactForces) -> str:
+    """Return the number of contacts of a state in words, and of loaded contacts left out."""
+    number = len(state.force)
+    if not state.n_left_out:
+        return f"{number} contacts"
+    loaded = number + state.n_left_out
+    return f"{number} of {loaded} loaded contacts\n(with at least $10^{{-4}}$ of the largest force)"
+
+
+def _draw_distribution(axes: Axes, state: ContactForces, relative: Vectors) -> dict[str, ArrayLike]:
     """Draw the distribution of one state with its tail; return its data."""
     colour, marker = _STYLES[state.name]
-    centre, density, count = _histogram(relative, wide)
+    centre, density, count = _histogram(relative)
     filled = count > 0
-    text = f"{state.title}: {len(relative)} contacts"
+    text = f"{state.title}: {_counted(state)}"
     tail = exponential_tail(relative, _TAIL_FROM)
     if tail is not None:
-        text = f"{text}\n{tail.count} beyond the mean: decay {with_error(tail.decay, tail.error)}"
-        if not tail.is_exponential:
-            text = f"{text}\n(not exponential)"
+        decay = "not exponential"
+        if tail.is_exponential:
+            decay = f"decay {with_error(tail.decay, tail.error)}"
+        text = f"{text}\n{tail.count} beyond the mean: {decay}"
         _draw_tail(axes, tail, relative, colour)
     axes.plot(
         centre[filled], density[filled], marker, color=colour, markersize=3.5,
@@ -333,23 +340,24 @@ def _widen(axes: Axes, density: Vectors) -> None:
     axes.set_ylim(min(low, bottom), max(high, top))
 
 
-def _histogram(values: Vectors, wide: bool) -> tuple[Vectors, Vectors, NDArray[np.int64]]:
+def _histogram(values: Vectors) -> tuple[Vectors, Vectors, NDArray[np.int64]]:
     """Return the centres of bins, the probability density, and the number of values of each.
 
     Bins of equal width reach from 0 to the largest value, or from the smallest value if it is not
-    small. If the axis is ``wide``, their widths are equal on its logarithmic scale.
+    small. If the largest value exceeds 20 times the mean, bins widen by a constant factor beyond a
+    quarter of the mean, so that rare large forces share bins.
     """
     number = round(2 * len(values) ** (1 / 3))
     number = min(max(number, _FEWEST_BINS), _MOST_BINS)
     largest = float(values.max())
-    if wide:
-        edges = np.geomspace(float(values.min()), largest, number + 1)
-        edges[[0, -1]] = values.min(), largest
-        centre = np.sqrt(edges[1:] * edges[:-1])
+    if largest > _WIDE * float(values.mean()):
+        edges = np.geomspace(_FIRST_BIN * float(values.mean()), largest, number)
+        edges[-1] = largest
+        edges = np.concatenate([[0.0], edges])
     else:
         smallest = float(values.min())
         edges = np.linspace(smallest if smallest > _NOT_SMALL else 0.0, largest, number + 1)
-        centre = 0.5 * (edges[1:] + edges[:-1])
+    centre = 0.5 * (edges[1:] + edges[:-1])
     count = np.histogram(values, edges)[0]
     return centre, count / (len(values) * np.diff(edges)), count
 
@@ -358,7 +366,7 @@ def _draw_tail(axes: Axes, tail: ExponentialTail, relative: Vectors, colour: str
     """Draw the fitted exponential, with the fraction of the values beyond its start below it;
     dashed if the values are not exponential.
     """
-    x = np.geomspace(tail.start, float(relative.max()), _CURVE)
+    x = np.linspace(tail.start, float(relative.max()), _CURVE)
     height = tail.count / len(relative) * tail.decay
     density = height * np.exp(-tail.decay * (x - tail.start))
     line = "-" if tail.is_exponential else "--"

@@ -146,13 +146,17 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("accelerations", histories.sensors, "Accelerations of the sensors",
      "Sensors at equivalent positions ideally have the same curve."),
     ("directions", dissipation.directions, "Energy and dissipation by direction from the impact point",
-     "Peaks lie along chains of contacts; a constant curve is an isotropic wave."),
+     "Each panel is a view from above onto the directions below the impact; a layer has bars. "
+     "Large values lie along chains of contacts, which the white rings mark; equal values in all "
+     "directions are an isotropic wave."),
     ("contact_network", contacts.contact_network,
      "Contacts between grains as lines, whose width is proportional to the force",
      "Consecutive thick lines are a force chain; the title gives the force of the thickest line."),
     ("force_distribution", contacts.force_distribution,
      "Distribution of contact forces relative to their mean",
-     "A straight line is an exponential tail; a slow decay means that the forces are not uniform."),
+     "Only the axis of the densities is logarithmic: a straight line is an exponential tail, and a "
+     "slower decay means rare, very large forces. Contacts with less than 1e-4 of the largest force "
+     "are not counted; the mean depends on this limit."),
     ("line_diagram", rows.line_diagram,
      "Speed of a line of grains in space and time, with the front",
      "The front is the lower edge of the colours; dots on the fitted line show a constant speed."),

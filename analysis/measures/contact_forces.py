@@ -54,6 +54,8 @@ class ContactForces:
         Ids of the grains: (n_contacts,).
     force
         Forces: (n_contacts,), N.
+    n_left_out
+        Number of contacts with a smaller force than 1e-4 of the largest, which do not count.
     """
 
     name: str
@@ -61,6 +63,7 @@ class ContactForces:
     i: Ids
     j: Ids
     force: Array
+    n_left_out: int = 0
 
     @property
     def title(self) -> str:
@@ -117,7 +120,8 @@ def _joined(
         parts.append((i[chosen], j[chosen], force[chosen]))
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     carries = columns[2] >= _LEAST * largest
-    return ContactForces(name, time, *(column[carries] for column in columns))
+    n_left_out = int(np.count_nonzero(~carries))
+    return ContactForces(name, time, *(column[carries] for column in columns), n_left_out)
 
 
 def _at_instant(result: Result) -> tuple[float, tuple[NDArray, ...]] | None:

@@ -180,16 +180,46 @@ def test_forces_that_are_alike_are_a_band(run, monkeypatch, spread, text):
     assert not len(axes.get_yticks())
 
 
-def test_wide_forces_are_on_a_logarithmic_axis(run):
-    """The bins contain all contacts."""
+def test_forces_without_an_exponential_tail_have_no_decay(run, monkeypatch):
+    """The forces of a power law, 5000 of 5100 loaded contacts."""
+    force = np.random.default_rng(3).pareto(1.5, 5000) + 1.0
+    ids = np.arange(5000)
+    state = contacts.ContactForces("peak", None, ids, ids, force, n_left_out=100)
+    monkeypatch.setattr(contacts, "contact_forces", lambda result: [state])
+    text = drawn(run, "force_distribution").figure.axes[0].get_legend().get_texts()[0].get_text()
+    first, second, third = text.split("\n")
+    assert first.endswith("5000 of 5100 loaded contacts")
+    assert second == "(with at least $10^{-4}$ of the largest force)"
+    assert third.endswith("beyond the mean: not exponential") and "±" not in text
+
+
+def test_an_exponential_tail_is_a_straight_line(run, monkeypatch):
+    """The axis of the forces is linear, also of wide distributions."""
+    ids = np.arange(5000)
+    force = np.random.default_rng(3).exponential(7.0, 5000)
+    force[0] = 30.0 * force.mean()
+    state = contacts.ContactForces("peak", None, ids, ids, force)
+    monkeypatch.setattr(contacts, "contact_forces", lambda result: [state])
+    drawing = drawn(run, "force_distribution")
+    axes = drawing.figure.axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
+    count = drawing.columns["peak_contacts"]
+    assert count.sum() == 5000
+    x = drawing.columns["peak_force_over_mean"][count > 100]
+    density = drawing.columns["peak_density"][count > 100]
+    slope, _ = np.polyfit(x, np.log(density), 1)
+    assert slope == pytest.approx(-1.0, abs=0.05)
+
+
+def test_the_bins_of_wide_forces_have_all_contacts(run):
     drawing = drawn(run, "force_distribution")
     columns = drawing.columns
     with Result(run) as result:
         force = result["contacts/peak_force"]
     carries = force >= 1e-4 * force.max()
     assert columns["peak_contacts"].sum() == carries.sum()
-    wide = force.max() > 20 * force[carries].mean()
-    assert drawing.figure.axes[0].get_xscale() == ("log" if wide else "linear")
+    axes = drawing.figure.axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
 
 
 def test_a_chain_has_no_distribution(tmp_path):
