@@ -9,9 +9,11 @@ from functools import partial
 from itertools import chain
 from typing import Any
 
+import matplotlib.lines as mlines
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from granwave.analysis.document.model import named
 from granwave.analysis.figures.series import (
@@ -58,20 +60,29 @@ from granwave.analysis.reports.comparison.subjects import (
 
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
 #: Line styles of the runs, which distinguish curves in grey prints; fits and measured curves are
-#: dotted.
-_LINES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)), (0, (2, 1)))
+#: dotted. The styles with longer gaps are drawn over the others.
+_LINES: tuple[Any, ...] = (
+    "-",
+    (0, (9, 1.5)),
+    (0, (7, 1.5, 1.5, 1.5)),
+    (0, (4, 1.5)),
+    (0, (6, 1.5, 1.5, 1.5, 1.5, 1.5)),
+    (0, (2, 2)),
+)
+_ABOVE_LINES = 0.01  # step of the order of drawing from a line style to the next
 _MICRO = 1e6
 _MILLI = 1e3
 _KILO = 1e3
 _DECADES = 1e-4  # lowest over highest value of a logarithmic axis
 _FONT = 7  # font size of legends, points
 _LETTER = 0.054  # width of a letter of a legend, inches
-_HANDLE = 0.45  # width of its line and gaps, inches
+_HANDLE = 0.65  # width of its line and gaps, inches
+_HANDLE_LENGTH = 4.0  # length of its line, which shows a period of broken lines / font size
 _ROW = 0.15  # height of a row of a legend, inches
 _FREE_ROWS = 2  # rows of a legend for which a figure has room
 _THIN = 0.9  # points
 _THICK = 1.6
-_MOST_WIDTHS = 4  # runs whose lines have different widths
+_MOST_WIDTHS = 6  # runs whose lines have different widths
 _MARKERS = ("o", "s", "^", "D", "v", "P")
 _MOST_MARKED = 40  # points of a curve with markers
 _NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
@@ -82,6 +93,7 @@ _HIDES = 30.0  # ratio of the largest to the smallest peak that a linear axis hi
 _N_LAWS = 2  # laws of decay: exponential and power
 _OTHER_LAW = "it follows the other law"
 _BELOW = 1e-2  # lowest force of a logarithmic axis, divided by the smallest peak
+_TWO_DECADES = 100.0  # highest / lowest value below which ticks between decades have labels
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
 
 
@@ -170,20 +182,24 @@ def read_figure(figure: ComparisonFigure, runs: Sequence[ComparedRun]) -> Figure
 def _styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
     """Return colour and line of each run, which are the same in all figures of a comparison.
 
-    Of a few runs the first has the thickest line, so that it is seen below equal curves.
+    Of a few runs the first has the thickest line, so that it is seen below equal curves; solid
+    lines are below broken lines.
     """
     widths = [_THIN] * len(runs)
     if 1 < len(runs) <= _MOST_WIDTHS:
         widths = np.linspace(_THICK, _THIN, len(runs)).tolist()
-    return {
-        run: {
-            "color": COLOURS[run.look % len(COLOURS)],
-            "linestyle": _LINES[run.look % len(_LINES)],
+    styles: dict[ComparedRun, dict[str, Any]] = {}
+    for run, width in zip(runs, widths, strict=True):
+        turn, place = divmod(run.look, len(COLOURS))
+        line = (place + turn) % len(_LINES)
+        styles[run] = {
+            "color": COLOURS[place],
+            "linestyle": _LINES[line],
             "linewidth": width,
+            "zorder": mlines.Line2D.zorder + line * _ABOVE_LINES,
             "label": run.label.replace("$", r"\$").lstrip("_") or "run",
         }
-        for run, width in zip(runs, widths, strict=True)
-    }
+    return styles
 
 
 def _markers(run: ComparedRun, places: Array) -> dict[str, Any]:
@@ -210,7 +226,13 @@ def _legend(figure: MatplotlibFigure) -> None:
     n_columns = max(1, int(width / (_HANDLE + _LETTER * longest)))
     n_rows = math.ceil(len(lines) / n_columns)
     figure.set_size_inches(width, height + _ROW * max(0, n_rows - _FREE_ROWS))
-    figure.legend(handles=lines, loc="outside upper center", ncols=n_columns, fontsize=_FONT)
+    figure.legend(
+        handles=lines,
+        loc="outside upper center",
+        ncols=n_columns,
+        fontsize=_FONT,
+        handlelength=_HANDLE_LENGTH,
+    )
 
 
 def _end_of_time(axes: Axes, ends: Sequence[float]) -> None:
@@ -331,33 +353,34 @@ def draw_peaks(
     If each layer is one sphere, as in a chain, there is no panel of the median.
     """
     has_layers = any((one.largest != one.median).any() for one in peaks.values())
-    figure, left, *others = panels(2.9, columns=1 + has_layers)
+    n_panels = 1 + has_layers
+    figure, upper, *others = panels(1.0 + 1.8 * n_panels, rows=n_panels, sharex=True)
     fits = common_fits(peaks)
     columns: dict[str, Array] = {}
     for run, look in _styles(list(peaks)).items():
         one = peaks[run]
         depth = one.depth * _MILLI
-        left.plot(depth, one.largest, **_markers(run, depth), **look)
-        for right in others:
+        upper.plot(depth, one.largest, **_markers(run, depth), **look)
+        for lower in others:
             is_loaded = one.median > 0
-            right.plot(depth[is_loaded], one.median[is_loaded], **_markers(run, depth), **look)
+            lower.plot(depth[is_loaded], one.median[is_loaded], **_markers(run, depth), **look)
         if run in fits:
             decay = fits[run]
             ends = np.linspace(decay.first, decay.last, _POINTS_OF_FIT)
             fit = decay(ends)
-            left.plot(ends * _MILLI, fit, color=look["color"], linestyle=":", linewidth=1.6)
+            upper.plot(ends * _MILLI, fit, color=look["color"], linestyle=":", linewidth=1.6)
         name = column_name(run.label)
         columns |= {
             f"{name}_depth_m": one.depth,
             f"{name}_largest_N": one.largest,
             f"{name}_median_N": one.median,
         }
-    columns |= _measured_lines(left, measured, _MILLI, 1.0)
-    label(left, "Depth (mm)", _peak_title(peaks))
-    for right in others:
-        left.set_title("largest of the layer")
-        label(right, "Depth (mm)", title="median of the layer")
-    _log_if_wide(left, *others)
+    columns |= _measured_lines(upper, measured, _MILLI, 1.0)
+    label(upper, "" if others else "Depth (mm)", _peak_title(peaks))
+    for lower in others:
+        upper.set_title("largest of the layer")
+        label(lower, "Depth (mm)", _peak_title(peaks), title="median of the layer")
+    _log_if_wide(upper, *others)
     _legend(figure)
     return Drawing(figure, columns)
 
@@ -383,8 +406,24 @@ def _log_if_wide(*panels_of_figure: Axes) -> None:
         if is_wide and len(positive):
             axes.set_yscale("log")
             axes.set_ylim(positive.min() / _ROOM_OF_LOG, positive.max() * _ROOM_OF_LOG)
+            _label_log_axis(axes, positive.max() / positive.min())
         else:
             axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0))
+
+
+def _label_log_axis(axes: Axes, ratio: float) -> None:
+    """Label the ticks of a logarithmic vertical axis: 1, 2 and 5 of each decade over less than two
+    decades, otherwise the decades.
+
+    Parameters
+    ----------
+    ratio
+        Largest value / smallest value.
+    """
+    if ratio < _TWO_DECADES:
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
@@ -498,6 +537,21 @@ def draw_growth(
     return Drawing(figure, columns)
 
 
+def growth_notes(zones: Mapping[ComparedRun, GrowthCurves]) -> str:
+    """Return a sentence on runs whose curves end on one line, since their deepest yield is equal;
+    empty if there are none.
+    """
+    names: dict[str, list[str]] = {}
+    for run, zone in zones.items():
+        names.setdefault(quantity_in(float(zone.depth[-1]), "m"), []).append(run.name)
+    parts = [
+        f"{depth} in {named(runs, len(runs))}" for depth, runs in names.items() if len(runs) > 1
+    ]
+    if not parts:
+        return ""
+    return f"Curves of equal largest depth end on one line: {'; '.join(parts)}."
+
+
 def draw_fronts(
     curves: Mapping[ComparedRun, SampledCurve], measured: Sequence[MeasuredCurve]
 ) -> Drawing:
@@ -576,12 +630,19 @@ def _difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
 
 
 def speed_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
-    """Return a sentence on the front speeds of the runs that have one."""
+    """Return sentences on the front speeds of the runs, and on runs without one."""
     speeds = [(run.name, run.run.number("wave_speed_m_s")) for run in curves]
     parts = [f"{speed:.4g} m/s ({name})" for name, speed in speeds if speed is not None]
-    if not parts:
-        return ""
-    return f"Speed of the front in the deeper half: {', '.join(parts)}."
+    without = [name for name, speed in speeds if speed is None]
+    sentences: list[str] = []
+    if parts:
+        sentences.append(f"Speed of the front in the deeper half: {', '.join(parts)}.")
+    if without:
+        listed = named(without, len(without))
+        sentences.append(
+            f"No speed of the front, for which wave_speed_m_s states the conditions: {listed}."
+        )
+    return " ".join(sentences)
 
 
 def draw_field_panels(
@@ -627,7 +688,7 @@ FIGURES: dict[str, ComparisonFigure] = {
     ),
     "zone_growth": ComparisonFigure(
         "Growth of the plastic zone: number and largest depth of yielded spheres", growth,
-        draw_growth,
+        draw_growth, notes=growth_notes,
     ),
     "fronts": ComparisonFigure(
         "Arrival of the front of the wave at each layer", front, draw_fronts, units=("m", "s"),

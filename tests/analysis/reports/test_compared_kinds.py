@@ -5,11 +5,18 @@ from __future__ import annotations
 import dataclasses
 from types import SimpleNamespace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 from granwave.analysis.figures.series import COLOURS
-from granwave.analysis.reports.comparison.figures import _styles
+from granwave.analysis.reports.comparison.curves import GrowthCurves
+from granwave.analysis.reports.comparison.figures import (
+    _log_if_wide,
+    _styles,
+    growth_notes,
+    speed_notes,
+)
 from granwave.analysis.reports.comparison.grain_ids import short_ids
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
@@ -45,6 +52,54 @@ def test_a_run_has_one_colour_in_all_figures():
     compared = [ComparedRun(run, f"run {n}", n, look=n) for n, run in enumerate(runs())]
     drawn = _styles([compared[0], compared[2]])
     assert [look["color"] for look in drawn.values()] == [COLOURS[0], COLOURS[2]]
+
+
+def test_runs_are_distinguished_without_colours():
+    """Six runs have six line styles; a solid line is never drawn over a broken line."""
+    compared = [ComparedRun(run, f"run {n}", n, look=n) for n, run in enumerate(looks(12))]
+    drawn = list(_styles(compared).values())
+    assert len({str(look["linestyle"]) for look in drawn[:6]}) == 6
+    assert len({(look["color"], str(look["linestyle"])) for look in drawn}) == 12
+    lowest = min(drawn, key=lambda look: look["zorder"])
+    assert lowest["linestyle"] == "-"
+    assert ":" not in [look["linestyle"] for look in drawn]
+
+
+def looks(number):
+    """Runs that differ in their names only."""
+    return [SimpleNamespace(label=f"run {n}") for n in range(number)]
+
+
+def test_equal_depths_and_missing_speeds_are_stated():
+    """Curves that end on one line are named, and so are runs without a speed of the front."""
+    speeds = (400.0, None, None)
+    ran = [SimpleNamespace(label=f"r{n}", number=lambda _, v=v: v) for n, v in enumerate(speeds)]
+    compared = [ComparedRun(run, run.label, n, look=n) for n, run in enumerate(ran)]
+    depths = (0.03266, 0.03266, 0.0392)
+    zones = {
+        run: GrowthCurves(np.zeros(1), np.zeros(1), np.array([depth]))
+        for run, depth in zip(compared, depths, strict=True)
+    }
+    note = growth_notes(zones)
+    assert note == "Curves of equal largest depth end on one line: 32.66 mm in r0, r1."
+    text = speed_notes(dict.fromkeys(compared))
+    assert "400 m/s (r0)" in text and text.endswith("the conditions: r1, r2.")
+
+
+@pytest.mark.parametrize(("largest", "labels"), [(15.0, {"1", "2", "5", "10"}), (900.0, set())])
+def test_labels_of_logarithmic_axes(largest, labels):
+    """Within two decades they are plain numbers; no label has the form 2×10¹."""
+    figure, axes = plt.subplots()
+    axes.plot([0.0, 1.0], [1.0, largest])
+    _log_if_wide(axes)
+    figure.draw_without_rendering()
+    low, high = axes.get_ylim()
+    ticks = zip(axes.yaxis.get_majorticklocs(), axes.yaxis.get_majorticklabels(), strict=True)
+    shown = {text.get_text() for place, text in ticks if low <= place <= high}
+    minor = {text.get_text() for text in axes.yaxis.get_minorticklabels()}
+    plt.close(figure)
+    assert labels <= shown
+    assert minor <= {""}
 
 
 def test_runs_beyond_those_drawn_are_spread_evenly():
