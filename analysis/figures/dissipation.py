@@ -226,7 +226,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
     n_contacts, n_rays = along.peak_force.shape
     pitch = result.case.packing.diameter * along.directions[0, 2] if n_rays else 0.0
     middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
-    figure, axes = panels(2.4)
+    figure, axes = panels(2.7)
     if n_rays > 1 and n_contacts > 1:
         _mark_directions(axes, middle * _MILLI, along.peak_force / scale)
     is_pressed = has_static_forces(result)
@@ -288,7 +288,8 @@ def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> Non
         "--",
         color="black",
         linewidth=0.9,
-        label=f"fitted {law}, rms {100 * decay.misfit:.2g} %",
+        label=f"fitted {law}, rms {100 * decay.misfit:.2g} %\n"
+        f"({decay.n_layers} layers, without the impacted and the last layer)",
     )
 
 
@@ -333,6 +334,9 @@ def _mark_directions(axes: Axes, depth: Array, force: Array) -> None:
 
 _LEAST = 1e-5  # smallest fraction of the energy in the figure
 _NOTHING = 1e-12  # fraction of the energy that is due to rounding
+#: Dashes of the lines at boundaries; the dashes of one line fill the gaps of the other, so that
+#: lines at the same distance are both seen.
+_EDGES = {"depth": (0, (3, 3)), "radius": (3, (3, 3))}
 _STYLES = {
     "depth": (BLUE, "-", "o", BOTTOM),
     "radius": (ORANGE, "--", "s", SIDES),
@@ -418,7 +422,7 @@ def draw_zone_size(
             axes.axvline(
                 bounds[bound] / diameter,
                 color=colour,
-                linestyle=":",
+                linestyle=_EDGES[name],
                 linewidth=0.9,
                 label=f"zone reaches the {shown}",
             )

@@ -74,13 +74,16 @@ class RunFigure:
 #: Figures of the core: name, function, caption, what to look for; with * on each of the three planes.
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
-     "Bright lines are chains of contacts that carry the wave."),
+     "Bright lines are chains of contacts that carry the wave. Pale spheres, only in the "
+     "perpendicular plane of a lattice, are in the plane behind it."),
     ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest of the run "
         "with reflections, excluding walls",
      "A straight line is an exponential decay. The legend gives the fitted law, or the reason why no "
-     "law is fitted; markers show the preferred directions."),
+     "law is fitted; the fit omits the impacted and the last layer. Markers show the preferred "
+     "directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
-     "The coloured spheres show the extent of the plastic zone."),
+     "The coloured spheres show the extent of the plastic zone. Pale spheres, only in the "
+     "perpendicular plane of a lattice, are in the plane behind it."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
         "friction and viscous losses",
      "All panels have the same scale: compare the location of yielding, sliding and damping."),
@@ -98,7 +101,9 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("plastic_zone_size", dissipation.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a distance",
      "The curve reaches 0.1 at the 90 % depth or radius; a curve that ends abruptly is cut by a "
-     "boundary."),
+     "boundary. Broken vertical lines are at the nearest sphere of a boundary that the zone "
+     "reaches. The axis ends where 1e-5 of the dissipation is beyond; the size of the zone in "
+     "reports includes all yielded spheres, and may be larger."),
     ("energies", histories.energies, "Energies and the error of their balance",
      "When the dissipated energy is constant, the impact is over; the residual is the error of "
      "the balance."),
@@ -108,8 +113,9 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("bottom_force", histories.bottom_force, "Force and impulse on the bottom",
      "The first rise is the arrival of the wave; the impulse is the area under the force, above "
      "its static value."),
-    ("target", histories.target, "Force on the target with and without the packing, and work on it",
-     "The ratio of the two force peaks is the peak reduction."),
+    ("target", histories.target, "Force on the target with and without the packing",
+     "The ratio of the two force peaks is the peak reduction. A target that can move has a panel "
+     "with the work on it."),
     ("impactor_velocity", histories.impactor_velocity, "Velocity of the impacted or loaded sphere",
      "Negative values are a rebound; where the velocity is constant, the sphere moves freely."),
     ("probes", histories.probes, "Probes",
@@ -159,7 +165,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "are not counted; the mean depends on this limit."),
     ("line_diagram", rows.line_diagram,
      "Speed of a line of grains in space and time, with the front",
-     "The front is the lower edge of the colours; dots on the fitted line show a constant speed."),
+     "The front is the lower edge of the colours; dots on the fitted line show a constant speed. "
+     "White: slower than one thousandth of the largest speed."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
      "The delay between the curves gives the speed of the wave, and their heights give its decay."),
     ("energy_by_region", regions.energy_by_region, "Energy in regions of the packing",

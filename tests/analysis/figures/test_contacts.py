@@ -7,15 +7,17 @@ from __future__ import annotations
 import csv
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection, QuadMesh
 
 from granwave.analysis import Result, write_result
-from granwave.analysis.figures import contacts
+from granwave.analysis.figures import contacts, dissipation, rows
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.measures.contact_forces import exponential_tail
+from granwave.analysis.measures.force_decay import power_decay
 from granwave.lammps_inputs.case.figures import Figures, usual_figure_names
 from tests.helpers.made_up import synthetic
 
@@ -220,6 +222,33 @@ def test_the_bins_of_wide_forces_have_all_contacts(run):
     assert columns["peak_contacts"].sum() == carries.sum()
     axes = drawing.figure.axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
+
+
+def test_the_legend_has_the_number_of_fitted_layers():
+    """The fit of the peak force omits the impacted and the last layer, as its legend says."""
+    depth = np.arange(12) * 8.0e-3
+    decay = power_decay(depth, 100.0 * np.exp(-50.0 * depth), 8.0e-3)
+    assert decay is not None
+    figure, axes = plt.subplots()
+    dissipation._draw_decay(axes, decay, 1.0)
+    (line,) = axes.lines
+    plt.close(figure)
+    n_layers = decay.n_layers
+    assert n_layers == 10
+    assert f"({n_layers} layers, without the impacted and the last layer)" in line.get_label()
+
+
+def test_captions_explain_what_is_drawn():
+    """White cells, pale spheres, the end of an axis, a panel that rigid targets lack."""
+    looks = {name: figure.look for name, figure in run_figures().items()}
+    assert "White: slower" in looks["line_diagram"]
+    assert pytest.approx(1e-3) == 10**-rows._DECADES_OF_SPEED  # "one thousandth"
+    assert "one thousandth of the largest speed" in looks["line_diagram"]
+    for name in ("peak_force_orthogonal", "dissipation_orthogonal"):
+        assert "Pale spheres" in looks[name]
+    assert f"{dissipation._LEAST:.0e}".replace("-0", "-") in looks["plastic_zone_size"]
+    assert "work" not in run_figures()["target"].caption
+    assert "curve" not in looks["directions"]
 
 
 def test_a_chain_has_no_distribution(tmp_path):

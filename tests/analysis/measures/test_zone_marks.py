@@ -345,6 +345,21 @@ def test_legend_of_the_size_leaves_room_for_the_curves():
         assert axes.bbox.width > 0.6 * drawing.figure.bbox.width
 
 
+def test_boundaries_at_one_distance_are_both_seen():
+    """The dashes of one line fill the gaps of the other."""
+    depth = np.array([0.0, 1.0, 2.0, 3.0])
+    distances = {"depth": depth, "radius": depth}
+    bounds = {"bottom": 3.0, "sides": 3.0}
+    drawing = draw_zone_size(np.array([50.0, 30.0, 4.0, 1.0]), distances, 1.0, "D", bounds)
+    assert drawing is not None
+    lines = drawing.figure.axes[0].lines
+    edges = [line for line in lines if str(line.get_label()).startswith("zone reaches")]
+    assert [line.get_xdata()[0] for line in edges] == [3.0, 3.0]
+    (first, dashes), (second, others) = (line._unscaled_dash_pattern for line in edges)
+    assert tuple(dashes) == tuple(others) and second - first == dashes[0] == dashes[1]
+    assert edges[0].get_color() != edges[1].get_color()
+
+
 def test_report_notes_marks_and_explains(tmp_path, scan):
     cut = write_run(tmp_path / "small", figures=False, **SIZES, **CUT)
     whole = write_run(tmp_path / "large", figures=False, **SIZES, **FREE)
