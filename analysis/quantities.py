@@ -442,8 +442,8 @@ ENTRIES = (
     Quantity("sensor_*_peak_velocity_m_s", note="Only for packings other than chains."),
     # lines of grains
     Quantity("line_*_front_speed_m_s", "Front speed along a line",
-             "Slope of distance against arrival time, at which a grain first moves at 5 % of the "
-             "speed of the load."),
+             "Slope of the distance against the arrival time, which is the time at which the speed "
+             "of a grain first reaches 5 % of the speed of the load."),
     Quantity("line_*_peak_first_m_s", "First peak along a line",
              "Peak speed: the first maximum above 5 % of the speed of the load, followed by a "
              "decrease of at least 10 %."),
