@@ -77,8 +77,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Bright lines are chains of contacts that carry the wave."),
     ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest "
         "of the run with reflections, excluding walls",
-     "A straight line is an exponential decay. The legend gives the fitted law, or the reason why "
-     "no law is fitted; markers show the preferred directions."),
+     "A straight line is an exponential decay. The legend gives the law, or why none fits; markers "
+     "show preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "The coloured spheres show the extent of the plastic zone."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
