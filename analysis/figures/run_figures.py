@@ -94,7 +94,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "If a curve rises early, few spheres dissipate most of the energy."),
     ("plastic_zone_growth", dissipation.plastic_zone_growth, "Growth of the plastic zone",
      "All yielded spheres are counted. If the curves are constant at the end, the zone is "
-     "complete; if they still rise, use a longer run."),
+     "complete; if they rise, use a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a distance",
      "The curve reaches 0.1 at the 90 % depth or radius; a curve that ends abruptly is cut by a "
