@@ -74,22 +74,12 @@ class RunFigure:
 #: Figures of the core: name, function, caption, what to look for; with * on each of the three planes.
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
-<<<<<<< HEAD
      "Bright lines are chains of contacts that carry the wave. Pale spheres, only in the "
      "perpendicular plane of a lattice, are in the plane behind it."),
-    ("peak_force_depth", dissipation.peak_force_depth,
-        "Peak contact force against depth: largest of the run "
-        "with reflections, excluding walls",
-     "A straight line is an exponential decay. The legend gives the fitted law, or the reason why "
-     "no law is fitted; the fit omits the impacted and the last layer. Markers show the preferred "
-     "directions."),
-=======
-     "Bright lines are chains of contacts that carry the wave."),
     ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest "
         "of the run with reflections, excluding walls",
-     "A straight line is an exponential decay. The legend gives the law, or why none fits; markers "
-     "show preferred directions."),
->>>>>>> main
+     "A straight line is an exponential decay. The legend gives the law, or why none fits; the fit "
+     "omits the impacted and the last layer. Markers show preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "The coloured spheres show the extent of the plastic zone. Pale spheres, only in the "
      "perpendicular plane of a lattice, are in the plane behind it."),
