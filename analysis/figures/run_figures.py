@@ -76,11 +76,10 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
      "Bright lines are chains of contacts that carry the wave. Pale spheres, only in the "
      "perpendicular plane of a lattice, are in the plane behind it."),
-    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest of the run "
-        "with reflections, excluding walls",
-     "A straight line is an exponential decay. The legend gives the fitted law, or the reason why no "
-     "law is fitted; the fit omits the impacted and the last layer. Markers show the preferred "
-     "directions."),
+    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest "
+        "of the run with reflections, excluding walls",
+     "A straight line is an exponential decay. The legend gives the law, or why none fits; the fit "
+     "omits the impacted and the last layer. Markers show preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "The coloured spheres show the extent of the plastic zone. Pale spheres, only in the "
      "perpendicular plane of a lattice, are in the plane behind it."),
@@ -97,7 +96,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "If a curve rises early, few spheres dissipate most of the energy."),
     ("plastic_zone_growth", dissipation.plastic_zone_growth, "Growth of the plastic zone",
      "All yielded spheres are counted. If the curves are constant at the end, the zone is "
-     "complete; if they still rise, use a longer run."),
+     "complete; if they rise, use a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a distance",
      "The curve reaches 0.1 at the 90 % depth or radius; a curve that ends abruptly is cut by a "
@@ -161,8 +160,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("force_distribution", contacts.force_distribution,
      "Distribution of contact forces relative to their mean",
      "Only the axis of the densities is logarithmic: a straight line is an exponential tail, and a "
-     "slower decay means rare, very large forces. Contacts with less than 1e-4 of the largest force "
-     "are not counted; the mean depends on this limit."),
+     "slower decay means rare, very large forces. Contacts with less than 1e-4 of the largest "
+     "force are not counted; the mean depends on this limit."),
     ("line_diagram", rows.line_diagram,
      "Speed of a line of grains in space and time, with the front",
      "The front is the lower edge of the colours; dots on the fitted line show a constant speed. "

@@ -43,10 +43,10 @@ def _inputs(runs: Sequence[ComparedRun]) -> str:
         return ""
     first = f"Inputs differ: {inputs_in_words(runs)}. "
     if not any(run.run.number(_DEPTH) for run in runs):
-        return f"{first}Forces and energies are not divided by them."
+        return f"{first}Forces and energies are not divided by the inputs."
     return (
-        f"{first}Forces, energies and sizes of the plastic zone are not divided by them, and "
-        "depths of the zone are not ranked; fractions are relative to the input energy."
+        f"{first}Forces, energies and sizes of the plastic zone are not divided by the "
+        "inputs, and depths of the zone are not ranked; fractions are relative to the input energy."
     )
 
 
