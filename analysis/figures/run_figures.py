@@ -75,8 +75,8 @@ class RunFigure:
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
      "Bright lines are chains of contacts that carry the wave."),
-    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest of the run "
-        "with reflections, excluding walls",
+    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest of the run, "
+        "including any reflections, excluding walls",
      "A straight line is an exponential decay. The legend gives the fitted law, or the reason why no "
      "law is fitted; markers show the preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",

@@ -280,6 +280,8 @@ def _caption(means: Means) -> str:
 
 def _of_run(run: ReportRun, inputs: ReportInputs) -> list[Block]:
     said = in_grains(in_words(run), grains_called_in([run.summary]))
+    if said and run.stopped:
+        said = f"The run is unfinished ({run.stopped}); these are its values so far. {said}"
     blocks: list[Block] = [Note(said, "lead")] if said else []
     table = value_rows(run)
     picture = _main_figure(run, inputs)

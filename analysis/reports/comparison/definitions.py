@@ -9,8 +9,10 @@ from collections.abc import Callable, Sequence
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
+from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input, inputs_in_words
 from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.kinds import ReportRun
 
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
@@ -20,6 +22,11 @@ _SAME_HEIGHT = 1.01  # largest over smallest height of packings that are equally
 _DEPTH = "zone_depth_90_m"
 _SPHERES = "n_spheres"
 _MOST_LISTED = 4  # runs that a sentence lists
+#: Beginnings of sentences on values that the end of a run limits.
+GROWING_ZONE = "The plastic zone still grows"
+NO_ARRIVAL = "The wave does not reach the bottom"
+RISING_FORCE = "The force on the bottom is largest"
+OF_THE_END = (GROWING_ZONE, NO_ARRIVAL, RISING_FORCE)
 
 
 def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
@@ -30,11 +37,21 @@ def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
         _static_forces(runs),
         _yielding_of_laws(runs),
         _depths_of_kinds(runs),
-        *_limited_zones(runs),
-        *_limited_forces(runs),
+        *_cut_zones(runs),
+        *_growing_zones(runs, is_ranked=True),
+        *_limited_forces(runs, is_ranked=True),
         *_without_force(runs),
     ]
     return [note for note in notes if note]
+
+
+def end_notes(runs: Sequence[ReportRun]) -> list[str]:
+    """Return sentences on plastic zones and forces on the bottom that the end of a run limits."""
+    numbered = [ComparedRun(run, run.label, number, number) for number, run in enumerate(runs)]
+    return [
+        *_growing_zones(numbered, is_ranked=False),
+        *_limited_forces(numbered, is_ranked=False),
+    ]
 
 
 def _inputs(runs: Sequence[ComparedRun]) -> str:
@@ -100,27 +117,44 @@ def _depths_of_kinds(runs: Sequence[ComparedRun]) -> str:
     )
 
 
-def _limited_zones(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return sentences on plastic zones that a boundary or the end of the run limits."""
+def _cut_zones(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return a sentence on plastic zones that a boundary limits; nothing if there are none."""
     cut = [run for run in runs if mark_of(run.run.summary) is Mark.CUT]
-    growing = [run for run in runs if run.run.summary.get("zone_growing")]
-    notes: list[str] = []
-    if cut:
-        listed = _listed(cut, lambda run: _joined(run, "zone_cut"))
-        notes.append(
-            f"The plastic zone reaches a boundary, which limits its size: {listed}. Limited zones "
-            "are not ranked by their depth."
-        )
-    if growing:
-        listed = _listed(growing, lambda run: _joined(run, "zone_growing"))
-        unranked = any("depth" in run.run.summary["zone_growing"] for run in growing)
-        more = " Depths that still grow are not ranked." if unranked else ""
-        notes.append(f"The plastic zone still grows at the end of the run: {listed}.{more}")
-    return notes
+    if not cut:
+        return []
+    listed = _listed(cut, lambda run: _joined(run, "zone_cut"))
+    return [
+        f"The plastic zone reaches a boundary, which limits its size: {listed}. Limited zones "
+        "are not ranked by their depth."
+    ]
 
 
-def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return sentences on forces on the bottom that do not reach their peak within a run."""
+def _growing_zones(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]:
+    """Return a sentence on plastic zones that the end of a run limits; nothing if there are none.
+
+    Parameters
+    ----------
+    is_ranked
+        True in a comparison, which ranks runs by the depth of the zone.
+    """
+    growing = [run for run in runs if run.run.summary.get(GROWING)]
+    if not growing:
+        return []
+    listed = _listed(growing, lambda run: _joined(run, GROWING))
+    unranked = is_ranked and any("depth" in run.run.summary[GROWING] for run in growing)
+    more = " Depths that still grow are not ranked." if unranked else ""
+    return [f"{GROWING_ZONE} at the end of the run: {listed}.{more}"]
+
+
+def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]:
+    """Return sentences on forces on the bottom that do not reach their peak within a run.
+
+    Parameters
+    ----------
+    is_ranked
+        True in a comparison, which ranks runs by these forces, and in which the wave may reach the
+        bottom in no run.
+    """
     unloaded: list[ComparedRun] = []
     rising: list[ComparedRun] = []
     for run in runs:
@@ -132,14 +166,16 @@ def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
         elif record.rises_at_end:
             rising.append(run)
     notes: list[str] = []
-    if unloaded and len(unloaded) < len(runs):
+    if unloaded and not (is_ranked and len(unloaded) == len(runs)):
         listed = _listed(unloaded, _end)
-        notes.append(f"The wave does not reach the bottom before the end of the run: {listed}.")
+        notes.append(f"{NO_ARRIVAL} before the end of the run: {listed}.")
     if rising:
         listed = _listed(rising, _end)
+        unranked = "such forces are not ranked, and " if is_ranked else ""
+        unknown = f"{unranked}the arrival of the wave is not known"
         notes.append(
-            "The force on the bottom is largest at the end of the run, and may rise further: "
-            f"{listed}. Such forces are not ranked, and their arrival is not known."
+            f"{RISING_FORCE} at the end of the run, and may rise further: {listed}. "
+            f"{unknown[0].upper()}{unknown[1:]}."
         )
     return notes
 

@@ -550,7 +550,7 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     if first:
         parts.append(f"of the first wave, before the reflection ({named(first, len(first))})")
     if whole:
-        parts.append(f"of the whole run, with reflections ({named(whole, len(whole))})")
+        parts.append(f"of the whole run, with any reflections ({named(whole, len(whole))})")
     return f"Largest forces {' and '.join(parts)}."
 
 
