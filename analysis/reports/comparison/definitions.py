@@ -37,10 +37,8 @@ def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
         _static_forces(runs),
         _yielding_of_laws(runs),
         _depths_of_kinds(runs),
-        *_cut_zones(runs),
-        *_growing_zones(runs, is_ranked=True),
-        *_limited_forces(runs, is_ranked=True),
-        *_without_force(runs),
+        " ".join([*_cut_zones(runs), *_growing_zones(runs, is_ranked=True)]),
+        " ".join([*_limited_forces(runs, is_ranked=True), *_without_force(runs)]),
     ]
     return [note for note in notes if note]
 
@@ -60,10 +58,10 @@ def _inputs(runs: Sequence[ComparedRun]) -> str:
         return ""
     first = f"Inputs differ: {inputs_in_words(runs)}. "
     if not any(run.run.number(_DEPTH) for run in runs):
-        return f"{first}Forces and energies are not divided by them."
+        return f"{first}Forces and energies are absolute values, not relative to the input."
     return (
-        f"{first}Forces, energies and sizes of the plastic zone are not divided by them, and "
-        "depths of the zone are not ranked; fractions are relative to the input energy."
+        f"{first}Fractions are relative to the input energy; forces, energies and sizes of the "
+        "plastic zone are absolute values, so that depths of the zone are not ranked."
     )
 
 
@@ -212,8 +210,15 @@ def _joined(run: ComparedRun, name: str) -> str:
 
 
 def _listed(runs: Sequence[ComparedRun], text: Callable[[ComparedRun], str]) -> str:
-    """Return runs with a text each; for many runs, the first ones and the number of the others."""
-    return _first([f"{text(run)} in {run.name}" for run in runs])
+    """Return texts with the runs that have them, each text once; of many texts the first ones, and
+    of many runs with one text the first names.
+    """
+    names: dict[str, list[str]] = {}
+    for run in runs:
+        names.setdefault(text(run), []).append(run.name)
+    parts = [f"{what} in {_first(of_text)}" for what, of_text in names.items()]
+    is_simple = len(parts) == len(runs)
+    return _first(parts, ", " if is_simple else "; ")
 
 
 def _named(runs: Sequence[ComparedRun]) -> str:
@@ -221,7 +226,7 @@ def _named(runs: Sequence[ComparedRun]) -> str:
     return _first([run.name for run in runs])
 
 
-def _first(parts: Sequence[str]) -> str:
+def _first(parts: Sequence[str], between: str = ", ") -> str:
     left = len(parts) - _MOST_LISTED
     more = f" and {left} more" if left > 0 else ""
-    return f"{', '.join(parts[:_MOST_LISTED])}{more}"
+    return f"{between.join(parts[:_MOST_LISTED])}{more}"

@@ -166,15 +166,15 @@ def _ordered(
     if last.value <= first.value * (1 + _SAME):
         return _equal(phrase, rising, text, n_runs)
     degree = phrase.of_two if len(rising) == _LEAST_RUNS else phrase.of_more
-    others = rising[1:] if len(rising) <= _MOST_LISTED else rising[-1:]
     parts: list[str] = []
-    for entry in others:
+    for entry in rising[1:]:
         ratio = phrase.times.format(number(entry.value / first.value))
         parts.append(f"{text(entry.value)} in {entry.name} ({ratio})")
-    listed = " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
-    most = "" if len(rising) <= _MOST_LISTED else f", the largest of {len(rising)} runs"
     best = phrase.best.format(first.name, degree, text(first.value))
-    return f"{best}, compared with {listed}{most}."
+    if len(rising) > _MOST_LISTED:
+        return f"{best}. The largest value of the {len(rising)} runs is {parts[-1]}."
+    listed = " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
+    return f"{best}, compared with {listed}."
 
 
 def _equal(

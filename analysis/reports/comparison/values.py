@@ -69,6 +69,7 @@ TRUNCATED = "truncated"  # in place of the ratio of a value that the end of a ru
 _IN_SENTENCE = 3
 _COMPLETE = "that every run completes"  # follows "results"
 _MOST_LABELS = 6  # truncated values that a sentence lists
+_IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
 _FRACTION = "_fraction"  # end of the names of fractions
 _PERCENT = 100.0
 _JOULE = "J"
@@ -253,9 +254,8 @@ def sentence(
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
-        percent = plain(f"{_PERCENT * math.expm1(largest.spread):.2g}")
         results = f"Results {_COMPLETE}" if is_truncated else "Results"
-        return f"{results} differ by at most {percent} % ({_in_sentence(largest.label)})."
+        return f"{results} {_agreement(largest)}."
     with_cases = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
@@ -272,6 +272,18 @@ def sentence(
     if not others:
         return text
     return f"{text} Largest differences of other kinds of results: {'; '.join(others)}."
+
+
+def _agreement(value: ComparedValue) -> str:
+    """Return the largest difference of results that hardly differ, in words: in per cent, or as the
+    number of digits in which they agree.
+    """
+    relative = math.expm1(value.spread)
+    label = _in_sentence(value.label)
+    if relative < _IN_DIGITS:
+        digits = math.floor(-math.log10(relative))
+        return f"agree to {digits} digits or more (largest difference: {label})"
+    return f"differ by at most {plain(f'{_PERCENT * relative:.2g}')} % ({label})"
 
 
 def _without_difference(
