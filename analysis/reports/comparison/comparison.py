@@ -118,7 +118,8 @@ class Comparison:
     @property
     def differs(self) -> bool:
         """True if any value or any case differs."""
-        return bool(differing_values(self.values) or self.case_rows)
+        values = self.values if self.values and not self.quantities else compared_values(self.runs)
+        return bool(differing_values(values) or self.case_rows)
 
     @cached_property
     def sentence(self) -> str:

@@ -54,11 +54,8 @@ _PEAKS_AT_BOTTOM = (
     "ground_peak_force_N", "base_arrival_s", "peak_reduction*", "ground_peak_reduction",
 )  # fmt: skip
 _OF_BOTTOM = (*_PEAKS_AT_BOTTOM, _IMPULSE, "wall_dynamic_impulse_Ns")
-#: Values of the plastic zone by the direction in which it still grows, by patterns.
-_OF_GROWTH = {
-    "depth": ("plastic_zone_depth_m", "plastic_zone_volume_m3", "zone_depth_*"),
-    "radius": ("plastic_zone_radius_m", "plastic_zone_volume_m3"),
-}
+#: Depths of the plastic zone, by patterns; they are not known while its depth still grows.
+_OF_DEPTH = ("plastic_zone_depth_m", "zone_depth_*")
 
 
 class Course(Protocol):
@@ -137,14 +134,13 @@ def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[st
 
 def _unknown_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
     """Return the values that are not known at the end of a run: of a force on the bottom that has
-    not passed its peak, and of a plastic zone that still grows.
+    not passed its peak, and depths of a plastic zone that still grow.
     """
     unknown: set[str] = set()
     if not all(has_peak_at_bottom(run) for run in runs):
         unknown.update(name for name in names if _matches(name, _OF_BOTTOM))
-    for direction, patterns in _OF_GROWTH.items():
-        if any(direction in (run.run.summary.get(GROWING) or ()) for run in runs):
-            unknown.update(name for name in names if _matches(name, patterns))
+    if any("depth" in (run.run.summary.get(GROWING) or ()) for run in runs):
+        unknown.update(name for name in names if _matches(name, _OF_DEPTH))
     return unknown
 
 
