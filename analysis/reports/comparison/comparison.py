@@ -102,11 +102,21 @@ class Comparison:
         return compared_values(self.runs, names)
 
     @property
-    def _values_of_figures(self) -> list[ComparedValue]:
-        """Values of the summaries that describe the requested figures."""
-        names: dict[str, None] = {}
+    def _names_compared(self) -> list[str]:
+        """Names of the requested values, and of values that describe the requested figures; empty
+        for all.
+        """
+        if not self.quantities:
+            return []
+        names = dict.fromkeys(name for name in self.quantities if name not in FIGURES)
         for name in self.wanted_figures:
             names |= dict.fromkeys(FIGURES[name].values)
+        return list(names)
+
+    @property
+    def _values_of_figures(self) -> list[ComparedValue]:
+        """Values of the summaries that describe the requested figures."""
+        names = self._names_compared
         values = compared_values(self.runs, names) if names else []
         return [value for value in values if value.numbers and not value.is_zero]
 
@@ -356,7 +366,7 @@ class Comparison:
             notes.append(f"Unfinished, compared up to the last output: {listed}.")
         notes += self._unlike_ends()
         if len(self.runs) >= _LEAST_RUNS:
-            notes += definition_notes(self.runs)
+            notes += definition_notes(self.runs, self._names_compared)
         notes += warning_notes([run.run for run in self.runs])
         for name, curve in self.measured.items():
             notes += coverage_notes(curve, self._named_deviations(name))

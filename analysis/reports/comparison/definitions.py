@@ -4,7 +4,7 @@ of a run limits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
@@ -14,6 +14,9 @@ from granwave.analysis.reports.comparison.energy_inputs import have_same_input, 
 from granwave.analysis.reports.comparison.subjects import ComparedRun
 from granwave.analysis.reports.kinds import ReportRun
 
+#: Beginnings of the names of values of the bottom, and of the plastic zone.
+_OF_BOTTOM = ("wall_", "target_", "ground_", "base_", "peak_reduction")
+_OF_ZONE = ("zone_", "plastic_zone_", "n_plastic_", "n_dissipating_")
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
 _FORCE = "wall_peak_force_N"
@@ -29,18 +32,27 @@ RISING_FORCE = "The force on the bottom is largest"
 OF_THE_END = (GROWING_ZONE, NO_ARRIVAL, RISING_FORCE)
 
 
-def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return sentences on values that these runs define differently, or that are limited."""
-    notes = [
-        _inputs(runs),
-        _heights(runs),
-        _static_forces(runs),
-        _yielding_of_laws(runs),
-        _depths_of_kinds(runs),
-        " ".join([*_cut_zones(runs), *_growing_zones(runs, is_ranked=True)]),
-        " ".join([*_limited_forces(runs, is_ranked=True), *_without_force(runs)]),
-    ]
+def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> list[str]:
+    """Return sentences on values that these runs define differently, or that are limited.
+
+    Parameters
+    ----------
+    names
+        Values that are compared, which limit the subjects of the sentences; empty for all.
+    """
+    notes = [_inputs(runs), _static_forces(runs)]
+    if _concerns(names, _OF_BOTTOM):
+        forces = [*_limited_forces(runs, is_ranked=True), *_without_force(runs)]
+        notes += [_heights(runs), " ".join(forces)]
+    if _concerns(names, _OF_ZONE):
+        zones = [*_cut_zones(runs), *_growing_zones(runs, is_ranked=True)]
+        notes += [_yielding_of_laws(runs), _depths_of_kinds(runs), " ".join(zones)]
     return [note for note in notes if note]
+
+
+def _concerns(names: Collection[str], beginnings: tuple[str, ...]) -> bool:
+    """Return True if any name, or no name at all, has one of the beginnings."""
+    return not names or any(name.startswith(beginnings) for name in names)
 
 
 def end_notes(runs: Sequence[ReportRun]) -> list[str]:
