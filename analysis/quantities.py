@@ -361,14 +361,15 @@ ENTRIES = (
              "force, whose largest value is exact."),
     Quantity("wall_impulse_Ns", "Impulse on the bottom", short="impulse at the bottom",
              digits=".6g",
-             meaning="Integral of the force on the bottom up to the end, including the static force."),
+             meaning="Integral of the force on the bottom up to the end, including the static "
+             "force."),
     Quantity("wall_dynamic_impulse_Ns", "Dynamic impulse on the bottom",
              "Integral, up to the end, of the change of the force on the bottom since before the "
              "load. Only where there is a static force.",
              short="dynamic part of the impulse", digits=".6g"),
     Quantity("wall_*_peak_force_N", "Peak force on a side wall",
-             "Largest force on each wall, including the static force, by name: xlo, xhi, ylo, yhi or "
-             "tube."),
+             "Largest force on each wall, including the static force, by name: xlo, xhi, ylo, yhi "
+             "or tube."),
     Quantity("wall_*_impulse_Ns", "Impulse on a side wall",
              "Integral of the force on the wall over the run, including the static force."),
     Quantity("plate_peak_force_N", "Peak force on the plate",
@@ -383,8 +384,8 @@ ENTRIES = (
     Quantity("base_arrival_s", "Arrival at the bottom",
              "Arrival time of the wave at the bottom: first time at which the force on the "
              "bottom has increased by 1 % of its largest increase in the run, interpolated between "
-             "records. Null if the force still increases at the end, because the largest increase is "
-             "then not known."),
+             "records. Null if the force still increases at the end, because the largest increase "
+             "is then not known."),
     Quantity("target_peak_force_N", "Peak force on the target",
              "Force on the bottom, which the packing protects."),
     Quantity("target_peak_displacement_m", "Largest displacement of the target",
@@ -441,8 +442,8 @@ ENTRIES = (
     Quantity("sensor_*_peak_velocity_m_s", note="Only for packings other than chains."),
     # lines of grains
     Quantity("line_*_front_speed_m_s", "Front speed along a line",
-             "Slope of distance against arrival time, at which a grain first moves at 5 % of the "
-             "speed of the load."),
+             "Slope of the distance against the arrival time, which is the time at which the speed "
+             "of a grain first reaches 5 % of the speed of the load."),
     Quantity("line_*_peak_first_m_s", "First peak along a line",
              "Peak speed: the first maximum above 5 % of the speed of the load, followed by a "
              "decrease of at least 10 %."),

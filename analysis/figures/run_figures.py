@@ -75,10 +75,10 @@ class RunFigure:
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
      "Bright lines are chains of contacts that carry the wave."),
-    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest of the run, "
-        "including any reflections, excluding walls",
-     "A straight line is an exponential decay. The legend gives the fitted law, or the reason why no "
-     "law is fitted; markers show the preferred directions."),
+    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest "
+        "of the run, with any reflections, excluding walls",
+     "A straight line is an exponential decay. The legend gives the law, or why none fits; markers "
+     "show preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "The coloured spheres show the extent of the plastic zone."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
@@ -94,7 +94,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "If a curve rises early, few spheres dissipate most of the energy."),
     ("plastic_zone_growth", dissipation.plastic_zone_growth, "Growth of the plastic zone",
      "All yielded spheres are counted. If the curves are constant at the end, the zone is "
-     "complete; if they still rise, use a longer run."),
+     "complete; if they rise, use a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a distance",
      "The curve reaches 0.1 at the 90 % depth or radius; a curve that ends abruptly is cut by a "

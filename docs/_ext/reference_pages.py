@@ -27,8 +27,8 @@ _USAGE = re.compile(r"^```\{code-block\} text\n:class: usage\n\n", re.MULTILINE)
 
 
 def plain(text: str) -> str:
-    """Return Markdown of MyST without its anchors, entries of the index, options of blocks and lists of
-    definitions."""
+    """Return Markdown of MyST without its anchors, entries of the index, options of blocks and
+    lists of definitions."""
     text = _INDEX.sub("", _ANCHOR.sub("", text))
     text = _USAGE.sub("```text\n", text)
     return _TERM.sub(lambda term: f"* {term['linked'] or ''}{term['rest']}  \n  ", text)

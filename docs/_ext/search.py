@@ -35,8 +35,13 @@ WORDS = {
         "shock absorber", "protection", "impact attenuation", "helmet", "packaging",
         "force on the bottom", "bottom force",
     ),
-    "howto/losses": ("Prony", "damping", "coefficient of restitution", "restitution", "viscoelastic"),
-    "howto/real-packings": ("friction", "set friction", "add friction", "gravity", "polydisperse", "vacancies", "preload", "different sizes"),
+    "howto/losses": (
+        "Prony", "damping", "coefficient of restitution", "restitution", "viscoelastic",
+    ),
+    "howto/real-packings": (
+        "friction", "set friction", "add friction", "gravity", "polydisperse", "vacancies",
+        "preload", "different sizes",
+    ),
     "howto/own-places": ("STL", "CAD", "random packing", "sand", "grains from a file"),
     "howto/case-files": ("initial velocity",),
     "howto/check": ("memory", "run time", "disk space", "64 GB", "largest packing", "check a case"),
@@ -49,8 +54,13 @@ WORDS = {
     "howto/contact-laws": ("glass beads", "ceramic beads", "elastic contacts", "Hertz law"),
     "howto/stop-and-resume": ("restart", "restart a run", "resume", "checkpoint"),
     "howto/other-programs": ("OVITO", "ParaView", "VTK", "dump", "MDAnalysis", "export"),
-    "extensions/pictures/films": ("movie", "animation", "video", "colour map", "picture for a paper", "section plane"),
-    "howto/scans": ("scan", "parameter study", "sensitivity", "error bars", "sweep", "replicates", "spread", "scatter"),
+    "extensions/pictures/films": (
+        "movie", "animation", "video", "colour map", "picture for a paper", "section plane",
+    ),
+    "howto/scans": (
+        "scan", "parameter study", "sensitivity", "error bars", "sweep", "replicates", "spread",
+        "scatter",
+    ),
     "extensions/design/design": ("optimum", "optimisation", "optimization", "design"),
     "extensions/waves/bands": ("band gap", "dispersion", "phonon", "eigenmodes"),
     "extensions/inference/infer": ("force chains", "inverse problem"),
@@ -63,20 +73,32 @@ WORDS = {
     "howto/balance": ("energy conservation",),
     "tutorials/cluster": ("cluster", "Slurm", "submit", "HPC", "scheduler"),
     "tutorials/chain": ("solitary wave", "wave speed", "Hopkinson", "SHPB", "newton's cradle"),
-    "tutorials/material-and-tolerances": ("own material", "add a material", "poisson ratio", "young's modulus", "yield strength", "tolerance", "density"),
+    "tutorials/material-and-tolerances": (
+        "own material", "add a material", "poisson ratio", "young's modulus", "yield strength",
+        "tolerance", "density",
+    ),
     "extensions/continuum/tutorial": ("finite elements", "FEM", "continuum"),
     "tutorials/lammps-script": ("input script", "pair_style", "pair style"),
     "lammps/index": ("examples for LAMMPS", "fix pour", "hybrid"),
     "lammps/chute": ("chute",),
     "lammps/clumps": ("clumps", "rigid bodies"),
-    "reference/keys": ("load.velocity", "contact.friction", "output.probes", "run.energy_tolerance"),
+    "reference/keys": (
+        "load.velocity", "contact.friction", "output.probes", "run.energy_tolerance",
+    ),
     "reference/quantities": ("peak_force_N", "peak_reduction", "base_arrival_s"),
     "reference/materials": ("HCP", "BCC", "FCC", "stainless", "aluminium", "PTFE", "teflon"),
-    "explanation/contact-law": ("Hertz", "hysteresis", "plastic", "elastoplastic", "yield force", "F_y", "force at first yield"),
+    "explanation/contact-law": (
+        "Hertz", "hysteresis", "plastic", "elastoplastic", "yield force", "F_y",
+        "force at first yield",
+    ),
     "explanation/timestep": ("timestep", "time step"),
-    "explanation/limits": ("GPU", "cohesion", "bullet", "ballistic", "fracture", "adhesion", "Windows"),
+    "explanation/limits": (
+        "GPU", "cohesion", "bullet", "ballistic", "fracture", "adhesion", "Windows",
+    ),
     "explanation/speed": ("benchmark", "performance"),
-    "explanation/results": ("validation", "comparison with experiments", "compare with experiments"),
+    "explanation/results": (
+        "validation", "comparison with experiments", "compare with experiments",
+    ),
     "start": ("install", "pip", "tab completion"),
 }  # fmt: skip
 

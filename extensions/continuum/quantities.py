@@ -31,14 +31,17 @@ QUANTITIES = (
     Quantity("energy_damping_J", "Energy dissipated by damping",
              note="Energy dissipated by the damping that keeps the compression of two spheres "
                  "quasi-static."),
-    Quantity("hourglass_share", "Hourglass energy relative to the work", note="Energy of the hourglass control relative to the work done."),
-    Quantity("kinetic_share_max", "Largest kinetic energy, relative to the internal energy", short="kinetic energy", digits=".1e", phrase="at most {} of the "
+    Quantity("hourglass_share", "Hourglass energy relative to the work",
+             note="Energy of the hourglass control relative to the work done."),
+    Quantity("kinetic_share_max", "Largest kinetic energy, relative to the internal energy",
+             short="kinetic energy", digits=".1e", phrase="at most {} of the "
         "internal energy",
              note="Largest ratio of kinetic to internal energy after first yield; small if the "
                  "contact is quasi-static."),
     Quantity("plastic_zone_time_s", "Time of the largest plastic zone",
              note="Time of the largest yielding volume, in the continuum."),
-    Quantity("plastic_zone_volume_ever_m3", "Volume that ever yielded", short="plastic zone", digits=".4g",
+    Quantity("plastic_zone_volume_ever_m3", "Volume that ever yielded", short="plastic zone",
+             digits=".4g",
              phrase="{} m3 that ever yielded", note="Volume of all elements that yielded at any "
                  "time, in the continuum.",
              after="plastic_zone_volume_m3"),
@@ -55,15 +58,19 @@ QUANTITIES = (
     Quantity("yield_overlap_m", "Overlap at first yield"),
     Quantity("yield_force_N", "Force at first yield"),
     Quantity("max_overlap_m", "Largest overlap", digits=".4g"),
-    Quantity("max_force_N", "Largest force", short="largest force", digits=".5g", axis="Force at the largest overlap",
+    Quantity("max_force_N", "Largest force", short="largest force", digits=".5g",
+             axis="Force at the largest overlap",
              note="Largest force during the run.", scan_column=True, scan_figure="max_force"),
-    Quantity("contact_radius_m", "Largest contact radius", digits=".4g", note="Largest value during the run."),
+    Quantity("contact_radius_m", "Largest contact radius", digits=".4g",
+             note="Largest value during the run."),
     Quantity("mean_pressure_Pa", note="Force divided by contact area at the end of the first "
         "loading."),
-    Quantity("force_deviation_max_percent", "Largest deviation of the force from the law, %", short="force - law", digits="+.1f", phrase="{} % at "
+    Quantity("force_deviation_max_percent", "Largest deviation of the force from the law, %",
+             short="force - law", digits="+.1f", phrase="{} % at "
         "most",
              note="Largest deviation of the force from the law during first loading."),
-    Quantity("force_deviation_rms_percent", "Deviation of the force from the law, rms, %", short="minus the law (%, "
+    Quantity("force_deviation_rms_percent", "Deviation of the force from the law, rms, %",
+             short="minus the law (%, "
         "rms)", digits=".2f", phrase="{} % rms",
              axis="Force - law (%, rms)", note="Root mean square deviation of the force from the "
                                                "law during first loading.", scan_column=True,
@@ -74,10 +81,12 @@ QUANTITIES = (
         "yield: elastic, 1_to_10, 10_to_50, 50_to_178, beyond_178."),
     Quantity("*_deviation_*rms_percent", note="Root mean square of the same deviations."),
     Quantity("n_unloadings", "Unloadings", note="Number of cycles of unloading and reloading."),
-    Quantity("unloading_exponent_min", "Smallest unloading exponent", short="unloading exponents", digits=".2f", phrase="from {}",
+    Quantity("unloading_exponent_min", "Smallest unloading exponent", short="unloading exponents",
+             digits=".2f", phrase="from {}",
              note="Smallest n of F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n, fitted to "
                   "each unloading."),
-    Quantity("unloading_exponent_max", "Largest unloading exponent", short="unloading exponents", digits=".2f", phrase="to {}",
+    Quantity("unloading_exponent_max", "Largest unloading exponent", short="unloading exponents",
+             digits=".2f", phrase="to {}",
              note="Largest exponent n of the fits to each unloading."),
     Quantity("unloading_misfit_percent", "Deviation of unloading branches from their fit, %",
              note="Largest deviation of an unloading branch from its fit, relative to its largest "
@@ -85,22 +94,30 @@ QUANTITIES = (
     Quantity("unloading_law_difference_percent", "Deviation of unloading branches from the law, %",
              note="Largest deviation of an unloading branch from the law, relative to the peak "
                  "force of the law."),
-    Quantity("unloading_plastic_share", "Plastic work in cycles of unloading and reloading", note="Largest ratio of the plastic work of a cycle to the "
+    Quantity("unloading_plastic_share", "Plastic work in cycles of unloading and reloading",
+             note="Largest ratio of the plastic work of a cycle to the "
         "elastic energy released."),
-    Quantity("residual_overlap_deviation_percent_of_peak", "Deviation of the residual overlap from the law, %",
+    Quantity("residual_overlap_deviation_percent_of_peak",
+             "Deviation of the residual overlap from the law, %",
              note="Deviation of the residual overlap from the law, relative to the largest "
                  "overlap of the cycle."),
     Quantity("reloading_difference_percent", "Difference between reloading and unloading, %",
              note="Largest difference between reloading and unloading, relative to the largest "
                  "force."),
-    Quantity("face_force_difference_max_percent", "Largest difference between face force and contact force, %",
+    Quantity("face_force_difference_max_percent",
+             "Largest difference between face force and contact force, %",
              note="Largest difference between the force at the loaded face and in the contact; "
                   "small if "
                  "quasi-static."),
-    Quantity("face_force_difference_rms_percent", "Difference between face force and contact force, rms, %", note="Root mean square of this difference of "
+    Quantity("face_force_difference_rms_percent",
+             "Difference between face force and contact force, rms, %",
+             note="Root mean square of this difference of "
                                                        "forces."),
-    Quantity("face_force_difference_mean_percent", "Difference between face force and contact force, mean, %", note="Mean of this difference of forces."),
-    Quantity("penetration_share_max", "Largest penetration, relative to the overlap", note="Largest penetration of the penalty springs of the "
+    Quantity("face_force_difference_mean_percent",
+             "Difference between face force and contact force, mean, %",
+             note="Mean of this difference of forces."),
+    Quantity("penetration_share_max", "Largest penetration, relative to the overlap",
+             note="Largest penetration of the penalty springs of the "
         "contact, relative to the overlap."),
 )  # fmt: skip
 

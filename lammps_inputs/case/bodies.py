@@ -77,7 +77,7 @@ class Replace:
     moved apart.
     """
 
-    index: tuple[int, ...] | None = schema.typed("which spheres", INDEX, default=None)
+    index: tuple[int, ...] | None = schema.typed("ids of the spheres", INDEX, default=None)
     low: tuple[float, float, float] | None = schema.typed(
         "corner of a box", schema.vector_type(3, _POINT_FORM), unit="m", default=None
     )
@@ -288,7 +288,7 @@ class Absorb:
     each sphere: the end of a row, without reflection where it is the impedance of the row.
     """
 
-    index: tuple[int, ...] | None = schema.typed("which spheres", INDEX, default=None)
+    index: tuple[int, ...] | None = schema.typed("ids of the spheres", INDEX, default=None)
     layers: int | None = schema.count(
         "number of last layers of the packing; for a chain, number of last spheres", default=None
     )

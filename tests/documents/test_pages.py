@@ -268,7 +268,7 @@ QUESTIONS = {
         "my own packing file": (['kind = "file"', "granwave run row.toml"], "howto/own-places.md"),
         "only a chain": (['kind = "chain"', "granwave run"], "tutorials/chain.md"),
         "reaches a plate": (["peak_reduction", "granwave run protected-target"], "howto/target.md"),
-        "energy balance poor": (["run.timestep=auto", "run.energy_tolerance"], "howto/balance.md"),
+        "balance error large": (["run.timestep=auto", "run.energy_tolerance"], "howto/balance.md"),
         "How big must my packing be": (["granwave check", "zone_cut"], "howto/packing-size.md"),
         "cite": (["LAMMPS", "source of the contact law"], "howto/cite.md"),
         "restart": (["--resume"], "howto/stop-and-resume.md"),

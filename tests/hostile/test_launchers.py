@@ -34,6 +34,7 @@ from granwave.workflows.run import launchers, mpi
 launchers._PATIENCE = 1.0  # s, in place of 5
 sys.exit(mpi.launch(2, ['cases'], sys.argv[1:]))
 """
+YIELD = "MPIR_CVAR_POLLS_BEFORE_YIELD"
 DEAF = "#!/bin/sh\ntrap '' TERM INT\nwhile true; do sleep 0.1; done\n"
 
 
@@ -70,7 +71,9 @@ def test_environment_of_ranks_of_this_machine() -> None:
         "HYDRA_LAUNCHER": "fork",
         "HYDRA_BOOTSTRAP": "fork",
         "HYDRA_RMK": "user",
+        YIELD: "1",
     }
+    assert of_this_machine({YIELD: "1000"})[YIELD] == "1000"
 
 
 @pytest.fixture
@@ -147,3 +150,4 @@ def test_several_ranks_that_cannot_start(tmp_path: Path) -> None:
 
 def test_start_fault_without_a_suspect() -> None:
     assert start_fault({}).endswith("granwave doctor checks the installation")
+    assert start_fault(of_this_machine({})) == start_fault({})

@@ -65,7 +65,7 @@ def build(kind: str) -> Path:
     package = site / "granwave"
     for name in ("__init__.py", "_version.py", "measures.py", "theory.py"):
         shutil.copy(Path(granwave.__file__).parent / name, package)
-    for name in ("analysis", "lammps_inputs", "workflows", "plugins/__init__.py"):
+    for name in ("analysis", "lammps_inputs", "workflows", "extensions", "plugins/__init__.py"):
         (package / name).unlink(missing_ok=True)
         (package / name).symlink_to(ROOT / name)
     return site

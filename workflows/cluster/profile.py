@@ -64,7 +64,7 @@ _OPTIONS = schema.TextType(expected="options of jobs, a string", may_be_empty=Tr
 class SlurmProfile:
     """``[slurm]`` of a profile file: the keys of `Profile` for Slurm only."""
 
-    partition: str | None = schema.typed("partition or queue to submit to", _NAME, default=None)
+    partition: str | None = schema.typed("partition or queue of the jobs", _NAME, default=None)
     account: str | None = schema.typed("account or project to charge", _NAME, default=None)
     time: int | None = schema.count(
         "time limit of a job, minutes; default: three times the expected time", default=None

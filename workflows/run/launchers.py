@@ -22,6 +22,9 @@ logger = logging.getLogger(__name__)
 STARTED_FILE = "GRANWAVE_STARTED_FILE"
 # settings of MPICH's launcher; inside a job it would start the ranks by the commands of the cluster
 _FORKED = {"HYDRA_LAUNCHER": "fork", "HYDRA_BOOTSTRAP": "fork", "HYDRA_RMK": "user"}
+# MPICH: a rank that waits offers its core to other processes after each poll. By default it does so
+# after a thousand polls, and two ranks next to two busy processes took 65 s for a run of 3 s
+_YIELDING = {"MPIR_CVAR_POLLS_BEFORE_YIELD": "1"}
 _OF_JOBS = "SLURM_"  # prefix of the variables by which launchers recognise a job of Slurm
 _LOOK = 0.2  # s between checks of a launcher
 _PATIENCE = 5.0  # s that a launcher without ranks has to end after a request
@@ -35,10 +38,16 @@ _SETTINGS = (*_OF_LIBRARY, "HYDRA_", _OF_JOBS)
 
 def of_this_machine(environment: Mapping[str, str]) -> dict[str, str]:
     """Return an environment in which a launcher forks its ranks on this machine, also within a job
-    of Slurm or another batch system.
+    of Slurm or another batch system, and in which ranks that wait offer their cores to others.
     """
     kept = {name: value for name, value in environment.items() if not name.startswith(_OF_JOBS)}
-    return kept | _FORKED
+    return _YIELDING | kept | _FORKED
+
+
+def _chosen(environment: Mapping[str, str], prefixes: tuple[str, ...]) -> list[str]:
+    """Return the settings of MPI that a user or site chose."""
+    names = [name for name in environment if name.startswith(prefixes)]
+    return sorted(name for name in names if _YIELDING.get(name) != environment[name])
 
 
 def wait_for_end(
@@ -90,7 +99,7 @@ def kill_session(process: subprocess.Popen[bytes]) -> None:
 
 def environment_settings() -> str:
     """Return the names of set variables that change the start of MPI, for the end of a message."""
-    names = sorted(name for name in os.environ if name.startswith(_SETTINGS))
+    names = _chosen(os.environ, _SETTINGS)
     return f"; settings of MPI: {', '.join(names)}" if names else ""
 
 
@@ -160,7 +169,7 @@ def start_fault(environment: Mapping[str, str]) -> str:
             f"{what}the size of files is limited to {size / 1024:.0f} kB, but its shared memory "
             "requires more; raise the limit: ulimit -f unlimited"
         )
-    if chosen := sorted(name for name in environment if name.startswith(_OF_LIBRARY)):
+    if chosen := _chosen(environment, _OF_LIBRARY):
         name = next((one for one in ("UCX_TLS", "UCX_NET_DEVICES") if one in chosen), chosen[0])
         others = f" ({len(chosen) - 1} more such variables are set)" if len(chosen) > 1 else ""
         return f"{what}{name}={environment[name]} may be the reason{others}; unset it: env -u {name} granwave ..."

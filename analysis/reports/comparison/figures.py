@@ -526,7 +526,7 @@ def static_notes(curves: Mapping[ComparedRun, Any]) -> str:
     parts = [f"{quantity_in(force, 'N')} ({name})" for name, force in forces.items() if force]
     if not parts:
         return ""
-    return f"The forces are total; before the impact, static: {', '.join(parts)}."
+    return f"The forces include the static force before the impact: {', '.join(parts)}."
 
 
 def dynamic_notes(curves: Mapping[ComparedRun, Any]) -> str:

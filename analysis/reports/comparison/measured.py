@@ -282,7 +282,7 @@ def _peaks_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[st
     if not closest.covers_peak:
         return f"the run does not cover the measured peak, {other}"
     if closest.rises_at_end:
-        return f"the run still rises at its end, {own}; the measured peak is {other}"
+        return f"the curve of the run still rises at its end, {own}; the measured peak is {other}"
     if abs(closest.peak) < NEGLIGIBLE * abs(measured.peak):
         return f"it is zero in the measured range, the measured peak is {other}"
     return f"its peak in the measured range is {own}, the measured peak {other}"

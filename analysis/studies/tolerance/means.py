@@ -58,8 +58,8 @@ def tables(packing: PackingRuns) -> Iterator[DocumentTable]:
     kept = list(_kept(packing))
     if kept:
         caption = (
-            f"How large each imperfection may be for {100 * KEPT:.0f} % of the ideal packing "
-            f"performance or more: a force of at most {100 / KEPT:.0f} %"
+            f"Largest imperfections with at least {100 * KEPT:.0f} % of the performance of the "
+            f"ideal packing (a force of at most {100 / KEPT:.0f} %)"
         )
         yield _of_texts(packing, caption, _KEPT_HEADINGS, kept)
     alike = list(_alike(packing))

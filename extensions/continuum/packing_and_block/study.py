@@ -64,14 +64,14 @@ _CAPTIONS = {
     "curve dissipates a larger fraction",
     "plastic_volume": "Volume involved, granular and continuum. At equal dissipated fraction the "
     "higher curve spreads the dissipation over more material",
-    "granular_scaling": "Granular: diameter, density, modulus and yield strength. Where similarity holds, all points "
-    "lie on the curve of the reference on the normalised axis",
-    "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to the fast "
-    "impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",
+    "granular_scaling": "Granular: diameter, density, modulus and yield strength. Where similarity "
+    "holds, all points lie on the curve of the reference on the normalised axis",
+    "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to "
+    "the fast impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",
     "loading_area": "Granular: number of impacted spheres. If points differ from the curve of "
     "one sphere, the loading area has an effect at equal input",
-    "continuum_scaling": "Continuum: modulus and yield strength. Where similarity holds, all points lie on one curve "
-    "on the normalised axis",
+    "continuum_scaling": "Continuum: modulus and yield strength. Where similarity holds, all points lie on "
+    "one curve on the normalised axis",
     "continuum_mass": "Continuum: mass of the punch. If curves differ at equal input, the "
     "velocity has an effect in addition to the energy",
 }

@@ -68,8 +68,8 @@ class DesignHeader:
     FURTHER_KEYS: ClassVar[dict[str, Any]] = {
         "set": schema.typed("values for all designs", TABLE_OF_KEYS, default=None),
         "variables": schema.typed(
-            "variables: keys of the case, with positions in lists from 0; replace.ID.KEY for "
-            "grains; layers",
+            "variables: keys of the case, with positions in lists counted from 0; replace.ID.KEY "
+            "for grains; layers",
             schema.OtherType(
                 expected="for each key a list of choices, or {low = ..., high = ...} with log, "
                 "integer or step",

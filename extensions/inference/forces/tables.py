@@ -30,7 +30,8 @@ ENTRIES = (
     Quantity("n_loaded_contacts", "Loaded contacts"),
     Quantity("n_significant_contacts", "Contacts with a force above two standard errors",
              "Number of contacts with a normal force above two standard errors, because noise "
-             "causes a small force at most candidates. Null without standard errors."),
+             "causes small forces at most of the candidate contacts. Null without standard "
+             "errors."),
     Quantity("n_equations", "Equations"),
     Quantity("n_unknowns", "Components of forces"),
     Quantity("condition_number", meaning="Ratio of the extreme singular values of the equations."),

@@ -67,8 +67,8 @@ def rows(runs):
         if (constant := LAST * QUADRATIC[0] / model) > 0.1:
             remark += (f" The constant d0, counted at every contact, contributes {constant:.0%} of "
                        "the sum.")
-        yield gw.Row(f"Dissipated up to contact {LAST} / (F_y alpha_y), {wave.tag}", ours=ours / unit,
-                     theory=model / unit, where="thesis Fig. 2.16", remark=remark)
+        yield gw.Row(f"Dissipated up to contact {LAST} / (F_y alpha_y), {wave.tag}",
+                     ours=ours / unit, theory=model / unit, where="thesis Fig. 2.16", remark=remark)
     forces = np.array([1e3, 5e3])
     fitted_at = np.linspace(law.yield_force, FITTED_TO, 500)
     compared = "; ".join(f"{np.polynomial.polynomial.polyval(force, QUADRATIC):.4g} J at {force:g} "
@@ -82,8 +82,8 @@ def rows(runs):
     for n, (per, printed, theory, remark) in enumerate(table):
         yield gw.Row(f"d{n} of 2.28, fitted to the law up to {FITTED_TO:g} N", per, printed, theory=theory,
                      where="thesis 2.28", remark="The constant is printed as normalised; it is "
-                                                 f"interpreted as {per} for brass contacts of R = 4.76 "
-                                                 f"mm, where it agrees with the law. {remark}")
+                                                 f"interpreted as {per} for brass contacts of R = "
+                                                 f"4.76 mm, where it agrees with the law. {remark}")
     # fmt: on
 
 

@@ -46,8 +46,8 @@ def rows(runs):
         for name, ours in zip(names, (1e5 * largest, when), strict=True):
             yield gw.Row(f"{name}, {run.label}", ours=ours, where=WHERE)
         behind = (time > when + BEHIND[0]) & (time < when + BEHIND[1])
-        yield gw.Row(f"Largest velocity times 1e5, {BEHIND[0]} to {BEHIND[1]} units behind the crest, bead {bead}, "
-                     f"{run.label}",
+        yield gw.Row(f"Largest velocity times 1e5, {BEHIND[0]} to {BEHIND[1]} units behind the "
+                     f"crest, bead {bead}, {run.label}",
                      ours=1e5 * np.abs(velocity[behind]).max(), where=WHERE, digits=3)
     half = width(*run.probe(100, "vz")) * run.speed / BEAD
     yield gw.Row(f"Length of the wave, {run.label}", "D", 5.0, where="thesis 6.2",

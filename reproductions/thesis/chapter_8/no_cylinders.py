@@ -48,7 +48,8 @@ def rows(runs):
     yield gw.Row("Displacement of sphere 10 in a long chain, after the wave", "um", 13.0,
                  1e6 * long.array("probes/sphere_10_uz")[-1], "thesis 8",
                  "The source states a displacement of about 13. In the second solver the wave "
-                 f"itself displaces spheres by {far:.2f} um, and less near the impacted sphere.", near)
+                 f"itself displaces spheres by {far:.2f} um, and less near the impacted sphere.",
+                 near)
     yield gw.Row("Mass of a sphere", "g", 3.0, 1e3 * row.mass, "thesis 8.4",
         "The source states a mass of around 3 g.")
     # fmt: on

@@ -677,7 +677,7 @@ def test_a_run_that_still_rises_at_its_end_has_no_percentage(tmp_path):
     assert text.startswith("Only falling is compared")
     assert "at their end: rising." in coverage_notes(measured, differences)[0]
     alone = closest_sentence(measured, {"rising": rising}, ("s", "N"), alone=True)
-    assert "the run still rises at its end, 7.92 N at 198 ms" in alone
+    assert "the curve of the run still rises at its end, 7.92 N at 198 ms" in alone
 
 
 def test_a_sensor_of_the_opposite_sign(tmp_path):

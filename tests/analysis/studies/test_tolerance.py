@@ -354,7 +354,7 @@ def test_differences_are_finite_elements_over_the_law(tmp_path: Path) -> None:
         pytest.approx(0.15),
         pytest.approx(0.15),
     )
-    assert (alike["Least, beyond"], unlike["Least, beyond"]) == (
+    assert (alike["Smallest, beyond"], unlike["Smallest, beyond"]) == (
         pytest.approx(-0.05),
         pytest.approx(-0.14),
     )

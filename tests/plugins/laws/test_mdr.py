@@ -202,6 +202,7 @@ run 0
     assert changes > 150
 
 
+@pytest.mark.validation
 def test_struck_packing():
     table = rows()
     theirs, ours = (impact(law, 10.0) for law in LAWS)

@@ -25,7 +25,7 @@ from tests.helpers.programs.processes import wait_for
 
 pytestmark = pytest.mark.xdist_group("resume")  # its fixtures are made once
 
-LONG = ["fcc-small", "packing.size=[14,14,8]", "run.end_time=4e-4", "run.frames=5"]
+LONG = ["fcc-small", "packing.size=[14,14,8]", "run.end_time=2e-4", "run.frames=5"]
 LONG += ["run.energy_tolerance=3e-8"]  # in many steps
 #: Cases with their settings, and the ranks before and after the kill: any number reads what others wrote.
 KILLED = {
