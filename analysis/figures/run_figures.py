@@ -77,7 +77,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Bright lines are chains of contacts that carry the wave. Pale spheres, only in the "
      "perpendicular plane of a lattice, are in the plane behind it."),
     ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest "
-        "of the run with reflections, excluding walls",
+        "of the run, with any reflections, excluding walls",
      "A straight line is an exponential decay. The legend gives the law, or why none fits; the fit "
      "omits the impacted and the last layer. Markers show preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
