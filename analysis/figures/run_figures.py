@@ -74,15 +74,15 @@ class RunFigure:
 #: Figures of the core: name, function, caption, what to look for; with * on each of the three planes.
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
-     "Bright lines are chains of contacts that carry the wave. Pale spheres, only in the "
-     "perpendicular plane of a lattice, are in the plane behind it."),
+     "Bright lines are chains of contacts that carry the wave. Pale spheres lie behind the "
+     "perpendicular plane."),
     ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest "
-        "of the run with reflections, excluding walls",
-     "A straight line is an exponential decay. The legend gives the law, or why none fits; the fit "
-     "omits the impacted and the last layer. Markers show preferred directions."),
+        "of the run, with any reflections, excluding walls",
+     "A straight line is an exponential decay. The legend gives the law, or why none fits; markers "
+     "show preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
-     "The coloured spheres show the extent of the plastic zone. Pale spheres, only in the "
-     "perpendicular plane of a lattice, are in the plane behind it."),
+     "The coloured spheres show the extent of the plastic zone. Pale spheres lie behind the "
+     "perpendicular plane."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
         "friction and viscous losses",
      "All panels have the same scale: compare the location of yielding, sliding and damping."),
@@ -99,10 +99,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "complete; if they rise, use a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a distance",
-     "The curve reaches 0.1 at the 90 % depth or radius; a curve that ends abruptly is cut by a "
-     "boundary. Broken vertical lines are at the nearest sphere of a boundary that the zone "
-     "reaches. The axis ends where 1e-5 of the dissipation is beyond; the size of the zone in "
-     "reports includes all yielded spheres, and may be larger."),
+     "The curve reaches 0.1 at the 90 % depth or radius. Yielded spheres beyond the axis "
+     "dissipated less than 1e-5 of the total."),
     ("energies", histories.energies, "Energies and the error of their balance",
      "When the dissipated energy is constant, the impact is over; the residual is the error of "
      "the balance."),
@@ -151,21 +149,19 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("accelerations", histories.sensors, "Accelerations of the sensors",
      "Sensors at equivalent positions ideally have the same curve."),
     ("directions", dissipation.directions, "Energy and dissipation by direction from the impact point",
-     "Each panel is a view from above onto the directions below the impact; a layer has bars. "
-     "Large values lie along chains of contacts, which the white rings mark; equal values in all "
-     "directions are an isotropic wave."),
+     "Views from above: large values lie along chains of contacts (white rings); equal values are "
+     "an isotropic wave."),
     ("contact_network", contacts.contact_network,
      "Contacts between grains as lines, whose width is proportional to the force",
      "Consecutive thick lines are a force chain; the title gives the force of the thickest line."),
     ("force_distribution", contacts.force_distribution,
      "Distribution of contact forces relative to their mean",
-     "Only the axis of the densities is logarithmic: a straight line is an exponential tail, and a "
-     "slower decay means rare, very large forces. Contacts with less than 1e-4 of the largest "
-     "force are not counted; the mean depends on this limit."),
+     "A straight line is an exponential tail: only the densities are logarithmic. Forces below "
+     "1e-4 of the largest are left out."),
     ("line_diagram", rows.line_diagram,
      "Speed of a line of grains in space and time, with the front",
-     "The front is the lower edge of the colours; dots on the fitted line show a constant speed. "
-     "White: slower than one thousandth of the largest speed."),
+     "The front is the lower edge of the colours, straight at a constant speed. White: slower than "
+     "one thousandth of the largest speed."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
      "The delay between the curves gives the speed of the wave, and their heights give its decay."),
     ("energy_by_region", regions.energy_by_region, "Energy in regions of the packing",

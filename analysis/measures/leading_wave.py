@@ -28,6 +28,8 @@ def leading_peaks(result: Result) -> Array:
     """
     time = result["chain/time"]
     force = result["chain/contact_force"]
+    if not force.shape[1]:
+        return np.empty(0)
     static = force[0] if result.case.precompression is not None else np.zeros(force.shape[1])
     rise = np.maximum(force - static, 0.0)
     start = _reflection_start(result, time, rise)
@@ -63,6 +65,7 @@ def has_first_wave(result: Result) -> bool:
     return (
         "chain" in result
         and len(result["chain/id"]) == result.n_spheres
+        and len(result["chain/contact_i"]) > 0
         and not result.case.load.keeps_oscillating
     )
 

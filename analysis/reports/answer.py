@@ -66,8 +66,8 @@ _SENTENCES = (
     "The peak force on the target was {target_bore}.",
     "The peak force on the ground below it was {ground_bore}.",
     "The wave speed was {along_chain}.",
-    "Its peak force {decay}.",
-    "Its peak force above the static force {dynamic_decay}.",
+    "The peak force of the wave {decay}.",
+    "The peak force of the wave above the static force {dynamic_decay}.",
     "{absorbed_fraction} of the input energy of {energy_input_J} was absorbed by the absorbing "
     "boundary.",
     "{lost} of the input energy of {energy_input_J} was dissipated.",
@@ -77,6 +77,7 @@ _SENTENCES = (
     "The largest contact force, including walls, was {with_walls}.",
     "Contact forces {static}.",
     "90 % of the plastic dissipation is within {zone_depth_90_m} below the impact and {zone_radius_90_m} from its axis.",
+    "{whole_spheres}",
     "The plate {plate}.",
     "None of the input energy of {kept} was dissipated.",
     "{n_loaded_contacts} of {n_contacts} contacts carried a force.",
@@ -88,6 +89,9 @@ _ALONG_LINE = (  # values along a line, with its name
 _SENSORS = (  # values of the sensors with the largest and smallest signal, with their names
     "Sensors recorded at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least "
     "{{sensor_{1}_peak_velocity_m_s}} ({1})."
+)
+_WHOLE_SPHERES = (
+    "Both lengths end at a sphere; the table has the lengths interpolated between spheres."
 )
 _AT_BOTTOM = "The peak force on the bottom was {bottom_bore}."
 
@@ -280,6 +284,8 @@ def _caption(means: Means) -> str:
 
 def _of_run(run: ReportRun, inputs: ReportInputs) -> list[Block]:
     said = in_grains(in_words(run), grains_called_in([run.summary]))
+    if said and run.stopped:
+        said = f"The run is unfinished ({run.stopped}); these are its values so far. {said}"
     blocks: list[Block] = [Note(said, "lead")] if said else []
     table = value_rows(run)
     picture = _main_figure(run, inputs)
@@ -305,6 +311,8 @@ def in_words(run: ReportRun) -> str:
     run.kind.name_values(run, values)
     if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
         values.pop("zone_depth_90_m", None)
+    elif run.number("zone_depth_90_interpolated_m") is not None:
+        values["whole_spheres"] = _WHOLE_SPHERES
     _name_forces(run, values)
     _name_contacts(run, values)
     if is_chain(run.case) and "transmission" not in values:

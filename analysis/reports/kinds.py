@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 
 from granwave.analysis.document.model import Report, is_number, named
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.quantities import Quantity, quantity, report_columns
 from granwave.analysis.result.not_a_run import (
     OF_A_RUN,
@@ -41,6 +42,7 @@ from granwave.lammps_inputs.run_directory import (
 )
 
 WARNING_OF = "Warning of"  # beginning of a note on the warning of a run
+_END_KEY = "run.end_time"
 _ACCEPTED = "energy_balance_accepted"
 _LONGEST = 60  # most characters of an invalid value in a message
 # end_reason of runs whose balance did not close, of this and of earlier versions
@@ -90,6 +92,23 @@ class ReportRun:
     def is_unfinished(self) -> bool:
         """True if the run ended before its end: interrupted, failed or still running."""
         return self.record.get("state") in UNFINISHED
+
+    @property
+    def stopped(self) -> str:
+        """State of an unfinished run, with the time that it reached: ``interrupted at 50 µs of
+        1 ms``; empty for a finished run.
+        """
+        if not self.is_unfinished:
+            return ""
+        state = str(self.record["state"])
+        end = self.number("end_time_s")
+        if end is None:
+            return state
+        text = f"{state} at {quantity_in(end, 's')}"
+        requested = self.case.get(_END_KEY)
+        if not is_number(requested):
+            return text
+        return f"{text} of {quantity_in(requested, 's')}"
 
     @property
     def warnings(self) -> list[str]:

@@ -43,6 +43,7 @@ from granwave.analysis.measures.zone_size import (
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
+from granwave.analysis.reports.comparison.definitions import OF_THE_END, end_notes
 from granwave.analysis.reports.figures import figures_section, views
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import (
@@ -84,7 +85,10 @@ _CUT = (
     "The plastic zone reaches a boundary, which limits its extent, and may change "
     "the depth and radius that contain 99 % of its dissipation"
 )
-_OF_COMPARISON = (_CUT, _LEFT_OUT, WARNING_OF)  # notes that a comparison has itself
+_UNFINISHED = "Unfinished, with values up to the last output"
+_OF_ENDS = (_UNFINISHED, *OF_THE_END)  # notes on the ends of runs
+#: Notes that a comparison has itself.
+_OF_COMPARISON = (_CUT, _LEFT_OUT, WARNING_OF, *_OF_ENDS)
 _WAVES = (
     f"More than {100 * NOTED_SHARE:g} % of the plastic dissipation occurred after a reflection "
     "from a boundary could return"
@@ -228,7 +232,10 @@ def _answer(
     compared = [run for run in inputs.runs if run.has_balance]
     if not inputs.scans and len(inputs.runs) > 1:
         told = warning_notes(compared) if len(compared) > 1 else []
-        notes = [note for note in notes if not note.text.startswith(_CUT) and note.text not in told]
+        listed = (_CUT, *_OF_ENDS) if len(compared) > 1 else _CUT
+        notes = [
+            note for note in notes if not note.text.startswith(listed) and note.text not in told
+        ]
     bad, others = (
         [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)
     )
@@ -338,7 +345,9 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         for run in runs
         if mark_of(run.summary) is Mark.WAVE
     ]
+    stopped = [f"{run.label} ({run.stopped})" for run in inputs.results() if run.stopped]
     told: list[tuple[str, Sequence[str], Tone, str]] = [
+        (_UNFINISHED, stopped, "bad", ""),
         (_REFUSED, [run.label for run in runs if run.status == "refused"], "bad", _BALANCE),
         *_poor_balances(poor),
         (_IDLE, idle, "note", _BALANCE),
@@ -354,6 +363,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         for text, labels, tone, section in told
         if labels
     ]
+    notes += [Note(text, "note") for text in end_notes(runs)]
     notes += [Note(text, "note") for text in warning_notes(list(inputs.results()))]
     notes += [
         Note(f"{_DAMAGED.format(run.label)} granwave analyse {inputs.path(run.directory)}", "bad")

@@ -75,9 +75,9 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
     data
         Link to the folder with the data of the figures, where they were saved.
     """
-    protection = comparison.protection
-    blocks: list[Block] = [Note(text, "lead") for text in protection]
-    blocks.append(Note(comparison.sentence, "" if protection else "lead"))
+    paragraphs = comparison.paragraphs
+    leads = comparison.measured_sentences or comparison.protection or paragraphs
+    blocks: list[Block] = [Note(text, "lead" if text in leads else "") for text in paragraphs]
     blocks += [Note(text, "note") for text in comparison.notes]
     blocks += misfit_tables(comparison)
     if comparison.values:

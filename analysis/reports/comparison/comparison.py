@@ -104,6 +104,25 @@ class Comparison:
             return []
         return compared_values(self.runs, names)
 
+    @property
+    def _names_compared(self) -> list[str]:
+        """Names of the requested values, and of values that describe the requested figures; empty
+        for all.
+        """
+        if not self.quantities:
+            return []
+        names = dict.fromkeys(name for name in self.quantities if name not in FIGURES)
+        for name in self.wanted_figures:
+            names |= dict.fromkeys(FIGURES[name].values)
+        return list(names)
+
+    @property
+    def _values_of_figures(self) -> list[ComparedValue]:
+        """Values of the summaries that describe the requested figures."""
+        names = self._names_compared
+        values = compared_values(self.runs, names) if names else []
+        return [value for value in values if value.numbers and not value.is_zero]
+
     @cached_property
     def case_rows(self) -> list[Difference]:
         """Differences of the cases: keys, and grains."""
@@ -112,33 +131,52 @@ class Comparison:
     @property
     def differs(self) -> bool:
         """True if any value or any case differs."""
-        return bool(differing_values(self.values) or self.case_rows)
+        values = self.values if self.values and not self.quantities else compared_values(self.runs)
+        return bool(differing_values(values) or self.case_rows)
 
     @cached_property
     def sentence(self) -> str:
-        """The values that differ most, in a sentence; for a single run the misfit to a
-        measurement.
+        """The run closest to a measured curve, and the values that differ most, in sentences."""
+        return " ".join(filter(None, [*self.measured_sentences, self.difference_sentence]))
+
+    @property
+    def paragraphs(self) -> list[str]:
+        """Sentences in their order on a page: on a measured curve, the protection, and the values
+        that differ most.
         """
+        paragraphs = [*self.measured_sentences, *self.protection, self.difference_sentence]
+        return [text for text in paragraphs if text]
+
+    @cached_property
+    def measured_sentences(self) -> list[str]:
+        """The run closest to each measured curve; for a single run its misfit."""
         is_alone = len(self.runs) < _LEAST_RUNS
-        measured = [
+        return [
             closest_sentence(curve, self._named_deviations(name), _units_of(name), alone=is_alone)
             for name, curve in self.measured.items()
         ]
-        if is_alone:
-            return " ".join(measured)
+
+    @cached_property
+    def difference_sentence(self) -> str:
+        """The values that differ most, in a sentence; empty for a single run, and if only figures
+        without such values were requested.
+        """
+        if len(self.runs) < _LEAST_RUNS:
+            return ""
         if differ_in_end_only(self.runs):
-            first = f"{same_case_sentence(self.runs)} {self._largest_differences()}"
-        elif not self.differs:
+            return f"{same_case_sentence(self.runs)} {self._largest_differences()}".rstrip()
+        if not self.differs:
             listed = names_in_words([run.name for run in self.runs])
-            first = f"Nothing differs: cases and results of {listed} are equal."
-        else:
-            first = self._largest_differences()
-        return " ".join([first, *measured])
+            return f"Nothing differs: cases and results of {listed} are equal."
+        return self._largest_differences()
 
     def _largest_differences(self) -> str:
         """Return the values that differ most, in a sentence; of finished runs, if there are two."""
         if self.quantities and self.values:
             return sentence(self.values, self.runs, asked=True)
+        if self.quantities:
+            values = self._values_of_figures
+            return sentence(values, self.runs, asked=True) if values else ""
         finished = [run for run in self.runs if not run.run.is_unfinished]
         runs = finished if len(finished) >= _LEAST_RUNS else self.runs
         return sentence(compared_values(runs), runs)
@@ -337,7 +375,7 @@ class Comparison:
             notes.append(f"Unfinished, compared up to the last output: {listed}.")
         notes += self._unlike_ends()
         if len(self.runs) >= _LEAST_RUNS:
-            notes += definition_notes(self.runs)
+            notes += definition_notes(self.runs, self._names_compared)
         notes += warning_notes([run.run for run in self.runs])
         for name, curve in self.measured.items():
             notes += coverage_notes(curve, self._named_deviations(name))
@@ -367,13 +405,11 @@ class Comparison:
         return notes
 
     def __repr__(self) -> str:
-        lines = [*self.protection, self.sentence, *self.notes, "", self.table.to_string(na_rep="")]
+        lines = [*self.paragraphs, *self.notes, "", self.table.to_string(na_rep="")]
         return "\n".join([*lines, "", self.differences.to_string()])
 
     def _repr_html_(self) -> str:
-        notes = "".join(
-            f"<p>{html.escape(note)}</p>" for note in (*self.protection, self.sentence, *self.notes)
-        )
+        notes = "".join(f"<p>{html.escape(note)}</p>" for note in (*self.paragraphs, *self.notes))
         return f"{notes}\n{self.table.to_html(na_rep='')}\n{self.differences.to_html()}"
 
 

@@ -4,14 +4,19 @@ of a run limits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
+from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input, inputs_in_words
 from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.kinds import ReportRun
 
+#: Beginnings of the names of values of the bottom, and of the plastic zone.
+_OF_BOTTOM = ("wall_", "target_", "ground_", "base_", "peak_reduction")
+_OF_ZONE = ("zone_", "plastic_zone_", "n_plastic_", "n_dissipating_")
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
 _FORCE = "wall_peak_force_N"
@@ -20,21 +25,43 @@ _SAME_HEIGHT = 1.01  # largest over smallest height of packings that are equally
 _DEPTH = "zone_depth_90_m"
 _SPHERES = "n_spheres"
 _MOST_LISTED = 4  # runs that a sentence lists
+#: Beginnings of sentences on values that the end of a run limits.
+GROWING_ZONE = "The plastic zone still grows"
+NO_ARRIVAL = "The wave does not reach the bottom"
+RISING_FORCE = "The force on the bottom is largest"
+OF_THE_END = (GROWING_ZONE, NO_ARRIVAL, RISING_FORCE)
 
 
-def definition_notes(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return sentences on values that these runs define differently, or that are limited."""
-    notes = [
-        _inputs(runs),
-        _heights(runs),
-        _static_forces(runs),
-        _yielding_of_laws(runs),
-        _depths_of_kinds(runs),
-        *_limited_zones(runs),
-        *_limited_forces(runs),
-        *_without_force(runs),
-    ]
+def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> list[str]:
+    """Return sentences on values that these runs define differently, or that are limited.
+
+    Parameters
+    ----------
+    names
+        Values that are compared, which limit the subjects of the sentences; empty for all.
+    """
+    notes = [_inputs(runs), _static_forces(runs)]
+    if _concerns(names, _OF_BOTTOM):
+        forces = [*_limited_forces(runs, is_ranked=True), *_without_force(runs)]
+        notes += [_heights(runs), " ".join(forces)]
+    if _concerns(names, _OF_ZONE):
+        zones = [*_cut_zones(runs), *_growing_zones(runs, is_ranked=True)]
+        notes += [_yielding_of_laws(runs), _depths_of_kinds(runs), " ".join(zones)]
     return [note for note in notes if note]
+
+
+def _concerns(names: Collection[str], beginnings: tuple[str, ...]) -> bool:
+    """Return True if any name, or no name at all, has one of the beginnings."""
+    return not names or any(name.startswith(beginnings) for name in names)
+
+
+def end_notes(runs: Sequence[ReportRun]) -> list[str]:
+    """Return sentences on plastic zones and forces on the bottom that the end of a run limits."""
+    numbered = [ComparedRun(run, run.label, number, number) for number, run in enumerate(runs)]
+    return [
+        *_growing_zones(numbered, is_ranked=False),
+        *_limited_forces(numbered, is_ranked=False),
+    ]
 
 
 def _inputs(runs: Sequence[ComparedRun]) -> str:
@@ -43,10 +70,10 @@ def _inputs(runs: Sequence[ComparedRun]) -> str:
         return ""
     first = f"Inputs differ: {inputs_in_words(runs)}. "
     if not any(run.run.number(_DEPTH) for run in runs):
-        return f"{first}Forces and energies are not divided by the inputs."
+        return f"{first}Forces and energies are absolute values, not relative to the input."
     return (
-        f"{first}Forces, energies and sizes of the plastic zone are not divided by the "
-        "inputs, and depths of the zone are not ranked; fractions are relative to the input energy."
+        f"{first}Fractions are relative to the input energy; forces, energies and sizes of the "
+        "plastic zone are absolute values, so that depths of the zone are not ranked."
     )
 
 
@@ -100,27 +127,44 @@ def _depths_of_kinds(runs: Sequence[ComparedRun]) -> str:
     )
 
 
-def _limited_zones(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return sentences on plastic zones that a boundary or the end of the run limits."""
+def _cut_zones(runs: Sequence[ComparedRun]) -> list[str]:
+    """Return a sentence on plastic zones that a boundary limits; nothing if there are none."""
     cut = [run for run in runs if mark_of(run.run.summary) is Mark.CUT]
-    growing = [run for run in runs if run.run.summary.get("zone_growing")]
-    notes: list[str] = []
-    if cut:
-        listed = _listed(cut, lambda run: _joined(run, "zone_cut"))
-        notes.append(
-            f"The plastic zone reaches a boundary, which limits its size: {listed}. Limited zones "
-            "are not ranked by their depth."
-        )
-    if growing:
-        listed = _listed(growing, lambda run: _joined(run, "zone_growing"))
-        unranked = any("depth" in run.run.summary["zone_growing"] for run in growing)
-        more = " Depths that still grow are not ranked." if unranked else ""
-        notes.append(f"The plastic zone still grows at the end of the run: {listed}.{more}")
-    return notes
+    if not cut:
+        return []
+    listed = _listed(cut, lambda run: _joined(run, "zone_cut"))
+    return [
+        f"The plastic zone reaches a boundary, which limits its size: {listed}. Limited zones "
+        "are not ranked by their depth."
+    ]
 
 
-def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
-    """Return sentences on forces on the bottom that do not reach their peak within a run."""
+def _growing_zones(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]:
+    """Return a sentence on plastic zones that the end of a run limits; nothing if there are none.
+
+    Parameters
+    ----------
+    is_ranked
+        True in a comparison, which ranks runs by the depth of the zone.
+    """
+    growing = [run for run in runs if run.run.summary.get(GROWING)]
+    if not growing:
+        return []
+    listed = _listed(growing, lambda run: _joined(run, GROWING))
+    unranked = is_ranked and any("depth" in run.run.summary[GROWING] for run in growing)
+    more = " Depths that still grow are not ranked." if unranked else ""
+    return [f"{GROWING_ZONE} at the end of the run: {listed}.{more}"]
+
+
+def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]:
+    """Return sentences on forces on the bottom that do not reach their peak within a run.
+
+    Parameters
+    ----------
+    is_ranked
+        True in a comparison, which ranks runs by these forces, and in which the wave may reach the
+        bottom in no run.
+    """
     unloaded: list[ComparedRun] = []
     rising: list[ComparedRun] = []
     for run in runs:
@@ -132,14 +176,16 @@ def _limited_forces(runs: Sequence[ComparedRun]) -> list[str]:
         elif record.rises_at_end:
             rising.append(run)
     notes: list[str] = []
-    if unloaded and len(unloaded) < len(runs):
+    if unloaded and not (is_ranked and len(unloaded) == len(runs)):
         listed = _listed(unloaded, _end)
-        notes.append(f"The wave does not reach the bottom before the end of the run: {listed}.")
+        notes.append(f"{NO_ARRIVAL} before the end of the run: {listed}.")
     if rising:
         listed = _listed(rising, _end)
+        unranked = "such forces are not ranked, and " if is_ranked else ""
+        unknown = f"{unranked}the arrival of the wave is not known"
         notes.append(
-            "The force on the bottom is largest at the end of the run, and may rise further: "
-            f"{listed}. Such forces are not ranked, and their arrival is not known."
+            f"{RISING_FORCE} at the end of the run, and may rise further: {listed}. "
+            f"{unknown[0].upper()}{unknown[1:]}."
         )
     return notes
 
@@ -176,8 +222,15 @@ def _joined(run: ComparedRun, name: str) -> str:
 
 
 def _listed(runs: Sequence[ComparedRun], text: Callable[[ComparedRun], str]) -> str:
-    """Return runs with a text each; for many runs, the first ones and the number of the others."""
-    return _first([f"{text(run)} in {run.name}" for run in runs])
+    """Return texts with the runs that have them, each text once; of many texts the first ones, and
+    of many runs with one text the first names.
+    """
+    names: dict[str, list[str]] = {}
+    for run in runs:
+        names.setdefault(text(run), []).append(run.name)
+    parts = [f"{what} in {_first(of_text)}" for what, of_text in names.items()]
+    is_simple = len(parts) == len(runs)
+    return _first(parts, ", " if is_simple else "; ")
 
 
 def _named(runs: Sequence[ComparedRun]) -> str:
@@ -185,7 +238,7 @@ def _named(runs: Sequence[ComparedRun]) -> str:
     return _first([run.name for run in runs])
 
 
-def _first(parts: Sequence[str]) -> str:
+def _first(parts: Sequence[str], between: str = ", ") -> str:
     left = len(parts) - _MOST_LISTED
     more = f" and {left} more" if left > 0 else ""
-    return f"{', '.join(parts[:_MOST_LISTED])}{more}"
+    return f"{between.join(parts[:_MOST_LISTED])}{more}"

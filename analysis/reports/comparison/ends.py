@@ -12,12 +12,17 @@ import numpy as np
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached
-from granwave.analysis.reports.comparison.curves import SampledCurve, bottom_record
+from granwave.analysis.reports.comparison.curves import (
+    SampledCurve,
+    bottom_record,
+    has_peak_at_bottom,
+)
 from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
 from granwave.analysis.reports.setting import differing
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
+GROWING = "zone_growing"  # directions in which the plastic zone still grows at the end
 END_KEY = "run.end_time"
 SETTLED = "settled"  # reason of the end of a run with an automatic end
 _END = "end_time_s"
@@ -41,6 +46,16 @@ _INDEPENDENT = (
     "transmission", "driven_velocity_m_s", "load_power_W", "absorbed_power_W",
     "amplitude_hysteresis", "energy_stored_J",
 )  # fmt: skip
+
+_IMPULSE = "wall_impulse_Ns"
+#: Values of the peak force on the bottom, by patterns.
+_PEAKS_AT_BOTTOM = (
+    "wall_peak_force_N", "wall_dynamic_peak_force_N", "target_peak_force_N",
+    "ground_peak_force_N", "base_arrival_s", "peak_reduction*", "ground_peak_reduction",
+)  # fmt: skip
+_OF_BOTTOM = (*_PEAKS_AT_BOTTOM, _IMPULSE, "wall_dynamic_impulse_Ns")
+#: Depths of the plastic zone, by patterns; they are not known while its depth still grows.
+_OF_DEPTH = ("plastic_zone_depth_m", "zone_depth_*")
 
 
 class Course(Protocol):
@@ -90,7 +105,8 @@ def same_case_sentence(runs: Sequence[ComparedRun]) -> str:
 
 
 def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the values that an earlier end of a run truncates.
+    """Return the values that the end of a run truncates: an earlier end, or an end before they
+    are known, see `definitions`.
 
     A value is complete if it is final at the earliest end in every run: the longer runs hardly
     change it afterwards, and the shortest run hardly changes it in the last tenth of its time.
@@ -98,6 +114,7 @@ def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[st
     recorded count as truncated.
     """
     is_one_case = differ_in_end_only(runs)
+    unknown = _unknown_names(names, runs)
     final: dict[tuple[Course, tuple[ComparedRun, ...]], bool] = {}
     truncated: set[str] = set()
     for name in names:
@@ -112,7 +129,19 @@ def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[st
                 final[course, compared] = _is_final(course, compared)
         if compared and not (courses and all(final[course, compared] for course in courses)):
             truncated.add(name)
-    return truncated
+    return truncated | unknown
+
+
+def _unknown_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
+    """Return the values that are not known at the end of a run: of a force on the bottom that has
+    not passed its peak, and depths of a plastic zone that still grow.
+    """
+    unknown: set[str] = set()
+    if not all(has_peak_at_bottom(run) for run in runs):
+        unknown.update(name for name in names if _matches(name, _OF_BOTTOM))
+    if any("depth" in (run.run.summary.get(GROWING) or ()) for run in runs):
+        unknown.update(name for name in names if _matches(name, _OF_DEPTH))
+    return unknown
 
 
 def _has_settled(run: ComparedRun) -> bool:
@@ -253,10 +282,6 @@ _COURSES: tuple[tuple[tuple[str, ...], tuple[Course, ...]], ...] = (
     (("absorbed_fraction",), (_part_of_energy("absorbed"),)),
     (("peak_force_with_walls_N",), (_any_peak,)),
     (("peak_force_N", "peak_force_error_N", "peak_overlap_m"), (_contact_peak,)),
-    (("wall_impulse_Ns",), (_bottom_impulse,)),
-    (
-        ("wall_peak_force_N", "wall_dynamic_peak_force_N", "target_peak_force_N",
-         "ground_peak_force_N", "base_arrival_s", "peak_reduction*", "ground_peak_reduction"),
-        (_bottom_peak,),
-    ),
+    ((_IMPULSE,), (_bottom_impulse,)),
+    (_PEAKS_AT_BOTTOM, (_bottom_peak,)),
 )  # fmt: skip

@@ -122,6 +122,8 @@ class ComparisonFigure:
     is_cumulative
         True if it shows largest values or sums up to the end of each run, so that its caption
         states different ends.
+    values
+        Values of summary.json that a sentence compares if only this figure is requested.
     """
 
     caption: str
@@ -133,6 +135,7 @@ class ComparisonFigure:
     curve: Callable[[Any], SampledCurve] | None = None
     most: int = MOST_CURVES
     is_cumulative: bool = False
+    values: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -604,7 +607,7 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     if first:
         parts.append(f"of the first wave, before the reflection ({named(first, len(first))})")
     if whole:
-        parts.append(f"of the whole run, with reflections ({named(whole, len(whole))})")
+        parts.append(f"of the whole run, with any reflections ({named(whole, len(whole))})")
     return f"Largest forces {' and '.join(parts)}."
 
 
@@ -672,35 +675,42 @@ FIGURES: dict[str, ComparisonFigure] = {
     "bottom_force": ComparisonFigure(
         "Force on the bottom against time", force_at_bottom, draw_bottom_force,
         units=("s", "N"), notes=static_notes, curve=_itself,
+        values=(
+            "wall_peak_force_N", "wall_dynamic_peak_force_N", "wall_impulse_Ns",
+            "wall_dynamic_impulse_Ns", "base_arrival_s",
+        ),
     ),
     "peak_force_depth": ComparisonFigure(
         "Peak force against depth: largest and median sphere of each layer", peaks_by_depth,
         draw_peaks, units=("m", "N"), notes=_peak_notes, curve=_largest, is_cumulative=True,
+        values=("peak_force_N",),
     ),
     "energies": ComparisonFigure(
         "Kinetic, elastic and dissipated energy against time, relative to the input", energy_shares,
         draw_energies,
-        look="Once a curve is constant, the impact is over.",
+        look="Once a curve is constant, the impact is over.", values=("dissipated_fraction",),
     ),
     "dissipation_depth": ComparisonFigure(
         "Dissipation by layer, relative to the input", dissipation_by_depth, draw_dissipation,
-        is_cumulative=True,
+        is_cumulative=True, values=("dissipated_fraction", "zone_depth_90_interpolated_m"),
     ),
     "zone_growth": ComparisonFigure(
         "Growth of the plastic zone: number and largest depth of yielded spheres", growth,
-        draw_growth, notes=growth_notes,
+        draw_growth, notes=growth_notes, values=("n_plastic_spheres", "plastic_zone_depth_m"),
     ),
     "fronts": ComparisonFigure(
         "Arrival of the front of the wave at each layer", front, draw_fronts, units=("m", "s"),
-        notes=speed_notes, curve=_itself,
+        notes=speed_notes, curve=_itself, values=("wave_speed_m_s",),
     ),
     "peak_force_field": ComparisonFigure(
         "Peak force on the lattice plane below the impact in which spheres touch, the largest of "
         "the run, on a common colour scale", force_field,
         draw_field_panels, notes=_field_notes, most=MOST_PANELS, is_cumulative=True,
+        values=("peak_force_N",),
     ),
     "peak_force_difference": ComparisonFigure(
         "Difference of the peak force of corresponding grains", force_field,
         draw_field_difference, notes=_difference_notes, most=MOST_PANELS, is_cumulative=True,
+        values=("peak_force_N",),
     ),
 }  # fmt: skip

@@ -164,21 +164,40 @@ def _ordered(
     first = rising[0]
     last = rising[-1]
     if last.value <= first.value * (1 + _SAME):
-        percent = plain(f"{100 * (last.value / first.value - 1):.1g}")
-        runs = "both runs" if len(rising) == _LEAST_RUNS else "all runs"
-        if len(entries) < n_runs:
-            runs = names_in_words([entry.name for entry in entries])
-        return f"{phrase.equal.format(text(first.value))} in {runs}, within {percent} %."
+        return _equal(phrase, rising, text, n_runs)
     degree = phrase.of_two if len(rising) == _LEAST_RUNS else phrase.of_more
-    others = rising[1:] if len(rising) <= _MOST_LISTED else rising[-1:]
     parts: list[str] = []
-    for entry in others:
+    for entry in rising[1:]:
         ratio = phrase.times.format(number(entry.value / first.value))
         parts.append(f"{text(entry.value)} in {entry.name} ({ratio})")
-    listed = " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
-    most = "" if len(rising) <= _MOST_LISTED else f", the largest of {len(rising)} runs"
     best = phrase.best.format(first.name, degree, text(first.value))
-    return f"{best}, compared with {listed}{most}."
+    if len(rising) > _MOST_LISTED:
+        return f"{best}. The largest value of the {len(rising)} runs is {parts[-1]}."
+    listed = " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
+    return f"{best}, compared with {listed}."
+
+
+def _equal(
+    phrase: _Phrase, rising: Sequence[_Entry], text: Callable[[float], str], n_runs: int
+) -> str:
+    """Return the sentence on runs whose values hardly differ, as of `_ordered`; with the smallest
+    and the largest value, unless they are equal with the digits of a sentence.
+    """
+    first = rising[0]
+    last = rising[-1]
+    percent = plain(f"{100 * (last.value / first.value - 1):.1g}")
+    runs = "both runs" if len(rising) == _LEAST_RUNS else f"all {len(rising)} runs"
+    if len(rising) < n_runs:
+        runs = names_in_words([entry.name for entry in rising])
+    least = text(first.value)
+    most = text(last.value)
+    if least == most:
+        return f"{phrase.equal.format(least)} in {runs}, within {percent} %."
+    if len(rising) == _LEAST_RUNS:
+        values = f"{least} in {first.name} and {most} in {last.name}"
+        return f"{phrase.equal.format(values)}, {percent} % apart."
+    values = f"between {least} ({first.name}) and {most} ({last.name})"
+    return f"{phrase.equal.format(values)} in {runs}, at most {percent} % apart."
 
 
 def _entries(

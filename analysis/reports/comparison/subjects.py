@@ -116,10 +116,7 @@ class ComparedRun:
     @property
     def unfinished(self) -> str:
         """Reason why its results end early; empty for a finished run."""
-        end = self.run.number("end_time_s")
-        if not self.run.is_unfinished or end is None:
-            return ""
-        return f"{self.run.record['state']} at {quantity_in(end, 's')}"
+        return self.run.stopped
 
 
 def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:

@@ -11,7 +11,11 @@ from granwave.analysis.errors import did_you_mean
 from granwave.analysis.formatting.numbers import number, plain, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantities, report_columns
-from granwave.analysis.reports.comparison.ends import AT_THE_END, truncated_names
+from granwave.analysis.reports.comparison.ends import (
+    AT_THE_END,
+    have_unlike_ends,
+    truncated_names,
+)
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
@@ -19,6 +23,7 @@ from granwave.analysis.reports.comparison.subjects import (
     names_with_cases,
 )
 from granwave.analysis.reports.sentences import share
+from granwave.analysis.summary_table import has_no_pairs
 
 #: Values that are no results: input, method, and accuracy.
 _NO_OUTCOME = (
@@ -52,15 +57,19 @@ _FAMILIES = (
 )
 #: Results of summaries that the tables of results in reports do not have.
 _FURTHER = ("energy_dissipated_J", "energy_kinetic_J", "peak_overlap_m", "restitution")
+#: Values of the contacts between spheres, which a run without loaded contacts does not have.
+_OF_PAIRS = ("peak_force_N", "peak_force_error_N", "peak_overlap_m")
+_WITH_WALLS = "peak_force_with_walls_N"
 _OF_PARTS = ("sensor_", "line_", "wall_")  # beginnings of values of a part that has a name
 _ROUNDING = 1e-12  # value / largest value of the runs that counts as zero
 _SAME = 1e-9  # relative difference of values that are equal
 _NO_FRACTION = 1e-3  # fraction that counts as zero next to zero
 _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
-TRUNCATED = "truncated"  # in place of the ratio of a value that an earlier end truncates
+TRUNCATED = "truncated"  # in place of the ratio of a value that the end of a run truncates
 _IN_SENTENCE = 3
 _COMPLETE = "that every run completes"  # follows "results"
 _MOST_LABELS = 6  # truncated values that a sentence lists
+_IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
 _FRACTION = "_fraction"  # end of the names of fractions
 _PERCENT = 100.0
 _JOULE = "J"
@@ -81,7 +90,7 @@ class ComparedValue:
     unit
         SI unit; empty if there is none.
     is_truncated
-        True if an earlier end of a run truncates it, so that it has no ratio.
+        True if the end of a run truncates it, so that it has no ratio.
     is_of_input
         True for an energy in J of runs with different inputs, which a fraction describes better.
     """
@@ -119,7 +128,7 @@ class ComparedValue:
 
     @property
     def is_complete(self) -> bool:
-        """True for a value that every run has, and that no earlier end truncates."""
+        """True for a value that every run has, and that no end of a run truncates."""
         return not self.is_truncated and None not in self.values
 
     @property
@@ -245,9 +254,8 @@ def sentence(
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
-        percent = plain(f"{_PERCENT * math.expm1(largest.spread):.2g}")
         results = f"Results {_COMPLETE}" if is_truncated else "Results"
-        return f"{results} differ by at most {percent} % ({_in_sentence(largest.label)})."
+        return f"{results} {_agreement(largest)}."
     with_cases = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
@@ -266,6 +274,18 @@ def sentence(
     return f"{text} Largest differences of other kinds of results: {'; '.join(others)}."
 
 
+def _agreement(value: ComparedValue) -> str:
+    """Return the largest difference of results that hardly differ, in words: in per cent, or as the
+    number of digits in which they agree.
+    """
+    relative = math.expm1(value.spread)
+    label = _in_sentence(value.label)
+    if relative < _IN_DIGITS:
+        digits = math.floor(-math.log10(relative))
+        return f"agree to {digits} digits or more (largest difference: {label})"
+    return f"differ by at most {plain(f'{_PERCENT * relative:.2g}')} % ({label})"
+
+
 def _without_difference(
     values: Sequence[ComparedValue],
     compared: Sequence[ComparedValue],
@@ -274,11 +294,12 @@ def _without_difference(
     asked: bool,
 ) -> str:
     """Return the sentence on runs whose compared values are equal, or that have none."""
+    end = "an earlier end" if have_unlike_ends(runs) else "the end of a run"
     names = names_in_words([run.name for run in runs])
     is_truncated = any(value.is_truncated for value in values)
     if is_truncated and not compared:
         which = "requested value" if asked else "result"
-        return f"No {which} is complete in {names}: an earlier end truncates it."
+        return f"No {which} is complete in {names}: {end} truncates it."
     if asked:
         return f"The requested values do not differ between {names}, or a run lacks them."
     result = f"result {_COMPLETE}" if is_truncated else "result"
@@ -341,7 +362,7 @@ def _keys(runs: Sequence[ComparedRun]) -> list[str]:
 
 
 def _value(name: str, runs: Sequence[ComparedRun], *, is_truncated: bool = False) -> ComparedValue:
-    numbers = [run.run.number(name) for run in runs]
+    numbers = [_number(name, run) for run in runs]
     finite = [None if value is None or not math.isfinite(value) else value for value in numbers]
     largest = max((abs(value) for value in finite if value is not None), default=0.0)
     values = [
@@ -354,6 +375,16 @@ def _value(name: str, runs: Sequence[ComparedRun], *, is_truncated: bool = False
     return ComparedValue(
         name, tuple(values), label_of(name, called), unit, is_truncated, is_of_input
     )
+
+
+def _number(name: str, run: ComparedRun) -> float | None:
+    """Return a value of a run; None for the largest force and overlap of contacts that it does not
+    have.
+    """
+    value = run.run.number(name)
+    if name in _OF_PAIRS and has_no_pairs(run.run.summary):
+        return None
+    return None if name == _WITH_WALLS and value == 0 else value
 
 
 def _rank(value: ComparedValue) -> tuple[bool, float]:

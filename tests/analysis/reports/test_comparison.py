@@ -239,6 +239,47 @@ def test_results_that_hardly_differ_have_no_ratio_of_one(tmp_path):
     assert text == "Results differ by at most 0.001 % (peak contact force, excluding walls)."
 
 
+def test_results_that_differ_by_less_than_a_millionth_agree_to_digits(tmp_path):
+    forces = (10.0, 10.0 * (1 + 2.7e-7))
+    runs = [
+        write_run(tmp_path / f"run-{n}", figures=False, dissipated_fraction=0.5, peak_force_N=force)
+        for n, force in enumerate(forces)
+    ]
+    subjects = compared_runs(read_inputs(runs, tmp_path).runs)
+    text = sentence(compared_values(subjects), subjects)
+    assert text == (
+        "Results agree to 6 digits or more (largest difference: peak contact force, excluding "
+        "walls)."
+    )
+
+
+def test_a_requested_figure_limits_the_sentences(tmp_path):
+    """A figure of the force on the bottom is described by values of this force."""
+    runs = [
+        write_run(
+            tmp_path / f"run-{n}",
+            figures=False,
+            wall_peak_force_N=10.0 * n,
+            zone_cut=["bottom"],
+        )
+        for n in (1, 2)
+    ]
+    compared = compare_runs(read_inputs(runs, tmp_path).runs, ["bottom_force"])
+    assert compared.paragraphs == [
+        "The requested values differ most in peak force on the bottom, 10 N (run-1) and 20 N "
+        "(run-2), a ratio of 2."
+    ]
+    assert not any("zone" in note for note in compared.notes)
+
+
+def test_boundaries_that_zones_reach_are_grouped(tmp_path):
+    """Boundaries are listed once each, with the runs whose zones reach them."""
+    reached = {"a": ["bottom"], "b": ["bottom", "sides"], "c": ["bottom"]}
+    runs = [write_run(tmp_path / n, figures=False, zone_cut=cut) for n, cut in reached.items()]
+    notes = " ".join(compare_runs(read_inputs(runs, tmp_path).runs).notes)
+    assert "which limits its size: bottom in a, c; bottom and sides in b. Limited" in notes
+
+
 def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsys):
     killed = tmp_path / "killed"
     killed.mkdir()
@@ -502,11 +543,21 @@ def test_protection_of_many_runs_and_of_equal_ones(tmp_path):
     forces = [5.0, 1.0, 2.0, 4.0, 3.0]
     (sentence,) = protected(tmp_path, energy_input_J=[1.0] * 5, wall_peak_force_N=forces)
     assert sentence == (
-        "run-2 protects the bottom best: its peak force is 1 N, compared with 5 N in run-1 (5 "
-        "times as high), the largest of 5 runs."
+        "run-2 protects the bottom best: its peak force is 1 N. The largest value of the 5 runs is "
+        "5 N in run-1 (5 times as high)."
     )
     (sentence,) = protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1000.0, 1001.0])
-    assert sentence == "The peak force on the bottom is 1 kN in both runs, within 0.1 %."
+    assert sentence == (
+        "The peak force on the bottom is 1 kN in run-1 and 1.001 kN in run-2, 0.1 % apart."
+    )
+    (sentence,) = protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1000.0, 1000.1])
+    assert sentence == "The peak force on the bottom is 1 kN in both runs, within 0.01 %."
+    forces = [1000.0, 1001.0, 1002.0]
+    (sentence,) = protected(tmp_path, energy_input_J=[1] * 3, wall_peak_force_N=forces)
+    assert sentence == (
+        "The peak force on the bottom is between 1 kN (run-1) and 1.002 kN (run-3) in all 3 runs, "
+        "at most 0.2 % apart."
+    )
     assert protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1.0, None]) == []
 
 

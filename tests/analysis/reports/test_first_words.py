@@ -104,8 +104,8 @@ def test_a_chain_says_speed_and_decay(monkeypatch):
         {"packing.kind": "chain"}, wave_speed_m_s=428.3, energy_input_J=2.0, dissipated_fraction=0.0
     )
     assert in_words(run) == (
-        "The wave speed was 428.3 m/s. Its peak force decreases from 100 N in contact 1 to 9 N in "
-        "contact 3. None of the input energy of 2 J "
+        "The wave speed was 428.3 m/s. The peak force of the wave decreases from 100 N in "
+        "contact 1 to 9 N in contact 3. None of the input energy of 2 J "
         "was dissipated."
     )
     assert labels(run)[0] == "Wave speed in the deeper half"
