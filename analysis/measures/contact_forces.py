@@ -118,10 +118,10 @@ def _joined(
         if kept is not None:
             chosen[chosen] = kept[result.rows(i[chosen])] & kept[result.rows(j[chosen])]
         parts.append((i[chosen], j[chosen], force[chosen]))
-    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    carries = columns[2] >= _LEAST * largest
+    i, j, force = (np.concatenate(column) for column in zip(*parts, strict=True))
+    carries = force >= _LEAST * largest
     n_left_out = int(np.count_nonzero(~carries))
-    return ContactForces(name, time, *(column[carries] for column in columns), n_left_out)
+    return ContactForces(name, time, i[carries], j[carries], force[carries], n_left_out)
 
 
 def _at_instant(result: Result) -> tuple[float, tuple[NDArray, ...]] | None:

@@ -106,7 +106,7 @@ class ReportRun:
             return state
         text = f"{state} at {quantity_in(end, 's')}"
         requested = self.case.get(_END_KEY)
-        if not is_number(requested):
+        if requested is None or not is_number(requested):
             return text
         return f"{text} of {quantity_in(requested, 's')}"
 
