@@ -287,7 +287,9 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
     yielding = [run for run in balanced if run.summary.get("zone_cut") is not None]
     if yielding:
         cut = sum(mark_of(run.summary) is not Mark.NONE for run in yielding)
-        clear = "plastic zone clear of the boundaries"
+        is_growing = any(run.summary.get("zone_growing") for run in yielding)
+        so_far = " so far" if is_growing else ""
+        clear = f"plastic zone clear of the boundaries{so_far}"
         badges.append(
             _badge(
                 cut, len(yielding), clear, "boundaries influence the plastic zone", "note", RESULTS

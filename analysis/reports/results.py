@@ -37,6 +37,8 @@ from granwave.analysis.formatting.numbers import column_unit
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, report_columns
+from granwave.analysis.reports.comparison.subjects import compared_runs
+from granwave.analysis.reports.comparison.values import TRUNCATED, compared_values
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.sentences import by_part, value_table
@@ -339,7 +341,7 @@ def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cel
 
 def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
     """Make a table of all values of the summaries, with a column for each run, and the difference
-    of two runs.
+    of two runs, except of values that the end of a run truncates.
     """
     names = dict.fromkeys(chain.from_iterable(run.summary for run in runs))
     keys = [key for key in names if key not in _NOT_COMPARED]
@@ -351,6 +353,7 @@ def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
         *(TableColumn(one, numeric=True) for one in numbers),
     ]
     rows = []
+    truncated = _truncated(runs) if pair else set()
     called = grains_called_in([run.summary for run in runs])
     for key, (unit, size) in units_of_values(keys, [run.summary for run in runs]).items():
         cells = [_result_cell(key, run.summary, size) for run in runs]
@@ -360,11 +363,19 @@ def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
             Cell(unit),
             *cells,
         ]
-        if pair:
+        if key in truncated:
+            row.append(Cell(TRUNCATED))
+        elif pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
         rows.append(tuple(row))
     caption = "Values side by side" if len(runs) > 1 else f"Run {runs[0].label}"
     return DocumentTable(caption, tuple(columns), tuple(rows), by_row=True)
+
+
+def _truncated(runs: Sequence[ReportRun]) -> set[str]:
+    """Return the values that the end of a run truncates."""
+    values = compared_values(compared_runs(runs))
+    return {value.name for value in values if value.is_truncated}
 
 
 def _difference(first: Any, second: Any) -> Cell:

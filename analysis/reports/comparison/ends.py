@@ -30,6 +30,7 @@ LATER = 1.01  # latest over earliest end above which runs end at different times
 _CHANGE = 5e-3  # relative change up to which a value counts as final
 _LAST_PART = 0.1  # fraction of the earliest run: values that still change in it are not final
 _MOST_LISTED = 4  # runs that a sentence lists; of more the earliest and the latest
+_EARLY = 0.5  # fraction of its own time by which a run of another case has a complete value
 _LEAST_RUNS = 2
 #: Keys that change what is recorded, or how ranks share the work, but no result.
 _NO_RESULT = ("output.", "figures", "run.frames", "run.processors", "run.balance", END_KEY)
@@ -110,8 +111,9 @@ def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[st
 
     A value is complete if it is final at the earliest end in every run: the longer runs hardly
     change it afterwards, and the shortest run hardly changes it in the last tenth of its time.
-    Runs of another case that ended since they had settled are complete. Values whose course is not
-    recorded count as truncated.
+    With different cases, whose waves may differ in speed, it is also complete if every run has it
+    by half of its own time, and in runs that ended since they had settled. Values whose course is
+    not recorded count as truncated.
     """
     is_one_case = differ_in_end_only(runs)
     unknown = _unknown_names(names, runs)
@@ -126,7 +128,9 @@ def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[st
         courses = _courses_of(name)
         for course in courses:
             if (course, compared) not in final:
-                final[course, compared] = _is_final(course, compared)
+                final[course, compared] = _is_final(course, compared) or (
+                    not is_one_case and _is_early(course, compared)
+                )
         if compared and not (courses and all(final[course, compared] for course in courses)):
             truncated.add(name)
     return truncated | unknown
@@ -174,6 +178,14 @@ def _is_final(course: Course, runs: Sequence[ComparedRun]) -> bool:
         if not _is_final_at(curve, time):
             return False
     return True
+
+
+def _is_early(course: Course, runs: Sequence[ComparedRun]) -> bool:
+    """Return True if a value is final in every run by half of its own time."""
+    try:
+        return all(_is_final_at(course(run), _EARLY * end_of(run)) for run in runs)
+    except LackingError:
+        return False
 
 
 def _is_final_at(curve: SampledCurve, time: float) -> bool:

@@ -94,6 +94,7 @@ _N_LAWS = 2  # laws of decay: exponential and power
 _OTHER_LAW = "it follows the other law"
 _BELOW = 1e-2  # lowest force of a logarithmic axis, divided by the smallest peak
 _TWO_DECADES = 100.0  # highest / lowest value below which ticks between decades have labels
+_LEAST_MEDIAN = 1e-5  # of the largest force of a run; smaller medians are of layers at rest
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
 
 
@@ -365,7 +366,7 @@ def draw_peaks(
         depth = one.depth * _MILLI
         upper.plot(depth, one.largest, **_markers(run, depth), **look)
         for lower in others:
-            is_loaded = one.median > 0
+            is_loaded = one.median > _LEAST_MEDIAN * one.largest.max()
             lower.plot(depth[is_loaded], one.median[is_loaded], **_markers(run, depth), **look)
         if run in fits:
             decay = fits[run]
@@ -643,7 +644,7 @@ def speed_notes(curves: Mapping[ComparedRun, SampledCurve]) -> str:
     if without:
         listed = named(without, len(without))
         sentences.append(
-            f"No speed of the front, for which wave_speed_m_s states the conditions: {listed}."
+            f"No speed of the front, which requires nine layers that the wave reached: {listed}."
         )
     return " ".join(sentences)
 

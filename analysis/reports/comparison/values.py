@@ -117,9 +117,12 @@ class ComparedValue:
         """Ratio of the second to the first value of two runs; for more runs, of the largest to the
         smallest magnitude.
 
-        None if a run has no value, or with zero or different signs, or if the value is truncated.
+        None for a single run, if a run has no value or the value zero, or if the value is
+        truncated.
         """
         if self.is_truncated or None in self.values or not all(self.numbers):
+            return None
+        if len(self.numbers) < 2:
             return None
         if len(self.numbers) == 2:
             return self.numbers[1] / self.numbers[0]

@@ -9,10 +9,11 @@ import pytest
 
 from granwave.analysis.reports.comparison.blocks import value_table
 from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
-from granwave.analysis.reports.comparison.curves import SampledCurve
+from granwave.analysis.reports.comparison.curves import SampledCurve, bottom_record
 from granwave.analysis.reports.comparison.ends import _is_final_at, truncated_names
 from granwave.analysis.reports.comparison.subjects import compared_runs
 from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.results import results_section
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.compare import text_of
 
@@ -124,3 +125,33 @@ def test_a_value_is_final_if_it_does_not_change_after_the_earliest_end(place):
     names = ["peak_force_N", "wall_peak_force_N", "energy_kinetic_J", "wave_speed_m_s"]
     assert truncated_names(names, runs) == {"wall_peak_force_N", "energy_kinetic_J"}
     assert truncated_names(names, compared(place, "fast", "full").runs) == set()
+
+
+def test_a_slower_wave_in_a_longer_run_is_complete(place, tmp_path):
+    """Its peak comes after the end of the other run, in the first half of its own time."""
+    slow = {"packing.size": [6, 6, 6], "material": "ptfe", "contact.law": "hertz"}
+    slow["run.end_time"] = 1.5e-3
+    run_case(load_case("fcc-small", slow), tmp_path / "slow", figures=False)
+    full, of_slow_wave = read_inputs([place / "full", tmp_path / "slow"], tmp_path).runs
+    record = bottom_record(compared_runs([of_slow_wave])[0])
+    assert record.time[np.argmax(record.force)] > ENDS["full"]
+    (peak,) = compare_runs([full, of_slow_wave], quantities=["wall_peak_force_N"]).values
+    assert peak.ratio == pytest.approx(peak.values[1] / peak.values[0])
+
+
+def test_truncated_values_have_no_difference_in_the_table_of_all_values(place):
+    tables = results_section(read_inputs([place / "early", place / "full"], place)).blocks
+    (table,) = [block for block in tables if getattr(block, "caption", "") == "Values side by side"]
+    differences = {row[0].text: row[-1].text for row in table.rows}
+    assert differences["Peak force on the bottom"] == "truncated"
+    assert differences["Energy input"] == "0 %"
+
+
+def test_one_run_beside_a_measured_curve_has_no_ratio(place, tmp_path):
+    path = tmp_path / "measured.csv"
+    path.write_text("time_us,force_N\n0,0\n40,200\n80,900\n120,300\n")
+    comparison = compared(place, "full", quantities=["wall_peak_force_N"], measured=path)
+    (value,) = comparison.values
+    assert value.ratio is None
+    assert "measured.csv by " in comparison.sentence
+    assert "wall_peak_force_N" in text_of(comparison)
