@@ -226,7 +226,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
     n_contacts, n_rays = along.peak_force.shape
     pitch = result.case.packing.diameter * along.directions[0, 2] if n_rays else 0.0
     middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
-    figure, axes = panels(2.7)
+    figure, axes = panels(3.2)
     if n_rays > 1 and n_contacts > 1:
         _mark_directions(axes, middle * _MILLI, along.peak_force / scale)
     is_pressed = has_static_forces(result)
@@ -245,7 +245,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
     label(
         axes, "Depth (mm)", f"Peak force of the run {unit}", log="y", xlim=(0, depth[-1] * _MILLI)
     )
-    axes.legend(fontsize=8)
+    legend_above(axes, 1, fontsize=8)
     columns = {
         "layer_depth_m": depth,
         f"layer_peak_{name}": force / scale,
@@ -328,7 +328,7 @@ def _mark_directions(axes: Axes, depth: Array, force: Array) -> None:
         markeredgewidth=0.8,
         elinewidth=0.8,
         capsize=2,
-        label=f"along {force.shape[1]} preferred directions",
+        label=f"contacts along {force.shape[1]} preferred directions",
     )
 
 

@@ -78,8 +78,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "perpendicular plane."),
     ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest "
         "of the run, with any reflections, excluding walls",
-     "A straight line is an exponential decay. The legend gives the law, or why none fits; markers "
-     "show preferred directions."),
+     "A straight line is an exponential decay. Layers are at the depth of their spheres, markers "
+     "at the depth of contacts."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "The coloured spheres show the extent of the plastic zone. Pale spheres lie behind the "
      "perpendicular plane."),
