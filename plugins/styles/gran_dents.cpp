@@ -97,7 +97,7 @@ void GranDents::build_lists()
 /* Read the file piece by piece. A processor keeps only the contacts of its own spheres. */
 void GranDents::read(const std::string &file)
 {
-  owned.clear();
+  Owned owned;    // no member: LAMMPS does not delete a command that ends in an error
   for (int i = 0; i < atom->nlocal; i++) owned[atom->tag[i]] = i;
   TextRows text(lmp, file, fmt::format("{}: cannot read file {}", STYLE, file));
   std::vector<TextRow> rows;
@@ -105,11 +105,11 @@ void GranDents::read(const std::string &file)
   while (text.next(rows)) {
     std::vector<Line> lines;
     for (const TextRow &row : rows) lines.push_back(line_of(file, row));
-    require_spheres(file, lines);
+    require_spheres(file, lines, owned);
     for (Line &line : lines)
       if (owned.count(line.j) || (!line.wall && owned.count(line.i))) mine.push_back(std::move(line));
   }
-  set(file, mine);
+  set(file, mine, owned);
 }
 
 GranDents::Line GranDents::line_of(const std::string &file, const TextRow &row)
@@ -153,7 +153,7 @@ GranDents::Line GranDents::line_of(const std::string &file, const TextRow &row)
 }
 
 /* Stop with an error if no processor has a sphere of these lines. */
-void GranDents::require_spheres(const std::string &file, const std::vector<Line> &lines)
+void GranDents::require_spheres(const std::string &file, const std::vector<Line> &lines, const Owned &owned)
 {
   const int n = static_cast<int>(lines.size());
   std::vector<int> mine(n, 0), seen(n, 0);
@@ -167,7 +167,7 @@ void GranDents::require_spheres(const std::string &file, const std::vector<Line>
 }
 
 /* Set the contacts of the spheres of this processor. The first invalid line on any processor stops all. */
-void GranDents::set(const std::string &file, std::vector<Line> &mine)
+void GranDents::set(const std::string &file, std::vector<Line> &mine, const Owned &owned)
 {
   std::set<Ids> pairs;
   std::set<std::pair<FixWallGranHysteretic *, tagint>> on_walls;
@@ -188,7 +188,7 @@ void GranDents::set(const std::string &file, std::vector<Line> &mine)
   for (const auto &[ids, how] : pair->set_contacts(known)) status[ids] = how;
   known.clear();
   for (Line &line : mine) {
-    const std::string found = fault_of(line, status);
+    const std::string found = fault_of(line, status, owned);
     if (found.empty() || line.number > first) continue;
     first = line.number;
     fault = found;
@@ -212,7 +212,7 @@ void GranDents::stop_at_first(const std::string &file, bigint first, std::string
 }
 
 /* Return the fault of a line on the processor of its first sphere, empty if there is none; set the contact of a line with a wall. */
-std::string GranDents::fault_of(const Line &line, const std::map<Ids, int> &status)
+std::string GranDents::fault_of(const Line &line, const std::map<Ids, int> &status, const Owned &owned)
 {
   const auto sphere = owned.find(line.wall ? line.j : line.i);
   if (sphere == owned.end()) return "";

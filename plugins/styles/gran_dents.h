@@ -38,6 +38,7 @@ class GranDents : public Command {
 
  private:
   using Ids = std::pair<tagint, tagint>;    // IDs of two spheres, the lower first
+  using Owned = std::map<tagint, int>;      // local index of the spheres of this processor, by ID
   struct Line {
     bigint number;
     FixWallGranHysteretic *wall;    // null for a pair of spheres
@@ -49,13 +50,12 @@ class GranDents : public Command {
   void begin(bool keeps);
   void read(const std::string &file);
   Line line_of(const std::string &file, const granwave::TextRow &);
-  void require_spheres(const std::string &file, const std::vector<Line> &);
-  void set(const std::string &file, std::vector<Line> &);
+  void require_spheres(const std::string &file, const std::vector<Line> &, const Owned &);
+  void set(const std::string &file, std::vector<Line> &, const Owned &);
   void stop_at_first(const std::string &file, bigint first, std::string fault);
-  std::string fault_of(const Line &, const std::map<Ids, int> &status);
+  std::string fault_of(const Line &, const std::map<Ids, int> &status, const Owned &);
 
   PairGranHysteretic *pair = nullptr;
-  std::map<tagint, int> owned;    // local index by ID
 };
 
 }    // namespace LAMMPS_NS
