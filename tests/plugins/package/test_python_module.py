@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from importlib import metadata
@@ -33,6 +34,9 @@ with open("/proc/self/maps") as maps:
 """
 
 
+@pytest.mark.skipif(
+    "libasan" in os.environ.get("LD_PRELOAD", ""), reason="a sanitizer must be loaded first"
+)
 def test_lammps_is_imported_first(tmp_path: Path) -> None:
     """The entry point that LAMMPS calls loads libmpi; mpi4py takes the same library afterwards."""
     command = [sys.executable, "-c", SCRIPT]
