@@ -83,7 +83,9 @@ def test_equal_depths_and_missing_speeds_are_stated():
     note = growth_notes(zones)
     assert note == "Curves of equal largest depth end on one line: 32.66 mm in r0, r1."
     text = speed_notes(dict.fromkeys(compared))
-    assert "400 m/s (r0)" in text and text.endswith("the conditions: r1, r2.")
+    assert "400 m/s (r0)" in text and text.endswith(
+        "which requires nine layers that the wave reached: r1, r2."
+    )
 
 
 @pytest.mark.parametrize(("largest", "labels"), [(15.0, {"1", "2", "5", "10"}), (900.0, set())])
