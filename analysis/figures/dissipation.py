@@ -263,7 +263,8 @@ def peak_force_depth(result: Result) -> Drawing | None:
 
 def _wrapped(reason: str) -> str:
     """Return the reason why no decay is drawn, in lines of a legend."""
-    return "\n".join(wrap(f"no fit: {reason}".replace("no fit: no decay", "no decay"), _LETTERS))
+    text = reason if reason.startswith("no decay") else f"no fit: {reason}"
+    return "\n".join(wrap(text, _LETTERS))
 
 
 def _draw_decay(axes: Axes, decay: ForceDecay | PowerDecay, scale: float) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -81,13 +81,18 @@ def unique_labels(values: Sequence[Any]) -> list[str]:
     keys = [json.dumps(value, sort_keys=True, default=str) for value in values]
     for key, value in zip(keys, values, strict=True):
         if key not in labels:
-            text = shown = as_label(value)
-            number = 1
-            while shown in labels.values():
-                number += 1
-                shown = f"{text} ({number})"
-            labels[key] = shown
+            labels[key] = distinct(as_label(value), labels.values())
     return [labels[key] for key in keys]
+
+
+def distinct(label: str, taken: Collection[str]) -> str:
+    """Return a label with the first number that makes it differ from the taken ones, if any."""
+    number = 1
+    shown = label
+    while shown in taken:
+        number += 1
+        shown = f"{label} ({number})"
+    return shown
 
 
 def _parsed(label: str) -> Any:

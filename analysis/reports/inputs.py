@@ -12,6 +12,7 @@ from urllib.parse import quote
 
 from granwave.analysis.document.model import Link
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.formatting.values import distinct
 from granwave.analysis.reports.kinds import (
     ReportRun,
     UnfinishedRunError,
@@ -212,12 +213,7 @@ def _labels(paths: Sequence[Path], base: Path) -> list[str]:
     for path in paths:
         name = path.resolve().name or "/"
         label = name if names.count(name) == 1 else relative(path, base)
-        number = 1
-        unique = label
-        while unique in labels:
-            number += 1
-            unique = f"{label} ({number})"
-        labels.append(unique)
+        labels.append(distinct(label, labels))
     return labels
 
 

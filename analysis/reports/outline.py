@@ -44,6 +44,7 @@ from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.comparison.definitions import OF_THE_END, end_notes
+from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.figures import figures_section, views
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import (
@@ -287,7 +288,7 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
     yielding = [run for run in balanced if run.summary.get("zone_cut") is not None]
     if yielding:
         cut = sum(mark_of(run.summary) is not Mark.NONE for run in yielding)
-        is_growing = any(run.summary.get("zone_growing") for run in yielding)
+        is_growing = any(run.summary.get(GROWING) for run in yielding)
         so_far = " so far" if is_growing else ""
         clear = f"plastic zone clear of the boundaries{so_far}"
         badges.append(

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 
+from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
@@ -228,14 +229,14 @@ def _listed(runs: Sequence[ComparedRun], text: Callable[[ComparedRun], str]) -> 
     names: dict[str, list[str]] = {}
     for run in runs:
         names.setdefault(text(run), []).append(run.name)
-    parts = [f"{what} in {_first(of_text)}" for what, of_text in names.items()]
+    parts = [f"{what} in {named(of_text, _MOST_LISTED)}" for what, of_text in names.items()]
     is_simple = len(parts) == len(runs)
     return _first(parts, ", " if is_simple else "; ")
 
 
 def _named(runs: Sequence[ComparedRun]) -> str:
     """Return the names of runs; for many runs, the first ones and the number of the others."""
-    return _first([run.name for run in runs])
+    return named([run.name for run in runs], _MOST_LISTED)
 
 
 def _first(parts: Sequence[str], between: str = ", ") -> str:

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.curves import SampledCurve
@@ -309,7 +310,9 @@ def closest_sentence(
     closest = deviations[name]
     rms = _rms_in_words(measured, closest, units)
     if len(closest_names) > 1:
-        return f"Equally close to {measured.source}: {_first(closest_names)}, with {rms}."
+        return (
+            f"Equally close to {measured.source}: {named(closest_names, _MOST_LISTED)}, with {rms}."
+        )
     peaks = _peaks_in_words(measured, closest, units)
     if len(names) < len(deviations) and len(names) == 1:
         return (
@@ -338,7 +341,7 @@ def _reasons(deviations: Mapping[str, Deviation]) -> str:
     names: dict[str, list[str]] = {}
     for name, reason in unranked_reasons(deviations).items():
         names.setdefault(reason, []).append(name)
-    return "; ".join(f"{reason} ({_first(runs)})" for reason, runs in names.items())
+    return "; ".join(f"{reason} ({named(runs, _MOST_LISTED)})" for reason, runs in names.items())
 
 
 def _rms_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[str, str]) -> str:
@@ -386,12 +389,12 @@ def coverage_notes(measured: MeasuredCurve, deviations: Mapping[str, Deviation])
     if parts:
         notes.append(
             f"Not ranked by their difference from {measured.source}, of which they cover only a "
-            f"part: {_first(parts)}."
+            f"part: {named(parts, _MOST_LISTED)}."
         )
     if rising:
         notes.append(
             f"Not ranked by their difference from {measured.source}, since their largest value is "
-            f"at their end: {_first(rising)}."
+            f"at their end: {named(rising, _MOST_LISTED)}."
         )
     if measured.is_reversed:
         remedy = (
@@ -473,15 +476,8 @@ def near_end_notes(
     spacing = "layer spacing" if units[0] == "m" else "spacing of the points of a run"
     return [
         f"Points of {measured.source} beyond an end of a curve, by up to {share(_NEAR_END)} of the "
-        f"{spacing}, are compared with the value at this end: {_first(names)}."
+        f"{spacing}, are compared with the value at this end: {named(names, _MOST_LISTED)}."
     ]
-
-
-def _first(parts: Sequence[str]) -> str:
-    """Return the first parts of a list in words, and the number of the others."""
-    left = len(parts) - _MOST_LISTED
-    more = f" and {left} more" if left > 0 else ""
-    return f"{', '.join(parts[:_MOST_LISTED])}{more}"
 
 
 def relative_text(ratio: float) -> str:
@@ -510,7 +506,7 @@ def outside_notes(
     ends = [quantity_in(float(end), x_unit) for end in (measured.x[0], measured.x[-1])]
     return [
         f"Largest values outside the range of {measured.source}, {' to '.join(ends)}: "
-        f"{_first(places)}. Shift the measured curve if its zero "
+        f"{named(places, _MOST_LISTED)}. Shift the measured curve if its zero "
         "differs."
     ]
 

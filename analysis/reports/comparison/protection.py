@@ -12,6 +12,7 @@ from granwave.analysis.reports.comparison.curves import (
     has_peak_at_bottom,
     static_force_at_bottom,
 )
+from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import ComparedRun, names_in_words
 from granwave.analysis.reports.setting import target_of
@@ -144,7 +145,7 @@ def _has_complete_zone(run: ComparedRun) -> bool:
     """Return True if neither a boundary nor the end of the run limits the depth of the zone."""
     summary = run.run.summary
     is_collision = run.run.number(_SPHERES) in _COLLISION
-    growing = summary.get("zone_growing") or ()
+    growing = summary.get(GROWING) or ()
     return not is_collision and mark_of(summary) is not Mark.CUT and "depth" not in growing
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from granwave.analysis.document.model import named, show
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.numbers import quantity_in, size_text
-from granwave.analysis.formatting.values import as_label, unit_in_cases
+from granwave.analysis.formatting.values import as_label, distinct, unit_in_cases
 from granwave.analysis.reports.comparison.grain_ids import short_ids
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.setting import (
@@ -125,12 +125,7 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
     for run, text in zip(runs, _texts(runs), strict=True):
         is_said = text == run.label or not text
         label = _shortened(run.label if is_said else _with_differences(run.label, text))
-        number = 1
-        unique = label
-        while unique in labels:
-            number += 1
-            unique = f"{label} ({number})"
-        labels.append(unique)
+        labels.append(distinct(label, labels))
     drawn_first = sorted(spread_first(len(runs), MOST_CURVES)[:MOST_CURVES])
     others = [place for place in range(len(runs)) if place not in drawn_first]
     looks = {place: look for look, place in enumerate([*drawn_first, *others])}

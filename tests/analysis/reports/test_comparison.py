@@ -705,7 +705,7 @@ def test_a_sensor_of_the_opposite_sign(tmp_path):
 
 
 def test_a_wrong_unit_of_time_gives_no_agreement(tmp_path):
-    """Of 5 points only the first, zero in all curves, is within the runs."""
+    """Only the first of 5 points, which is zero in all curves, is within the runs."""
     file = tmp_path / "measured.csv"
     file.write_text("time_s,force_N\n0,0\n50,10\n60,900\n70,1500\n80,1200\n")
     measured = read_measured(file, ("s", "N"))
