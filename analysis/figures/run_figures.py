@@ -76,9 +76,10 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
      "Bright lines are chains of contacts that carry the wave. Pale spheres lie behind the "
      "perpendicular plane."),
-    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest "
-        "of the run, with any reflections, excluding walls",
-     "A straight line is an exponential decay. Layers are at the depth of their spheres, markers "
+    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force of the first wave against "
+        "depth, excluding walls; hollow squares: layers whose force is "
+        "largest after a reflection from the bottom; of the run under an oscillating load",
+     "A straight line is an exponential decay. Layers are at the depth of their spheres, circles "
      "at the depth of contacts."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "The coloured spheres show the extent of the plastic zone. Pale spheres lie behind the "

@@ -17,6 +17,7 @@ import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import MissingDataError, did_you_mean
@@ -45,6 +46,7 @@ MARKS = "os^Dv"
 LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 _ENERGIES = ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ"))
 _VELOCITIES = ((1.0, "m/s"), (1e3, "mm/s"), (1e6, "µm/s"))
+_TWO_DECADES = 100.0  # highest / lowest value below which ticks between decades have labels
 _LEAST_VELOCITY = 0.01  # in m/s: tenths are common there
 
 
@@ -134,6 +136,21 @@ def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: An
     """
     axes.set(**{f"{name}scale": "log" for name in log})
     axes.set(xlabel=x or axes.get_xlabel(), ylabel=y or axes.get_ylabel(), **settings)
+
+
+def label_log_axis(axes: Axes, ratio: float) -> None:
+    """Label the ticks of a logarithmic vertical axis: 1, 2 and 5 of each decade over less than two
+    decades, otherwise the decades.
+
+    Parameters
+    ----------
+    ratio
+        Largest value / smallest value.
+    """
+    if ratio < _TWO_DECADES:
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def legend_outside(figure: Figure, ncols: int, **options: Any) -> None:

@@ -13,7 +13,6 @@ import matplotlib.lines as mlines
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from granwave.analysis.document.model import named
 from granwave.analysis.figures.series import (
@@ -21,6 +20,7 @@ from granwave.analysis.figures.series import (
     against_time,
     column_name,
     label,
+    label_log_axis,
     panels,
 )
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
@@ -93,7 +93,6 @@ _HIDES = 30.0  # ratio of the largest to the smallest peak that a linear axis hi
 _N_LAWS = 2  # laws of decay: exponential and power
 _OTHER_LAW = "it follows the other law"
 _BELOW = 1e-2  # lowest force of a logarithmic axis, divided by the smallest peak
-_TWO_DECADES = 100.0  # highest / lowest value below which ticks between decades have labels
 _LEAST_MEDIAN = 1e-5  # of the largest force of a run; smaller medians are of layers at rest
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
 
@@ -364,7 +363,12 @@ def draw_peaks(
     for run, look in _styles(list(peaks)).items():
         one = peaks[run]
         depth = one.depth * _MILLI
-        upper.plot(depth, one.largest, **_markers(run, depth), **look)
+        is_first = ~one.is_later
+        upper.plot(depth[is_first], one.largest[is_first], **_markers(run, depth), **look)
+        if one.is_later.any():
+            later: dict[str, Any] = look | {"linestyle": "", "label": "_later"}
+            later |= _markers(run, depth[one.is_later][:1])
+            upper.plot(depth[one.is_later], one.largest[one.is_later], **later)
         for lower in others:
             is_loaded = one.median > _LEAST_MEDIAN * one.largest.max()
             lower.plot(depth[is_loaded], one.median[is_loaded], **_markers(run, depth), **look)
@@ -383,16 +387,29 @@ def draw_peaks(
     label(upper, "" if others else "Depth (mm)", _peak_title(peaks))
     for lower in others:
         upper.set_title("largest of the layer")
-        label(lower, "Depth (mm)", _peak_title(peaks), title="median of the layer")
+        label(lower, "Depth (mm)", _median_title(peaks), title="median of the layer")
     _log_if_wide(upper, *others)
     _legend(figure)
     return Drawing(figure, columns)
 
 
-def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return the title of the axis of peak forces."""
+def _force_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the kind of the peak forces."""
     is_dynamic = any(has_static_load(run) for run in peaks)
-    title = "Peak dynamic force" if is_dynamic else "Peak force"
+    return "Peak dynamic force" if is_dynamic else "Peak force"
+
+
+def _median_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the title of the axis of medians, which are of the whole run except in chains."""
+    title = _force_title(peaks)
+    if all(one.of_first_wave for one in peaks.values()):
+        return f"{title}\nof the run (N)"
+    return f"{title} (N)"
+
+
+def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the title of the axis of the largest peak forces."""
+    title = _force_title(peaks)
     if all(one.of_first_wave for one in peaks.values()):
         return f"{title}\nof the first wave (N)"
     return f"{title} (N)"
@@ -410,24 +427,9 @@ def _log_if_wide(*panels_of_figure: Axes) -> None:
         if is_wide and len(positive):
             axes.set_yscale("log")
             axes.set_ylim(positive.min() / _ROOM_OF_LOG, positive.max() * _ROOM_OF_LOG)
-            _label_log_axis(axes, positive.max() / positive.min())
+            label_log_axis(axes, positive.max() / positive.min())
         else:
             axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0))
-
-
-def _label_log_axis(axes: Axes, ratio: float) -> None:
-    """Label the ticks of a logarithmic vertical axis: 1, 2 and 5 of each decade over less than two
-    decades, otherwise the decades.
-
-    Parameters
-    ----------
-    ratio
-        Largest value / smallest value.
-    """
-    if ratio < _TWO_DECADES:
-        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
@@ -609,7 +611,18 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
         parts.append(f"of the first wave, before the reflection ({named(first, len(first))})")
     if whole:
         parts.append(f"of the whole run, with any reflections ({named(whole, len(whole))})")
-    return f"Largest forces {' and '.join(parts)}."
+    later = [
+        f"{np.count_nonzero(one.is_later)} ({run.name})"
+        for run, one in peaks.items()
+        if one.is_later.any()
+    ]
+    if not later:
+        return f"Largest forces {' and '.join(parts)}."
+    return (
+        f"Largest forces {' and '.join(parts)}. Markers without a line (not fitted): the force of "
+        "the layer was largest after a reflection from the base may have arrived; number of "
+        f"layers: {', '.join(later)}."
+    )
 
 
 def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
@@ -618,7 +631,7 @@ def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     if not parts:
         return ""
     reasons = "whose force still rises at the end"
-    if any(one.of_first_wave for one in peaks.values()):
+    if any(one.is_chain and one.n_unknown for one in peaks.values()):
         reasons += " or also includes the reflection"
     return f"Without layers {reasons}: {', '.join(parts)}."
 
