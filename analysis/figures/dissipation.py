@@ -294,22 +294,16 @@ def _draw_layers(axes: Axes, peaks: LayerPeaks, scale: float) -> None:
     force = peaks.largest / scale
     others = ~peaks.is_known & ~peaks.is_later & (force > 0)
     marker = "." if len(depth) <= _MOST_MARKED else ""
-    for chosen, look, name in (
-        (peaks.is_known, {"marker": marker, "linestyle": "-"}, "largest of the layer"),
-        (
-            peaks.is_later,
-            {"marker": "s", "linestyle": ""},
-            "largest of the layer, after the reflection (not fitted)",
-        ),
-        (
-            others,
-            {"marker": "x", "linestyle": ""},
-            "largest of the layer, still rising or not reached",
-        ),
+    look: dict[str, Any] = {
+        "color": BLUE, "markerfacecolor": "none", "markersize": 4, "zorder": 1.5
+    }  # fmt: skip
+    for chosen, signs, name in (
+        (peaks.is_known, f"{marker}-", "largest of the layer"),
+        (peaks.is_later, "s", "largest of the layer, after the reflection (not fitted)"),
+        (others, "x", "largest of the layer, still rising or not reached"),
     ):
         if np.any(chosen):
-            look |= {"color": BLUE, "markerfacecolor": "none", "markersize": 4, "zorder": 1.5}
-            axes.plot(depth[chosen], force[chosen], label=name, **look)
+            axes.plot(depth[chosen], force[chosen], signs, label=name, **look)
 
 
 def _wrapped(reason: str) -> str:

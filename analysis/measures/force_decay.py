@@ -62,6 +62,7 @@ _CONSTANT = 0.02  # largest over smallest force of the deeper half of a fit, min
 _LEAST_PERCENT = 0.1  # smallest change that is named, per cent
 _SAME_SIZE = 1.2  # largest over smallest median diameter of layers with one decay
 _LEAST_SHARE = 1e-4  # fraction of the largest force: layers that the wave reached
+_AT_TOP = 1e-9  # fraction of the way down that layers above the impact have
 BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may still rise
 
 
@@ -376,21 +377,18 @@ def reflection_arrivals(
     """
     if result.case.load.keeps_oscillating:
         return None
-    base = reached(result)
-    at_base = np.inf
-    if base is not None and base.dynamic_peak_force > least:
-        at_base = base.arrival or np.inf
-    is_pressed = result.case.precompression is not None
-    if is_pressed and (base is None or not depth[-1] > 0):
-        return None
-    front = arrivals_of_groups(result, layer, len(depth))
-    if not is_pressed:
-        at_base = min(at_base, float(front[-1]))
-    if not np.isfinite(at_base):
+    if result.case.precompression is None:
+        front = arrivals_of_groups(result, layer, len(depth))
+    else:
+        base = reached(result)
+        if base is None or not depth[-1] > 0:
+            return None
+        is_there = base.dynamic_peak_force > least
+        at_base = base.arrival if is_there else None
+        front = np.clip(depth / depth[-1], _AT_TOP, 1.0) * (at_base or np.inf)
+    if not np.isfinite(front[-1]):
         return np.full(len(depth), np.inf)
-    if is_pressed:
-        front = at_base * np.clip(depth / depth[-1], 0.0, 1.0)
-    return at_base + np.maximum(at_base - front, 0.0)
+    return np.asarray(2 * front[-1] - np.minimum(front, front[-1]))
 
 
 def _largest(force: Array, layer: NDArray[np.int64], n_layers: int) -> Array:
