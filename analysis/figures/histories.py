@@ -88,6 +88,8 @@ _IN_PANEL = 4  # sensors in a panel
 _MOST_IN_LEGEND = 10  # largest number of curves with a legend
 _COLUMNS = 2  # columns of a legend above all panels
 _ERRORS_SHOWN = 1e4  # largest over smallest error on the axis of the energies
+_STEADY = 0.01  # change / range of a record that is still noticeable
+_AFTER_CHANGE = 3.0  # end of an axis of times / time of the last noticeable change
 _LEAST = 1e-3  # start of the axis of the error over the tolerance
 
 
@@ -229,7 +231,17 @@ def impactor_velocity(result: Result) -> Drawing | None:
         axes,
         y=f"Velocity of the\n{'loaded' if result.case.load.driven else 'impacted'} sphere ({unit})",
     )
+    axes.set_xlim(0, _end_of_change(time, velocity) * _MICRO)
     return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
+
+
+def _end_of_change(time: NDArray[np.float64], values: NDArray[np.float64]) -> float:
+    """Return the end of an axis of times that shows the changes of a record: some time after its
+    last noticeable change, or the end of the record.
+    """
+    differs = np.abs(values - values[-1]) > _STEADY * float(np.ptp(values))
+    last = float(time[np.flatnonzero(differs)[-1]]) if differs.any() else 0.0
+    return min(_AFTER_CHANGE * last, float(time[-1])) or float(time[-1])
 
 
 def probes(result: Result) -> Drawing | None:
@@ -418,20 +430,20 @@ def timestep(result: Result) -> Drawing | None:
     expected = np.abs(result["energy/expected_error"]) * work / largest_input
     error = misfit(result.ledger) / largest_input
     figure, upper, lower = panels(3.2, rows=2, sharex=True)
-    upper.step(time * _MICRO, step * _NANO, where="pre")
+    upper.plot(time * _MICRO, step * _NANO, ".", markersize=2)  # a line would hide fast changes
     upper.set_yscale("log", base=2)
     upper.yaxis.set_major_formatter("{x:.4g}")
     label(upper, y="Timestep (ns)")
-    for values, colour, line, name in (
-        (error, GREY, "-", "measured"),
-        (expected, ORANGE, "--", "expected"),
+    for values, colour, line, width, name in (
+        (error, _PALE, "-", 2.4, "measured"),
+        (expected, ORANGE, "-", 0.7, "expected"),
     ):
         lower.semilogy(
             time * _MICRO,
             np.where(values > 0, values, np.nan),
             line,
             color=colour,
-            linewidth=0.8,
+            linewidth=width,
             label=name,
         )
     lower.axhline(tolerance, color="black", linestyle=":", linewidth=0.8, label="tolerance")

@@ -23,7 +23,9 @@ from granwave.analysis.figures.series import (
     against_time,
     energy_unit,
     label,
+    label_log_axis,
     panels,
+    scale_by_peaks,
     velocity_unit,
 )
 from granwave.analysis.figures.style import (
@@ -65,6 +67,7 @@ _ARRIVALS: dict[str, Any] = {
 _FITTED: dict[str, Any] = {
     "color": ORANGE, "linewidth": 1.1, "path_effects": _EDGE, "zorder": 1.5
 }  # fmt: skip
+_MOST_FRONTS = 25  # largest number of marked fronts, which would hide the fitted line
 _MOST_OF_A_LINE = 12  # largest number of curves of a line of grains
 _FEWEST = 2  # fewest contacts along which forces are drawn
 _SAME = 1e-3  # relative difference of equal forces
@@ -202,6 +205,7 @@ def force_histories(result: Result) -> Drawing | None:
     for n, line in zip(chosen, LINES, strict=False):
         against_time(axes, time, force[:, n] * scale, line, label=_name(result, n), linewidth=0.9)
     label(axes, y=f"Contact force ({unit})")
+    scale_by_peaks(axes, scale * force[:, chosen].max(axis=0))
     legend_above(axes, 3, title="Contact")
     return Drawing(
         figure, {"time_s": time} | {f"contact_{_name(result, n)}_N": force[:, n] for n in chosen}
@@ -283,6 +287,8 @@ def _scale_axis(axes: Axes, values: NDArray[np.float64], quantity: str) -> None:
     label(axes, y=quantity)
     if is_wide:
         axes.set_yscale("log")
+        lowest, highest = axes.get_ylim()
+        label_log_axis(axes, highest / lowest)
     else:
         axes.set_ylim(0, 1.05 * float(values.max()))
 
@@ -493,6 +499,7 @@ def _draw_motion(axes: Axes, motion: LineMotion, colours: str) -> Any:
         motion.arrival[reached] * _MICRO,
         "o",
         label="front at a grain",
+        markevery=max(1, np.count_nonzero(reached) // _MOST_FRONTS),
         **_ARRIVALS,
     )
     if motion.front is not None:
@@ -519,8 +526,8 @@ def _last_shown(motion: LineMotion) -> float:
     """Return the end of the axis of times, some time after the wave has arrived everywhere, µs."""
     end = float(motion.time[-1])
     arrived = np.isfinite(motion.arrival)
-    if arrived.all():
-        end = min(end, _AFTER * float(motion.arrival.max()))
+    if arrived[1:].all():  # the front begins below the impacted grain
+        end = min(end, _AFTER * float(np.nanmax(motion.arrival, initial=0.0)))
     if np.count_nonzero(motion.time <= end) < _FEWEST_TIMES:
         end = float(motion.time[-1])
     return end * _MICRO

@@ -74,7 +74,7 @@ class RunFigure:
 #: Figures of the core: name, function, caption, what to look for; with * on each of the three planes.
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
-     "Bright lines are chains of contacts that carry the wave. Pale spheres lie behind the "
+     "Bright lines are chains that carry the wave. White: no force. Pale spheres lie behind the "
      "perpendicular plane."),
     ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force of the first wave against "
         "depth, excluding walls; hollow squares: layers whose force is "
@@ -82,13 +82,14 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "A straight line is an exponential decay. Layers are at the depth of their spheres, circles "
      "at the depth of contacts."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
-     "The coloured spheres show the extent of the plastic zone. Pale spheres lie behind the "
+     "Coloured: the extent of the plastic zone. White: no dissipation. Pale spheres lie behind the "
      "perpendicular plane."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
         "friction and viscous losses",
-     "All panels have the same scale: compare the location of yielding, sliding and damping."),
+     "All panels have the same scale: compare the location of yielding, sliding and damping. White: "
+     "none of this kind."),
     ("dents_*", sections.dents_section, "Plastic indentations before the run",
-     "A contact is elastic up to the force that caused its indentation."),
+     "A contact is elastic up to the force that caused its indentation. White: no indentation."),
     ("dissipation_ranked", dissipation.dissipation_ranked, "Dissipation of spheres in descending order",
      "A steep decrease means that few spheres dissipate most of the energy. Spheres that "
      "yielded without dissipation are excluded."),
@@ -119,8 +120,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("probes", histories.probes, "Probes",
      "The delay between curves gives the wave speed, and the height of the peaks gives the decay."),
     ("wave_front", sections.wave_front, "Wave front",
-     "The edge of the coloured region is the wave front; its distance in each direction shows "
-     "how the speed depends on direction."),
+     "The edge of the coloured region is the wave front; its speed depends on the direction. "
+     "White: no force at this time."),
     ("force_map", rows.force_map, "Contact force in space and time",
      "A wave is an inclined line; its slope gives the speed, fading colours show decay, and a "
      "reversal is a reflection."),

@@ -18,7 +18,7 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.scales import least_span
@@ -47,6 +47,10 @@ LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)),
 _ENERGIES = ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ"))
 _VELOCITIES = ((1.0, "m/s"), (1e3, "mm/s"), (1e6, "µm/s"))
 _TWO_DECADES = 100.0  # highest / lowest value below which ticks between decades have labels
+_WIDE_PEAKS = 30.0  # largest / smallest peak of the curves of a logarithmic axis
+_LEAST_PEAK = 1e-4  # fraction of the largest peak: curves that the wave reached
+_BELOW_PEAKS = 4.0  # smallest peak / start of that axis
+_ABOVE_PEAKS = 1.5  # end of that axis / largest peak
 _LEAST_VELOCITY = 0.01  # in m/s: tenths are common there
 
 
@@ -151,6 +155,24 @@ def label_log_axis(axes: Axes, ratio: float) -> None:
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def scale_by_peaks(axes: Axes, peaks: ArrayLike) -> None:
+    """Give the vertical axis a logarithmic scale if the peaks of its curves differ so much that the
+    lowest curves would be on the axis of times.
+
+    Parameters
+    ----------
+    peaks
+        Largest values of the curves, in the unit of the axis: (n_curves,).
+    """
+    values = np.asarray(peaks, dtype=np.float64)
+    values = values[values > _LEAST_PEAK * values.max(initial=0.0)]
+    if not len(values) or values.max() < _WIDE_PEAKS * values.min():
+        return
+    axes.set_yscale("log")
+    axes.set_ylim(values.min() / _BELOW_PEAKS, values.max() * _ABOVE_PEAKS)
+    label_log_axis(axes, _BELOW_PEAKS * values.max() / values.min())
 
 
 def legend_outside(figure: Figure, ncols: int, **options: Any) -> None:

@@ -201,7 +201,7 @@ def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) ->
     axes.set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
     axes.set_ylabel(f"{cut.plane.down_label} (mm)")
     axes.set_title(" ", fontsize=9)  # room for the clock
-    ends = np.array([first.low, first.high])
+    ends = np.array([0.0, first.low, first.high])  # white grains in some snapshot
     colour_bar(figure, [axes], first, ends, bar_location(size))
     clock = _clock(figure)
 

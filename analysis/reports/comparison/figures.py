@@ -719,8 +719,8 @@ FIGURES: dict[str, ComparisonFigure] = {
     "peak_force_field": ComparisonFigure(
         "Peak force on the lattice plane below the impact in which spheres touch, the largest of "
         "the run, on a common colour scale", force_field,
-        draw_field_panels, notes=_field_notes, most=MOST_PANELS, is_cumulative=True,
-        values=("peak_force_N",),
+        draw_field_panels, look="White: no contact force.", notes=_field_notes, most=MOST_PANELS,
+        is_cumulative=True, values=("peak_force_N",),
     ),
     "peak_force_difference": ComparisonFigure(
         "Difference of the peak force of corresponding grains", force_field,
