@@ -34,8 +34,8 @@ from granwave.analysis.figures.colouring import (
     disc_colours,
     force_scale,
 )
+from granwave.analysis.figures.force_map import space_time_map
 from granwave.analysis.figures.grain_discs import disc_radii, draw_discs
-from granwave.analysis.figures.rows import space_time_map
 from granwave.analysis.figures.style import (
     BLUE,
     DISSIPATION_MAP,

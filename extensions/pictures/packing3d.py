@@ -248,16 +248,16 @@ def plane_lines(
 PEAK_FORCE = RunFigure(
     "Packing cut open, peak contact force, excluding walls",
     packing_3d,
-    "A quarter is cut away at the impact; bright spheres carried the largest forces. White: below the "
-    "scale, or none.",
+    "A quarter is cut away at the impact; bright spheres carried the largest forces. White: below "
+    "the scale, or none.",
     shares_work_with=("packing_3d_dissipation",),
     takes_long=True,
 )
 DISSIPATION = RunFigure(
     "Packing cut open, dissipation",
     packing_3d_dissipation,
-    "A quarter is cut away at the impact; bright spheres dissipated the most energy. White: below the "
-    "scale, or none.",
+    "A quarter is cut away at the impact; bright spheres dissipated the most energy. White: below "
+    "the scale, or none.",
     shares_work_with=("packing_3d",),
     takes_long=True,
 )
