@@ -20,6 +20,7 @@ from granwave.analysis.result.reader import Result
 
 DISSIPATION_LIMITS = (1e-6, 1e-1)  # range of dissipation over input
 _LEAST_DECADES = 3  # default range of a logarithmic scale
+_LEAST_RATIO = 10.0  # highest / lowest value of a scale of nearly equal values
 #: Grains without a value, which differ from both ends of the colour maps in grey prints too.
 _BLANK = "white"
 _EDGE_OF_BLANK = "#9a9a9a"
@@ -86,12 +87,20 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
     low, high = decades_up_to(
         float(values.max(initial=0.0)), 1.0 if result.has_yield_force else None
     )
+    low = max(low, 10 ** math.floor(math.log10(_smallest(values, low))))
+    low = min(low, high / _LEAST_RATIO)
     if decades is not None:
         low = high / 10**decades
     low, high = options.force_limits or (low, high)
     return Colouring(
         values, f"Peak force {label}", f"peak_{column}", options.colour_map or FORCE_MAP, low, high
     )
+
+
+def _smallest(values: NDArray[np.float64], least: float) -> float:
+    """Return the smallest value above 0; ``least`` without any."""
+    positive = values[values > 0]
+    return float(positive.min()) if len(positive) else least
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:

@@ -360,6 +360,8 @@ def _mark_directions(axes: Axes, depth: Array, force: Array) -> None:
         Forces in the unit of the figure, 0 without contact: (n_contacts, n_directions).
     """
     loaded = np.flatnonzero(np.all(force > 0, axis=1))
+    if not len(loaded):
+        return
     middle = np.median(force[loaded], axis=1)
     below = middle - force[loaded].min(axis=1)
     above = force[loaded].max(axis=1) - middle

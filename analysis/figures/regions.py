@@ -43,7 +43,10 @@ _REGION_MAP = "Blues"
 _PALEST = 0.3  # part of the colour map of regions: farthest from the load
 _DARKEST = 0.95  # nearest to it
 _OTHER_COLOURS = {DISSIPATED: ORANGE, WALLS: GREY, OTHERS: "#d9d9d9", "plate": "#3a3a3a"}
-_HATCHES = {DISSIPATED: "////", WALLS: "....", "rotation": "xxxx", "support": "----"}
+_HATCHES = {
+    DISSIPATED: "////", WALLS: "....", "rotation": "xxxx", "support": "----", "bar": "\\\\\\\\",
+    "incident bar": "||||",
+}  # fmt: skip
 _EDGE = 0.5  # points: white lines between regions
 _COLUMNS = 2  # columns of the legend of regions
 _LONG = 24  # characters of a name, beyond which the legend has one column

@@ -48,6 +48,7 @@ _ENERGIES = ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ"))
 _VELOCITIES = ((1.0, "m/s"), (1e3, "mm/s"), (1e6, "µm/s"))
 _TWO_DECADES = 100.0  # highest / lowest value below which ticks between decades have labels
 _WIDE_PEAKS = 30.0  # largest / smallest peak of the curves of a logarithmic axis
+_ERRORS_SHOWN = 1e4  # largest over smallest error on the axis of the energies
 _LEAST_PEAK = 1e-4  # fraction of the largest peak: curves that the wave reached
 _BELOW_PEAKS = 4.0  # smallest peak / start of that axis
 _ABOVE_PEAKS = 1.5  # end of that axis / largest peak
@@ -155,6 +156,15 @@ def label_log_axis(axes: Axes, ratio: float) -> None:
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def limits_of_error(residual: NDArray[np.float64]) -> dict[str, Any]:
+    """Return the limits of the axis of errors, which single small errors do not widen."""
+    largest = float(residual.max(initial=0.0))
+    if not 0 < largest < math.inf:  # a logarithmic axis shows only positive, finite errors
+        return {}
+    shown = residual[residual > largest / _ERRORS_SHOWN]
+    return {"ylim": (float(shown.min()) / 2, 2 * largest)}
 
 
 def scale_by_peaks(axes: Axes, peaks: ArrayLike) -> None:

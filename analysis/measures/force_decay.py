@@ -350,7 +350,7 @@ def layer_peaks(result: Result) -> LayerPeaks:
         is_later=is_later,
         reflection=np.full(len(mean), np.inf) if reflection is None else reflection,
         n_left_out=int(np.count_nonzero(is_reached & ~is_known & ~is_later)),
-        of_first_wave=is_chain or reflection is not None,
+        of_first_wave=is_chain or (reflection is not None and bool(np.any(is_known))),
     )
 
 
