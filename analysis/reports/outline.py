@@ -340,9 +340,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         for run in runs
         if _beyond_law(run)
     ]
-    cut = [
-        f"{run.label} ({_bounds_reached(run)})" for run in runs if mark_of(run.summary) is Mark.CUT
-    ]
+    cut = _by_bounds([run for run in runs if mark_of(run.summary) is Mark.CUT])
     waves = [
         f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)"
         for run in runs
@@ -376,6 +374,14 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
     if runs and not notes:
         return [Note(_GOOD, "good")]
     return notes
+
+
+def _by_bounds(runs: Sequence[ReportRun]) -> list[str]:
+    """List the boundaries that plastic zones reach, each with its runs: ``bottom, sides (a, b)``."""
+    labels: dict[str, list[str]] = {}
+    for run in runs:
+        labels.setdefault(_bounds_reached(run), []).append(run.label)
+    return [f"{bounds} ({named(reached)})" for bounds, reached in labels.items()]
 
 
 def _bounds_reached(run: ReportRun) -> str:
