@@ -377,7 +377,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
 
 
 def _by_bounds(runs: Sequence[ReportRun]) -> list[str]:
-    """List the boundaries that plastic zones reach, each with its runs: ``bottom, sides (a, b)``."""
+    """List the boundaries that plastic zones reach, with the runs: ``bottom, sides (a, b)``."""
     labels: dict[str, list[str]] = {}
     for run in runs:
         labels.setdefault(_bounds_reached(run), []).append(run.label)

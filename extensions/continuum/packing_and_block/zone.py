@@ -51,8 +51,8 @@ _CUT_REMARK = (
     "end of the run, the total extent is a lower limit (≥)."
 )
 _WAVE_REMARK = (
-    "Half-open markers: a reflection from a boundary could arrive while the last part of the energy "
-    "was dissipated, at most {:.2g} % of the plastic dissipation."
+    "Half-open markers: a reflection from a boundary could arrive while the last part of the "
+    "energy was dissipated, at most {:.2g} % of the plastic dissipation."
 )
 _COMPARED_REMARK = (
     "Influence of the boundaries: {} computed in {} of different sizes. The largest differences "
