@@ -421,7 +421,7 @@ def _importance(shares: Mapping[str, float] | None) -> Drawing | None:
         return None
     figure, axes = panels(0.8 + 0.22 * len(shares))
     axes.barh(list(shares)[::-1], list(shares.values())[::-1], color=BLUE)
-    label(axes, "Share of variance", xlim=(0, 1))
+    label(axes, "Fraction of the variance", xlim=(0, 1))
     return Drawing(figure, {"variable": list(shares), "share": list(shares.values())})
 
 
