@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -309,6 +310,21 @@ def test_a_run_killed_before_its_first_output_is_resumed(place, tmp_path, capsys
     for words in (["compare", str(place / "fcc"), str(killed)], ["analyse", str(killed)]):
         assert main(words) == 2
         assert f"granwave run {killed}/case.toml -o {killed} --resume" in capsys.readouterr().err
+
+
+def test_a_killed_run_with_part_of_its_output_is_resumed(place, tmp_path, capsys):
+    """The first output is written later than the record; report and analyse advise the same."""
+    killed = tmp_path / "killed"
+    shutil.copytree(place / "fcc", killed)
+    (killed / "run.json").write_text('{"state": "running", "end_time_s": 1e-05}')
+    for name in ("summary.json", "result.h5", "dumps/wall_bottom.dump"):
+        (killed / name).unlink()
+    advice = f"resume with  granwave run {killed}/case.toml -o {killed} --resume"
+    for words in (["report", str(killed)], ["analyse", str(killed)], ["figures", str(killed)]):
+        assert main(words) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.endswith(advice) and "--force" not in line
+    assert run_case(load_case(killed / "case.toml"), killed, resume=True, figures=False).summary
 
 
 def test_labels_show_the_diameter(tmp_path):
