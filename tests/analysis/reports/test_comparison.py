@@ -18,7 +18,7 @@ from granwave.analysis.measures.force_decay import (
     power_decay,
 )
 from granwave.analysis.reports.answer import in_words
-from granwave.analysis.reports.comparison.blocks import misfit_cells
+from granwave.analysis.reports.comparison.blocks import misfit_cells, value_table
 from granwave.analysis.reports.comparison.cases import ids_in_words
 from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
 from granwave.analysis.reports.comparison.curves import (
@@ -34,8 +34,7 @@ from granwave.analysis.reports.comparison.measured import (
     closest_sentence,
     coverage_notes,
     deviation,
-    near_end_notes,
-    outside_notes,
+    range_notes,
     read_measured,
     relative_text,
     unit_notes,
@@ -50,6 +49,7 @@ from granwave.analysis.reports.kinds import ReportKind
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
+from granwave.workflows.cli.compare import text_of
 from granwave.workflows.cli.main import main
 from tests.helpers.made_up.synthetic_report import write_run
 
@@ -114,18 +114,37 @@ def test_lattices(place):
 
 def test_values_are_those_of_the_summaries(place):
     """The table includes ratios, and begins with the largest difference."""
-    table = compared(place, "fcc", "fast").table
+    comparison = compared(place, "fcc", "fast")
+    table = comparison.table
     summaries = [
         json.loads((place / name / "summary.json").read_text()) for name in ("fcc", "fast")
     ]
     for name in table.index:
         first, second = (summary[name] for summary in summaries)
         assert table.loc[name, "fcc"] == pytest.approx(first, rel=1e-12, abs=1e-300)
-        if first and second:
+        if name in comparison.without_ratio:
+            assert np.isnan(table.loc[name, "ratio"])
+        elif first and second:
             assert table.loc[name, "ratio"] == pytest.approx(second / first)
     spread = np.abs(np.log(np.abs(table["ratio"].dropna())))
     assert (np.diff(spread) <= 1e-12).all()
     assert table.attrs["units"]["peak_force_N"] == "N"
+
+
+def test_zones_at_a_boundary_have_no_ratio(place):
+    """Their sizes and counts are limited by the packing; forces and energies are compared."""
+    comparison = compared(place, "fcc", "fast")
+    limited = {name for name, word in comparison.without_ratio.items() if word == "limited"}
+    assert {"plastic_zone_depth_m", "plastic_zone_radius_m", "n_plastic_spheres"} <= limited
+    assert not {"peak_force_N", "wall_peak_force_N", "dissipated_fraction"} & limited
+    assert "zone" not in comparison.sentence and "yielded" not in comparison.sentence
+    assert any("their sizes and counts have no ratio" in note for note in comparison.notes)
+    asked = compared(place, "fcc", "fast", quantities=["plastic_zone_depth_m"])
+    ((*_, cell),) = value_table(asked).rows
+    assert cell.text == "limited" and "limited" in text_of(asked)
+    assert asked.paragraphs == [
+        "No requested value is complete in fcc and fast: a boundary limits the plastic zone."
+    ]
 
 
 def test_velocities(place):
@@ -577,6 +596,59 @@ def test_protection_of_many_runs_and_of_equal_ones(tmp_path):
     assert protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1.0, None]) == []
 
 
+def test_protection_by_runs_that_hardly_differ(tmp_path):
+    """Differences of rounding are no percentages; equal runs share a rank and a value."""
+    forces = [1000.0, 1000.0 * (1 + 9e-8)]
+    (sentence,) = protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=forces)
+    assert sentence == (
+        "The peak force on the bottom is 1 kN in both runs, equal to 7 digits or more."
+    )
+    (sentence,) = protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1000.0, 1000.0])
+    assert (
+        sentence == "The peak force on the bottom is 1 kN in both runs, equal to within rounding."
+    )
+    forces = [1000.0, 3000.0, 1000.01, 3000.01]
+    (sentence,) = protected(tmp_path, energy_input_J=[1] * 4, wall_peak_force_N=forces)
+    assert sentence == (
+        "run-1 and run-3 protect the bottom best: their peak force is 1 kN, compared with 3 kN in "
+        "run-2 and run-4 (3 times as high)."
+    )
+
+
+def test_a_value_that_several_runs_have_names_them(tmp_path):
+    shares = (0.0, 0.0, 0.0, 0.273)
+    runs = [
+        write_run(tmp_path / name, figures=False, dissipated_fraction=share)
+        for name, share in zip("abcd", shares, strict=True)
+    ]
+    subjects = compared_runs(read_inputs(runs, tmp_path).runs)
+    text = sentence(compared_values(subjects, ["dissipated_fraction"]), subjects)
+    assert "dissipated fraction, 0 % (a, b, c) to 27.3 % (d)" in text
+
+
+def test_keys_that_a_law_does_not_use_are_no_difference(tmp_path):
+    """Elastic contacts have neither a yield strength nor a yield factor."""
+    laws = {"soft": "hertz", "strong": "hertz", "yielding": "elastoplastic"}
+    strengths = {"soft": 1e8, "strong": 5e8, "yielding": 5e8}
+    runs = {
+        name: write_run(
+            tmp_path / name,
+            figures=False,
+            contact__law=law,
+            contact__yield_factor=1.6 if name == "soft" else 1.7,
+            material__yield_strength=strengths[name],
+        )
+        for name, law in laws.items()
+    }
+    inputs = read_inputs([runs["soft"], runs["strong"]], tmp_path)
+    assert compare_runs(inputs.runs).case_rows == []
+    inputs = read_inputs([runs["soft"], runs["yielding"]], tmp_path)
+    rows = {row.what: row.values for row in compare_runs(inputs.runs).case_rows}
+    assert rows["contact.law"] == ("hertz", "elastoplastic")
+    assert rows["material.yield_strength"] == ("none", "500 MPa")
+    assert rows["contact.yield_factor"] == ("none", "1.7")
+
+
 def test_no_initial_indentation_is_none():
     assert value_text("contact.initial_overlap", {"contact.initial_overlap": 0.0}) == "none"
     assert value_text("contact.initial_overlap", {"contact.initial_overlap": 2e-6}) == "2 µm"
@@ -647,7 +719,7 @@ def test_a_measured_curve_in_words(tmp_path):
     text = closest_sentence(measured, {"a": difference}, ("s", "N"), alone=True)
     assert "577.4 mN rms, 5.77 % of the measured peak" in text
     assert text.endswith("is 9 N at 1 ms, the measured peak 10 N at 1 ms.")
-    (note,) = outside_notes(measured, {"a": difference}, ("s", "N"))
+    (note,) = range_notes(measured, {"a": difference}, ("s", "N"))
     assert "0 s to 2 ms: a at 4 ms." in note
     assert relative_text(27.2) == "27.2 times"
 
@@ -743,6 +815,39 @@ def test_a_wrong_unit_of_time_gives_no_agreement(tmp_path):
     assert unit_notes(measured, fits, ("s", "N")) == []
 
 
+@pytest.mark.parametrize(("unit", "time"), [("kN", 1.0), ("N", 1e-3)])
+def test_a_curve_of_another_size_is_not_compared(place, tmp_path, unit, time):
+    """Newtons in a column of kN, or seconds in a column of ms: the note on the unit comes first,
+    and no run is ranked.
+    """
+    fcc = force_at_bottom(compared(place, "fcc", "hcp").runs[0])
+    rows = zip(time * 1e3 * fcc.x, fcc.y, strict=True)
+    file = tmp_path / "measured.csv"
+    lines = [f"{x},{y}" for x, y in rows]
+    file.write_text("\n".join([f"time_ms,force_{unit}", *lines]))
+    comparison = compared(place, "fcc", "hcp", measured=file)
+    first, second, *_ = comparison.paragraphs
+    assert first.endswith("check the unit.")
+    assert second.startswith("No run is ranked by its difference from ")
+    assert second.endswith(": the unit of the curve is doubtful (fcc, hcp).")
+    assert "Closest" not in comparison.sentence
+    assert set(comparison.misfits["not_ranked"]) == {"the unit of the curve is doubtful"}
+    assert not any("check the unit" in note for note in comparison.notes)
+    (alone,) = compared(place, "fcc", measured=file).measured_sentences[1:]
+    assert alone.startswith("fcc is not compared with ")
+
+
+def test_a_record_that_is_much_longer_than_the_runs_is_compared(place, tmp_path):
+    """An oscilloscope records for seconds; the note on its unit comes before the result."""
+    fcc = force_at_bottom(compared(place, "fcc", "hcp").runs[0])
+    file = tmp_path / "measured.csv"
+    lines = [f"{x},{y}" for x, y in zip(fcc.x, fcc.y, strict=True)]
+    file.write_text("\n".join(["time_s,force_N", *lines, "1,0"]))
+    first, second, *_ = compared(place, "fcc", "hcp", measured=file).paragraphs
+    assert "lasts 1 s, the runs 100 µs; check the unit." in first
+    assert second.startswith(f"Closest to {file} is fcc")
+
+
 def test_runs_that_end_before_the_peak_or_tie_are_not_ranked(tmp_path):
     file = tmp_path / "measured.csv"
     file.write_text("time_ms,force_N\n0,0\n1,4\n2,6\n3,10\n4,2\n")
@@ -769,7 +874,10 @@ def test_a_rounded_depth_beyond_the_last_layer_is_compared(tmp_path):
         measured = read_measured(file, ("m", "N"))
         difference = deviation(measured, curve)
         counts[last] = (difference.n_points, difference.n_near_end)
-        notes = near_end_notes(measured, {"a": difference}, ("m", "N"))
+        # the first layer is at 8.165 mm, measured 8.17 mm
+        assert (difference.peak, difference.outside_at) == (400.0, None)
+        assert difference.peak_difference == 0.0
+        notes = range_notes(measured, {"a": difference}, ("m", "N"))
         assert len(notes) == difference.n_near_end
     assert counts == {32.70: (4, 1), 33.0: (3, 0)}
 
