@@ -26,7 +26,7 @@ from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
-from granwave.analysis.reports.comparison.figures import FIGURES
+from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.comparison.measured import (
     NEGLIGIBLE,
     ROUNDING,

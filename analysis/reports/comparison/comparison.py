@@ -19,7 +19,8 @@ from granwave.analysis.reports.comparison.ends import (
     have_unlike_ends,
     same_case_sentence,
 )
-from granwave.analysis.reports.comparison.figures import FIGURES, FigureData, read_figure
+from granwave.analysis.reports.comparison.figures.figure import FigureData, read_figure
+from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.comparison.measured import (
     Deviation,
     MeasuredCurve,
