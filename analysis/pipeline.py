@@ -111,8 +111,8 @@ def analyse(
 
 @contextlib.contextmanager
 def _advice_to_resume(results: ResultDirectory) -> Iterator[None]:
-    """Give the error of an unfinished run, whose output is not complete, the advice to resume it, as
-    reports and figures do.
+    """Give the error of an unfinished run, whose output is not complete, the advice to resume it,
+    as reports and figures do.
     """
     try:
         yield

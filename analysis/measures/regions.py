@@ -150,8 +150,8 @@ def stretches(result: Result) -> dict[str, Ids]:
 
 
 def _kinds_of_size(assembly: Assembly, ids: Ids) -> Ids:
-    """Return the number of the diameter of each bead, from 0; only zeros if diameters scatter, or if
-    there are many: (n_beads,).
+    """Return the number of the diameter of each bead, from 0; only zeros if diameters scatter, or
+    if there are many: (n_beads,).
     """
     diameter = assembly.diameter[ids - 1]
     unit = _SAME_SIZE * assembly.case.packing.diameter

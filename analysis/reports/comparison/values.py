@@ -433,7 +433,8 @@ def _number(name: str, run: ComparedRun) -> float | None:
 
 def _rank(value: ComparedValue) -> tuple[bool, float]:
     """Return the order of a value: zeros next to numbers and different signs, then the most
-    different; values that a run lacks or that are truncated or limited, and negligible fractions come last.
+    different; values that a run lacks or that are truncated or limited, and negligible fractions
+    come last.
     """
     return not value.is_complete or value.is_negligible, -value.spread
 

@@ -154,7 +154,7 @@ def test_a_block_may_lie_anywhere(tmp_path, seed):
 
 
 def test_arrivals_at_layers_do_not_depend_on_the_end(tmp_path):
-    """Contacts that a reflection loads more have its arrival; layers keep that of the first wave."""
+    """Contacts that a reflection loads more have its arrival; layers keep the first wave."""
     arrivals = {}
     changed = {}
     for end in (1.5e-4, 4e-4):

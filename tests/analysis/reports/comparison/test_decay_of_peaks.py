@@ -1,4 +1,4 @@
-"""Peak forces by depth and fronts in comparisons: fits of the decay, scales, layers that are left out."""
+"""Peak forces by depth and fronts in comparisons: fits of the decay, scales, missing layers."""
 
 from __future__ import annotations
 
