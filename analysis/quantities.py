@@ -9,6 +9,7 @@ It is computed in `granwave.analysis.summary`. Entries of extensions state where
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Container
 from fnmatch import fnmatchcase
 from functools import cache
@@ -477,7 +478,7 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     ),
 }  # fmt: skip
 
-ENTRIES = tuple(entry for group in GROUPS.values() for entry in group)
+ENTRIES = tuple(itertools.chain.from_iterable(GROUPS.values()))
 
 _OF_THE_CORE = {entry.name: entry for entry in ENTRIES}
 

@@ -241,6 +241,8 @@ def _answer(
         notes = [
             note for note in notes if not note.text.startswith(listed) and note.text not in told
         ]
+    if comparison is not None:
+        notes = [note for note in notes if note.text not in comparison.notes]
     bad, others = (
         [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)
     )

@@ -69,8 +69,7 @@ def test_keys_that_a_law_does_not_use_are_no_difference(tmp_path):
     inputs = read_inputs([runs["soft"], runs["yielding"]], tmp_path)
     rows = {row.what: row.values for row in compare_runs(inputs.runs).case_rows}
     assert rows["contact.law"] == ("hertz", "elastoplastic")
-    assert rows["material.yield_strength"] == ("none", "500 MPa")
-    assert rows["contact.yield_factor"] == ("none", "1.7")
+    assert not {"material.yield_strength", "contact.yield_factor"} & set(rows)
 
 
 def test_no_initial_indentation_is_none():
