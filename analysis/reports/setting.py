@@ -16,6 +16,8 @@ from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun, Symbol, report_kinds
 from granwave.lammps_inputs.case.boundary import SUPPORTS
+from granwave.lammps_inputs.case.contact.contact import ALL_LAWS
+from granwave.lammps_inputs.case.contact.law_parameters import PARAMETERS
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Wording
 from granwave.lammps_inputs.case.loads.registry import load_kinds
@@ -48,6 +50,11 @@ _NORMALISED = (
     "rho and yield strength sigma_y"
 )
 _OF_LAW = ("material", "contact", "packing.diameter", "packing.shape", "packing.length")
+_CONTACT = "contact"
+_MATERIAL = "material"
+_YIELD_STRENGTH = "yield_strength"
+_PAIRS = "pair"  # tables of laws between two materials
+_LAW = "law"
 KIND_OF_PACKING = "packing.kind"
 ORIGIN = "packing.source"
 _OF_GRAVITY = ("precompression.acceleration", "precompression.strikers")
@@ -356,7 +363,32 @@ def applied_value(key: str, case: Mapping[str, Any]) -> Any:
         return None
     if key in _OF_SCATTER and not case.get("packing.diameter_scatter"):
         return None
+    if _is_of_other_laws(key, case):
+        return None
     return case.get(key)
+
+
+def _is_of_other_laws(key: str, case: Mapping[str, Any]) -> bool:
+    """Return True for a key of a contact law, or of the yielding of a material, without effect on
+    the laws of a case.
+    """
+    table, _, name = key.partition(".")
+    laws = _laws_of(case)
+    if not laws or table not in (_CONTACT, _MATERIAL):
+        return False
+    if table == _MATERIAL and name == _YIELD_STRENGTH:
+        return not any(law.yields for law in laws)
+    return name in PARAMETERS and not any(name in law.parameters for law in laws)
+
+
+def _laws_of(case: Mapping[str, Any]) -> list[Any]:
+    """Return the contact laws of a case, of all pairs of materials; empty if one is unknown."""
+    pairs = case.get(_PAIRS) or ()
+    names = [case.get(f"{_CONTACT}.{_LAW}")]
+    names += [pair.get(_LAW) for pair in pairs if isinstance(pair, Mapping)]
+    if not all(name in ALL_LAWS for name in names):
+        return []
+    return [ALL_LAWS[str(name)] for name in names]
 
 
 def _differ(values: Sequence[Any]) -> bool:

@@ -19,15 +19,16 @@ from granwave.analysis.reports.comparison.ends import (
     have_unlike_ends,
     same_case_sentence,
 )
-from granwave.analysis.reports.comparison.figures import FIGURES, FigureData, read_figure
+from granwave.analysis.reports.comparison.figures.figure import FigureData, read_figure
+from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.comparison.measured import (
     Deviation,
     MeasuredCurve,
     closest_sentence,
     coverage_notes,
     deviation,
-    near_end_notes,
-    outside_notes,
+    is_unit_doubtful,
+    range_notes,
     read_measured,
     unit_notes,
     unranked_reasons,
@@ -104,6 +105,14 @@ class Comparison:
             return []
         return compared_values(self.runs, names)
 
+    @cached_property
+    def without_ratio(self) -> dict[str, str]:
+        """Words in place of the ratios of all results that the end of a run truncates or that a
+        boundary limits, by name.
+        """
+        values = compared_values(self.runs) if self.quantities else self.values
+        return {value.name: value.without_ratio for value in values if value.without_ratio}
+
     @property
     def _names_compared(self) -> list[str]:
         """Names of the requested values, and of values that describe the requested figures; empty
@@ -149,12 +158,17 @@ class Comparison:
 
     @cached_property
     def measured_sentences(self) -> list[str]:
-        """The run closest to each measured curve; for a single run its misfit."""
+        """The run closest to each measured curve, for a single run its misfit; after the sentences
+        on a doubtful unit of the curve.
+        """
         is_alone = len(self.runs) < _LEAST_RUNS
-        return [
-            closest_sentence(curve, self._named_deviations(name), _units_of(name), alone=is_alone)
-            for name, curve in self.measured.items()
-        ]
+        sentences: list[str] = []
+        for name, curve in self.measured.items():
+            units = _units_of(name)
+            sentences += unit_notes(curve, self._curves(name), units)
+            deviations = self._named_deviations(name)
+            sentences.append(closest_sentence(curve, deviations, units, alone=is_alone))
+        return sentences
 
     @cached_property
     def difference_sentence(self) -> str:
@@ -202,7 +216,7 @@ class Comparison:
 
         Units are in ``attrs["units"]``, by name. The ratio is that of the second to the first of
         two runs, of the largest to the smallest value of more runs; NaN where a value is zero or
-        missing, or where an earlier end of a run truncates it.
+        missing, or where the end of a run truncates it or a boundary limits it.
         """
         import pandas
 
@@ -324,8 +338,9 @@ class Comparison:
         curve_of = FIGURES[name].curve
         measured = self.measured[name]
         assert curve_of is not None  # a measured curve cannot be drawn over it
+        is_doubtful = is_unit_doubtful(measured, self._curves(name))
         return {
-            run: deviation(measured, curve_of(data))
+            run: deviation(measured, curve_of(data), has_doubtful_unit=is_doubtful)
             for run, data in self.data(name).present.items()
         }
 
@@ -379,9 +394,7 @@ class Comparison:
         notes += warning_notes([run.run for run in self.runs])
         for name, curve in self.measured.items():
             notes += coverage_notes(curve, self._named_deviations(name))
-            notes += outside_notes(curve, self._named_deviations(name), _units_of(name))
-            notes += near_end_notes(curve, self._named_deviations(name), _units_of(name))
-            notes += unit_notes(curve, self._curves(name), _units_of(name))
+            notes += range_notes(curve, self._named_deviations(name), _units_of(name))
         return notes + self._undrawn()
 
     def _undrawn(self) -> list[str]:

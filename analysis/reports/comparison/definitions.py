@@ -136,7 +136,7 @@ def _cut_zones(runs: Sequence[ComparedRun]) -> list[str]:
     listed = _listed(cut, lambda run: _joined(run, "zone_cut"))
     return [
         f"The plastic zone reaches a boundary, which limits its size: {listed}. Limited zones "
-        "are not ranked by their depth."
+        "are not ranked by their depth, and their sizes and counts have no ratio."
     ]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached
+from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
     bottom_record,
@@ -57,6 +58,11 @@ _PEAKS_AT_BOTTOM = (
 _OF_BOTTOM = (*_PEAKS_AT_BOTTOM, _IMPULSE, "wall_dynamic_impulse_Ns")
 #: Depths of the plastic zone, by patterns; they are not known while its depth still grows.
 _OF_DEPTH = ("plastic_zone_depth_m", "zone_depth_*")
+#: Sizes of the plastic zone and counts of its parts, by patterns, which a boundary limits.
+_OF_SIZE = (
+    "plastic_zone_*", "zone_depth_*", "zone_radius_*", "zone_volume_*", "n_plastic_*",
+    "n_dissipating_*",
+)  # fmt: skip
 
 
 class Course(Protocol):
@@ -134,6 +140,15 @@ def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[st
         if compared and not (courses and all(final[course, compared] for course in courses)):
             truncated.add(name)
     return truncated | unknown
+
+
+def limited_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
+    """Return the sizes of plastic zones, and the counts of yielded spheres and contacts, if a
+    boundary limits the zone of a run.
+    """
+    if not any(mark_of(run.run.summary) is Mark.CUT for run in runs):
+        return set()
+    return {name for name in names if _matches(name, _OF_SIZE)}
 
 
 def _unknown_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -22,6 +23,8 @@ _REDUCTION = "peak_reduction"
 _SPHERES = "n_spheres"
 _DEPTH = "zone_depth_90_interpolated_m"
 _SAME = 5e-3  # relative difference of results that are called equal
+_IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
+_ROUNDING = 1e-12  # relative difference of results that differ by rounding only
 _MOST_LISTED = 4  # runs that a sentence lists; of more the best and the worst
 _LEAST_RUNS = 2
 _COLLISION = (1, 2)  # numbers of spheres without layers
@@ -43,6 +46,8 @@ class _Phrase:
     ----------
     best
         Takes the name of the best run, the degree, and its value.
+    best_equal
+        The same for the names of several runs with this value.
     equal
         Takes the value that all runs have.
     times
@@ -52,6 +57,7 @@ class _Phrase:
     """
 
     best: str
+    best_equal: str
     equal: str
     times: str
     of_two: str
@@ -94,6 +100,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         entries = _entries(_FORCE, runs, names, static)
         phrase = _Phrase(
             f"{{}} protects the {place} {{}}: its {force} is {{}}",
+            f"{{}} protect the {place} {{}}: their {force} is {{}}",
             f"The {force} on the {place} is {{}}",
             "{} times as high",
             "better",
@@ -106,6 +113,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         "packing is"
     )
     phrase = _Phrase(
+        f"{reduced} {{1}}, {{2}}, in {{0}}",
         f"{reduced} {{1}}, {{2}}, in {{0}}",
         f"{reduced} {{}}",
         "{} times as high",
@@ -125,6 +133,7 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     )
     phrase = _Phrase(
         "{} has the {} plastic zone: its 90 % depth, interpolated between layers, is {}",
+        "{} have the {} plastic zones: their 90 % depth, interpolated between layers, is {}",
         "The 90 % depth of the plastic zone, interpolated between layers, is {}",
         "{} times as deep",
         "shallower",
@@ -167,11 +176,19 @@ def _ordered(
     if last.value <= first.value * (1 + _SAME):
         return _equal(phrase, rising, text, n_runs)
     degree = phrase.of_two if len(rising) == _LEAST_RUNS else phrase.of_more
-    parts: list[str] = []
-    for entry in rising[1:]:
+    equal = [entry for entry in rising if entry.value <= first.value * (1 + _SAME)]
+    names: dict[tuple[str, str], list[str]] = {}
+    for entry in rising[len(equal) :]:
         ratio = phrase.times.format(number(entry.value / first.value))
-        parts.append(f"{text(entry.value)} in {entry.name} ({ratio})")
+        names.setdefault((text(entry.value), ratio), []).append(entry.name)
+    parts = [
+        f"{value} in {names_in_words(runs)} ({ratio})" for (value, ratio), runs in names.items()
+    ]
     best = phrase.best.format(first.name, degree, text(first.value))
+    if len(equal) > 1:
+        listed = names_in_words([entry.name for entry in equal])
+        values = dict.fromkeys([text(first.value), text(equal[-1].value)])
+        best = phrase.best_equal.format(listed, degree, " to ".join(values))
     if len(rising) > _MOST_LISTED:
         return f"{best}. The largest value of the {len(rising)} runs is {parts[-1]}."
     listed = " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
@@ -186,19 +203,29 @@ def _equal(
     """
     first = rising[0]
     last = rising[-1]
-    percent = plain(f"{100 * (last.value / first.value - 1):.1g}")
+    difference = last.value / first.value - 1
+    percent = plain(f"{100 * difference:.1g}")
     runs = "both runs" if len(rising) == _LEAST_RUNS else f"all {len(rising)} runs"
     if len(rising) < n_runs:
         runs = names_in_words([entry.name for entry in rising])
     least = text(first.value)
     most = text(last.value)
     if least == most:
-        return f"{phrase.equal.format(least)} in {runs}, within {percent} %."
+        return f"{phrase.equal.format(least)} in {runs}, {_agreement(difference, percent)}."
     if len(rising) == _LEAST_RUNS:
         values = f"{least} in {first.name} and {most} in {last.name}"
         return f"{phrase.equal.format(values)}, {percent} % apart."
     values = f"between {least} ({first.name}) and {most} ({last.name})"
     return f"{phrase.equal.format(values)} in {runs}, at most {percent} % apart."
+
+
+def _agreement(difference: float, percent: str) -> str:
+    """Return a relative difference, and its text in per cent, in words."""
+    if difference < _ROUNDING:
+        return "equal to within rounding"
+    if difference < _IN_DIGITS:
+        return f"equal to {math.floor(-math.log10(difference))} digits or more"
+    return f"within {percent} %"
 
 
 def _entries(

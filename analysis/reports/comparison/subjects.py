@@ -173,6 +173,8 @@ def names_in_words(names: Sequence[str]) -> str:
     """Return names in a sentence; for many names the first and the last."""
     if len(names) > _MOST_LISTED:
         return f"{names[0]} to {names[-1]} ({len(names)} runs)"
+    if len(names) == 1:
+        return names[0]
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 

@@ -324,8 +324,10 @@ def linear(runs: DataFrame) -> Linearity | None:
 
 
 def fronts(runs: DataFrame) -> dict[float, DataFrame]:
-    """Front of up to four runs that cover the range of velocities, by normalised velocity."""
-    if not len(runs) or len(preferred_directions(runs.run.iloc[0].case.packing.kind)) != 3:
+    """Front of up to four runs that cover the range of velocities, by normalised velocity; empty for
+    one velocity.
+    """
+    if len(runs) < 2 or len(preferred_directions(runs.run.iloc[0].case.packing.kind)) != 3:
         return {}
     front_of_velocity = {}
     for run in runs.iloc[
@@ -443,7 +445,8 @@ def _peak_force_against_impulse(linearity: Linearity) -> Drawing:
         r"Peak force $F_\mathrm{max}/F_\mathrm{y}$",
         log="xy",
     )
-    left.set_ylim(top=30 * float(np.nanmax(linearity.ray)))
+    smallest = float(np.nanmin([columns[name].min() for name in columns if "contact" in name]))
+    left.set_ylim(smallest / 2, 30 * float(np.nanmax(linearity.ray)))
     left.legend(
         title="lines: proportional",
         alignment="left",

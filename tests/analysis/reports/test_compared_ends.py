@@ -140,7 +140,8 @@ def test_a_slower_wave_in_a_longer_run_is_complete(place, tmp_path):
 
 
 def test_truncated_values_have_no_difference_in_the_table_of_all_values(place):
-    tables = results_section(read_inputs([place / "early", place / "full"], place)).blocks
+    inputs = read_inputs([place / "early", place / "full"], place)
+    tables = results_section(inputs, compare_runs(inputs.runs)).blocks
     (table,) = [block for block in tables if getattr(block, "caption", "") == "Values side by side"]
     differences = {row[0].text: row[-1].text for row in table.rows}
     assert differences["Peak force on the bottom"] == "truncated"
@@ -154,4 +155,8 @@ def test_one_run_beside_a_measured_curve_has_no_ratio(place, tmp_path):
     (value,) = comparison.values
     assert value.ratio is None
     assert "measured.csv by " in comparison.sentence
-    assert "wall_peak_force_N" in text_of(comparison)
+    text = text_of(comparison)
+    assert "wall_peak_force_N" in text and "ratio" not in text
+    table = value_table(comparison)
+    assert [column.heading for column in table.columns] == ["Quantity", "Unit", "full"]
+    assert table.caption == "Results"
