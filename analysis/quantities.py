@@ -12,7 +12,7 @@ import dataclasses
 from collections.abc import Container
 from fnmatch import fnmatchcase
 from functools import cache
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 from granwave.lammps_inputs.extensions import added
@@ -477,7 +477,7 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     ),
 }  # fmt: skip
 
-ENTRIES = tuple(entry for group in GROUPS.values() for entry in group)
+ENTRIES = tuple(chain.from_iterable(GROUPS.values()))
 
 _OF_THE_CORE = {entry.name: entry for entry in ENTRIES}
 
