@@ -347,8 +347,8 @@ def differing(runs: Sequence[ReportRun]) -> list[str]:
     keys = list(dict.fromkeys(chain.from_iterable(run.case for run in runs)))
     keys = [key for key in keys if key not in _REMARKS]
     values = {key: [applied_value(key, run.case) for run in runs] for key in keys}
-    for key in _OF_SCATTER:
-        if key in values:  # without scatter it does not matter
+    for key in keys:
+        if any(_has_no_effect(key, run.case) for run in runs):
             values[key] = [value for value in values[key] if value is not None]
     changed = [key for key, of_runs in values.items() if _differ(of_runs)]
     if KIND_OF_PACKING in changed:  # the kind is shown with the origin
@@ -361,11 +361,18 @@ def applied_value(key: str, case: Mapping[str, Any]) -> Any:
     static = STATIC_LOADS.get(str(case.get("precompression.kind")))
     if key in _OF_GRAVITY and static is not None and not static.takes_acceleration:
         return None
-    if key in _OF_SCATTER and not case.get("packing.diameter_scatter"):
-        return None
-    if _is_of_other_laws(key, case):
+    if _has_no_effect(key, case):
         return None
     return case.get(key)
+
+
+def _has_no_effect(key: str, case: Mapping[str, Any]) -> bool:
+    """Return True for the distribution of diameters without scatter, and for a key that the contact
+    laws of a case do not use.
+    """
+    if key in _OF_SCATTER:
+        return not case.get("packing.diameter_scatter")
+    return _is_of_other_laws(key, case)
 
 
 def _is_of_other_laws(key: str, case: Mapping[str, Any]) -> bool:
