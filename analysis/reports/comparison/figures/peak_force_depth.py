@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.document.model import named
 from granwave.analysis.figures.series import column_name, label, panels
@@ -54,7 +55,7 @@ def draw_peaks(
         depth = one.depth * _MILLI
         upper.plot(depth, one.largest, **run_markers(run, depth), **look)
         for lower in others:
-            is_loaded = one.median > _LEAST_MEDIAN * one.largest.max()
+            is_loaded = _has_median(one)
             lower.plot(depth[is_loaded], one.median[is_loaded], **run_markers(run, depth), **look)
         if run in fits:
             decay = fits[run]
@@ -75,6 +76,20 @@ def draw_peaks(
     log_if_wide(upper, *others)
     legend_above(figure)
     return Drawing(figure, columns)
+
+
+def _has_median(peaks: PeaksByDepth) -> NDArray[np.bool_]:
+    """Return True for layers of which at least half of the spheres are loaded: (n_layers,)."""
+    return peaks.median > _LEAST_MEDIAN * peaks.largest.max()
+
+
+def median_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on runs without a median force; empty if there are none."""
+    names = [run.name for run, one in peaks.items() if not _has_median(one).any()]
+    if not names:
+        return ""
+    listed = named(names, len(names))
+    return f"No median, since more than half of the spheres of each layer stay at rest: {listed}."
 
 
 def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
@@ -112,9 +127,13 @@ def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     is_exponential = isinstance(next(iter(fits.values())), ForceDecay)
     law = "exponential, F ~ exp(-bz), fitted" if is_exponential else "power law, F ~ z^-n, fitted"
     constant = "b" if is_exponential else "n"
+    names: dict[tuple[str, str], list[str]] = {}
+    for run, fit in fits.items():
+        quality = f"{fit.n_layers} layers, rms {100 * fit.misfit:.2g} %"
+        names.setdefault((_constant(fit), quality), []).append(run.name)
     parts = [
-        f"{_constant(fit)} ({run.name}, {fit.n_layers} layers, rms {100 * fit.misfit:.2g} %)"
-        for run, fit in fits.items()
+        f"{constant_of_runs} ({', '.join(runs)}, {quality})"
+        for (constant_of_runs, quality), runs in names.items()
     ]
     fitted = (
         f"Dotted: {law} to the largest force between the impacted and the last layer; {constant} "
@@ -153,7 +172,8 @@ def _refusal(peaks: PeaksByDepth) -> str:
 
 def _peak_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return the sentences below the peak forces against depth."""
-    notes = [wave_notes(peaks), dynamic_notes(peaks), decay_notes(peaks), _unknown_notes(peaks)]
+    notes = [wave_notes(peaks), dynamic_notes(peaks), median_notes(peaks), decay_notes(peaks)]
+    notes.append(_unknown_notes(peaks))
     return " ".join(filter(None, notes))
 
 
