@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from granwave.analysis.errors import MissingOutputError
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.figures.side_by_side import helpers, number_expected
 from granwave.analysis.lammps_output.dumps import read_data
+from granwave.analysis.lammps_output.frame import AGAIN
 from granwave.analysis.lammps_output.time_series import check_complete, check_unchanged
 from granwave.analysis.products import Product
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.hdf5_file import AT_ONCE
-from granwave.analysis.result.not_a_run import why_no_run
+from granwave.analysis.result.not_a_run import resumed, where_stopped, why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
@@ -92,7 +94,8 @@ def analyse(
     """
     if callable(progress):
         results = ResultDirectory.at(directory)
-        return _analyse(results, progress, figures, at_once, processes, assembly)
+        with _advice_to_resume(results):
+            return _analyse(results, progress, figures, at_once, processes, assembly)
     parts = 2 + (len(usual_figure_names()) if figures else 0)
     with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
@@ -102,7 +105,24 @@ def analyse(
             bar.update()
 
         results = ResultDirectory.at(directory)
-        return _analyse(results, report, figures, at_once, processes, assembly)
+        with _advice_to_resume(results):
+            return _analyse(results, report, figures, at_once, processes, assembly)
+
+
+@contextlib.contextmanager
+def _advice_to_resume(results: ResultDirectory) -> Iterator[None]:
+    """Give the error of an unfinished run, whose output is not complete, the advice to resume it,
+    as reports and figures do.
+    """
+    try:
+        yield
+    except (MissingOutputError, OutputFormatError) as error:
+        directory = results.path
+        stop = where_stopped(directory)
+        if not stop or not (directory / CASE_FILE).exists() or results.kind.why_no_run:
+            raise
+        fault = str(error).partition(AGAIN)[0].rstrip(" ;,")
+        raise type(error)(f"{fault}: {stop}; resume with  {resumed(directory)}") from None
 
 
 def _drawn(directory: Path, n_spheres: int, options: Figures) -> tuple[str, ...] | None:

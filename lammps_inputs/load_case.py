@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.case import RECORD, Case, PartialCase, case_keys
+from granwave.lammps_inputs.case.case import MEANT, RECORD, Case, PartialCase, case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_case, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.checks.checks import check_case, check_together
@@ -78,6 +78,7 @@ def assembly_from_dict(
     """Make a case as `case_from_dict` does, and return all its bodies."""
     errors = ErrorList(str(source), tuple(overridden), case_keys())
     parts = parse_case(data, source, errors)
+    parts["chosen"] = frozenset(key for key in MEANT if _is_given(key, data))
     with_contacts(parts, errors)
     check_together(PartialCase(parts), errors)
     errors.report(parts["name"])
@@ -87,8 +88,15 @@ def assembly_from_dict(
     if stiffened is not None:
         errors.notes.append(stiffened.note)
         assembly = _checked(stiffened.case_of(assembly.case), errors)
-    warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
+    warn_about(assembly)
     return assembly
+
+
+def _is_given(key: str, data: Mapping[str, Any]) -> bool:
+    """Return True if nested tables have a value for a dotted key."""
+    table, _, name = key.partition(".")
+    values = data.get(table)
+    return isinstance(values, Mapping) and name in values
 
 
 def _checked(case: Case, errors: ErrorList) -> Assembly:

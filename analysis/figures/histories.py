@@ -32,7 +32,7 @@ from granwave.analysis.figures.style import (
     legend_above,
 )
 from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
-from granwave.analysis.measures.target import Reached, reached, unprotected
+from granwave.analysis.measures.target import reached, unprotected
 from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
 from granwave.lammps_inputs.case.case import Case
 
@@ -184,11 +184,11 @@ def bottom_force(result: Result) -> Drawing | None:
     """Draw the force on the bottom and its impulse, under a static load of the dynamic force."""
     if "walls/bottom" not in result:
         return None
-    time = result["walls/bottom/time"]
-    force = result["walls/bottom/force"]
-    if not np.any(force):
+    record = reached(result)
+    if record is None or not (record.is_reached or record.has_static_force):
         return None
-    record = Reached(time, force, force)
+    time = record.time
+    force = record.force
     is_pressed = record.has_static_force
     impulse = record.dynamic_impulse if is_pressed else record.impulse
     figure, axes = panels(2.3)

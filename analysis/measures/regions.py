@@ -27,6 +27,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 _MILLI = 1e3  # millimetres in a metre
 _PARTS = 4  # equal parts along the load, of a packing without groups
 _MOST_STRETCHES = 6  # most stretches of a chain; more are joined by material and diameter
+_SAME_SIZE = 1e-6  # tolerance of equal diameters / diameter of the packing
 _FEWEST_TIMES = 3
 _SAME_INSTANT = 1e-9  # tolerance of equal instants, over the end time
 _DOWN = 0.9  # z component of a unit vector, above which a load goes down
@@ -120,13 +121,19 @@ def _groups(result: Result) -> dict[str, Ids]:
 
 
 def stretches(result: Result) -> dict[str, Ids]:
-    """Return the stretches of a chain of one material and diameter, if there are several."""
+    """Return the stretches of a chain of one material and diameter, if there are several.
+
+    Diameters that scatter, or that differ from bead to bead as in a tapered chain, make no
+    stretches.
+    """
     if "chain" not in result:
         return {}
     assembly = result.assembly
     ids = result["chain/id"]
     ids = ids[ids <= assembly.lattice.n_spheres]
-    kinds = assembly.body[ids - 1]
+    sizes = _kinds_of_size(assembly, ids)
+    kinds = assembly.body[ids - 1] * (sizes.max(initial=0) + 1) + sizes
+    has_sizes = bool(sizes.any())
     starts = np.flatnonzero(np.diff(kinds, prepend=-1))
     if len(starts) < 2:
         return {}
@@ -137,9 +144,21 @@ def stretches(result: Result) -> dict[str, Ids]:
         }
     stretches = np.split(ids, starts[1:])
     return {
-        _name_of(assembly, int(start), stretch): stretch
+        _name_of(assembly, int(start), stretch, with_diameter=has_sizes): stretch
         for start, stretch in zip(starts, stretches, strict=True)
     }
+
+
+def _kinds_of_size(assembly: Assembly, ids: Ids) -> Ids:
+    """Return the number of the diameter of each bead, from 0; only zeros if diameters scatter, or
+    if there are many: (n_beads,).
+    """
+    diameter = assembly.diameter[ids - 1]
+    unit = _SAME_SIZE * assembly.case.packing.diameter
+    sizes, numbers = np.unique(np.round(diameter / unit), return_inverse=True)
+    if assembly.case.packing.diameter_scatter or len(sizes) > _MOST_STRETCHES:
+        return np.zeros(len(ids), dtype=np.int64)
+    return numbers.ravel()
 
 
 def _kind_of(assembly: Assembly, bead: int) -> str:
@@ -149,12 +168,16 @@ def _kind_of(assembly: Assembly, bead: int) -> str:
     return f"beads of {material}, {diameter}" if material else f"beads of {diameter}"
 
 
-def _name_of(assembly: Assembly, start: int, stretch: Ids) -> str:
+def _name_of(assembly: Assembly, start: int, stretch: Ids, *, with_diameter: bool) -> str:
     """Return the name of a part of a chain whose first bead has the number ``start``, from 0."""
     end = start + len(stretch)
-    numbers = f"beads {start + 1} to {end}" if len(stretch) > 1 else f"bead {end}"
-    material = assembly.material_of(int(stretch[0])).name
-    return f"{numbers}, {material}" if material else numbers
+    parts = [f"beads {start + 1} to {end}" if len(stretch) > 1 else f"bead {end}"]
+    bead = int(stretch[0])
+    if material := assembly.material_of(bead).name:
+        parts.append(material)
+    if with_diameter:
+        parts.append(f"{assembly.diameter_of(bead) * _MILLI:.4g} mm")
+    return ", ".join(parts)
 
 
 def _parts(result: Result, direction: Array) -> dict[str, Ids]:

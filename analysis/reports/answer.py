@@ -35,7 +35,7 @@ from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speed
 from granwave.analysis.measures.regions import stretches
 from granwave.analysis.measures.target import reached
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
-from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import picture_in
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
@@ -97,7 +97,11 @@ _AT_BOTTOM = "The peak force on the bottom was {bottom_bore}."
 
 
 def answer_blocks(
-    inputs: ReportInputs, studied: Figure | None = None, *, judged: bool = False
+    inputs: ReportInputs,
+    studied: Figure | None = None,
+    comparison: Comparison | None = None,
+    *,
+    judged: bool = False,
 ) -> list[Block]:
     """Return the blocks: of each scan the dependence of its main quantity; of runs their main
     values.
@@ -106,6 +110,8 @@ def answer_blocks(
     ----------
     studied
         Main figure of the studies of a scan, shown instead of the scan's figure.
+    comparison
+        Comparison of the runs, if there are several.
     judged
         True if studies state their result, so that a single scan does not.
     """
@@ -127,8 +133,8 @@ def answer_blocks(
     runs = [run for run in inputs.runs if run.has_balance]
     if len(runs) == 1:
         blocks += _of_run(runs[0], inputs)
-    elif runs:
-        blocks += comparison_blocks(compare_runs(runs))
+    elif comparison is not None:
+        blocks += comparison_blocks(comparison)
     for alike in by_part(inputs.runs):
         said = [f"{run.label}: {in_words(run)}" for run in alike[:_MOST_NAMED]]
         table = value_table(alike, alike[0].kind.title(alike[0]))
@@ -284,8 +290,6 @@ def _caption(means: Means) -> str:
 
 def _of_run(run: ReportRun, inputs: ReportInputs) -> list[Block]:
     said = in_grains(in_words(run), grains_called_in([run.summary]))
-    if said and run.stopped:
-        said = f"The run is unfinished ({run.stopped}); these are its values so far. {said}"
     blocks: list[Block] = [Note(said, "lead")] if said else []
     table = value_rows(run)
     picture = _main_figure(run, inputs)

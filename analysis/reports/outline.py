@@ -42,7 +42,7 @@ from granwave.analysis.measures.zone_size import (
 )
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
-from granwave.analysis.reports.comparison.comparison import Comparison
+from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
 from granwave.analysis.reports.comparison.definitions import OF_THE_END, end_notes
 from granwave.analysis.reports.comparison.ends import GROWING
 from granwave.analysis.reports.figures import figures_section, views
@@ -83,8 +83,8 @@ _BEYOND_SMALL = (
 )
 _LEFT_OUT = "Left out: "  # before the message of an unfinished run
 _CUT = (
-    "The plastic zone reaches a boundary, which limits its extent, and may change "
-    "the depth and radius that contain 99 % of its dissipation"
+    "The plastic zone reaches a boundary, which limits its extent, and may change the depths and "
+    "radii that contain 50, 90 and 99 % of its dissipation"
 )
 _UNFINISHED = "Unfinished, with values up to the last output"
 _OF_ENDS = (_UNFINISHED, *OF_THE_END)  # notes on the ends of runs
@@ -133,6 +133,8 @@ def report_with_studies(inputs: ReportInputs, made: ReportStudies) -> Report:
     studies = made.of_scans
     above = {picture.name for picture in chain.from_iterable(one.pictures for one in studies)}
     picture = main_picture(studies, inputs)
+    compared = [run for run in inputs.runs if run.has_balance]
+    comparison = compare_runs(compared) if len(compared) > 1 else None
     heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
     what = text_table(
         "Contents of this report", heads, [_input_row(item, inputs) for item in inputs.items]
@@ -143,13 +145,14 @@ def report_with_studies(inputs: ReportInputs, made: ReportStudies) -> Report:
         comparison_section(inputs, made.compared),
         figures_section(inputs, above, main_figures(inputs, picture)),
         failures,
-        results_section(inputs),
+        results_section(inputs, comparison),
         balance_section(inputs),
         DocumentSection(
             "Settings and versions", "inputs", (what, *settings_blocks(inputs), *_versions(inputs))
         ),
     )
-    sections = (_answer(inputs, failures.slug, studies, picture, others), *others)
+    answer = _answer(inputs, failures.slug, studies, picture, comparison, others)
+    sections = (answer, *others)
     return tidied(
         Report(
             f"Report: {_names_in_title(labels)}",
@@ -177,7 +180,7 @@ def build_comparison(inputs: ReportInputs, comparison: Comparison, data: Link) -
     blocks = comparison_blocks(comparison, data)
     others = (
         failures,
-        results_section(inputs),
+        results_section(inputs, comparison),
         balance_section(inputs),
         DocumentSection(
             "Settings and versions", "inputs", (*settings_blocks(inputs), *_versions(inputs))
@@ -220,6 +223,7 @@ def _answer(
     failures: str,
     studies: Sequence[Study],
     picture: Figure | None,
+    comparison: Comparison | None,
     later: Sequence[DocumentSection],
 ) -> DocumentSection:
     """Make the first section: warnings, results, and notes.
@@ -237,10 +241,13 @@ def _answer(
         notes = [
             note for note in notes if not note.text.startswith(listed) and note.text not in told
         ]
+    if comparison is not None:
+        notes = [note for note in notes if note.text not in comparison.notes]
     bad, others = (
         [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)
     )
-    answer = answer_blocks(inputs, picture, judged=any(study.verdict for study in studies))
+    judged = any(study.verdict for study in studies)
+    answer = answer_blocks(inputs, picture, comparison, judged=judged)
     blocks = [*leads(studies), *answer, *views(inputs)]
     symbols = _symbols(inputs, blocks, later)
     return DocumentSection("In short", "short", (*bad, *blocks, *symbols, *others))
@@ -285,7 +292,7 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
         badges.append(
             _badge(beyond, len(balanced), inside, "contacts beyond the law", "note", _BALANCE)
         )
-    yielding = [run for run in balanced if run.summary.get("zone_cut") is not None]
+    yielding = [run for run in balanced if _has_zone(run)]
     if yielding:
         cut = sum(mark_of(run.summary) is not Mark.NONE for run in yielding)
         is_growing = any(run.summary.get(GROWING) for run in yielding)
@@ -340,9 +347,7 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
         for run in runs
         if _beyond_law(run)
     ]
-    cut = [
-        f"{run.label} ({_bounds_reached(run)})" for run in runs if mark_of(run.summary) is Mark.CUT
-    ]
+    cut = _by_bounds([run for run in runs if mark_of(run.summary) is Mark.CUT])
     waves = [
         f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)"
         for run in runs
@@ -376,6 +381,26 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
     if runs and not notes:
         return [Note(_GOOD, "good")]
     return notes
+
+
+def _has_zone(run: ReportRun) -> bool:
+    """Return True for a run whose plastic zone could reach a boundary.
+
+    A packing of one layer has no depth; if it also has no sides, its zone has no extent.
+    """
+    if run.summary.get("zone_cut") is None:
+        return False
+    sizes = [run.summary.get(name) for name in ("zone_depth_90_m", "zone_radius_90_m")]
+    has_yielded = bool(run.number("energy_dissipated_plastic_J"))
+    return not has_yielded or any(size is not None for size in sizes)
+
+
+def _by_bounds(runs: Sequence[ReportRun]) -> list[str]:
+    """List the boundaries that plastic zones reach, with the runs: ``bottom, sides (a, b)``."""
+    labels: dict[str, list[str]] = {}
+    for run in runs:
+        labels.setdefault(_bounds_reached(run), []).append(run.label)
+    return [f"{bounds} ({named(reached)})" for bounds, reached in labels.items()]
 
 
 def _bounds_reached(run: ReportRun) -> str:

@@ -37,8 +37,7 @@ from granwave.analysis.formatting.numbers import column_unit
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, report_columns
-from granwave.analysis.reports.comparison.subjects import compared_runs
-from granwave.analysis.reports.comparison.values import TRUNCATED, compared_values
+from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.sentences import by_part, value_table
@@ -63,6 +62,7 @@ MOST_OPEN = 12  # most points of a scan whose table is not folded
 MOST_ROWS = 14  # most values of one run in the first section
 _LONGEST = 600  # most characters of a reason
 _ROUNDING = 1e-9  # relative difference of equal values
+_TIMES = 10.0  # relative difference from which on it is given as a ratio
 _STATUS = "Status"
 _NUMBER = TableColumn("#", numeric=True, key=True)
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no results
@@ -130,10 +130,16 @@ _OF_ZONE = (
 )  # keys whose values are marked where the zone reaches a boundary
 
 
-def results_section(inputs: ReportInputs) -> DocumentSection:
+def results_section(inputs: ReportInputs, comparison: Comparison | None = None) -> DocumentSection:
     """Make the section of all values: of runs side by side, and of the points of scans, folded
     away.
+
+    Parameters
+    ----------
+    comparison
+        Comparison of the runs, if there are several.
     """
+    without_ratio = {} if comparison is None else comparison.without_ratio
     blocks: list[Block] = []
     runs = [run for run in inputs.runs if run.has_balance]
     if len(runs) > 1:
@@ -142,7 +148,7 @@ def results_section(inputs: ReportInputs) -> DocumentSection:
         )
     for alike in (runs, *by_part(inputs.runs)):
         if alike and len(alike) <= MOST_SIDE_BY_SIDE:
-            blocks.append(_side_by_side(alike))
+            blocks.append(_side_by_side(alike, without_ratio if alike is runs else {}))
     for scan in inputs.scans:
         parts = _scan_blocks(scan, inputs)
         folded = len(scan.points) > MOST_OPEN
@@ -339,9 +345,15 @@ def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cel
     return cell_in_unit(value, size, tone="note" if noted else "")
 
 
-def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
+def _side_by_side(runs: Sequence[ReportRun], without_ratio: Mapping[str, str]) -> DocumentTable:
     """Make a table of all values of the summaries, with a column for each run, and the difference
-    of two runs, except of values that the end of a run truncates.
+    of two runs.
+
+    Parameters
+    ----------
+    without_ratio
+        Words in place of the difference, by the names of values that the end of a run truncates or
+        that a boundary limits.
     """
     names = dict.fromkeys(chain.from_iterable(run.summary for run in runs))
     keys = [key for key in names if key not in _NOT_COMPARED]
@@ -353,7 +365,6 @@ def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
         *(TableColumn(one, numeric=True) for one in numbers),
     ]
     rows = []
-    truncated = _truncated(runs) if pair else set()
     called = grains_called_in([run.summary for run in runs])
     for key, (unit, size) in units_of_values(keys, [run.summary for run in runs]).items():
         cells = [_result_cell(key, run.summary, size) for run in runs]
@@ -363,19 +374,13 @@ def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
             Cell(unit),
             *cells,
         ]
-        if key in truncated:
-            row.append(Cell(TRUNCATED))
+        if pair and key in without_ratio:
+            row.append(Cell(without_ratio[key]))
         elif pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
         rows.append(tuple(row))
     caption = "Values side by side" if len(runs) > 1 else f"Run {runs[0].label}"
     return DocumentTable(caption, tuple(columns), tuple(rows), by_row=True)
-
-
-def _truncated(runs: Sequence[ReportRun]) -> set[str]:
-    """Return the values that the end of a run truncates."""
-    values = compared_values(compared_runs(runs))
-    return {value.name for value in values if value.is_truncated}
 
 
 def _difference(first: Any, second: Any) -> Cell:
@@ -389,6 +394,8 @@ def _difference(first: Any, second: Any) -> Cell:
         return Cell("")
     change = second / first - 1
     value = 0.0 if abs(change) < _ROUNDING else 100 * change
+    if change >= _TIMES:
+        return Cell(f"{second / first:.3g} times", value)
     return Cell(percent(value), value)
 
 

@@ -49,8 +49,9 @@ def merge_dents(dents: Frame) -> Contacts:
         ``i``, ``j`` (n_pairs,), i < j; ``overlap``, ``peak_overlap``, ``initial_overlap`` (initial
         dent) m; ``force``, ``peak_force``, ``tangential_force`` N; ``elastic_energy``,
         ``dissipated_energy`` (of yielding, friction and viscous losses), ``friction_energy``, with
-        viscous losses ``viscous_energy`` J; ``time_first``, ``time_peak``, ``time_yield`` s (NaN:
-        never); ``n_dents``; ``grown_overlap``: largest overlap of dents that grew in this run, m.
+        viscous losses ``viscous_energy`` J; ``time_first`` (arrival at a tenth of the largest force
+        of the run, which may be of a later wave), ``time_peak``, ``time_yield`` s (NaN: never);
+        ``n_dents``; ``grown_overlap``: largest overlap of dents that grew in this run, m.
     """
     first, second = dents.pairs.T
     # the deepest indentation of a pair comes first

@@ -104,6 +104,9 @@ LISTS = {
     if section is not None and heading.startswith("[[")
 }
 _NAMES = [heading.strip("[]") for heading in _TABLES]
+_CHOSEN = "chosen"  # field of a case that is no table
+#: Keys of which a warning depends on whether the user set them.
+MEANT = ("contact.yield_factor",)
 OPTIONAL = (PRECOMPRESSION, "bar", "incident_bar")  # sections without defaults
 KNOWN = (
     "name",
@@ -162,7 +165,11 @@ RECORD = "resolved"
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Case:
-    """Input of one simulation, as set by the user; see `granwave.lammps_inputs.load_case`."""
+    """Input of one simulation, as set by the user; see `granwave.lammps_inputs.load_case`.
+
+    Its fields are the tables of a case file, and ``chosen``: dotted keys that the user set, among
+    those of `MEANT`. A value that equals a default is then meant.
+    """
 
     name: str
     packing: PackingSection
@@ -186,6 +193,7 @@ class Case:
     line: tuple[Line, ...] = ()
     bar: Bar | None = None
     incident_bar: Bar | None = None
+    chosen: frozenset[str] = dataclasses.field(default=frozenset(), compare=False, repr=False)
 
     @property
     def contact_laws(self) -> tuple[Contact, ...]:
@@ -363,6 +371,7 @@ class Case:
         `DIVISION_KEYS` only if they are given.
         """
         tables = _plain(self)
+        del tables[_CHOSEN]
         if self.figures == Figures():
             del tables[FIGURES_TABLE]
         if self.contact.line == Contact.line:

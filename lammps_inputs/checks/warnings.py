@@ -39,34 +39,17 @@ _OTHER_UNITS = 100.0  # ratio of densities above which their units are probably 
 _SMALL_GAP = 1e-3  # diameters; gaps caused by plastic indentation are larger
 
 
-def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
-    """Log warnings about values that are valid but may not be meant.
-
-    Parameters
-    ----------
-    chose_yield_factor
-        The case file gives ``contact.yield_factor``, so that it is meant.
-    """
-    for text in case_warnings(assembly, chose_yield_factor=chose_yield_factor):
+def warn_about(assembly: Assembly) -> None:
+    """Log warnings about values that are valid but may not be meant."""
+    for text in case_warnings(assembly):
         _LOG.warning("%s: %s", assembly.case.name, text)
 
 
-def warnings_of_run(assembly: Assembly) -> list[str]:
-    """Return the warnings about the values of a case that the record of its run keeps.
-
-    A yield factor that differs from its default is meant.
-    """
-    is_chosen = is_set(assembly.case.contact, PARAMETERS["yield_factor"])
-    return case_warnings(assembly, chose_yield_factor=is_chosen)
-
-
-def case_warnings(assembly: Assembly, *, chose_yield_factor: bool) -> list[str]:
-    """Return warnings about values that are valid but may not be meant; parameters as in
-    `warn_about`.
-    """
+def case_warnings(assembly: Assembly) -> list[str]:
+    """Return warnings about values that are valid but may not be meant."""
     return [
         *missing_products(assembly.case.figures),
-        *_of_yield_factor(assembly, chose_yield_factor=chose_yield_factor),
+        *_of_yield_factor(assembly),
         *_of_materials(assembly),
         *_of_bodies(assembly),
         *_of_probes(assembly),
@@ -81,11 +64,15 @@ def case_warnings(assembly: Assembly, *, chose_yield_factor: bool) -> list[str]:
     ]
 
 
-def _of_yield_factor(assembly: Assembly, *, chose_yield_factor: bool) -> Iterator[str]:
-    """Warn of a fit for another Poisson's ratio, unless its factor was set by the user."""
+def _of_yield_factor(assembly: Assembly) -> Iterator[str]:
+    """Warn of a fit for another Poisson's ratio, unless its factor was set by the user: it is in
+    the case file, or differs from its default.
+    """
     law = assembly.case.contact
     ratio = assembly.case.material.poisson_ratio
-    if law.takes("yield_factor") and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
+    factor = PARAMETERS["yield_factor"]
+    is_chosen = f"contact.{factor.name}" in assembly.case.chosen or is_set(law, factor)
+    if law.takes(factor.name) and not is_chosen and ratio != FITTED_POISSON_RATIO:
         yield (
             f"the contact law was fitted for a Poisson's ratio of {FITTED_POISSON_RATIO:.2f}, "
             f"found {ratio:g}; its exact Hertz-von Mises yield factor is C = "

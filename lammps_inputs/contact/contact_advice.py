@@ -115,16 +115,36 @@ class ContactAdvice:
 
     @property
     def remedy(self) -> str:
-        """Remedy for overlaps, for a message."""
-        advice = f"move them apart, or choose {KEY}: {'; '.join(self.choices)}"
-        if self.relative_overlap < _DEEP:
-            return advice
-        percent = 100 * self.relative_overlap
+        """Remedy for overlaps in two sentences, for a message; without a full stop."""
+        advice = f"move them apart, or choose {KEY}"
+        if self.relative_overlap >= _DEEP:
+            percent = 100 * self.relative_overlap
+            return (
+                f"{advice}. An overlap of {percent:.0f} % of a diameter is more than a contact: "
+                f"number the spheres of one body in a column {CLUMP}, or check that sizes have the "
+                "unit of positions and that diameters are not read as radii"
+            )
+        pressed = f'"{OVERLAPS.name}" presses the grains'
+        if self.largest_force is not None:
+            pressed += f", with up to {self.largest_force:.3g} N"
+        if self.has_friction:
+            pressed += " and without friction"
         return (
-            f"{advice}; an overlap of {percent:.0f} % of a diameter is more than a contact: number "
-            f"the spheres of one body in a column {CLUMP}, and check that the sizes have the unit "
-            "of the positions, and that diameters are not read as radii"
+            f'{advice}: {self._touching_in_short}. {pressed}; "{RELAX.name}" finds an equilibrium '
+            f'at any distance; "{KEEP.name}" starts out of equilibrium'
         )
+
+    @property
+    def _touching_in_short(self) -> str:
+        """Return a phrase on the effect of moving grains until they touch, for a message."""
+        name = f'"{TOUCH.name}"'
+        if not self.n_within and self.n_beyond:
+            return f"{name} accepts overlaps of up to {self.tolerance:.2g} m"
+        moved = f"{name} moves grains by up to {self.moved:.2g} m until they touch"
+        if not self.n_beyond:
+            return moved
+        pairs = "1 pair" if self.n_beyond == 1 else f"{self.n_beyond} pairs"
+        return f"{moved}, but rejects {pairs} with overlaps above {self.tolerance:.2g} m"
 
 
 def advice_on(case: Case, grains: Grains, period: Period = None) -> ContactAdvice:

@@ -21,6 +21,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.planning import cost
 from granwave.lammps_inputs.planning import timestep as steps
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
+from granwave.lammps_inputs.tables.units import LENGTH_UNITS
 
 _LOG = logging.getLogger("granwave")
 
@@ -201,6 +202,8 @@ def _refuse_endless(case: Case) -> None:
         )
 
 
+_ROUNDED = 0.1  # largest overlap of grains in the unit of a file, diameters
+_FAR = 2.0  # largest distance of the closest grains in the unit of a file, diameters
 _NEAREST = 6  # neighbours of a grain that are searched for the closest surface
 
 
@@ -221,13 +224,35 @@ def _note_gaps(assembly: Assembly) -> None:
     gap = float(gaps[case.packing.grains.of_different_clumps(pairs)].min(initial=math.inf))
     if math.isinf(gap):
         return
+    smallest = 2 * float(radius.min())
     _LOG.warning(
         "%s: packing: no two grains touch at the start, the closest are %.3g m apart, %.3g of the "
-        "smallest diameter; check for rounded coordinates and mixed units",
+        "smallest diameter; check for rounded coordinates and mixed units%s",
         case.name,
         gap,
-        gap / (2 * float(radius.min())),
+        gap / smallest,
+        _remedy_of_units(case, float(distance[:, 1].min()), smallest),
     )
+
+
+def _remedy_of_units(case: Case, distance: float, diameter: float) -> str:
+    """Return the remedy for positions of a file in another unit than the diameter of the case, with
+    a semicolon before it; empty if there is none.
+
+    Parameters
+    ----------
+    distance
+        Smallest distance of two centres, m.
+    diameter
+        Smallest diameter, m.
+    """
+    grains = case.packing.grains
+    if grains is None or grains.reading is None or grains.reading.units:
+        return ""
+    for unit, power in LENGTH_UNITS.items():
+        if power and 1 <= distance * 10.0**power / diameter * (1 + _ROUNDED) <= _FAR:
+            return f'; if the positions of the file are in {unit}, set packing.units = "{unit}"'
+    return ""
 
 
 def _note_times(assembly: Assembly, schedule: Schedule) -> None:

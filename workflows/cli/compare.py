@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from granwave.analysis.document.model import Cell
     from granwave.analysis.reports.comparison.comparison import Comparison
+    from granwave.analysis.reports.comparison.values import ComparedValue
 
 _MOST_VALUES = 12  # rows at the terminal
 _MOST_KEYS = 12
@@ -43,19 +44,27 @@ def text_of(comparison: Comparison) -> str:
 
 def _values(comparison: Comparison) -> str:
     """Return the table of the values that differ most."""
-    from granwave.analysis.reports.comparison.values import TRUNCATED, shown_values
+    from granwave.analysis.reports.comparison.values import shown_values
 
     values = shown_values(comparison.values, _MOST_VALUES, asked=bool(comparison.quantities))
     if not values:
         return ""
-    rows = [["quantity", "unit", *(_cut(run.name) for run in comparison.runs), "ratio"]]
+    names = [_cut(run.name) for run in comparison.runs]
+    has_ratio = len(names) > 1
+    heads = ["quantity", "unit", *names]
+    rows = [[*heads, "ratio"] if has_ratio else heads]
     for value in values:
         numbers = ["" if number is None else f"{number:.5g}" for number in value.values]
-        ratio = "" if value.ratio is None else f"{value.ratio:.3g}"
-        if value.is_truncated:
-            ratio = TRUNCATED
-        rows.append([value.name, value.unit, *numbers, ratio])
+        cells = [value.name, value.unit, *numbers]
+        if has_ratio:
+            cells.append(_ratio(value))
+        rows.append(cells)
     return columns(rows, left=(0, 1))
+
+
+def _ratio(value: ComparedValue) -> str:
+    """Return the ratio of a value, or the word in its place."""
+    return value.without_ratio if value.ratio is None else f"{value.ratio:.3g}"
 
 
 def _differences(comparison: Comparison) -> str:

@@ -25,7 +25,7 @@ from granwave.analysis.pipeline import analyse
 from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.summary import check_value_names
-from granwave.lammps_inputs.checks.warnings import warnings_of_run
+from granwave.lammps_inputs.checks.warnings import case_warnings
 from granwave.lammps_inputs.deck.commands import PARTS
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
@@ -213,7 +213,7 @@ class _Run:
 
     def _plan(self) -> float:
         """Keep the warnings about the case, and return the disk space to be kept free, bytes."""
-        self.warnings += warnings_of_run(self.assembly)
+        self.warnings += case_warnings(self.assembly)
         with keeping_warnings(self.case.name, self.warnings):
             return plan(self.assembly).disk_reserve
 

@@ -26,9 +26,10 @@ from granwave.analysis.figures.style import Drawing, NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference
 from granwave.analysis.reports.comparison.comparison import Comparison
-from granwave.analysis.reports.comparison.figures import FIGURES
+from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.comparison.measured import (
     NEGLIGIBLE,
+    ROUNDING,
     Deviation,
     relative_text,
     unranked_reasons,
@@ -39,7 +40,6 @@ from granwave.analysis.reports.comparison.subjects import (
     names_with_cases,
 )
 from granwave.analysis.reports.comparison.values import (
-    TRUNCATED,
     ComparedValue,
     factor,
     shown_values,
@@ -49,6 +49,7 @@ from granwave.analysis.reports.figures import picture_of
 _MOST_VALUES = 10  # rows of the table of values
 _MOST_OPEN = 12  # rows of a table of keys that is not folded
 _OF_VALUES = "Largest differences of results"
+_OF_ONE_RUN = "Results"
 _OF_CASES = "Differences between the cases"
 _OF_NUMERICS = "Differences in output and run control"
 _QUANTITY = TableColumn("Quantity", key=True)
@@ -98,9 +99,15 @@ def value_table(comparison: Comparison) -> DocumentTable:
     heads = [TableColumn(run.name, numeric=True) for run in comparison.runs]
     units = _units(values)
     rows = [_value_row(value, *units[value.name]) for value in values]
-    ratio = TableColumn(_ratio_name(comparison.runs), numeric=True)
-    columns = (_QUANTITY, _UNIT, *heads, ratio)
-    return DocumentTable(_OF_VALUES, columns, tuple(rows), by_row=True)
+    columns = [_QUANTITY, _UNIT, *heads]
+    if len(comparison.runs) > 1:
+        columns.append(TableColumn(_ratio_name(comparison.runs), numeric=True))
+    return DocumentTable(_caption(comparison), tuple(columns), tuple(rows), by_row=True)
+
+
+def _caption(comparison: Comparison) -> str:
+    """Return the caption of the table of values; a single run has no differences."""
+    return _OF_VALUES if len(comparison.runs) > 1 else _OF_ONE_RUN
 
 
 def _units(values: Sequence[ComparedValue]) -> dict[str, tuple[str, float]]:
@@ -111,7 +118,9 @@ def _units(values: Sequence[ComparedValue]) -> dict[str, tuple[str, float]]:
 def _value_row(value: ComparedValue, unit: str, size: float) -> tuple[Cell, ...]:
     """Return label, unit, values and ratio, in a unit of a size."""
     cells = [cell_in_unit(number, size) for number in value.values]
-    return (Cell(value.label, value.label), Cell(unit), *cells, _ratio(value))
+    if len(cells) > 1:
+        cells.append(_ratio(value))
+    return (Cell(value.label, value.label), Cell(unit), *cells)
 
 
 def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> DocumentTable:
@@ -147,14 +156,12 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
 
 
 def _ratio(value: ComparedValue) -> Cell:
-    if value.is_truncated:
-        return Cell(TRUNCATED)
+    if value.without_ratio:
+        return Cell(value.without_ratio)
     return Cell("") if value.ratio is None else Cell(factor(value.ratio), value.ratio)
 
 
 def _ratio_name(runs: Sequence[ComparedRun]) -> str:
-    if len(runs) == 1:
-        return "Ratio"
     return f"{runs[1].name} / {runs[0].name}" if len(runs) == 2 else "Largest / smallest"
 
 
@@ -238,8 +245,11 @@ def misfit_cells(
         peak = "0"
         place = ""
     relative = relative_text(difference.relative_rms).removesuffix(" of")
+    rms = quantity_in(difference.rms, y_unit)
+    if difference.relative_rms < ROUNDING:
+        rms = "0"
     return (
-        quantity_in(difference.rms, y_unit),
+        rms,
         f"not ranked: {unranked}" if unranked else relative,
         peak,
         place,

@@ -218,7 +218,7 @@ def growth(run: ComparedRun) -> GrowthCurves:
     """Return the growth of the plastic zone, from zero to the end of the run."""
     with run.opened() as result:
         if not result["contacts/yielded"].any():
-            raise LackingError("no contact yielded")
+            raise LackingError("no contact of two spheres yielded")
         zone = zone_growth(result)
         end = float(result["energy/time"][-1])
     time = np.concatenate([[0.0], zone.time, [end]])

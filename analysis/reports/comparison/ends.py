@@ -12,12 +12,13 @@ import numpy as np
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached
+from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
     bottom_record,
     has_peak_at_bottom,
 )
-from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError, names_in_words
 from granwave.analysis.reports.setting import differing
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
@@ -57,6 +58,11 @@ _PEAKS_AT_BOTTOM = (
 _OF_BOTTOM = (*_PEAKS_AT_BOTTOM, _IMPULSE, "wall_dynamic_impulse_Ns")
 #: Depths of the plastic zone, by patterns; they are not known while its depth still grows.
 _OF_DEPTH = ("plastic_zone_depth_m", "zone_depth_*")
+#: Sizes of the plastic zone and counts of its parts, by patterns, which a boundary limits.
+_OF_SIZE = (
+    "plastic_zone_*", "zone_depth_*", "zone_radius_*", "zone_volume_*", "n_plastic_*",
+    "n_dissipating_*",
+)  # fmt: skip
 
 
 class Course(Protocol):
@@ -70,11 +76,13 @@ def ends_in_words(runs: Sequence[ComparedRun]) -> str:
     """Return the end times of runs: ``a at 70 µs, b at 1 ms``; of many runs the earliest and the
     latest.
     """
-    texts = [f"{run.name} at {quantity_in(end_of(run), 's')}" for run in runs]
-    if len(texts) <= _MOST_LISTED:
+    names: dict[str, list[str]] = {}
+    for run in sorted(runs, key=end_of) if len(runs) > _MOST_LISTED else runs:
+        names.setdefault(quantity_in(end_of(run), "s"), []).append(run.name)
+    texts = [f"{names_in_words(of_end)} at {end}" for end, of_end in names.items()]
+    if len(runs) <= _MOST_LISTED:
         return ", ".join(texts)
-    order = sorted(range(len(runs)), key=lambda place: end_of(runs[place]))
-    return f"from {texts[order[0]]} to {texts[order[-1]]}"
+    return f"from {texts[0]} to {texts[-1]}"
 
 
 def end_of(run: ComparedRun) -> float:
@@ -134,6 +142,15 @@ def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[st
         if compared and not (courses and all(final[course, compared] for course in courses)):
             truncated.add(name)
     return truncated | unknown
+
+
+def limited_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
+    """Return the sizes of plastic zones, and the counts of yielded spheres and contacts, if a
+    boundary limits the zone of a run.
+    """
+    if not any(mark_of(run.run.summary) is Mark.CUT for run in runs):
+        return set()
+    return {name for name in names if _matches(name, _OF_SIZE)}
 
 
 def _unknown_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:

@@ -40,10 +40,12 @@ _LEAST_POINTS = 2
 NEGLIGIBLE = 1e-4  # fraction of the measured peak below which a value counts as zero
 _ENOUGH = 0.99  # fraction of the points of the run with the most points: runs that are ranked
 _FEWEST_COMMON = 3  # measured points within the curve of a run that is ranked
+ROUNDING = 1e-12  # rms / measured peak below which only rounding differs
 _TIE = 1e-3  # relative difference of rms values below which runs are equally close
 _NEAR_END = 0.01  # of the spacing of a curve: distance up to which its end has the value there
 _OTHER_UNIT = 100.0  # ratio of lengths or peaks above which the unit is doubtful
 #: Reasons for which a run is not ranked.
+_DOUBTFUL_UNIT = "the unit of the curve is doubtful"
 _FEW_COMMON = f"fewer than {_FEWEST_COMMON} common points"
 _OPPOSITE = "opposite sign"
 _FEWER_POINTS = "fewer points than other runs"
@@ -133,6 +135,8 @@ class Deviation:
     n_near_end
         Number of these points that lie slightly beyond an end of the curve of the run, and are
         compared with its value there.
+    has_doubtful_unit
+        True if the measured curve has values of another size than all runs, or is much shorter.
     """
 
     rms: float
@@ -146,6 +150,7 @@ class Deviation:
     rises_at_end: bool = False
     is_reversed: bool = False
     n_near_end: int = 0
+    has_doubtful_unit: bool = False
 
 
 def read_measured(
@@ -188,15 +193,23 @@ def read_measured(
     return MeasuredCurve(source, names, x[order] + shift, scale * y[order], shift, scale)
 
 
-def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
+def deviation(
+    measured: MeasuredCurve, curve: SampledCurve, *, has_doubtful_unit: bool = False
+) -> Deviation | None:
     """Return the difference of a run from a measured curve; None if they do not overlap.
 
     A measured point beyond an end of the curve, by up to 1 % of the median spacing of its points,
-    is compared with the value at this end: measured depths are rounded.
+    is compared with the value at this end: measured depths are rounded. A point of the curve beyond
+    an end of the measured range by as much lies in this range.
+
+    Parameters
+    ----------
+    has_doubtful_unit
+        As of `Deviation`.
     """
     near = _near_end(curve)
-    low = max(float(curve.x.min()) - near, float(measured.x[0]))
-    high = min(float(curve.x.max()) + near, float(measured.x[-1]))
+    low = max(float(curve.x.min()), float(measured.x[0])) - near
+    high = min(float(curve.x.max()), float(measured.x[-1])) + near
     inside = (measured.x >= low) & (measured.x <= high)
     if not inside.any():
         return None
@@ -224,6 +237,7 @@ def deviation(measured: MeasuredCurve, curve: SampledCurve) -> Deviation | None:
         rises_at_end=bool(rises_at_end),
         is_reversed=measured.is_reversed,
         n_near_end=int(beyond.sum()),
+        has_doubtful_unit=has_doubtful_unit,
     )
 
 
@@ -239,7 +253,7 @@ def ranked(deviations: Mapping[str, Deviation]) -> list[str]:
 
     Their differences are means over the same points, at least three: those of the run with the
     most points. A run is not ranked if it does not cover the measured peak, if it ends with its
-    largest value, or if the measured curve has the opposite sign.
+    largest value, or if the measured curve has the opposite sign or a doubtful unit.
     """
     reasons = unranked_reasons(deviations)
     return [name for name in deviations if name not in reasons]
@@ -265,6 +279,8 @@ def _unranked_reason(difference: Deviation, most: int) -> str:
     most
         Number of points of the run with the most points.
     """
+    if difference.has_doubtful_unit:
+        return _DOUBTFUL_UNIT
     if difference.is_reversed:
         return _OPPOSITE
     if difference.n_points < _ENOUGH * most:
@@ -325,8 +341,10 @@ def _sentence_on_one_run(
     measured: MeasuredCurve, name: str, difference: Deviation, units: tuple[str, str]
 ) -> str:
     """Return a sentence on the difference of a single run from a measured curve, or on the reason
-    for which they are not compared: too few points, or the opposite sign.
+    for which they are not compared: a doubtful unit, the opposite sign, or too few points.
     """
+    if difference.has_doubtful_unit:
+        return f"{name} is not compared with {measured.source}: {_DOUBTFUL_UNIT}."
     if difference.is_reversed:
         return f"{name} is not compared with {measured.source}: {_OPPOSITE}."
     if difference.n_points < _FEWEST_COMMON:
@@ -348,6 +366,8 @@ def _rms_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[str,
     """Return the root mean square difference of a run in words."""
     size = relative_text(closest.relative_rms)
     rms = f"{quantity_in(closest.rms, units[1])} rms, {size} the measured peak"
+    if closest.relative_rms < ROUNDING:
+        rms = "rounding only"
     if closest.n_points < len(measured.x):
         rms += f", at {closest.n_points} of {len(measured.x)} measured points"
     return rms
@@ -426,10 +446,10 @@ def unit_notes(
         return []
     x_unit, y_unit = units
     lasts = "lasts" if x_unit == "s" else "extends to"
-    end = float(np.abs(measured.x).max())
-    ends = [float(np.abs(curve.x).max()) for curve in curves.values()]
+    end = _largest(measured.x)
+    ends = [_largest(curve.x) for curve in curves.values()]
     peak = abs(measured.peak)
-    peaks = [float(np.abs(curve.y).max()) for curve in curves.values()]
+    peaks = [_largest(curve.y) for curve in curves.values()]
     notes: list[str] = []
     if _has_other_size(end, ends):
         own = quantity_in(end, x_unit)
@@ -443,6 +463,31 @@ def unit_notes(
             f"{_range(peaks, y_unit)}; check the unit."
         )
     return notes
+
+
+def is_unit_doubtful(measured: MeasuredCurve, curves: Mapping[str, SampledCurve]) -> bool:
+    """Return True if no run can be ranked by a measured curve, since its values have another size
+    than those of all runs, or since it is much shorter than all runs.
+
+    A record that is much longer than the runs is usual, and compared where they have values.
+
+    Parameters
+    ----------
+    curves
+        As of `unit_notes`.
+    """
+    if not curves:
+        return False
+    peaks = [_largest(curve.y) for curve in curves.values()]
+    ends = [_largest(curve.x) for curve in curves.values()]
+    end = _largest(measured.x)
+    is_short = _has_other_size(end, ends) and end < min(ends)
+    return is_short or _has_other_size(abs(measured.peak), peaks)
+
+
+def _largest(values: Array) -> float:
+    """Return the largest magnitude of some values."""
+    return float(np.abs(values).max())
 
 
 def _has_other_size(value: float, others: Sequence[float]) -> bool:
@@ -460,35 +505,12 @@ def _range(values: Sequence[float], unit: str) -> str:
     return " to ".join(dict.fromkeys(ends))
 
 
-def near_end_notes(
+def range_notes(
     measured: MeasuredCurve, deviations: Mapping[str, Deviation], units: tuple[str, str]
 ) -> list[str]:
-    """Return a sentence on measured points slightly beyond the ends of curves, if there are any.
-
-    Parameters
-    ----------
-    deviations, units
-        As of `closest_sentence`.
-    """
-    names = [name for name, difference in deviations.items() if difference.n_near_end]
-    if not names:
-        return []
-    spacing = "layer spacing" if units[0] == "m" else "spacing of the points of a run"
-    return [
-        f"Points of {measured.source} beyond an end of a curve, by up to {share(_NEAR_END)} of the "
-        f"{spacing}, are compared with the value at this end: {named(names, _MOST_LISTED)}."
-    ]
-
-
-def relative_text(ratio: float) -> str:
-    """Return a ratio in words: ``12 % of``, or ``27.2 times`` if it is large."""
-    return f"{share(ratio)} of" if ratio < _TIMES else f"{ratio:.3g} times"
-
-
-def outside_notes(
-    measured: MeasuredCurve, deviations: Mapping[str, Deviation], units: tuple[str, str]
-) -> list[str]:
-    """Return a sentence on runs whose largest value lies outside a measured range, if any does.
+    """Return sentences on the ranges of a measured curve and of the runs, where they apply: on
+    largest values of runs outside the measured range, and on measured points slightly beyond the
+    ends of curves.
 
     Parameters
     ----------
@@ -496,19 +518,31 @@ def outside_notes(
         As of `closest_sentence`.
     """
     x_unit = units[0]
-    places = [
+    outside = [
         f"{name} at {quantity_in(difference.outside_at, x_unit)}"
         for name, difference in deviations.items()
         if difference.outside_at is not None
     ]
-    if not places:
-        return []
-    ends = [quantity_in(float(end), x_unit) for end in (measured.x[0], measured.x[-1])]
-    return [
-        f"Largest values outside the range of {measured.source}, {' to '.join(ends)}: "
-        f"{named(places, _MOST_LISTED)}. Shift the measured curve if its zero "
-        "differs."
-    ]
+    near = [name for name, difference in deviations.items() if difference.n_near_end]
+    notes: list[str] = []
+    if outside:
+        ends = [quantity_in(float(end), x_unit) for end in (measured.x[0], measured.x[-1])]
+        notes.append(
+            f"Largest values outside the range of {measured.source}, {' to '.join(ends)}: "
+            f"{named(outside, _MOST_LISTED)}. Shift the measured curve if its zero differs."
+        )
+    if near:
+        spacing = "layer spacing" if x_unit == "m" else "spacing of the points of a run"
+        notes.append(
+            f"Points of {measured.source} beyond an end of a curve, by up to {share(_NEAR_END)} of "
+            f"the {spacing}, are compared with the value at this end: {named(near, _MOST_LISTED)}."
+        )
+    return notes
+
+
+def relative_text(ratio: float) -> str:
+    """Return a ratio in words: ``12 % of``, or ``27.2 times`` if it is large."""
+    return f"{share(ratio)} of" if ratio < _TIMES else f"{ratio:.3g} times"
 
 
 def _within(curve: SampledCurve, low: float, high: float) -> SampledCurve:

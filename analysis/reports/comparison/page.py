@@ -15,7 +15,7 @@ from granwave.analysis.reports.comparison.comparison import (
     Comparison,
     compare_inputs,
 )
-from granwave.analysis.reports.comparison.figures import FIGURES
+from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.inputs import ReportInputs, read_inputs
 from granwave.analysis.reports.outline import build_comparison
 from granwave.analysis.reports.report import output_faults, write_page

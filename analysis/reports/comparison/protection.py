@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -12,7 +13,7 @@ from granwave.analysis.reports.comparison.curves import (
     has_peak_at_bottom,
     static_force_at_bottom,
 )
-from granwave.analysis.reports.comparison.ends import GROWING
+from granwave.analysis.reports.comparison.ends import GROWING, truncated_names
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import ComparedRun, names_in_words
 from granwave.analysis.reports.setting import target_of
@@ -21,7 +22,12 @@ _FORCE = "wall_peak_force_N"
 _REDUCTION = "peak_reduction"
 _SPHERES = "n_spheres"
 _DEPTH = "zone_depth_90_interpolated_m"
+#: Values that the sentences state, directly or as their ratio.
+_OF_FORCE = (_FORCE, "wall_dynamic_peak_force_N", "target_peak_force_N", _REDUCTION)
+_OF_DEPTH = (_DEPTH, "zone_depth_90_m")
 _SAME = 5e-3  # relative difference of results that are called equal
+_IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
+_ROUNDING = 1e-12  # relative difference of results that differ by rounding only
 _MOST_LISTED = 4  # runs that a sentence lists; of more the best and the worst
 _LEAST_RUNS = 2
 _COLLISION = (1, 2)  # numbers of spheres without layers
@@ -36,6 +42,22 @@ class _Entry:
 
 
 @dataclass(frozen=True)
+class Ranking:
+    """Order of runs by a value.
+
+    Attributes
+    ----------
+    sentence
+        Sentence with the order and the values.
+    names
+        Values of the summaries that it states, directly or as their ratio.
+    """
+
+    sentence: str
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class _Phrase:
     """Templates of a sentence that orders runs by a value.
 
@@ -43,6 +65,8 @@ class _Phrase:
     ----------
     best
         Takes the name of the best run, the degree, and its value.
+    best_equal
+        The same for the names of several runs with this value.
     equal
         Takes the value that all runs have.
     times
@@ -52,6 +76,7 @@ class _Phrase:
     """
 
     best: str
+    best_equal: str
     equal: str
     times: str
     of_two: str
@@ -59,12 +84,17 @@ class _Phrase:
 
 
 def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[str]:
-    """Return sentences that compare the protection, with all values and their ratios.
+    """Return the sentences of `protection_rankings`."""
+    return [ranking.sentence for ranking in protection_rankings(runs, names)]
+
+
+def protection_rankings(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[Ranking]:
+    """Return the orders of the runs by their protection, with all values and their ratios.
 
     Runs with the same input are ordered by the peak force on the bottom, above its static force if
     there is one; others by the peak force relative to the impact without the packing. Runs
     that end before the wave reaches the bottom, or whose force there still rises at the end, are
-    left out. The second sentence orders the runs by the interpolated depth of 90 % of the plastic
+    left out. Values that an earlier end of a run truncates are not ranked. The second sentence orders the runs by the interpolated depth of 90 % of the plastic
     dissipation; it leaves out collisions of two spheres, and zones that reach a boundary or still
     grow, and there is none with different inputs. The module `definitions` names these runs.
 
@@ -73,12 +103,12 @@ def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> l
     names
         Names of the runs in sentences: (n_runs,).
     """
-    sentences: list[str] = []
+    rankings: list[Ranking] = []
     if force := _force_sentence(runs, names):
-        sentences.append(force)
+        rankings.append(Ranking(force, _OF_FORCE))
     if depth := _depth_sentence(runs, names):
-        sentences.append(depth)
-    return sentences
+        rankings.append(Ranking(depth, _OF_DEPTH))
+    return rankings
 
 
 def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
@@ -88,12 +118,15 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     kept = [n for n, run in enumerate(runs) if has_peak_at_bottom(run)]
     runs = [runs[n] for n in kept]
     names = [names[n] for n in kept]
+    if truncated_names([_FORCE], runs):
+        return ""
     if have_same_input([run for run in runs if run.run.number(_FORCE)]):
         static = [static_force_at_bottom(run) for run in runs]
         force = "peak dynamic force" if any(static) else "peak force"
         entries = _entries(_FORCE, runs, names, static)
         phrase = _Phrase(
             f"{{}} protects the {place} {{}}: its {force} is {{}}",
+            f"{{}} protect the {place} {{}}: their {force} is {{}}",
             f"The {force} on the {place} is {{}}",
             "{} times as high",
             "better",
@@ -106,6 +139,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         "packing is"
     )
     phrase = _Phrase(
+        f"{reduced} {{1}}, {{2}}, in {{0}}",
         f"{reduced} {{1}}, {{2}}, in {{0}}",
         f"{reduced} {{}}",
         "{} times as high",
@@ -120,11 +154,14 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     if not have_same_input([run for run in runs if run.run.number(_DEPTH)]):
         return ""
     complete = [place for place, run in enumerate(runs) if _has_complete_zone(run)]
+    if truncated_names([_DEPTH], [runs[place] for place in complete]):
+        return ""
     entries = _entries(
         _DEPTH, [runs[place] for place in complete], [names[place] for place in complete]
     )
     phrase = _Phrase(
         "{} has the {} plastic zone: its 90 % depth, interpolated between layers, is {}",
+        "{} have the {} plastic zones: their 90 % depth, interpolated between layers, is {}",
         "The 90 % depth of the plastic zone, interpolated between layers, is {}",
         "{} times as deep",
         "shallower",
@@ -167,11 +204,19 @@ def _ordered(
     if last.value <= first.value * (1 + _SAME):
         return _equal(phrase, rising, text, n_runs)
     degree = phrase.of_two if len(rising) == _LEAST_RUNS else phrase.of_more
-    parts: list[str] = []
-    for entry in rising[1:]:
+    equal = [entry for entry in rising if entry.value <= first.value * (1 + _SAME)]
+    names: dict[tuple[str, str], list[str]] = {}
+    for entry in rising[len(equal) :]:
         ratio = phrase.times.format(number(entry.value / first.value))
-        parts.append(f"{text(entry.value)} in {entry.name} ({ratio})")
+        names.setdefault((text(entry.value), ratio), []).append(entry.name)
+    parts = [
+        f"{value} in {names_in_words(runs)} ({ratio})" for (value, ratio), runs in names.items()
+    ]
     best = phrase.best.format(first.name, degree, text(first.value))
+    if len(equal) > 1:
+        listed = names_in_words([entry.name for entry in equal])
+        values = dict.fromkeys([text(first.value), text(equal[-1].value)])
+        best = phrase.best_equal.format(listed, degree, " to ".join(values))
     if len(rising) > _MOST_LISTED:
         return f"{best}. The largest value of the {len(rising)} runs is {parts[-1]}."
     listed = " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
@@ -186,19 +231,29 @@ def _equal(
     """
     first = rising[0]
     last = rising[-1]
-    percent = plain(f"{100 * (last.value / first.value - 1):.1g}")
+    difference = last.value / first.value - 1
+    percent = plain(f"{100 * difference:.1g}")
     runs = "both runs" if len(rising) == _LEAST_RUNS else f"all {len(rising)} runs"
     if len(rising) < n_runs:
         runs = names_in_words([entry.name for entry in rising])
     least = text(first.value)
     most = text(last.value)
     if least == most:
-        return f"{phrase.equal.format(least)} in {runs}, within {percent} %."
+        return f"{phrase.equal.format(least)} in {runs}, {_agreement(difference, percent)}."
     if len(rising) == _LEAST_RUNS:
         values = f"{least} in {first.name} and {most} in {last.name}"
         return f"{phrase.equal.format(values)}, {percent} % apart."
     values = f"between {least} ({first.name}) and {most} ({last.name})"
     return f"{phrase.equal.format(values)} in {runs}, at most {percent} % apart."
+
+
+def _agreement(difference: float, percent: str) -> str:
+    """Return a relative difference, and its text in per cent, in words."""
+    if difference < _ROUNDING:
+        return "equal to within rounding"
+    if difference < _IN_DIGITS:
+        return f"equal to {math.floor(-math.log10(difference))} digits or more"
+    return f"within {percent} %"
 
 
 def _entries(

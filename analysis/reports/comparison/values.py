@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, named, unit_of_value
@@ -14,6 +14,7 @@ from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
     have_unlike_ends,
+    limited_names,
     truncated_names,
 )
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
@@ -65,10 +66,13 @@ _ROUNDING = 1e-12  # value / largest value of the runs that counts as zero
 _SAME = 1e-9  # relative difference of values that are equal
 _NO_FRACTION = 1e-3  # fraction that counts as zero next to zero
 _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
-TRUNCATED = "truncated"  # in place of the ratio of a value that the end of a run truncates
+#: In place of the ratio of a value that the end of a run truncates, or that a boundary limits.
+TRUNCATED = "truncated"
+LIMITED = "limited"
 _IN_SENTENCE = 3
 _COMPLETE = "that every run completes"  # follows "results"
 _MOST_LABELS = 6  # truncated values that a sentence lists
+_MOST_NAMED = 4  # runs with an equal value that a sentence lists
 _IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
 _FRACTION = "_fraction"  # end of the names of fractions
 _PERCENT = 100.0
@@ -91,6 +95,9 @@ class ComparedValue:
         SI unit; empty if there is none.
     is_truncated
         True if the end of a run truncates it, so that it has no ratio.
+    is_limited
+        True for a size of plastic zones of which a boundary limits at least one, so that it has no
+        ratio.
     is_of_input
         True for an energy in J of runs with different inputs, which a fraction describes better.
     """
@@ -100,6 +107,7 @@ class ComparedValue:
     label: str
     unit: str
     is_truncated: bool = False
+    is_limited: bool = False
     is_of_input: bool = False
 
     @property
@@ -118,9 +126,9 @@ class ComparedValue:
         smallest magnitude.
 
         None for a single run, if a run has no value or the value zero, or if the value is
-        truncated.
+        truncated or limited.
         """
-        if self.is_truncated or None in self.values or not all(self.numbers):
+        if self.without_ratio or None in self.values or not all(self.numbers):
             return None
         if len(self.numbers) < 2:
             return None
@@ -130,9 +138,18 @@ class ComparedValue:
         return largest / smallest
 
     @property
+    def without_ratio(self) -> str:
+        """Word in place of the ratio of a value that is truncated or limited; empty otherwise."""
+        if self.is_truncated:
+            return TRUNCATED
+        return LIMITED if self.is_limited else ""
+
+    @property
     def is_complete(self) -> bool:
-        """True for a value that every run has, and that no end of a run truncates."""
-        return not self.is_truncated and None not in self.values
+        """True for a value that every run has, and that neither the end of a run truncates nor a
+        boundary limits.
+        """
+        return not self.without_ratio and None not in self.values
 
     @property
     def is_main(self) -> bool:
@@ -178,7 +195,11 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
     asked = list(names)
     wanted = asked or _outcomes(runs)
     truncated = truncated_names(wanted, runs)
-    values = [_value(name, runs, is_truncated=name in truncated) for name in wanted]
+    limited = limited_names(wanted, runs)
+    values = [
+        _value(name, runs, is_truncated=name in truncated, is_limited=name in limited)
+        for name in wanted
+    ]
     if asked:
         return values
     by_name = {value.name: value.values for value in values}
@@ -237,7 +258,11 @@ def differing_values(values: Iterable[ComparedValue]) -> list[ComparedValue]:
 
 
 def sentence(
-    values: Sequence[ComparedValue], runs: Sequence[ComparedRun], *, asked: bool = False
+    values: Sequence[ComparedValue],
+    runs: Sequence[ComparedRun],
+    *,
+    asked: bool = False,
+    stated: Collection[str] = (),
 ) -> str:
     """Return the value that differs most in a sentence, with both values and the ratio, and
     further values of other kinds in a second sentence.
@@ -248,17 +273,24 @@ def sentence(
     ----------
     asked
         True if the values were requested by name, so that others may differ.
+    stated
+        Names of values that other sentences state.
     """
     compared = [value for value in values if (value.is_complete if asked else value.is_main)]
+    others_stated = any(value.name in stated for value in compared)
+    compared = [value for value in compared if value.name not in stated]
+    other = "other " if others_stated else ""
     different = differing_values(compared)
     is_truncated = any(value.is_truncated for value in values)
     if not different:
+        if others_stated:
+            return ""
         return _without_difference(values, compared, runs, asked=asked)
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
-        results = f"Results {_COMPLETE}" if is_truncated else "Results"
-        return f"{results} {_agreement(largest)}."
+        results = f"{other}results {_COMPLETE}" if is_truncated else f"{other}results"
+        return f"{results[0].upper()}{results[1:]} {_agreement(largest)}."
     with_cases = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
@@ -270,7 +302,7 @@ def sentence(
     most, *others = [_clause(value, with_cases) for value in chosen]
     if asked:
         return f"The requested values differ most in {'; '.join([most, *others])}."
-    results = f"results {_COMPLETE}" if is_truncated else "main results"
+    results = f"{other}results {_COMPLETE}" if is_truncated else f"{other}main results"
     text = f"The {results} differ most in {most}."
     if not others:
         return text
@@ -300,9 +332,13 @@ def _without_difference(
     end = "an earlier end" if have_unlike_ends(runs) else "the end of a run"
     names = names_in_words([run.name for run in runs])
     is_truncated = any(value.is_truncated for value in values)
-    if is_truncated and not compared:
+    is_limited = any(value.is_limited for value in values)
+    if (is_truncated or is_limited) and not compared:
         which = "requested value" if asked else "result"
-        return f"No {which} is complete in {names}: {end} truncates it."
+        reasons = [f"{end} truncates it"] if is_truncated else []
+        if is_limited:
+            reasons.append("a boundary limits the plastic zone")
+        return f"No {which} is complete in {names}: {', or '.join(reasons)}."
     if asked:
         return f"The requested values do not differ between {names}, or a run lacks them."
     result = f"result {_COMPLETE}" if is_truncated else "result"
@@ -328,16 +364,26 @@ def factor(ratio: float) -> str:
 def _clause(value: ComparedValue, names: Sequence[str]) -> str:
     """Return label, values and ratio: ``peak force 1.2 kN (a) and 2.4 kN (b), a factor of 2``."""
     label = _in_sentence(value.label)
-    named = list(zip(value.numbers, names, strict=True))
+    numbers = value.numbers
     joint = "and"
-    if len(named) > 2:
-        named = [min(named), max(named)]
+    if len(numbers) > 2:
+        numbers = [min(numbers), max(numbers)]
         joint = "to"
-    (first, first_name), (last, last_name) = named
-    text = f"{label}, {value.text(first)} ({first_name}) {joint} {value.text(last)} ({last_name})"
+    first, last = [f"{value.text(size)} ({_runs_with(value, size, names)})" for size in numbers]
+    text = f"{label}, {first} {joint} {last}"
     if value.ratio is None:
         return text
     return f"{text}, a ratio of {factor(value.ratio)}"
+
+
+def _runs_with(value: ComparedValue, size: float, names: Sequence[str]) -> str:
+    """Return the names of the runs in which a value has a size; of many runs the first names."""
+    equal = [
+        name
+        for number, name in zip(value.values, names, strict=True)
+        if number is not None and math.isclose(number, size, rel_tol=_SAME)
+    ]
+    return named(equal, _MOST_NAMED)
 
 
 def _in_sentence(label: str) -> str:
@@ -364,7 +410,13 @@ def _keys(runs: Sequence[ComparedRun]) -> list[str]:
     return list(keys)
 
 
-def _value(name: str, runs: Sequence[ComparedRun], *, is_truncated: bool = False) -> ComparedValue:
+def _value(
+    name: str,
+    runs: Sequence[ComparedRun],
+    *,
+    is_truncated: bool = False,
+    is_limited: bool = False,
+) -> ComparedValue:
     numbers = [_number(name, run) for run in runs]
     finite = [None if value is None or not math.isfinite(value) else value for value in numbers]
     largest = max((abs(value) for value in finite if value is not None), default=0.0)
@@ -376,7 +428,7 @@ def _value(name: str, runs: Sequence[ComparedRun], *, is_truncated: bool = False
     unit = unit_of_value(name)
     is_of_input = unit == _JOULE and not have_same_input(runs)
     return ComparedValue(
-        name, tuple(values), label_of(name, called), unit, is_truncated, is_of_input
+        name, tuple(values), label_of(name, called), unit, is_truncated, is_limited, is_of_input
     )
 
 
@@ -392,7 +444,8 @@ def _number(name: str, run: ComparedRun) -> float | None:
 
 def _rank(value: ComparedValue) -> tuple[bool, float]:
     """Return the order of a value: zeros next to numbers and different signs, then the most
-    different; values that a run lacks or that are truncated, and negligible fractions come last.
+    different; values that a run lacks or that are truncated or limited, and negligible fractions
+    come last.
     """
     return not value.is_complete or value.is_negligible, -value.spread
 

@@ -66,6 +66,8 @@ class FileReading:
         Smallest and largest density in the file, kg/m^3; None if it has none.
     notes
         Warnings for the user.
+    units
+        Unit of the lengths as set by the user; empty if it was not set.
     """
 
     format: str
@@ -74,6 +76,7 @@ class FileReading:
     periodic: tuple[bool, bool, bool]
     density: tuple[float, float] | None
     notes: Sequence[str]
+    units: str = ""
 
 
 @dataclasses.dataclass(eq=False)
@@ -262,7 +265,8 @@ def read_grains(source: GrainSource, choices: GrainChoices | None = None) -> Gra
     grains.file = str(source.path)
     grains.period = table.period
     grains.cell = table.cell
-    grains.reading = _reading(table, grains, choices.materials)
+    reading = _reading(table, grains, choices.materials)
+    grains.reading = dataclasses.replace(reading, units=source.options.units)
     return grains
 
 

@@ -39,6 +39,7 @@ from granwave.lammps_inputs.lattices import (
     lattice_kinds,
 )
 from granwave.lammps_inputs.restart_file import RestartSpheres, read_restart
+from granwave.lammps_inputs.tables.units import LENGTH_UNITS
 
 _ACROSS = 1e-9  # cosine of the largest angle to the normal direction
 _FORM_OF_RESTART = "the path of a LAMMPS restart file (write_restart) of spheres in SI units"
@@ -231,8 +232,26 @@ def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
         diameter = None
     name = table["file"]
     grains = read_grain_file(table, diameter, errors)
-    if grains and (
-        odd := hints.unusual([float(grains.diameter.max()), float(grains.diameter.min())], DIAMETER)
-    ):
-        errors.notes.append(f"packing.file: {name}: diameter: {odd}")
+    if grains is None:
+        return None
+    ends = [float(grains.diameter.max()), float(grains.diameter.min())]
+    if odd := hints.unusual(ends, DIAMETER):
+        fault = odd.partition(";")[0]
+        remedy = units_of_file(ends[0], DIAMETER) if "units" not in table else ""
+        errors.notes.append(f"packing.file: {name}: diameter: {fault}{remedy}")
     return grains
+
+
+def units_of_file(length: float, usual: hints.Usual) -> str:
+    """Return the remedy for a length of a file that is usual in another unit, with a semicolon
+    before it; empty if there is none.
+
+    Parameters
+    ----------
+    length
+        Length as it was read, m.
+    """
+    for unit in usual.units:
+        if usual.low <= length * 10.0 ** LENGTH_UNITS[unit] <= usual.high:
+            return f'; if the lengths of the file are in {unit}, set packing.units = "{unit}"'
+    return ""

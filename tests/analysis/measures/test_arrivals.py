@@ -153,6 +153,24 @@ def test_a_block_may_lie_anywhere(tmp_path, seed):
         assert moved == pytest.approx(places + shift, rel=1e-14, abs=1e-15)
 
 
+def test_arrivals_at_layers_do_not_depend_on_the_end(tmp_path):
+    """Contacts that a reflection loads more have its arrival; layers keep the first wave."""
+    arrivals = {}
+    changed = {}
+    for end in (1.5e-4, 4e-4):
+        tables = BLOCK | {"packing": {"kind": "hcp", "size": [8, 8, 5], "diameter": D}}
+        tables |= {"run": {"end_time": end, "frames": 2}}
+        run_case(case_from_dict(tables), tmp_path / str(end), figures=False)
+        with Result(tmp_path / str(end)) as result:
+            arrivals[end] = front_arrivals(result)[1]
+            first = zip(result["contacts/i"], result["contacts/j"], strict=True)
+            changed[end] = dict(zip(first, result["contacts/time_first"], strict=True))
+    assert arrivals[4e-4] == pytest.approx(arrivals[1.5e-4], rel=1e-3)
+    early = np.array([changed[1.5e-4][pair] for pair in changed[1.5e-4]])
+    late = np.array([changed[4e-4].get(pair, np.nan) for pair in changed[1.5e-4]])
+    assert np.count_nonzero(late > 1.5e-4) > np.count_nonzero(early > 1.5e-4)
+
+
 @pytest.mark.parametrize("tables", [CHAIN, BLOCK], ids=["chain", "block"])
 def test_arrivals_are_about_as_expected(tmp_path, tables):
     """The estimate is 13 to 18 % late for the block."""

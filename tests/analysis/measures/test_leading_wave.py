@@ -9,7 +9,7 @@ from granwave.analysis.figures.chains import along_chain
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.force_decay import force_decay, layer_peaks, no_decay_reason
 from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speeds
-from granwave.analysis.measures.regions import WHOLE, usual_regions
+from granwave.analysis.measures.regions import WHOLE, stretches, usual_regions
 from granwave.analysis.result.reader import Result
 from granwave.analysis.summary import summarise
 from granwave.workflows import load_case, run_case
@@ -101,6 +101,20 @@ def test_speeds_of_two_materials(tmp_path):
     assert summarise(tmp_path)["wave_speed_m_s"] == pytest.approx(ptfe, rel=0.02)
     with run(tmp_path / "uniform") as result:
         assert stretch_speeds(result) == {}
+
+
+def test_stretches_of_one_material_and_two_diameters(tmp_path):
+    """Diameters that scatter, or that all differ, make no stretches."""
+    small = {"index": {"first": 21, "last": 40}, "diameter": 0.004}
+    with run(tmp_path / "two", {"replace": [small], "run.end_time": 1e-4}) as result:
+        names = list(stretches(result))
+        assert names == ["beads 1 to 20, steel, 10 mm", "beads 21 to 40, steel, 4 mm"]
+    scatter = {"packing.diameter_scatter": 1e-4, "packing.size": 5, "run.end_time": 1e-4}
+    with run(tmp_path / "scatter", scatter) as result:
+        assert stretches(result) == {}
+    tapered = [{"index": n, "diameter": 0.01 - 2e-4 * n} for n in range(1, 41)]
+    with run(tmp_path / "tapered", {"replace": tapered, "run.end_time": 1e-4}) as result:
+        assert stretches(result) == {}
 
 
 def test_a_bead_alone(tmp_path):

@@ -11,12 +11,9 @@ import pytest
 
 from granwave.analysis.figures.series import COLOURS
 from granwave.analysis.reports.comparison.curves import GrowthCurves
-from granwave.analysis.reports.comparison.figures import (
-    _log_if_wide,
-    _styles,
-    growth_notes,
-    speed_notes,
-)
+from granwave.analysis.reports.comparison.figures.axes import log_if_wide, run_styles
+from granwave.analysis.reports.comparison.figures.fronts import speed_notes
+from granwave.analysis.reports.comparison.figures.zone_growth import growth_notes
 from granwave.analysis.reports.comparison.grain_ids import short_ids
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
@@ -50,14 +47,14 @@ def test_keys_of_all_kinds_and_those_that_differ_within_a_kind():
 def test_a_run_has_one_colour_in_all_figures():
     """A figure without the second run does not change the colour of the third."""
     compared = [ComparedRun(run, f"run {n}", n, look=n) for n, run in enumerate(runs())]
-    drawn = _styles([compared[0], compared[2]])
+    drawn = run_styles([compared[0], compared[2]])
     assert [look["color"] for look in drawn.values()] == [COLOURS[0], COLOURS[2]]
 
 
 def test_runs_are_distinguished_without_colours():
     """Six runs have six line styles; a solid line is never drawn over a broken line."""
     compared = [ComparedRun(run, f"run {n}", n, look=n) for n, run in enumerate(looks(12))]
-    drawn = list(_styles(compared).values())
+    drawn = list(run_styles(compared).values())
     assert len({str(look["linestyle"]) for look in drawn[:6]}) == 6
     assert len({(look["color"], str(look["linestyle"])) for look in drawn}) == 12
     lowest = min(drawn, key=lambda look: look["zorder"])
@@ -93,7 +90,7 @@ def test_labels_of_logarithmic_axes(largest, labels):
     """Within two decades they are plain numbers; no label has the form 2×10¹."""
     figure, axes = plt.subplots()
     axes.plot([0.0, 1.0], [1.0, largest])
-    _log_if_wide(axes)
+    log_if_wide(axes)
     figure.draw_without_rendering()
     low, high = axes.get_ylim()
     ticks = zip(axes.yaxis.get_majorticklocs(), axes.yaxis.get_majorticklabels(), strict=True)

@@ -16,7 +16,7 @@ from granwave.analysis.reports.comparison.curves import (
     peaks_by_depth,
     static_force_at_bottom,
 )
-from granwave.analysis.reports.comparison.figures import draw_bottom_force
+from granwave.analysis.reports.comparison.figures.bottom_force import draw_bottom_force
 from granwave.analysis.reports.comparison.measured import closest_sentence, deviation, read_measured
 from granwave.analysis.reports.comparison.protection import protection_sentences
 from granwave.analysis.reports.comparison.subjects import compared_runs, value_text

@@ -135,9 +135,10 @@ def test_refusal_names_the_ways_and_what_they_would_do() -> None:
     (message,) = caught.value.errors
     assert "found grains 1 and 2, which overlap by 1e-05 m; move them apart, or choose" in message
     assert all(f'"{name}"' in message for name in CONTACT_WAYS)
-    assert '"touch" moves grains by up to 5e-06 m until the 1 pairs within' in message
+    assert '"touch" moves grains by up to 5e-06 m until they touch. "overlaps" presses' in message
     assert "with up to" in message
     assert "column clump" not in message
+    assert message.count(". ") == 1 and len(message.split()) <= 50
 
 
 def test_deep_overlaps_hint_at_clumps_and_units() -> None:
@@ -145,7 +146,8 @@ def test_deep_overlaps_hint_at_clumps_and_units() -> None:
     with pytest.raises(InputError) as caught:
         case_from_dict(case_of(text), "mine")
     (message,) = caught.value.errors
-    assert "an overlap of 40 % of a diameter is more than a contact" in message
+    assert "An overlap of 40 % of a diameter is more than a contact" in message
+    assert message.count(". ") == 1 and len(message.split()) < 60
     assert "number the spheres of one body in a column clump" in message
 
 

@@ -146,3 +146,32 @@ def test_advice_on_a_bed_with_friction(bed: str, capsys: pytest.CaptureFixture[s
         f"{touch}(packing.touch_tolerance); 1 pair overlaps by more, which it rejects"
         in capsys.readouterr().out
     )
+
+
+@pytest.mark.parametrize(
+    ("rows", "keys", "remedy"),
+    [
+        ("x,y,z,diameter\n0,0,0,10\n0,0,10,10\n", "", "if the lengths of the file are in mm"),
+        ("x,y,z\n0,0,0\n0,0,10\n", "diameter = 0.01\n", "if the positions of the file are in mm"),
+        ("x,y,z\n0,0,0\n0,0,0.9\n", "diameter = 0.01\n", ""),
+    ],
+)
+def test_a_file_in_millimetres_has_a_remedy(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, rows: str, keys: str, remedy: str
+) -> None:
+    """The warning names the key that sets the unit, and the key removes the warning."""
+    table = tmp_path / "grains.csv"
+    table.write_text(rows)
+    case = tmp_path / "case.toml"
+    packing = f'[packing]\nkind = "file"\nfile = "{table}"\n{keys}'
+    case.write_text(
+        f'material = "brass"\n{packing}[load]\nvelocity = 1.0\n[run]\nend_time = 2e-5\n'
+    )
+    assert main(["check", str(case)]) == 0
+    (warning,) = [record.getMessage() for record in caplog.records]
+    if not remedy:
+        assert warning.endswith("check for rounded coordinates and mixed units")
+        return
+    assert warning.endswith(f'{remedy}, set packing.units = "mm"')
+    assert main(["check", str(case), "--set", 'packing.units="mm"']) == 0
+    assert len(caplog.records) == 1

@@ -10,7 +10,7 @@ import pytest
 from granwave.analysis.reports.comparison.comparison import compare_runs
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
-from granwave.lammps_inputs.checks.warnings import warnings_of_run
+from granwave.lammps_inputs.checks.warnings import case_warnings
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case, run_case
 from granwave.workflows.run.kept_warnings import keeping_warnings
@@ -58,9 +58,19 @@ def test_reports_and_comparisons_show_them_once(place):
 
 def test_a_chosen_yield_factor_is_meant():
     case = load_case("fcc-small", SMALL | {"material": OTHER, "contact.yield_factor": 1.5})
-    assert warnings_of_run(assemble(case)) == []
+    assert case_warnings(assemble(case)) == []
     case = load_case("fcc-small", SMALL | {"material": OTHER})
-    assert len(warnings_of_run(assemble(case))) == 1
+    assert len(case_warnings(assemble(case))) == 1
+
+
+def test_a_yield_factor_that_is_set_to_its_default_is_meant(tmp_path):
+    """The record of the run, and thus its report, has no other warnings than the command."""
+    case = load_case("fcc-small", SMALL | {"material": OTHER, "contact.yield_factor": 1.6})
+    assert case_warnings(assemble(case)) == []
+    assert case == load_case("fcc-small", SMALL | {"material": OTHER})
+    run_case(case, tmp_path / "run", figures=False)
+    assert json.loads((tmp_path / "run" / "run.json").read_text())["warnings"] == []
+    assert "chosen" not in (tmp_path / "run" / "case.toml").read_text()
 
 
 def test_only_warnings_about_the_case_are_kept():

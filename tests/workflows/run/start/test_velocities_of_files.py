@@ -86,7 +86,7 @@ def test_lengths_in_centimetres_are_suspected_by_the_density(
         packing |= {} if units is None else {"units": units}
         caplog.clear()
         case = case_from_dict({"name": "cgs", "material": "brass", "packing": packing}, "cgs")
-        warn_about(assemble(case), chose_yield_factor=True)
+        warn_about(assemble(case))
         assert ("are its lengths in another unit" in caplog.text) == warned
 
 

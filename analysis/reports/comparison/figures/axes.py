@@ -1,0 +1,159 @@
+"""Lines, legends and axes that the figures of a comparison share."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import chain
+from typing import Any
+
+import matplotlib.lines as mlines
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from granwave.analysis.figures.series import COLOURS, label_log_axis
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.subjects import ComparedRun
+
+_MICRO = 1e6
+_KILO = 1e3
+_UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
+#: Line styles of the runs, which distinguish curves in grey prints; fits and measured curves are
+#: dotted. The styles with longer gaps are drawn over the others.
+_LINES: tuple[Any, ...] = (
+    "-",
+    (0, (9, 1.5)),
+    (0, (7, 1.5, 1.5, 1.5)),
+    (0, (4, 1.5)),
+    (0, (6, 1.5, 1.5, 1.5, 1.5, 1.5)),
+    (0, (2, 2)),
+)
+_ABOVE_LINES = 0.01  # step of the order of drawing from a line style to the next
+_FONT = 7  # font size of legends, points
+_LETTER = 0.054  # width of a letter of a legend, inches
+_HANDLE = 0.65  # width of its line and gaps, inches
+_HANDLE_LENGTH = 4.0  # length of its line, which shows a period of broken lines / font size
+_ROW = 0.15  # height of a row of a legend, inches
+_FREE_ROWS = 2  # rows of a legend for which a figure has room
+_THIN = 0.9  # points
+_THICK = 1.6
+_MOST_WIDTHS = 6  # runs whose lines have different widths
+_MARKERS = ("o", "s", "^", "D", "v", "P")
+_MOST_MARKED = 40  # points of a curve with markers
+_ROOM_ABOVE = 1.06  # upper end of a linear axis / largest value
+_ROOM_OF_LOG = 1.4  # end of a logarithmic axis / largest or smallest value
+_WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
+
+
+def run_styles(runs: Sequence[ComparedRun]) -> dict[ComparedRun, dict[str, Any]]:
+    """Return colour and line of each run, which are the same in all figures of a comparison.
+
+    Of a few runs the first has the thickest line, so that it is seen below equal curves; solid
+    lines are below broken lines.
+    """
+    widths = [_THIN] * len(runs)
+    if 1 < len(runs) <= _MOST_WIDTHS:
+        widths = np.linspace(_THICK, _THIN, len(runs)).tolist()
+    styles: dict[ComparedRun, dict[str, Any]] = {}
+    for run, width in zip(runs, widths, strict=True):
+        turn, place = divmod(run.look, len(COLOURS))
+        line = (place + turn) % len(_LINES)
+        styles[run] = {
+            "color": COLOURS[place],
+            "linestyle": _LINES[line],
+            "linewidth": width,
+            "zorder": mlines.Line2D.zorder + line * _ABOVE_LINES,
+            "label": run.label.replace("$", r"\$").lstrip("_") or "run",
+        }
+    return styles
+
+
+def run_markers(run: ComparedRun, places: Array) -> dict[str, Any]:
+    """Return the markers of the curve of a run; none for many points, which would hide its line.
+
+    Markers are hollow and have different shapes, so that equal curves can be distinguished.
+    """
+    if len(places) > _MOST_MARKED:
+        return {}
+    return {
+        "marker": _MARKERS[run.look % len(_MARKERS)],
+        "markersize": 3.5,
+        "markerfacecolor": "none",
+        "markeredgewidth": 0.8,
+    }
+
+
+def legend_above(figure: MatplotlibFigure) -> None:
+    """Put the legend of the lines of the first panel above a figure, which grows by its rows."""
+    axes = figure.axes[0]
+    lines = [line for line in axes.lines if not str(line.get_label()).startswith("_")]
+    longest = max(len(str(line.get_label())) for line in lines)
+    width, height = figure.get_size_inches()
+    n_columns = max(1, int(width / (_HANDLE + _LETTER * longest)))
+    n_rows = math.ceil(len(lines) / n_columns)
+    figure.set_size_inches(width, height + _ROW * max(0, n_rows - _FREE_ROWS))
+    figure.legend(
+        handles=lines,
+        loc="outside upper center",
+        ncols=n_columns,
+        fontsize=_FONT,
+        handlelength=_HANDLE_LENGTH,
+    )
+
+
+def show_times_up_to(axes: Axes, ends: Sequence[float]) -> None:
+    """Show the longest run completely; the axis is logarithmic if the lengths of the runs differ a
+    lot.
+    """
+    longest = max(ends) * _MICRO
+    shortest = min(ends) * _MICRO
+    if 0 < shortest * _UNLIKE < longest:
+        axes.set_xscale("log")
+        axes.set_xlim(shortest / _UNLIKE**2, longest)
+        return
+    axes.set_xlim(0, longest or 1.0)
+
+
+def force_unit(largest: float) -> tuple[float, str]:
+    """Return the unit of forces up to ``largest`` (N): the number of units in a newton, and its
+    name.
+    """
+    return (1 / _KILO, "kN") if largest >= _KILO else (1.0, "N")
+
+
+def draw_measured(
+    axes: Axes, measured: Sequence[MeasuredCurve], x_scale: float, y_scale: float
+) -> dict[str, Array]:
+    """Draw measured curves in black, and return their columns."""
+    columns: dict[str, Array] = {}
+    for curve in measured:
+        axes.plot(
+            curve.x * x_scale,
+            curve.y * y_scale,
+            color="black",
+            linestyle=":",
+            linewidth=1.4,
+            label="measured",
+            zorder=3,
+        )
+        columns |= {"measured_x": curve.x, "measured_y": curve.y}
+    return columns
+
+
+def log_if_wide(*panels_of_figure: Axes) -> None:
+    """Give the vertical axes of all panels one scale, logarithmic if their lines together span more
+    than a decade, otherwise linear from 0.
+    """
+    lines = list(chain.from_iterable(axes.lines for axes in panels_of_figure))
+    values = np.concatenate([np.asarray(line.get_ydata()) for line in lines] or [np.ones(1)])
+    is_wide = len(values) and values.max() > _WIDE * values.min()
+    positive = values[values > 0]
+    for axes in panels_of_figure:
+        if is_wide and len(positive):
+            axes.set_yscale("log")
+            axes.set_ylim(positive.min() / _ROOM_OF_LOG, positive.max() * _ROOM_OF_LOG)
+            label_log_axis(axes, positive.max() / positive.min())
+        else:
+            axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0))

@@ -1,0 +1,64 @@
+"""Kinetic, elastic and dissipated energy of several runs against time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from granwave.analysis.figures.series import against_time, column_name, label, panels
+from granwave.analysis.figures.style import Drawing
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.reports.comparison.curves import FORMS, SampledCurve, energy_shares
+from granwave.analysis.reports.comparison.figures.axes import (
+    legend_above,
+    run_styles,
+    show_times_up_to,
+)
+from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
+from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.subjects import ComparedRun
+
+_NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
+
+
+def draw_energies(
+    curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw kinetic, elastic and dissipated energy divided by the input against time, a panel each.
+
+    A form of energy that is zero in every run has no panel.
+    """
+    forms = [form for form in FORMS if _has_energy(curves, form)]
+    figure, *stack = panels(1.0 + 1.1 * len(forms), rows=len(forms), sharex=True)
+    columns: dict[str, Array] = {}
+    ends: list[float] = []
+    for run, look in run_styles(list(curves)).items():
+        linestyle = look.pop("linestyle")
+        for axes, form in zip(stack, forms, strict=True):
+            curve = curves[run][form]
+            against_time(axes, curve.x, curve.y, linestyle, **look)
+            name = column_name(run.label)
+            columns |= {f"{name}_time_s": curve.x, f"{name}_{form}_over_input": curve.y}
+        ends.append(float(curves[run][forms[0]].x[-1]))
+    for axes, form in zip(stack, forms, strict=True):
+        label(axes, y=form.capitalize())
+        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    label(stack[-1], "Time (µs)")
+    show_times_up_to(stack[-1], ends)
+    figure.supylabel("Energy / input", fontsize=8)
+    legend_above(figure)
+    return Drawing(figure, columns)
+
+
+def _has_energy(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], form: str) -> bool:
+    return any(np.abs(shares[form].y).max() > _NOTHING for shares in curves.values())
+
+
+ENERGIES = ComparisonFigure(
+    "Kinetic, elastic and dissipated energy against time, relative to the input",
+    energy_shares,
+    draw_energies,
+    look="Once a curve is constant, the impact is over.",
+    values=("dissipated_fraction",),
+)

@@ -1,0 +1,246 @@
+"""Largest and median peak force of each layer of several runs against depth, with the decay."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.document.model import named
+from granwave.analysis.figures.series import column_name, label, panels
+from granwave.analysis.figures.style import Drawing
+from granwave.analysis.formatting.numbers import interval
+from granwave.analysis.measures.force_decay import Decay, ForceDecay, better_of, objection
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.reports.comparison.curves import (
+    PeaksByDepth,
+    SampledCurve,
+    has_static_load,
+    peaks_by_depth,
+)
+from granwave.analysis.reports.comparison.figures.axes import (
+    draw_measured,
+    legend_above,
+    log_if_wide,
+    run_markers,
+    run_styles,
+)
+from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
+from granwave.analysis.reports.comparison.figures.static_loads import dynamic_notes
+from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.subjects import ComparedRun
+
+_MILLI = 1e3
+_POINTS_OF_FIT = 30
+_N_LAWS = 2  # laws of decay: exponential and power
+_OTHER_LAW = "it follows the other law"
+_LEAST_MEDIAN = 1e-5  # of the largest force of a run; smaller medians are of layers at rest
+
+
+def draw_peaks(
+    peaks: Mapping[ComparedRun, PeaksByDepth], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw the largest and median peak force of each layer against depth, with the fits.
+
+    If each layer is one sphere, as in a chain, there is no panel of the median.
+    """
+    has_layers = any((one.largest != one.median).any() for one in peaks.values())
+    n_panels = 1 + has_layers
+    figure, upper, *others = panels(1.0 + 1.8 * n_panels, rows=n_panels, sharex=True)
+    fits = common_fits(peaks)
+    columns: dict[str, Array] = {}
+    for run, look in run_styles(list(peaks)).items():
+        one = peaks[run]
+        depth = one.depth * _MILLI
+        is_first = ~one.is_later
+        upper.plot(depth[is_first], one.largest[is_first], **run_markers(run, depth), **look)
+        if one.is_later.any():
+            later: dict[str, Any] = look | {"linestyle": "", "label": "_later"}
+            later |= run_markers(run, depth[one.is_later][:1])
+            upper.plot(depth[one.is_later], one.largest[one.is_later], **later)
+        for lower in others:
+            is_loaded = _has_median(one)
+            lower.plot(depth[is_loaded], one.median[is_loaded], **run_markers(run, depth), **look)
+        if run in fits:
+            decay = fits[run]
+            ends = np.linspace(decay.first, decay.last, _POINTS_OF_FIT)
+            fit = decay(ends)
+            upper.plot(ends * _MILLI, fit, color=look["color"], linestyle=":", linewidth=1.6)
+        name = column_name(run.label)
+        columns |= {
+            f"{name}_depth_m": one.depth,
+            f"{name}_largest_N": one.largest,
+            f"{name}_median_N": one.median,
+        }
+    columns |= draw_measured(upper, measured, _MILLI, 1.0)
+    label(upper, "" if others else "Depth (mm)", _peak_title(peaks))
+    for lower in others:
+        upper.set_title("largest of the layer")
+        label(lower, "Depth (mm)", _median_title(peaks), title="median of the layer")
+    log_if_wide(upper, *others)
+    legend_above(figure)
+    return Drawing(figure, columns)
+
+
+def _has_median(peaks: PeaksByDepth) -> NDArray[np.bool_]:
+    """Return True for layers of which at least half of the spheres are loaded: (n_layers,)."""
+    return peaks.median > _LEAST_MEDIAN * peaks.largest.max()
+
+
+def median_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on runs without a median force; empty if there are none."""
+    names = [run.name for run, one in peaks.items() if not _has_median(one).any()]
+    if not names:
+        return ""
+    listed = named(names, len(names))
+    return f"No median, since more than half of the spheres of each layer stay at rest: {listed}."
+
+
+def _force_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the kind of the peak forces."""
+    is_dynamic = any(has_static_load(run) for run in peaks)
+    return "Peak dynamic force" if is_dynamic else "Peak force"
+
+
+def _median_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the title of the axis of medians, which are of the whole run except in chains."""
+    title = _force_title(peaks)
+    if all(one.of_first_wave for one in peaks.values()):
+        return f"{title}\nof the run (N)"
+    return f"{title} (N)"
+
+
+def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the title of the axis of the largest peak forces."""
+    title = _force_title(peaks)
+    if all(one.of_first_wave for one in peaks.values()):
+        return f"{title}\nof the first wave (N)"
+    return f"{title} (N)"
+
+
+def common_fits(peaks: Mapping[ComparedRun, PeaksByDepth]) -> dict[ComparedRun, Decay]:
+    """Return the fits of the runs that have one, by the law that fits all runs better.
+
+    The law is the same for all runs, so that its constants can be compared: the exponential or the
+    power that describes more runs, of two that describe equally many the one with the smaller sum
+    of squared misfits. Runs that it does not describe have no fit.
+    """
+    laws = [_described(peaks, number) for number in range(_N_LAWS)]
+    return min(laws, key=lambda fits: (-len(fits), sum(fit.misfit**2 for fit in fits.values())))
+
+
+def _described(peaks: Mapping[ComparedRun, PeaksByDepth], number: int) -> dict[ComparedRun, Decay]:
+    """Return the fits of one of the laws that describe the forces of a run, by run."""
+    fits = {run: one.decays[number] for run, one in peaks.items() if one.decays is not None}
+    return {run: fit for run, fit in fits.items() if not objection(fit)}
+
+
+def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return sentences on the fits of the decay, and on runs without a fit."""
+    fits = common_fits(peaks)
+    without = _without_fit(peaks, fits)
+    if not fits:
+        return without
+    is_exponential = isinstance(next(iter(fits.values())), ForceDecay)
+    law = "exponential, F ~ exp(-bz), fitted" if is_exponential else "power law, F ~ z^-n, fitted"
+    constant = "b" if is_exponential else "n"
+    names: dict[tuple[str, str], list[str]] = {}
+    for run, fit in fits.items():
+        quality = f"{fit.n_layers} layers, rms {100 * fit.misfit:.2g} %"
+        names.setdefault((_constant(fit), quality), []).append(run.name)
+    parts = [
+        f"{constant_of_runs} ({', '.join(runs)}, {quality})"
+        for (constant_of_runs, quality), runs in names.items()
+    ]
+    fitted = (
+        f"Dotted: {law} to the largest force between the impacted and the last layer; {constant} "
+        f"and its standard error: {'; '.join(parts)}."
+    )
+    return f"{fitted} {without}".rstrip()
+
+
+def _constant(fit: Decay) -> str:
+    """Return the constant of a fit with its standard error."""
+    if isinstance(fit, ForceDecay):
+        return f"{interval(fit.rate, fit.error)} per m"
+    return interval(fit.exponent, fit.error)
+
+
+def _without_fit(
+    peaks: Mapping[ComparedRun, PeaksByDepth], fits: Mapping[ComparedRun, Decay]
+) -> str:
+    """Return a sentence on the runs without a fit of the decay, by reason; empty if there is
+    none.
+    """
+    reasons: dict[str, list[str]] = {}
+    for run, one in peaks.items():
+        if run not in fits:
+            reasons.setdefault(_refusal(one), []).append(run.name)
+    parts = [f"{', '.join(names)} ({reason})" for reason, names in reasons.items()]
+    return f"Without a fit: {'; '.join(parts)}." if parts else ""
+
+
+def _refusal(peaks: PeaksByDepth) -> str:
+    """Return the reason why the forces of a run have no fit: that of the better law."""
+    if peaks.decays is None:
+        return peaks.no_decay
+    return objection(better_of(peaks.decays)) or _OTHER_LAW
+
+
+def _peak_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the sentences below the peak forces against depth."""
+    notes = [wave_notes(peaks), dynamic_notes(peaks), median_notes(peaks), decay_notes(peaks)]
+    notes.append(_unknown_notes(peaks))
+    return " ".join(filter(None, notes))
+
+
+def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on the part of the run whose largest force is drawn."""
+    first = [run.name for run, one in peaks.items() if one.of_first_wave]
+    whole = [run.name for run, one in peaks.items() if not one.of_first_wave]
+    parts = []
+    if first:
+        parts.append(f"of the first wave, before the reflection ({named(first, len(first))})")
+    if whole:
+        parts.append(f"of the whole run, with any reflections ({named(whole, len(whole))})")
+    later = [
+        f"{np.count_nonzero(one.is_later)} ({run.name})"
+        for run, one in peaks.items()
+        if one.is_later.any()
+    ]
+    if not later:
+        return f"Largest forces {' and '.join(parts)}."
+    return (
+        f"Largest forces {' and '.join(parts)}. Markers without a line (not fitted): the force of "
+        "the layer was largest after a reflection from the base may have arrived; number of "
+        f"layers: {', '.join(later)}."
+    )
+
+
+def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on layers that are left out; empty if there are none."""
+    parts = [f"{one.n_unknown} ({run.name})" for run, one in peaks.items() if one.n_unknown]
+    if not parts:
+        return ""
+    reasons = "whose force still rises at the end"
+    if any(one.is_chain and one.n_unknown for one in peaks.values()):
+        reasons += " or also includes the reflection"
+    return f"Without layers {reasons}: {', '.join(parts)}."
+
+
+def _largest(peaks: PeaksByDepth) -> SampledCurve:
+    return SampledCurve(peaks.depth, peaks.largest)
+
+
+PEAK_FORCE_DEPTH = ComparisonFigure(
+    "Peak force against depth: largest and median sphere of each layer",
+    peaks_by_depth,
+    draw_peaks,
+    units=("m", "N"),
+    notes=_peak_notes,
+    curve=_largest,
+    is_cumulative=True,
+    values=("peak_force_N",),
+)

@@ -1,0 +1,72 @@
+"""Growth of the plastic zone of several runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from granwave.analysis.document.model import named
+from granwave.analysis.figures.series import column_name, label, panels
+from granwave.analysis.figures.style import Drawing
+from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.measures.signals import Array
+from granwave.analysis.reports.comparison.curves import GrowthCurves, growth
+from granwave.analysis.reports.comparison.figures.axes import (
+    legend_above,
+    run_styles,
+    show_times_up_to,
+)
+from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
+from granwave.analysis.reports.comparison.measured import MeasuredCurve
+from granwave.analysis.reports.comparison.subjects import ComparedRun
+
+_MICRO = 1e6
+_MILLI = 1e3
+
+
+def draw_growth(
+    zones: Mapping[ComparedRun, GrowthCurves], measured: Sequence[MeasuredCurve]
+) -> Drawing:
+    """Draw number and depth of the yielded spheres against time."""
+    figure, upper, lower = panels(3.4, rows=2, sharex=True)
+    columns: dict[str, Array] = {}
+    for run, look in run_styles(list(zones)).items():
+        zone = zones[run]
+        upper.step(zone.time * _MICRO, zone.spheres, where="post", **look)
+        lower.step(zone.time * _MICRO, zone.depth * _MILLI, where="post", **look)
+        name = column_name(run.label)
+        columns |= {
+            f"{name}_time_s": zone.time,
+            f"{name}_yielded_spheres": zone.spheres,
+            f"{name}_depth_m": zone.depth,
+        }
+    label(upper, y="Yielded spheres")
+    label(lower, "Time (µs)", "Deepest yield (mm)")
+    for axes in (upper, lower):
+        axes.set_ylim(bottom=0)
+    show_times_up_to(lower, [float(zone.time[-1]) for zone in zones.values()])
+    legend_above(figure)
+    return Drawing(figure, columns)
+
+
+def growth_notes(zones: Mapping[ComparedRun, GrowthCurves]) -> str:
+    """Return a sentence on runs whose curves end on one line, since their deepest yield is equal;
+    empty if there are none.
+    """
+    names: dict[str, list[str]] = {}
+    for run, zone in zones.items():
+        names.setdefault(quantity_in(float(zone.depth[-1]), "m"), []).append(run.name)
+    parts = [
+        f"{depth} in {named(runs, len(runs))}" for depth, runs in names.items() if len(runs) > 1
+    ]
+    if not parts:
+        return ""
+    return f"Curves of equal largest depth end on one line: {'; '.join(parts)}."
+
+
+ZONE_GROWTH = ComparisonFigure(
+    "Growth of the plastic zone: number and largest depth of yielded spheres",
+    growth,
+    draw_growth,
+    notes=growth_notes,
+    values=("n_plastic_spheres", "plastic_zone_depth_m"),
+)

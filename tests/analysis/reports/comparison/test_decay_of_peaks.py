@@ -1,0 +1,127 @@
+"""Peak forces by depth and fronts in comparisons: fits of the decay, scales, missing layers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from granwave.analysis.figures.style import style
+from granwave.analysis.measures.force_decay import (
+    ForceDecay,
+    PowerDecay,
+    exponential_of_depth,
+    power_decay,
+)
+from granwave.analysis.reports.comparison.curves import PeaksByDepth, front
+from granwave.analysis.reports.comparison.figures.peak_force_depth import (
+    common_fits,
+    decay_notes,
+    draw_peaks,
+)
+from granwave.workflows import load_case, run_case
+from tests.analysis.reports.comparison.runs import compared, drawn
+
+pytestmark = pytest.mark.xdist_group("comparison of runs")  # its fixture is made once
+
+
+def test_decay_of_a_power():
+    """The fit recovers an exact power, with zero error."""
+    depth = np.arange(9) * 0.008
+    force = 40.0 * (np.maximum(depth, 1e-9) / 0.01) ** -1.5
+    fit = power_decay(depth, force, 0.01)
+    assert fit.exponent == pytest.approx(1.5) and fit.force == pytest.approx(40.0)
+    assert fit.error < 1e-9 and fit.n_layers == 7
+    assert power_decay(depth[:5], force[:5], 0.01) is None
+
+
+def test_error_of_the_decay():
+    """Its standard error is the scatter of the exponent over many noisy forces."""
+    rng = np.random.default_rng(3)
+    depth = np.arange(1, 14) * 0.008
+    force = 40.0 * (depth / 0.01) ** -2.0
+    noise = np.exp(0.1 * rng.standard_normal((300, len(depth))))
+    fits = [power_decay(depth, force * factors, 0.01) for factors in noise]
+    exponents = np.array([fit.exponent for fit in fits])
+    errors = np.array([fit.error for fit in fits])
+    assert exponents.mean() == pytest.approx(2.0, abs=4 * exponents.std() / np.sqrt(300))
+    assert np.sqrt(np.mean(errors**2)) == pytest.approx(exponents.std(), rel=0.15)
+
+
+def test_runs_without_a_fitted_decay_are_named(place):
+    runs = compared(place, "fcc", "chain").runs
+    depth = np.arange(1.0, 6.0)
+    fits = exponential_of_depth(depth, depth**-1.5), power_decay(depth, depth**-1.5, 1.0)
+    peaks = {
+        run: PeaksByDepth(depth, depth, depth, decays, no_decay=reason)
+        for run, decays, reason in zip(runs, (None, fits), ("only 2 layers", ""), strict=True)
+    }
+    assert decay_notes(peaks).endswith("Without a fit: fcc (only 2 layers).")
+    assert decay_notes({runs[0]: peaks[runs[0]]}) == "Without a fit: fcc (only 2 layers)."
+
+
+def test_laws_that_do_not_describe_the_forces_are_refused(place):
+    """A step is no decay, nor is a constant force; the run that a law describes has its fit."""
+    runs = compared(place, "fcc", "hcp", "chain").runs
+    depth = np.arange(1.0, 21.0)
+    step = np.where(depth < 10, 1.0, 0.05)
+    constant = np.full(20, 3.0) + 0.5 * np.exp(-depth)
+    peaks = {}
+    for run, force in zip(runs, (step, depth**-1.5, constant), strict=True):
+        fits = (
+            exponential_of_depth(depth, force),
+            power_decay(np.append(depth, 21), np.append(force, 1), 1.0),
+        )
+        peaks[run] = PeaksByDepth(depth, force, force, fits)
+    assert list(common_fits(peaks)) == [runs[1]]
+    text = decay_notes(peaks)
+    assert "1.5" in text and "hcp, 20 layers" in text
+    misfit = min(fit.misfit for fit in peaks[runs[0]].decays)
+    assert misfit > 0.3 and f"fcc (no decay fits: rms {100 * misfit:.2g} %)" in text
+    assert "chain (the peak force is constant within 0.1 % in the deeper half)" in text
+
+
+def test_one_scale_for_all_panels(place):
+    """The median of a layer spans less than a decade, the largest force more."""
+    figure = drawn(compared(place, "fcc", "hcp"))["peak_force_depth"].figure
+    assert len({axes.get_yscale() for axes in figure.axes}) == 1
+    depth = np.arange(1.0, 9.0)
+    runs = compared(place, "fcc", "hcp").runs
+    peaks = {run: PeaksByDepth(depth, depth**-3.0, depth**-0.1, None) for run in runs}
+    with style():
+        axes = draw_peaks(peaks, []).figure.axes
+    assert [panel.get_yscale() for panel in axes] == ["log", "log"]
+    assert axes[0].get_ylim() == axes[1].get_ylim()
+
+
+def test_fronts_begin_below_the_impacted_sphere(place):
+    """Its first contact is the first one of the next bead: two equal times are no speed."""
+    run, other = compared(place, "chain", "fcc").runs
+    curve = front(run)
+    assert curve.x[0] == pytest.approx(9.52e-3)
+    assert (np.diff(curve.y) > 0).all()
+    assert front(other).x[0] > 0
+
+
+def test_two_spheres_have_no_course_of_forces(place, tmp_path):
+    two = tmp_path / "two"
+    run_case(load_case("elastic-impact", {"packing.size": 2, "run.end_time": 1e-4}), two)
+    caption = compared(place, "chain", str(two)).caption("peak_force_depth")
+    assert "Not drawn: two (a single contact carries a force" in caption
+    assert not (two / "figures" / "along_chain.png").exists()
+    assert not (two / "figures" / "peak_force_depth.png").exists()
+
+
+def test_all_runs_have_the_law_that_fits_them_better():
+    depth = np.arange(1.0, 9.0)
+    laws = {"exponential": np.exp(-0.7 * depth), "power": depth**-1.5}
+    for law, force in laws.items():
+        fits = exponential_of_depth(depth, force), power_decay(depth, force, 1.0)
+        other = exponential_of_depth(depth, depth**-1.2), power_decay(depth, depth**-1.2, 1.0)
+        peaks = {
+            "a": PeaksByDepth(depth, force, force, fits),
+            "b": PeaksByDepth(depth, force, force, fits if law == "exponential" else other),
+        }
+        chosen = common_fits(peaks)
+        kind = ForceDecay if law == "exponential" else PowerDecay
+        assert all(isinstance(fit, kind) for fit in chosen.values())
+    assert chosen["a"].exponent == pytest.approx(1.5)

@@ -1,0 +1,71 @@
+"""Runs that were killed or interrupted, in comparisons and in the advice of commands."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pytest
+
+import granwave as gw
+from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.lammps_inputs.run_directory import MARKER
+from granwave.workflows import load_case, run_case
+from granwave.workflows.cli.main import main
+from tests.helpers.made_up.synthetic_report import write_run
+
+pytestmark = pytest.mark.xdist_group("comparison of runs")  # its fixture is made once
+
+
+def test_a_killed_run_without_summary_is_left_out_by_name(place, tmp_path, capsys):
+    killed = tmp_path / "killed"
+    killed.mkdir()
+    (killed / "case.toml").write_bytes((place / "fcc" / "case.toml").read_bytes())
+    (killed / "run.json").write_text('{"state": "running", "end_time_s": 0.0015}')
+    output = tmp_path / "page.html"
+    words = [str(place / "fcc"), str(killed), str(place / "hcp"), "-o", str(output)]
+    assert main(["compare", *words]) == 0
+    shown = capsys.readouterr().out
+    assert (
+        "Left out: " in shown and "reached 1.5 ms; the run is not finished (state running)" in shown
+    )
+    assert "Left out: " in output.read_text()
+    assert len(gw.compare([place / "fcc", killed, place / "hcp"]).runs) == 2
+    assert main(["compare", str(place / "fcc"), str(killed), "-o", str(output)]) == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert "is not finished" in first and "resume with  granwave run" in first
+    assert "found 1 run with results (fcc), expected two or more to compare" in second
+
+
+def test_a_run_killed_before_its_first_output_is_resumed(place, tmp_path, capsys):
+    """It has no record yet; report, compare and analyse advise the same."""
+    killed = tmp_path / "killed"
+    killed.mkdir()
+    for name in ("case.toml", MARKER):
+        (killed / name).write_bytes((place / "fcc" / name).read_bytes())
+    for words in (["compare", str(place / "fcc"), str(killed)], ["analyse", str(killed)]):
+        assert main(words) == 2
+        assert f"granwave run {killed}/case.toml -o {killed} --resume" in capsys.readouterr().err
+
+
+def test_a_killed_run_with_part_of_its_output_is_resumed(place, tmp_path, capsys):
+    """The first output is written later than the record; report and analyse advise the same."""
+    killed = tmp_path / "killed"
+    shutil.copytree(place / "fcc", killed)
+    (killed / "run.json").write_text('{"state": "running", "end_time_s": 1e-05}')
+    for name in ("summary.json", "result.h5", "dumps/wall_bottom.dump"):
+        (killed / name).unlink()
+    advice = f"resume with  granwave run {killed}/case.toml -o {killed} --resume"
+    for words in (["report", str(killed)], ["analyse", str(killed)], ["figures", str(killed)]):
+        assert main(words) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert line.endswith(advice) and "--force" not in line
+    assert run_case(load_case(killed / "case.toml"), killed, resume=True, figures=False).summary
+
+
+def test_an_unfinished_run_is_named(tmp_path):
+    runs = [write_run(tmp_path / name, figures=False) for name in ("whole", "part")]
+    (runs[1] / "run.json").write_text(json.dumps({"state": "interrupted", "attempts": []}))
+    comparison = compare_runs(read_inputs(runs, tmp_path).runs)
+    assert any(note.startswith("Unfinished") and "part (" in note for note in comparison.notes)
