@@ -324,10 +324,8 @@ def linear(runs: DataFrame) -> Linearity | None:
 
 
 def fronts(runs: DataFrame) -> dict[float, DataFrame]:
-    """Front of up to four runs that cover the range of velocities, by normalised velocity; empty for
-    one velocity.
-    """
-    if len(runs) < 2 or len(preferred_directions(runs.run.iloc[0].case.packing.kind)) != 3:
+    """Front of up to four runs that cover the range of velocities, by normalised velocity."""
+    if not len(runs) or len(preferred_directions(runs.run.iloc[0].case.packing.kind)) != 3:
         return {}
     front_of_velocity = {}
     for run in runs.iloc[
