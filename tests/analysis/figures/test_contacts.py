@@ -13,7 +13,7 @@ import pytest
 from matplotlib.collections import LineCollection, QuadMesh
 
 from granwave.analysis import Result, write_result
-from granwave.analysis.figures import contacts, dissipation, rows
+from granwave.analysis.figures import contacts, dissipation, lines
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.measures.contact_forces import exponential_tail
@@ -242,7 +242,7 @@ def test_captions_explain_what_is_drawn():
     """White cells, pale spheres, the end of an axis, a panel that rigid targets lack."""
     looks = {name: figure.look for name, figure in run_figures().items()}
     assert "White: slower" in looks["line_diagram"]
-    assert pytest.approx(1e-3) == 10**-rows._DECADES_OF_SPEED  # "one thousandth"
+    assert pytest.approx(1e-3) == 10**-lines._DECADES_OF_SPEED  # "one thousandth"
     assert "one thousandth of the largest speed" in looks["line_diagram"]
     for name in ("peak_force_orthogonal", "dissipation_orthogonal"):
         assert "Pale spheres" in looks[name]
