@@ -327,13 +327,13 @@ def settings_blocks(inputs: ReportInputs) -> list[Block]:
         if not known:
             continue
         different = {*differing(known), *varied}
+        cases = [run.case for run in known]
         first = known[0].case
         shared = {
             key: value
             for key, value in first.items()
-            if key not in different and applied_value(key, first) is not None
+            if key not in different and any(applied_value(key, case) is not None for case in cases)
         }
-        cases = [run.case for run in known]
         rows = [(key, show(one), unit_in_cases(key, cases)) for key, one in _spelt_out(shared)]
         who = f"all points of {title}" if varied else f"all {title}"
         name = f"Settings shared by {who}" if len(known) > 1 else f"Settings of {title}"

@@ -9,6 +9,7 @@ from typing import Protocol
 import h5py
 import numpy as np
 
+from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached
@@ -79,9 +80,9 @@ def ends_in_words(runs: Sequence[ComparedRun]) -> str:
     names: dict[str, list[str]] = {}
     for run in sorted(runs, key=end_of) if len(runs) > _MOST_LISTED else runs:
         names.setdefault(quantity_in(end_of(run), "s"), []).append(run.name)
-    texts = [f"{names_in_words(of_end)} at {end}" for end, of_end in names.items()]
     if len(runs) <= _MOST_LISTED:
-        return ", ".join(texts)
+        return ", ".join(f"{names_in_words(of_end)} at {end}" for end, of_end in names.items())
+    texts = [f"{named(of_end, 1)} at {end}" for end, of_end in names.items()]
     return f"from {texts[0]} to {texts[-1]}"
 
 
