@@ -9,7 +9,11 @@ import pytest
 
 from granwave.analysis.reports.comparison.blocks import value_table
 from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
-from granwave.analysis.reports.comparison.curves import SampledCurve, bottom_record, has_peak_at_bottom
+from granwave.analysis.reports.comparison.curves import (
+    SampledCurve,
+    bottom_record,
+    has_peak_at_bottom,
+)
 from granwave.analysis.reports.comparison.ends import _is_final_at, truncated_names
 from granwave.analysis.reports.comparison.subjects import compared_runs
 from granwave.analysis.reports.inputs import read_inputs
