@@ -12,7 +12,7 @@ import dataclasses
 from collections.abc import Container
 from fnmatch import fnmatchcase
 from functools import cache
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 from granwave.lammps_inputs.extensions import added
@@ -143,8 +143,9 @@ def _zone_sizes() -> tuple[Quantity, ...]:
     )
 
 
-ENTRIES = (
-    # the run
+#: Entries of the core by group, in the order of the reference page.
+GROUPS: dict[str, tuple[Quantity, ...]] = {
+    "Size and run": (
     Quantity("name", note="Name of the case."),
     Quantity("n_spheres", "Spheres", note="Number of grains, including strikers and cylinders."),
     Quantity("n_cylinders", "Cylinders among the grains", short="cylinders",
@@ -175,7 +176,8 @@ ENTRIES = (
              note="Spheres times steps, divided by wall time."),
     Quantity("n_ranks", "MPI ranks", note="Number of MPI ranks of the run."),
     Quantity("versions", note="Versions of the programs on which the result depends."),
-    # energies
+    ),
+    "Energies": (
     Quantity("energy_input_J", "Energy input", short="energy in", digits=".6g",
              note="Kinetic energy of the impactor, or work of a force or a moved end up to the end "
              "of the run."),
@@ -279,7 +281,8 @@ ENTRIES = (
     Quantity("energy_bar_J", "Energy of the bar", note="Kinetic and elastic energy at the end."),
     Quantity("energy_incident_bar_J", "Energy of the incident bar",
              note="Kinetic and elastic energy at the end."),
-    # contacts
+    ),
+    "Contacts": (
     Quantity("peak_force_N", "Peak contact force, excluding walls",
              "Largest force of all contacts between two spheres at any time; in the continuum, the "
              "force on the punch.", short="peak force, excluding walls", digits=".6g",
@@ -301,7 +304,8 @@ ENTRIES = (
              note="Contacts whose overlap exceeded 0.2 R*, the limit of the fit of the law."),
     Quantity("contacts_beyond_half_law", "Contacts beyond half the range of the law",
              note="Contacts whose overlap exceeded 0.1 R*."),
-    # plastic zone
+    ),
+    "Plastic zone": (
     Quantity("n_plastic_contacts", "Yielded contacts",
              "Contacts between two spheres whose overlap exceeded first yield in this run; an "
              "earlier indentation counts only if it grew. Just beyond first yield, a contact "
@@ -339,14 +343,16 @@ ENTRIES = (
              "continuum, from the speed of compression waves."),
     Quantity("wave_return_share", "Fraction dissipated after reflections arrived",
              "Upper limit of the fraction of plastic dissipation that is due to reflections."),
-    # static stage
+    ),
+    "Static stage": (
     Quantity("energy_stored_J", "Energy stored by precompression",
              "Elastic energy of the contacts after the static stage, the reference of the energies "
              "of the run."),
     Quantity("precompression_residual", "Residual of the static stage",
              "Largest net force on a sphere after the static stage, relative to the largest "
              "contact force."),
-    # bottom and target
+    ),
+    "Bottom and target": (
     Quantity("wall_peak_force_N", "Peak force on the bottom", short="peak force at the bottom",
              digits=".6g", axis="Peak force on the bottom",
              meaning="Largest force of the packing on the bottom, including the static force. "
@@ -419,7 +425,8 @@ ENTRIES = (
              note="Peak reduction divided by the height of the packing."),
     Quantity("packing_mass_kg", "Mass of the packing"),
     Quantity("packing_height_m", "Height of the packing"),
-    # motion
+    ),
+    "Motion": (
     Quantity("wave_speed_m_s", "Wave speed in the deeper half", short="wave speed", digits=".4g",
              phrase="{} m/s in the deeper half", axis="Wave speed", symbol="c",
              note="Speed of the wave front in the deeper half of the layers that the wave reached "
@@ -440,7 +447,8 @@ ENTRIES = (
              note="Only for chains: largest mean of the two contact forces of the bead."),
     Quantity("sensor_*_peak_acceleration_m_s2", note="Only for packings other than chains."),
     Quantity("sensor_*_peak_velocity_m_s", note="Only for packings other than chains."),
-    # lines of grains
+    ),
+    "Lines of grains": (
     Quantity("line_*_front_speed_m_s", "Front speed along a line",
              "Slope of the distance against the arrival time, which is the time at which the speed "
              "of a grain first reaches 5 % of the speed of the load."),
@@ -466,7 +474,10 @@ ENTRIES = (
              "Skewness, corrected for the sample size."),
     Quantity("line_*_largest_speed_normal_p", "Largest speeds of a line, p of normality",
              "Result of the Shapiro-Wilk test; small values reject a normal distribution."),
-)  # fmt: skip
+    ),
+}  # fmt: skip
+
+ENTRIES = tuple(chain.from_iterable(GROUPS.values()))
 
 _OF_THE_CORE = {entry.name: entry for entry in ENTRIES}
 

@@ -21,6 +21,7 @@ extensions = [
     "code_tables",  # reference pages from the code's own tables, in _ext
     "studies",  # the gallery, in _ext
     "mathml",  # equations without a script, in _ext
+    "menu_groups",  # headings of groups in the menu, in _ext
 ]
 html_math_renderer = "mathml"
 myst_enable_extensions = ["attrs_inline", "colon_fence", "deflist", "dollarmath"]

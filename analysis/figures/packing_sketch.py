@@ -38,7 +38,9 @@ _EDGE_WIDTH = 0.3  # points
 _MARGIN = 0.03  # margin around the grains over the larger width
 _NARROW = 0.15  # width of a view / largest extent, below which an axis has two ticks at most
 _COLUMNS = 4  # columns of the legend
-_TALLEST = 2.0  # height over width of a view, beyond which the figure is no taller
+_LOWEST = 0.5  # height over width of a view, below which the figure is no lower
+_TALLEST = 1.6  # height over width of a view, beyond which the figure is no taller
+_NARROWER = 0.75  # exponent by which figures of tall packings are narrower
 
 #: Horizontal and vertical axis of a view, direction of view, and title.
 _VIEWS = ((0, 2, 1, "from the side"), (0, 1, 2, "from above"))
@@ -72,8 +74,8 @@ def packing_drawing(assembly: Assembly) -> Drawing:
     lower = _MILLI * (low - margin)
     upper = _MILLI * (high + margin)
     width, _, height = extent + 2 * margin
-    shape = min(max(float(height / width), 0.5), _TALLEST)
-    figure = new_figure(WIDTH * shape, 2 * WIDTH)
+    shape = min(max(float(height / width), _LOWEST), _TALLEST)
+    figure = new_figure(WIDTH * shape, 2 * WIDTH / max(shape, 1.0) ** _NARROWER)
     views = figure.subplots(1, len(_VIEWS))
     for axes, (across, upward, along, title) in zip(views, _VIEWS, strict=True):
         order = np.argsort(-position[:, along], kind="stable")

@@ -33,7 +33,7 @@ _WIDE = 10.0  # largest / smallest value above which an axis is logarithmic
 _MANY = 1e4  # largest / smallest value above which ticks are at powers of ten only ...
 _MANY_OF_COLOURS = 1e2  # ... and the same for colour bars
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to axes of a colour bar
-_NARROW = 30.0  # largest / smallest value below which labels may be plain numbers
+_NARROW = 30.0  # largest / smallest value below which labels are plain numbers
 _LEAST_PLAIN = 1e-3  # smallest plain number
 _MOST_PLAIN = 1e4  # largest plain number
 _LEAST_DECADE = 3.0  # smallest ratio of the limits of a logarithmic axis, for two ticks
@@ -66,7 +66,8 @@ class PowersOfTen(LogFormatterSciNotation):
     """Labels of a logarithmic axis, such as 10⁻³, as plain text: formulas take many times longer to
     set.
 
-    Major and minor ticks are labelled by one rule: the first choice whose labels fit.
+    Major and minor ticks are labelled by one rule: the first choice whose labels fit. Labels
+    between powers of ten are plain numbers unless these are very long: 50, 100 and 200.
     """
 
     plain = False  # numbers such as 0.2 in place of powers
@@ -75,7 +76,7 @@ class PowersOfTen(LogFormatterSciNotation):
     every = 1  # number of decades from one label to the next
 
     def set_locs(self, locs: Any = None) -> None:
-        """Choose labels that fit: plain numbers within about a decade."""
+        """Choose labels that fit: plain numbers over about a decade, or between few powers."""
         super().set_locs(locs)
         axis: Any = self.axis
         if axis is None:
@@ -84,7 +85,9 @@ class PowersOfTen(LogFormatterSciNotation):
         base = self._base  # type: ignore[attr-defined]  # it has no public name
         if not 0 < low < high or base != 10:
             return
-        self.plain = high <= _NARROW * low and low >= _LEAST_PLAIN and high <= _MOST_PLAIN
+        few_powers = len(labelled_values(low, high, (1.0,))) < _ENOUGH
+        is_short = low >= _LEAST_PLAIN and high <= _MOST_PLAIN
+        self.plain = is_short and (few_powers or high <= _NARROW * low)
         self.factors, self.every = self._choose(axis, low, high)
 
     def _choose(self, axis: Any, low: float, high: float) -> tuple[tuple[float, ...], int]:

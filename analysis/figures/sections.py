@@ -197,7 +197,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
         axes.set_title(colouring.title, pad=2)
         if beyond.any():
             note = {"transform": axes.transAxes, "ha": "right", "va": "top", "fontsize": 6}
-            axes.text(0.98, 0.985, f"black ring: overlap beyond {LAW_LIMIT:g} R*", **note)
+            axes.text(0.98, 0.985, f"black ring: overlap\nbeyond {LAW_LIMIT:g} R*", **note)
         if cut.plane.through is None:
             draw_impact(axes, result, cut, window)
     if len(panels) > 1:
@@ -326,10 +326,9 @@ def window_around(
     half = max(float(np.abs(cut.across[shown]).max()), 4 * diameter) + margin
     left = float(cut.across.min()) - diameter
     right = float(cut.across.max()) + diameter
-    if left < -half - margin:  # a narrow remainder would be cut off
-        left = -half
-    if right > half + margin:
-        right = half
+    if max(-left, right) > half + 2 * margin:  # a narrow remainder is not worth a cut
+        left = max(left, -half)
+        right = min(right, half)
     top = min(float(cut.down[shown].min()), 0.0) - 1.6 * diameter
     bottom = min(
         max(float(cut.down[shown].max()), 3 * diameter) + margin, float(cut.down.max()) + diameter

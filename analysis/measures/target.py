@@ -44,6 +44,7 @@ if TYPE_CHECKING:  # loads h5py, which `granwave check` does without
 
 ARRIVED = 0.01  # fraction of the largest dynamic force on the bottom
 _STATIC = 1e-6  # fraction of the peak force: touching grains overlap by rounding at the start
+_NEGLIGIBLE = 1e-6  # fraction of the largest force of a contact in the packing
 _NOISE = 1e-6  # fraction of the initial force: precision of a static stage
 _TOLERANCE = 1e-8  # relative tolerance of the integration
 _IN_CONTACT = 200  # fewest steps during a collision with a plane at rest
@@ -68,6 +69,7 @@ class Reached:
     displacement: Array | None = None
     # largest force in any step, N, where it is known: the records may miss it
     largest_force: float | None = None
+    contact_force: float = 0.0  # largest force of a contact in the packing, N
 
     @property
     def impulse(self) -> Array:
@@ -122,13 +124,25 @@ class Reached:
     def is_reached(self) -> bool:
         """True if the force rises above its static value by more than the precision of a static
         stage.
+
+        A force that still rises at the end of the record, but is negligible compared with the
+        forces in the packing, is the start of a front that has not arrived: in a chain of elastic
+        spheres such a front has no sharp edge.
         """
-        return bool(np.any(self.force - self.static_force > _NOISE * abs(self.static_force)))
+        rise = self.force - self.static_force
+        least = _NOISE * abs(self.static_force)
+        if self._is_largest_at_end:
+            least = max(least, _NEGLIGIBLE * self.contact_force)
+        return bool(np.any(rise > least))
 
     @property
     def rises_at_end(self) -> bool:
         """True if the force is largest at the end of the record, so that it may rise further."""
-        return self.is_reached and int(self.force.argmax()) == len(self.force) - 1
+        return self.is_reached and self._is_largest_at_end
+
+    @property
+    def _is_largest_at_end(self) -> bool:
+        return len(self.force) > 0 and int(self.force.argmax()) == len(self.force) - 1
 
     @property
     def ground_peak_force(self) -> float | None:
@@ -144,6 +158,8 @@ class Reached:
 
         As long as the force rises, so does the level, see `known_arrival`.
         """
+        if not self.is_reached:
+            return None
         rise = self.force - self.force[0]
         level = max(ARRIVED * float(rise.max()), _NOISE * abs(float(self.force[0])))
         if not np.any(rise > level):
@@ -178,7 +194,9 @@ def reached(result: Result) -> Reached | None:
     if ground is None and name != BAR:
         ground = force
     displacement = None if moved is None else moved - moved[0]
-    return Reached(time, force, ground, displacement, _largest_of_one_contact(result, name))
+    contact_force = float(np.max(result["contacts/peak_force"], initial=0.0))
+    largest = _largest_of_one_contact(result, name)
+    return Reached(time, force, ground, displacement, largest, contact_force)
 
 
 def _largest_of_one_contact(result: Result, name: str) -> float | None:

@@ -204,10 +204,9 @@ def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tupl
         values = item.means.values.get(shown, [])
         if in_words and len(values) > 1 and None not in values:
             said = f": {item.means.range_in_words(shown)}"
-    return (
-        f"{_QUANTITIES.get(what, readable(what))} against {labels.get(key, readable(key).lower())}",
-        said,
-    )
+    quantity = _QUANTITIES.get(what, readable(what))
+    comma = "," if "," in quantity else ""
+    return f"{quantity}{comma} against {labels.get(key, readable(key).lower())}", said
 
 
 def _points(scan: ReportScan, inputs: ReportInputs, number: int) -> list[Block]:

@@ -327,13 +327,13 @@ def settings_blocks(inputs: ReportInputs) -> list[Block]:
         if not known:
             continue
         different = {*differing(known), *varied}
-        cases = [run.case for run in known]
         first = known[0].case
         shared = {
             key: value
             for key, value in first.items()
-            if key not in different and any(applied_value(key, case) is not None for case in cases)
+            if key not in different and _matters(key, known)
         }
+        cases = [run.case for run in known]
         rows = [(key, show(one), unit_in_cases(key, cases)) for key, one in _spelt_out(shared)]
         who = f"all points of {title}" if varied else f"all {title}"
         name = f"Settings shared by {who}" if len(known) > 1 else f"Settings of {title}"
@@ -343,13 +343,14 @@ def settings_blocks(inputs: ReportInputs) -> list[Block]:
 
 
 def differing(runs: Sequence[ReportRun]) -> list[str]:
-    """Return the keys of the case that differ between runs, in the order of the cases."""
+    """Return the keys of the case that differ between the runs on which they have an effect, in the
+    order of the cases.
+    """
     keys = list(dict.fromkeys(chain.from_iterable(run.case for run in runs)))
     keys = [key for key in keys if key not in _REMARKS]
-    values = {key: [applied_value(key, run.case) for run in runs] for key in keys}
-    for key in keys:
-        if any(_has_no_effect(key, run.case) for run in runs):
-            values[key] = [value for value in values[key] if value is not None]
+    values = {
+        key: [run.case.get(key) for run in runs if _has_effect(key, run.case)] for key in keys
+    }
     changed = [key for key, of_runs in values.items() if _differ(of_runs)]
     if KIND_OF_PACKING in changed:  # the kind is shown with the origin
         return [key for key in changed if key != ORIGIN]
@@ -358,21 +359,24 @@ def differing(runs: Sequence[ReportRun]) -> list[str]:
 
 def applied_value(key: str, case: Mapping[str, Any]) -> Any:
     """Return the value of a key of a case; None where it is missing or has no effect."""
+    return case.get(key) if _has_effect(key, case) else None
+
+
+def _has_effect(key: str, case: Mapping[str, Any]) -> bool:
+    """Return False for a key that another key of the case makes irrelevant, such as a seed without
+    scatter.
+    """
     static = STATIC_LOADS.get(str(case.get("precompression.kind")))
     if key in _OF_GRAVITY and static is not None and not static.takes_acceleration:
-        return None
-    if _has_no_effect(key, case):
-        return None
-    return case.get(key)
+        return False
+    if key in _OF_SCATTER and not case.get("packing.diameter_scatter"):
+        return False
+    return not _is_of_other_laws(key, case)
 
 
-def _has_no_effect(key: str, case: Mapping[str, Any]) -> bool:
-    """Return True for the distribution of diameters without scatter, and for a key that the contact
-    laws of a case do not use.
-    """
-    if key in _OF_SCATTER:
-        return not case.get("packing.diameter_scatter")
-    return _is_of_other_laws(key, case)
+def _matters(key: str, runs: Sequence[ReportRun]) -> bool:
+    """Return True for a key with an effect on any of the runs."""
+    return any(_has_effect(key, run.case) for run in runs)
 
 
 def _is_of_other_laws(key: str, case: Mapping[str, Any]) -> bool:

@@ -1,7 +1,8 @@
 """Quantities that figures of a scan show: their titles, and their values in units or divided by a
 scale.
 
-Lengths are divided by the diameter and forces by the yield force, if all points have these.
+Lengths are divided by the diameter, volumes by its cube, and forces by the yield force, if all
+points have these.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
 _OF_ZONE = ("plastic_", "zone_")  # names of figures of plastic zones
-#: Units of lengths that are not divided by the diameter, with the factor from SI.
+#: Units of lengths and volumes that are not divided by the diameter, with the factor from SI.
 _SHOWN_IN = {"m": ("mm", 1e3), "m^3": ("mm^3", 1e9)}
 Value = Callable[[PointResult], float]
 _Scale = tuple[str, str, dict[int, float]]  # symbol, words, and size by number of the point
@@ -68,7 +69,9 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
     lengths, forces = _scales(varied, done)
     scales: dict[str, _Scale] = {}
     if all(map(math.isfinite, lengths.values())):
+        volumes = {number: length**3 for number, length in lengths.items()}
         scales["m"] = ("D", "diameter", lengths)
+        scales["m^3"] = ("D^3", "diameter_cubed", volumes)
     if all(map(math.isfinite, forces.values())):
         scales["N"] = (r"F_\mathrm{y}", "yield_force", forces)
     present = with_values([point.summary for point in done])

@@ -21,7 +21,7 @@ from bibtex import bibtex
 from granwave._contact_laws import LAWS, LawParameter
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.formatting.values import printed_unit
-from granwave.analysis.quantities import Quantity, entries
+from granwave.analysis.quantities import ENTRIES, GROUPS, Quantity, entries
 from granwave.analysis.reports.kinds import report_kinds
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
@@ -105,10 +105,12 @@ def _escape(text: str) -> str:
 
 
 def quantities() -> str:
-    """Return the table of the values of summary.json of runs."""
+    """Return the values of summary.json of runs, with a section for each group."""
     shown = entries()
     indexed = _indexed(entry.name for entry in shown if "*" not in entry.name)
-    return f"{indexed}\n\n{_table_of(shown)}"
+    groups = GROUPS | {"Values of extensions": shown[len(ENTRIES) :]}
+    sections = [f"## {title}\n\n{_table_of(group)}" for title, group in groups.items() if group]
+    return "\n\n".join([indexed, *sections])
 
 
 def _table_of(shown: Sequence[Quantity]) -> str:

@@ -31,7 +31,15 @@ FAR = 0.3  # deviation from which on values are named below the picture
 # ends of the axis
 _LEAST = 1e-7
 _MOST = 10.0
-_TICKS = {1e-7: "1e-5 %", 1e-5: "0.001 %", 1e-3: "0.1 %", 1e-2: "1 %", 1e-1: "10 %", 1.0: "100 %"}
+_TICKS = {1e-7: "≤ 10⁻⁵ %", 1e-5: "0.001 %", 1e-3: "0.1 %", 1e-2: "1 %", 1e-1: "10 %", 1.0: "100 %"}
+_WIDTH = 7.6  # inches
+# ends of the row of panels, as fractions of the width
+_LEFT = 0.325
+_RIGHT = 0.965
+_ABSCISSA = (
+    "relative difference from the reference (filled: granwave is larger; open: smaller; grey: "
+    "above 10 %)"
+)
 _LABEL = 38  # characters in a line of the label of a study
 _LINE_OF_MARKS = 5  # characters in a line of letters, which stay between two panels
 _SPREAD = 0.62  # fraction of a suite's band that its points occupy
@@ -163,6 +171,8 @@ def draw(
 ) -> None:
     """Draw the picture, as WebP or in the format given by the suffix of its name.
 
+    There is a panel for each kind of reference that has values.
+
     Parameters
     ----------
     letters
@@ -170,37 +180,27 @@ def draw(
     """
     shown = points(stored)
     suites = list(dict.fromkeys(suite for suite, *_ in shown))
+    with_values = {kind for _, _, kind, _ in shown}
+    kinds = [kind for kind in KINDS if kind in with_values]
+    single = len(kinds) == 1
+    below = 0.45 if single else 0.75  # inches, for the labels of the axes
     with style():
-        height = 0.31 * len(suites) + 1.2  # inches
-        figure, panels = plt.subplots(1, 3, figsize=(7.6, height), sharey=True)
+        height = 0.31 * len(suites) + 0.6 + below
+        figure, rows = plt.subplots(
+            1, len(kinds), figsize=(_WIDTH, height), sharey=True, squeeze=False
+        )
+        panels = rows[0]
         figure.subplots_adjust(
-            left=0.325, right=0.965, wspace=0.25, top=1 - 0.45 / height, bottom=0.75 / height
+            left=_LEFT, right=_RIGHT, wspace=0.25, top=1 - 0.6 / height, bottom=below / height
         )
-        for axes, (kind, (_, colour)) in zip(panels, KINDS.items(), strict=True):
-            axes.axvspan(0.1, _MOST * 2, color=GREY, alpha=0.10, lw=0)
-            axes.axvline(0.01, color=GREY, lw=0.5, ls=":")
-            for place, suite in enumerate(suites):
-                own = [off for one, _, of, off in shown if (one, of) == (suite, kind)]
-                _points(axes, place, own, colour)
-            total = [abs(off) for _, _, of, off in shown if of == kind]
-            close = sum(off <= 0.01 for off in total), sum(off <= 0.1 for off in total)
-            axes.set_title(
-                f"{kind}, {len(total)} values:\n{close[0]} in 1 %, {close[1]} in 10 %", loc="left"
-            )
-            axes.set(xscale="log", xlim=(_LEAST / 2, _MOST * 2), ylim=(len(suites) - 0.5, -0.5))
-            axes.set_xticks(
-                list(_TICKS), list(_TICKS.values()), rotation=45, ha="right", rotation_mode="anchor"
-            )
-            axes.minorticks_off()
-            axes.set_yticks(range(len(suites)), [labels.get(suite, suite) for suite in suites])
-            axes.tick_params(axis="y", length=0)
-            for place in range(1, len(suites)):
-                axes.axhline(place - 0.5, color=GREY, lw=0.3, alpha=0.5)
+        for axes, kind in zip(panels, kinds, strict=True):
+            _panel(axes, kind, suites, shown)
+        panels[0].set_yticks(range(len(suites)), [labels.get(suite, suite) for suite in suites])
+        if single:
+            panels[0].set_xticks(list(_TICKS), list(_TICKS.values()), rotation=0, ha="center")
         if letters:
-            _letters(panels, suites, shown, far_off(stored))
-        panels[1].set_xlabel(
-            "relative difference from the reference (full: granwave is larger; open: smaller)"
-        )
+            _letters(panels, kinds, suites, far_off(stored))
+        figure.text(0.5, 0.1 / height, _ABSCISSA, ha="center", fontsize=8)
         picture = io.BytesIO()
         figure.savefig(picture, format="png", dpi=200)
         plt.close(figure)
@@ -211,6 +211,29 @@ def draw(
         file, path.suffix[1:], quality=80, method=6, optimize=True, exif=exif
     )
     replace_bytes(path, file.getvalue())
+
+
+def _panel(axes: Any, kind: str, suites: Sequence[str], shown: Sequence[Any]) -> None:
+    """Draw the deviations of one kind, in a band for each suite."""
+    axes.axvspan(0.1, _MOST * 2, color=GREY, alpha=0.10, lw=0)
+    axes.axvline(0.01, color=GREY, lw=0.5, ls=":")
+    for place, suite in enumerate(suites):
+        own = [off for one, _, of, off in shown if (one, of) == (suite, kind)]
+        _points(axes, place, own, KINDS[kind][1])
+    total = [abs(off) for _, _, of, off in shown if of == kind]
+    within_1 = sum(off <= 0.01 for off in total)
+    within_10 = sum(off <= 0.1 for off in total)
+    axes.set_title(
+        f"{kind}, {len(total)} values:\n{within_1} within 1 %,\n{within_10} within 10 %", loc="left"
+    )
+    axes.set(xscale="log", xlim=(_LEAST / 2, _MOST * 2), ylim=(len(suites) - 0.5, -0.5))
+    axes.set_xticks(
+        list(_TICKS), list(_TICKS.values()), rotation=45, ha="right", rotation_mode="anchor"
+    )
+    axes.minorticks_off()
+    axes.tick_params(axis="y", length=0)
+    for place in range(1, len(suites)):
+        axes.axhline(place - 0.5, color=GREY, lw=0.3, alpha=0.5)
 
 
 def _at(off: np.ndarray | float) -> Any:
@@ -244,9 +267,9 @@ def _points(axes: Any, place: int, offs: Sequence[float], colour: str) -> None:
         )
 
 
-def _letters(panels: Any, suites: Sequence[str], shown: Sequence[Any], far: Sequence[Far]) -> None:
+def _letters(panels: Any, kinds: Sequence[str], suites: Sequence[str], far: Sequence[Far]) -> None:
     """Write the letters of large deviations to the right of the points of each suite."""
-    for axes, kind in zip(panels, KINDS, strict=True):
+    for axes, kind in zip(panels, kinds, strict=True):
         for place, suite in enumerate(suites):
             own = [one.mark for one in far if (one.suite, one.kind) == (suite, kind)]
             marks = textwrap.fill(" ".join(own), _LINE_OF_MARKS)

@@ -71,6 +71,10 @@ _LEAD = (
 )
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
 _PICTURE_TEXT = "Relative difference of each value from its reference, by study and kind"
+_PICTURE_CAPTION = (
+    "*Each point is a compared value. Filled symbols: granwave is larger than the reference; open "
+    "symbols: granwave is smaller. The dotted line is at 1 %, and the grey area begins at 10 %.*"
+)
 #: Tables of rows that test the code alone.
 _VERIFICATION = re.compile(
     r"^\*\*(?P<caption>.*verification of the code.*)\*\*\n\n"
@@ -318,7 +322,9 @@ def _suite_page(name: str, suite: Mapping[str, Any]) -> str:
     text, _ = markdown(cleaned(tidied(Report(suite["title"], lead, tuple(sections)))), "")
     title, _, rest = text.partition("\n")
     head = f"{title}\n\n[{_TITLE}](../results.md) explains the kinds of rows.\n"
-    picture = f"\n![{_PICTURE_TEXT}]({name}.webp)\n" if results_picture.by_study(suite)[1] else ""
+    picture = ""
+    if results_picture.by_study(suite)[1]:
+        picture = f"\n![{_PICTURE_TEXT}]({name}.webp)\n\n{_PICTURE_CAPTION}\n"
     return f"{head}{picture}{_VERIFICATION.sub(_folded, rest)}"
 
 

@@ -278,7 +278,7 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
         columns.append(cells)
     for name in known:
         unit, cells = value_cells(name, rows[name].astype(object).tolist())
-        title = label_of(name) + _bounds(limits.get(name, {}))
+        title = label_of(name) + limit_in_heading(name, limits.get(name, {}))
         heads.append(TableColumn(title, unit, numeric=True))
         columns.append(cells)
     for key in keys:
@@ -306,12 +306,16 @@ def _value_of(name: str, value: float) -> str:
     return in_any_unit(value, unit)
 
 
-def _bounds(limit: Mapping[str, float]) -> str:
-    """Return the bounds of a limit in the form of a heading."""
+def limit_in_heading(name: str, limit: Mapping[str, float]) -> str:
+    """Return the bounds of a limit of a value, with their unit, in the form of a heading."""
+    unit = unit_of_value(name)
     ends = {"low": "at least", "high": "at most"}
-    return "".join(
-        f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None
-    )
+    texts = [
+        f", {words} {in_any_unit(limit[end], unit)}"
+        for end, words in ends.items()
+        if limit.get(end) is not None
+    ]
+    return "".join(texts)
 
 
 def _checks(best: Mapping[str, Any]) -> DocumentTable:
@@ -421,7 +425,7 @@ def _importance(shares: Mapping[str, float] | None) -> Drawing | None:
         return None
     figure, axes = panels(0.8 + 0.22 * len(shares))
     axes.barh(list(shares)[::-1], list(shares.values())[::-1], color=BLUE)
-    label(axes, "Share of variance", xlim=(0, 1))
+    label(axes, "Fraction of the variance", xlim=(0, 1))
     return Drawing(figure, {"variable": list(shares), "share": list(shares.values())})
 
 

@@ -1,10 +1,11 @@
 """Square packing with friction.
 
-The spheres lie on the floor under their weight. There is friction between spheres, with walls and
-floor, or both. The rows give the decrease of the peak velocity, compared with the same impact
-without friction, at the positions of sensors: spheres 6 and 15 of a central chain, and 5 and 8 of
-an edge chain, counted from the impacted sphere as 1. The source finds a larger decrease in the edge
-chains and attributes it to their second wall, without a number or a coefficient of friction.
+The spheres lie on the floor under their weight. There is friction between the spheres, or with the
+walls and the floor, or in all these contacts; each row states its coefficients. The rows give the
+decrease of the peak velocity, compared with the same impact without friction, at the positions of
+sensors: spheres 6 and 15 of a central chain, and 5 and 8 of an edge chain, counted from the
+impacted sphere as 1. The source finds a larger decrease in the edge chains and attributes it to
+their second wall, without a number or a coefficient of friction.
 """
 
 import numpy as np

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -133,6 +134,20 @@ def test_no_description_begins_with_an_accepted_value():
             assert first and first not in words and not first.startswith((".", "-")), (
                 f"granwave {name}: {action.help}"
             )
+
+
+def test_the_menu_has_the_headings_of_groups():
+    """Each caption stands above the first page of its group, also if that page is shown."""
+    pytest.importorskip("sphinx", reason="make docs installs it")
+    add_groups = extension("menu_groups").add_groups
+    builder = SimpleNamespace(get_relative_uri=lambda page, other: f"../{other}.html")
+    app = SimpleNamespace(menu_groups={"howto/questions": "Questions & answers"}, builder=builder)
+    heading = '<li class="menu-group">Questions &amp; answers</li>'
+    for page, link in {"howto/scans": "../howto/questions.html", "howto/questions": "#"}.items():
+        entry = f'<li class="toctree-l2"><a class="reference internal" href="{link}">Ten</a></li>'
+        context = {"furo_navigation_tree": f"<ul>{entry}</ul>"}
+        add_groups(app, page, "page.html", context, None)
+        assert context["furo_navigation_tree"] == f"<ul>{heading}{entry}</ul>"
 
 
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))

@@ -443,7 +443,8 @@ def _peak_force_against_impulse(linearity: Linearity) -> Drawing:
         r"Peak force $F_\mathrm{max}/F_\mathrm{y}$",
         log="xy",
     )
-    left.set_ylim(top=30 * float(np.nanmax(linearity.ray)))
+    smallest = float(np.nanmin([columns[name].min() for name in columns if "contact" in name]))
+    left.set_ylim(smallest / 2, 30 * float(np.nanmax(linearity.ray)))
     left.legend(
         title="lines: proportional",
         alignment="left",

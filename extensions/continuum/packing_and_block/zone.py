@@ -42,20 +42,21 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     rising,
 )
 
+_ROUNDING = 1e-9  # relative difference of equal sizes
 _MARKERS = "os^"  # markers of the fractions
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
 _LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
 _CUT_REMARK = (
-    "Where the zone reaches a boundary (open marks in the figure), or was still growing at the "
+    "Where the zone reaches a boundary (open markers in the figure), or was still growing at the "
     "end of the run, the total extent is a lower limit (≥)."
 )
 _WAVE_REMARK = (
-    "Half open marks: a reflected wave could return from a boundary while the last part of the "
+    "Half-open markers: a reflection from a boundary could arrive while the last part of the "
     "energy was dissipated, at most {:.2g} % of the plastic dissipation."
 )
 _COMPARED_REMARK = (
-    "Influence of the boundaries: {} computed in {} of different sizes. Between the two largest "
-    "of each, {}."
+    "Influence of the boundaries: {} computed in {} of different sizes. The largest differences "
+    "between the two largest of each are, {}."
 )
 _NOT_COMPARED_REMARK = (
     "Influence of the boundaries: no impact was computed in two {} of different sizes, so that "
@@ -93,8 +94,8 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     sizes = [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
     if sizes and len(sides["packing"]) and len(every) > 1:
         caption = (
-            "Size of the plastic zone: extent with 50, 90 and 99 % of the plastic dissipation. "
-            "Straight lines are powers of the input; open marks reach a boundary"
+            "Size of the plastic zone: extent of 50, 90 and 99 % of the plastic dissipation. "
+            "Open markers: the zone reaches a boundary"
         )
         yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
 
@@ -213,9 +214,10 @@ def _influence_of_bounds(impacts: Impacts, what: str) -> str:
         for name in _SIZES:
             change = changes[f"{name}_{share}"]
             if not math.isnan(change):
-                influences.append(f"{name} by up to {100 * change:.2g} %")
+                percent = 100 * change if change > _ROUNDING else 0.0
+                influences.append(f"{percent:.2g} % ({name})")
         if influences:
-            parts.append(f"the extent with {share} % differs in {', '.join(influences)}")
+            parts.append(f"for {share} % of the dissipation, {', '.join(influences)}")
     if not parts:
         return _NOT_COMPARED_REMARK.format(bodies)
     n_impacts = len(differences_by_size(impacts, what))

@@ -21,7 +21,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from granwave.analysis.result.reader import Result
-from granwave.extensions.pictures.view.scene import fields, instants_of, plot_of
+from granwave.extensions.pictures.view.fields import fields
+from granwave.extensions.pictures.view.instants import instants_of
+from granwave.extensions.pictures.view.scene import plot_of
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text

@@ -1,38 +1,27 @@
 """Objects of the page of a run, made with k3d: spheres with their fields, walls, bars, colour bars,
 clock and title.
 
-Lengths are in mm from the impacted sphere, and times in µs, as in figures. Fields are values of the
-spheres at every instant, as levels of a logarithmic scale.
-
-Instants are the snapshots of a run, or the more frequent records of a complete chain. A
-page holds millions of values. They are stored as levels of a scale of `LEVELS` colours, with 0 for
-values below the scale: such levels repeat, so that they compress to a twentieth.
+Lengths are in mm from the impacted sphere, and times in µs, as in figures.
 """
 
 from __future__ import annotations
 
-import base64
 import html
-import io
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LogNorm, to_rgb
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.colouring import DISSIPATION_LIMITS, decades_up_to, force_scale
-from granwave.analysis.figures.style import DISSIPATION_MAP, FORCE_MAP, new_figure, style
 from granwave.analysis.measures.geometry import own_plane, planes
 from granwave.analysis.result.reader import Result
 from granwave.extensions.pictures.packing3d import AZIMUTH, ELEVATION, plane_lines, tube_lines
 from granwave.extensions.pictures.sphere_renderer import Camera
+from granwave.extensions.pictures.view.fields import Field, colour_bar
+from granwave.extensions.pictures.view.instants import Instants
 from granwave.lammps_inputs.case.material import Cylinder
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.packing.walls import walls
@@ -42,196 +31,6 @@ if TYPE_CHECKING:
 
 # iterations for the corner of the grid, because a longer extent may have a longer step
 _ROUNDINGS = 3
-_MOST_OF_A_CHAIN = 120  # most instants of up to a thousand
-BLANK = "#a4a4a4"  # spheres below the scale; the lights of the page make it paler
-LEVELS = 100  # colours of a scale; steps of a twentieth of a decade, or finer
-_DECADES = 4  # decades of a scale of forces, far below F_y, to include the elastic wave
-
-
-@dataclass(frozen=True, eq=False)
-class Instants:
-    """Values of the spheres at rising times.
-
-    Attributes
-    ----------
-    times
-        Times, s: (n_instants,).
-    quantities
-        Names that `values` knows, as of a snapshot.
-    values
-        Function of the number of an instant and a quantity: (n_spheres,) or (n_spheres, 3), SI
-        units.
-    """
-
-    times: NDArray[np.float64]
-    quantities: tuple[str, ...]
-    values: Callable[[int, str], NDArray[np.float64]]
-
-    def at(self, numbers: Sequence[int]) -> Instants:
-        """Return the instants with these numbers."""
-        return Instants(
-            self.times[list(numbers)],
-            self.quantities,
-            lambda n, name: self.values(numbers[n], name),
-        )
-
-
-def instants_of(result: Result) -> Instants:
-    """Return the instants of a run: its snapshots, with 0 for missing records, or the record of a
-    chain.
-    """
-    if "chain" in result and len(result["chain/time"]) > result.n_frames:
-        return _of_chain(result)
-    return Instants(
-        result.frame_times,
-        result.quantities,
-        lambda number, name: np.nan_to_num(result.frame(number, name)),
-    )
-
-
-def _of_chain(result: Result) -> Instants:
-    """Return velocity and displacement, which point along the chain, and the largest force of each
-    bead's contacts.
-    """
-    time = result["chain/time"]
-    n = result.n_spheres
-    rows = np.unique(
-        np.linspace(0, len(time) - 1, min(_MOST_OF_A_CHAIN, len(time))).round().astype(int)
-    )
-    beads = result.rows(result["chain/id"])
-    force = np.zeros((len(time), n))
-    row = dict(zip(result["chain/id"].tolist(), beads.tolist(), strict=True))
-    for end in ("chain/contact_i", "chain/contact_j"):
-        for contact, sphere in enumerate(result[end].tolist()):
-            if sphere in row:  # else the face of a bar
-                np.maximum(
-                    force[:, row[sphere]],
-                    result["chain/contact_force"][:, contact],
-                    out=force[:, row[sphere]],
-                )
-    scalars = {"contact_force": force, "peak_force": np.maximum.accumulate(force, axis=0)}
-    along = {name: result[f"chain/{name}"] for name in ("velocity", "displacement")}
-
-    def values(number: int, quantity: str) -> NDArray[np.float64]:
-        if quantity in scalars:
-            return np.asarray(scalars[quantity][rows[number]])
-        found = np.zeros((n, 3))
-        found[beads, 2] = along[quantity][rows[number]]
-        return found
-
-    return Instants(time[rows], (*along, *scalars), values)
-
-
-@dataclass(frozen=True, eq=False)
-class Field:
-    """A field with its colour scale.
-
-    Attributes
-    ----------
-    name
-        Its name in the panel.
-    label
-        Label of the colour bar, with the unit.
-    map
-        Name of the colour map.
-    low, high
-        Ends of the logarithmic scale, in the unit of the label.
-    above
-        True if there are values above the scale.
-    levels
-        Level over `LEVELS` of each sphere at each snapshot, 0 below the scale: (n_frames,
-        n_spheres).
-    """
-
-    name: str
-    label: str
-    map: str
-    low: float
-    high: float
-    above: bool
-    levels: NDArray[np.float32]
-
-    @property
-    def colours(self) -> NDArray[np.float32]:
-        """Colour map of k3d: rows of level divided by `LEVELS`, red, green and blue; grey below the
-        scale.
-        """
-        level = np.arange(1, LEVELS + 1) / LEVELS
-        scale = colormaps[self.map]((np.arange(LEVELS) + 0.5) / LEVELS)[:, :3]
-        edge = 0.5 / LEVELS
-        blank = np.array([[0.0, *to_rgb(BLANK)], [edge, *to_rgb(BLANK)], [1.001 * edge, *scale[0]]])
-        return np.concatenate([blank, np.column_stack([level, scale])]).astype(np.float32)
-
-
-def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) -> list[Field]:
-    """Return the fields of a run that are not zero everywhere.
-
-    Parameters
-    ----------
-    instants
-        Instants that are shown.
-    rows
-        Rows of the spheres.
-    """
-    options = result.figure_options
-    forces = options.colour_map or FORCE_MAP
-    losses = options.colour_map or DISSIPATION_MAP
-    given = result.energy_input
-    scale = force_scale(result)[0]
-    in_newtons = (
-        None if options.force_limits is None else tuple(scale * end for end in options.force_limits)
-    )
-    in_joules = None
-    if given:
-        fractions = options.dissipation_limits or DISSIPATION_LIMITS
-        in_joules = tuple(given * end for end in fractions)
-    wanted: list[tuple[str, str, str, str, tuple[float, ...] | None]] = [
-        (
-            "contact force",
-            "Contact force, largest of the sphere, excluding walls (N)",
-            "contact_force",
-            forces,
-            in_newtons,
-        ),
-        ("speed", "Speed (m/s)", "velocity", forces, None),
-        (
-            "peak force",
-            "Peak force so far, excluding walls (N)",
-            "peak_force",
-            forces,
-            in_newtons,
-        ),
-        (
-            "dissipated energy",
-            "Dissipated energy so far (J)",
-            "dissipated_energy",
-            losses,
-            in_joules,
-        ),
-        ("elastic energy", "Elastic energy (J)", "elastic_energy", losses, None),
-    ]
-    found = []
-    for name, label, quantity, colours, limits in wanted:
-        if quantity not in instants.quantities:
-            continue
-        frame_values = (instants.values(number, quantity) for number in range(len(instants.times)))
-        values = np.stack(
-            [(np.linalg.norm(one, axis=1) if one.ndim == 2 else one)[rows] for one in frame_values]
-        )
-        largest = float(np.max(values, initial=0.0))
-        if not largest > 0:
-            continue
-        high = decades_up_to(largest, None)[1]
-        low, high = limits or (high / 10**_DECADES, high)
-        with np.errstate(divide="ignore"):
-            share = np.log(values / low) / np.log(high / low)
-        levels = np.clip(np.floor(share * LEVELS) + 1, 0, LEVELS) / LEVELS
-        found.append(
-            Field(name, label, colours, low, high, largest > high, levels.astype(np.float32))
-        )
-    return found
-
-
 _MILLI = 1e3
 _MICRO = 1e6
 _MOVES = 0.05  # diameters: spheres with smaller displacements are drawn at rest
@@ -239,7 +38,6 @@ _STOP = 0.3  # diameters: spheres of the plane of a section stay
 _PHONE_WIDTH = 600  # pixels below which the panel is closed at first
 _FIELD_OF_VIEW = 40.0  # degrees
 _SECONDS = 8.0  # duration of the animation, s
-_DOTS = 2  # pixels of a colour bar over those on the screen
 _SIDES = 32  # sides of a cylinder
 _MOST_DEPTHS = 6  # intervals of the numbers along a chain
 _BAR_COLOUR = 0x8C9AA8
@@ -295,7 +93,7 @@ def plot_of(
             "group": field.name,
             "visible": field is found[0],
         }
-        plot += text(_colour_bar(field), position=[0.0, 1.0], reference_point="lb", **of_field)
+        plot += text(colour_bar(field), position=[0.0, 1.0], reference_point="lb", **of_field)
     clock = {_key(time): f"{time:.1f} µs" for time in times}
     plot += text(
         clock, position=[0.5, 0.01], reference_point="ct", size=1.5, color=_INK, name="clock"
@@ -306,11 +104,12 @@ def plot_of(
         f"<b>{html.escape(result.case.name)}</b>",
         f"{number} {called}, {len(times)} snapshots",
     ]
-    lines += [
-        html.escape(line)
-        for line in (note, in_grains("lengths in mm from the impacted sphere", called))
-        if line
-    ]
+    remarks = (
+        note,
+        in_grains("lengths in mm from the impacted sphere", called),
+        in_grains("grey spheres are below the scale", called),
+    )
+    lines += [html.escape(remark) for remark in remarks if remark]
     corner = {"position": [0.005, 0.01], "reference_point": "lt", "size": 1.0}
     plot += text("<br>".join(lines), **corner, color=_INK, name="title")
     cuts, cut = _cuts(result, place, camera)
@@ -470,26 +269,6 @@ def _bars(result: Result) -> Iterator[Any]:
             radial_segments=32,
             name=bar.name.replace("_", " "),
         )
-
-
-def _colour_bar(field: Field) -> str:
-    """Draw the colour bar of a field; return it as HTML."""
-    with style():
-        figure = new_figure(0.62, 3.2)
-        axes = figure.subplots()
-        mappable = ScalarMappable(LogNorm(field.low, field.high), colormaps[field.map])
-        figure.colorbar(
-            mappable,
-            cax=axes,
-            orientation="horizontal",
-            label=field.label,
-            extend="both" if field.above else "min",
-        )
-        stream = io.BytesIO()
-        figure.savefig(stream, format="png", dpi=96 * _DOTS, transparent=True)
-    encoded = base64.b64encode(stream.getvalue()).decode("ascii")
-    width = round(96 * figure.get_figwidth() * 1.15)
-    return f'<img alt="{html.escape(field.label)}" width="{width}" src="data:image/png;base64,{encoded}">'
 
 
 def _depths_of_chain(result: Result, place: NDArray[np.float64]) -> list[k3d.objects.Text]:

@@ -1,10 +1,11 @@
 """Confined chains with yielding: two equal pulses.
 
 This study goes beyond the source, whose chains are elastic: two equal force pulses act on a bead.
-The first pulse indents the contacts between beads and in the rings; for the second pulse they are
-stiffer, and some of them have gaps. The rows give peak forces of contacts of beads, for both
-pulses, in a yielding and in an elastic chain. In the elastic chain the second pulse meets the
-oscillations behind the first. The decay is taken over the contacts in the name of its row.
+The first pulse indents the contacts between beads and in the rings. For the second pulse these
+contacts are stiffer, and some of them have gaps. The rows give the peak forces of contacts between
+beads for each pulse, in a yielding chain and in an elastic chain. In the elastic chain the second
+pulse meets the oscillations that the first pulse leaves behind. The name of each row of the decay
+states the contacts over which it was fitted.
 """
 
 import numpy as np

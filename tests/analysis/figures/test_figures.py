@@ -92,6 +92,15 @@ def test_a_section_shows_the_last_column_whole_or_is_cut_well_before_it(last, ri
     assert window[:2] == pytest.approx((-8.0, right))
 
 
+@pytest.mark.parametrize(("last", "left"), [(0.110, -128.0), (0.150, -106.0)])
+def test_a_section_is_cut_on_both_sides_or_not_at_all(last, left):
+    """A crystal is not symmetrical about the impact axis."""
+    cut = SimpleNamespace(across=np.arange(-0.120, last + 1e-9, 0.010))
+    cut.down = np.zeros_like(cut.across)
+    window = sections.window_around(cut, np.abs(cut.across) < 0.093, 0.008)
+    assert window[0] == pytest.approx(left)
+
+
 def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
     case = synthetic.make_case(
         contact={"friction": 0.2, "initial_overlap": 4e-6}, packing={"vacancies": [3, 80]}

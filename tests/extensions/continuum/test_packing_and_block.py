@@ -273,8 +273,8 @@ def test_the_influence_of_the_bounds_is_computed_or_not_told(impacts: Impacts) -
     assert changes.depth_90.tolist() == [0.0]
     text = " ".join(notes_on_zones(both))
     assert "1 impact was computed in packings of different sizes" in text
-    differences = "depth by up to 0 %, radius by up to 0 %, volume by up to 20 %"
-    assert f"the extent with 90 % differs in {differences}" in text
+    differences = "0 % (depth), 0 % (radius), 20 % (volume)"
+    assert f"for 90 % of the dissipation, {differences}" in text
     assert "36 × 36 × 18" not in text
 
 

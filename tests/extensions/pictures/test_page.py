@@ -17,7 +17,8 @@ from PIL import Image
 from granwave.analysis import write_result
 from granwave.analysis.result.reader import Result
 from granwave.extensions.pictures.view import page, scene
-from granwave.extensions.pictures.view.scene import LEVELS, fields, instants_of
+from granwave.extensions.pictures.view.fields import LEVELS, fields
+from granwave.extensions.pictures.view.instants import instants_of
 from granwave.lammps_inputs.case.figures import Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict

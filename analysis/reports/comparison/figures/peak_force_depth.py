@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +54,12 @@ def draw_peaks(
     for run, look in run_styles(list(peaks)).items():
         one = peaks[run]
         depth = one.depth * _MILLI
-        upper.plot(depth, one.largest, **run_markers(run, depth), **look)
+        is_first = ~one.is_later
+        upper.plot(depth[is_first], one.largest[is_first], **run_markers(run, depth), **look)
+        if one.is_later.any():
+            later: dict[str, Any] = look | {"linestyle": "", "label": "_later"}
+            later |= run_markers(run, depth[one.is_later][:1])
+            upper.plot(depth[one.is_later], one.largest[one.is_later], **later)
         for lower in others:
             is_loaded = _has_median(one)
             lower.plot(depth[is_loaded], one.median[is_loaded], **run_markers(run, depth), **look)
@@ -72,7 +78,7 @@ def draw_peaks(
     label(upper, "" if others else "Depth (mm)", _peak_title(peaks))
     for lower in others:
         upper.set_title("largest of the layer")
-        label(lower, "Depth (mm)", _peak_title(peaks), title="median of the layer")
+        label(lower, "Depth (mm)", _median_title(peaks), title="median of the layer")
     log_if_wide(upper, *others)
     legend_above(figure)
     return Drawing(figure, columns)
@@ -92,10 +98,23 @@ def median_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     return f"No median, since more than half of the spheres of each layer stay at rest: {listed}."
 
 
-def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return the title of the axis of peak forces."""
+def _force_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the kind of the peak forces."""
     is_dynamic = any(has_static_load(run) for run in peaks)
-    title = "Peak dynamic force" if is_dynamic else "Peak force"
+    return "Peak dynamic force" if is_dynamic else "Peak force"
+
+
+def _median_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the title of the axis of medians, which are of the whole run except in chains."""
+    title = _force_title(peaks)
+    if all(one.of_first_wave for one in peaks.values()):
+        return f"{title}\nof the run (N)"
+    return f"{title} (N)"
+
+
+def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the title of the axis of the largest peak forces."""
+    title = _force_title(peaks)
     if all(one.of_first_wave for one in peaks.values()):
         return f"{title}\nof the first wave (N)"
     return f"{title} (N)"
@@ -186,7 +205,18 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
         parts.append(f"of the first wave, before the reflection ({named(first, len(first))})")
     if whole:
         parts.append(f"of the whole run, with any reflections ({named(whole, len(whole))})")
-    return f"Largest forces {' and '.join(parts)}."
+    later = [
+        f"{np.count_nonzero(one.is_later)} ({run.name})"
+        for run, one in peaks.items()
+        if one.is_later.any()
+    ]
+    if not later:
+        return f"Largest forces {' and '.join(parts)}."
+    return (
+        f"Largest forces {' and '.join(parts)}. Markers without a line (not fitted): the force of "
+        "the layer was largest after a reflection from the base may have arrived; number of "
+        f"layers: {', '.join(later)}."
+    )
 
 
 def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
@@ -195,7 +225,7 @@ def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     if not parts:
         return ""
     reasons = "whose force still rises at the end"
-    if any(one.of_first_wave for one in peaks.values()):
+    if any(one.is_chain and one.n_unknown for one in peaks.values()):
         reasons += " or also includes the reflection"
     return f"Without layers {reasons}: {', '.join(parts)}."
 
