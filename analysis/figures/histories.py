@@ -347,8 +347,8 @@ def target_moves(result: Result) -> bool:
 
 
 def target(result: Result) -> Drawing | None:
-    """Draw the force on the bottom against time, the force without the packing, and below them the
-    work on a bottom that moves.
+    """Draw the force on the bottom, which is a target or a wall, against time, the force without
+    the packing, and below them the work on a bottom that moves.
 
     The axis of the forces is logarithmic if their peaks differ by more than a decade. The
     impulse is in the figure of the force on the bottom. None if the bottom does not move and there
@@ -367,7 +367,8 @@ def target(result: Result) -> Drawing | None:
         3.6 if moves else 2.6, rows=1 + moves, sharex=True, height_ratios=(3, 2)[: 1 + moves]
     )
     largest = [float(arrival.force.max())]
-    against_time(force, time, arrival.force, linewidth=0.9, label="on the target")
+    bottom = "target" if target_moves(result) else "bottom"
+    against_time(force, time, arrival.force, linewidth=0.9, label=f"on the {bottom}")
     if arrival.displacement is not None and arrival.ground_force is not None:
         columns |= {"displacement_m": arrival.displacement, "ground_force_N": arrival.ground_force}
         against_time(
@@ -385,7 +386,7 @@ def target(result: Result) -> Drawing | None:
             without.force,
             color=GREY,
             linestyle="--",
-            label="target without packing",
+            label=f"on the {bottom} without packing",
         )
         largest.append(without.peak_force)
     if max(largest) > _FAR_APART * min(largest) > 0:
@@ -422,18 +423,12 @@ def timestep(result: Result) -> Drawing | None:
     upper.set_yscale("log", base=2)
     upper.yaxis.set_major_formatter("{x:.4g}")
     label(upper, y="Timestep (ns)")
-    for values, colour, line, name in (
-        (error, GREY, "-", "measured"),
-        (expected, ORANGE, "--", "expected"),
-    ):
-        lower.semilogy(
-            time * _MICRO,
-            np.where(values > 0, values, np.nan),
-            line,
-            color=colour,
-            linewidth=0.8,
-            label=name,
-        )
+    looks: tuple[dict[str, Any], ...] = (  # the curves often coincide: the lower one is wider
+        {"color": _PALE, "linewidth": 3.0, "label": "measured"},
+        {"color": "black", "linewidth": 0.7, "label": "expected"},
+    )
+    for values, look in zip((error, expected), looks, strict=True):
+        lower.semilogy(time * _MICRO, np.where(values > 0, values, np.nan), **look)
     lower.axhline(tolerance, color="black", linestyle=":", linewidth=0.8, label="tolerance")
     label(lower, y="|Residual|\n/ input", ylim=(_LEAST * tolerance, 3 * tolerance))
     legend_above(lower, 3)

@@ -469,7 +469,7 @@ def line_diagram(result: Result) -> Drawing | None:
     columns: dict[str, NDArray] = {}
     for axes, motion in zip(stack, motions, strict=True):
         image = _draw_motion(axes, motion, result.figure_options.colour_map or FORCE_MAP)
-        figure.colorbar(image, ax=axes, label="Speed along the line (m/s)")
+        figure.colorbar(image, ax=axes, label="Speed along the line (m/s)", extend="min")
         columns |= _columns_of_motion(motion)
     return Drawing(figure, columns)
 
@@ -483,7 +483,10 @@ def _draw_motion(axes: Axes, motion: LineMotion, colours: str) -> Any:
     rows = slice(None, None, max(1, len(motion.time) // _MOST_COLUMNS))
     places = slice(None, None, max(1, len(motion.place) // _MOST_COLUMNS))
     shown = speed[rows, places]
-    shown = np.where(shown > least, shown, np.nan)
+    # behind the front, grains that are slow for an instant have the lowest colour
+    behind = motion.time[rows, None] >= motion.arrival[places]
+    shown = np.where(behind & (shown > 0), np.maximum(shown, least), shown)
+    shown = np.where(shown >= least, shown, np.nan)
     image = space_time_map(axes, motion.place[places], motion.time[rows], shown, norm, colours)
     left, _ = axes.get_xlim()
     limits = (left, _last_moved(motion, least), 0.0, _last_shown(motion))
@@ -516,11 +519,11 @@ def _last_moved(motion: LineMotion, least: float) -> float:
 
 
 def _last_shown(motion: LineMotion) -> float:
-    """Return the end of the axis of times, some time after the wave has arrived everywhere, µs."""
+    """Return the end of the axis of times, some time after the last arrival of the wave, µs."""
     end = float(motion.time[-1])
     arrived = np.isfinite(motion.arrival)
-    if arrived.all():
-        end = min(end, _AFTER * float(motion.arrival.max()))
+    if arrived.any():
+        end = min(end, _AFTER * float(motion.arrival[arrived].max()))
     if np.count_nonzero(motion.time <= end) < _FEWEST_TIMES:
         end = float(motion.time[-1])
     return end * _MICRO

@@ -107,7 +107,9 @@ def _of_table(result: Result, column: str) -> Blocks:
 def _largest_forces(result: Result) -> Blocks:
     """Yield the loaded contacts of the run with their largest forces, in blocks."""
     names = ("i", "j", "peak_force", "peak_overlap", "yield_overlap")
-    for i, j, force, overlap, yield_overlap in result.blocks(*(f"contacts/{name}" for name in names)):
+    for i, j, force, overlap, yield_overlap in result.blocks(
+        *(f"contacts/{name}" for name in names)
+    ):
         loaded = is_loaded(overlap, yield_overlap, force)
         yield i[loaded], j[loaded], force[loaded]
 

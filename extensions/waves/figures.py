@@ -172,7 +172,7 @@ def equal_frequency_curves(found: BandStructure) -> Drawing | None:
 
 
 def mode_shapes(found: BandStructure) -> Drawing | None:
-    """Draw the displacements of the modes at the last corner of the first stretch; None for cells
+    """Draw the displacements of the modes at the end of the first segment of the path; None for cells
     of many grains.
     """
     network = found.state.network
