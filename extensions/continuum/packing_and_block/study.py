@@ -49,7 +49,8 @@ _ELSEWHERE = (
 )
 _REFERENCE_ONLY = (
     "The quadratic law, the peak force against impulse and the front are computed for the "
-    "reference; excluded"
+    "reference; excluded, because the packing, material, diameter, support or number of impacted "
+    "spheres differs"
 )
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
