@@ -42,7 +42,8 @@ def draw_peaks(
 ) -> Drawing:
     """Draw the largest and median peak force of each layer against depth, with the fits.
 
-    If each layer is one sphere, as in a chain, there is no panel of the median.
+    If each layer is one sphere, as in a chain, there is no panel of the median. Lines have gaps
+    where layers are left out.
     """
     has_layers = any((one.largest != one.median).any() for one in peaks.values())
     n_panels = 1 + has_layers
@@ -51,11 +52,12 @@ def draw_peaks(
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(peaks)).items():
         one = peaks[run]
-        depth = one.depth * _MILLI
-        upper.plot(depth, one.largest, **run_markers(run, depth), **look)
+        depth = one.with_gaps(one.depth) * _MILLI
+        upper.plot(depth, one.with_gaps(one.largest), **run_markers(run, depth), **look)
         for lower in others:
             is_loaded = one.median > _LEAST_MEDIAN * one.largest.max()
-            lower.plot(depth[is_loaded], one.median[is_loaded], **run_markers(run, depth), **look)
+            median = one.with_gaps(np.where(is_loaded, one.median, np.nan))
+            lower.plot(depth, median, **run_markers(run, depth), **look)
         if run in fits:
             decay = fits[run]
             ends = np.linspace(decay.first, decay.last, _POINTS_OF_FIT)
