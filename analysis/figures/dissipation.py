@@ -13,7 +13,13 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.colouring import force_scale
 from granwave.analysis.figures.sections import spheres_beyond_law
-from granwave.analysis.figures.series import label, panels, time_axis, with_error
+from granwave.analysis.figures.series import (
+    label,
+    label_log_axis,
+    panels,
+    time_axis,
+    with_error,
+)
 from granwave.analysis.figures.style import (
     BLUE,
     DISSIPATION_MAP,
@@ -31,9 +37,12 @@ from granwave.analysis.measures import waves
 from granwave.analysis.measures.dynamic_force import has_static_forces
 from granwave.analysis.measures.force_decay import (
     ForceDecay,
+    LayerPeaks,
     PowerDecay,
-    force_decay,
-    no_decay_reason,
+    accepted,
+    both_decays,
+    layer_peaks,
+    reason_against,
 )
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import (
@@ -60,6 +69,8 @@ _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second
 _RANGE = 1e-10  # smallest / largest dissipation in the ranked figure
 _POINTS_OF_FIT = 50
+_MARGIN = 1.03  # end of the axis of depths / depth of the last layer
+_MOST_MARKED = 60  # largest number of layers with a marker each
 _FEWEST = 2  # fewest layers and loaded contacts of a course of forces
 _ON_AXIS = 1e-6  # largest distance of centres on the axis of the impact, diameters
 _LETTERS = 36  # most letters of a line of a legend
@@ -215,9 +226,13 @@ def peak_force_depth(result: Result) -> Drawing | None:
     marker for each layer of contacts along the preferred directions, and bars over the range of
     these directions.
 
-    Under a static load it also shows the largest dynamic force of each layer, above the static
-    force; the law is then fitted to this force. The forces are the largest of the run, including
-    reflections. Where no law describes them, the legend gives the reason.
+    The forces are those of the first wave. Layers whose largest force occurred when the reflection
+    from the base may have arrived have hollow markers, and are not fitted. Under a load that keeps
+    oscillating the forces are the largest of the run.
+
+    Under a static load the fitted force is the largest dynamic force of each layer, above the
+    static force; a line shows the largest total force of the run. Where no law describes the
+    forces, the legend gives the reason.
     """
     depth, force = peak_force_by_depth(result)
     n_loaded = np.count_nonzero(result["contacts/peak_force"] > 0)
@@ -225,37 +240,42 @@ def peak_force_depth(result: Result) -> Drawing | None:
     if len(depth) < _FEWEST or n_loaded < _FEWEST or "chain" in result:
         return None
     scale, unit, name = force_scale(result)
+    peaks = layer_peaks(result)
     along = rays(result)
     n_contacts, n_rays = along.peak_force.shape
     pitch = result.case.packing.diameter * along.directions[0, 2] if n_rays else 0.0
     middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
     figure, axes = panels(3.2)
     if n_rays > 1 and _have_lines(along.peak_force):
-        _mark_directions(axes, middle * _MILLI, along.peak_force / scale)
+        arrival = np.interp(middle, depth, peaks.reflection)
+        is_first = along.time_peak < arrival[:, None]
+        _mark_directions(axes, middle * _MILLI, np.where(is_first, along.peak_force, 0.0) / scale)
     is_pressed = has_static_forces(result)
-    layer = "largest of the layer"
-    total = f"{layer}, with the static force" if is_pressed else layer
-    axes.plot(depth * _MILLI, force / scale, "-", color=BLUE, label=total, zorder=1)
-    _, dynamic = peak_force_by_depth(result, dynamic=True)
     if is_pressed:
-        above = f"{layer}, dynamic"
-        axes.plot(depth * _MILLI, dynamic / scale, "-.", color=GREEN, label=above, zorder=1)
-    decay = force_decay(result)
+        total = "largest of the layer in the run, with static force"
+        axes.plot(depth * _MILLI, force / scale, "-.", color=GREEN, label=total, zorder=1)
+    _draw_layers(axes, peaks, scale)
+    fits = both_decays(result, peaks)
+    decay = accepted(fits)
     if decay is None:
-        axes.plot([], [], " ", label=_wrapped(no_decay_reason(result)))
+        axes.plot([], [], " ", label=_wrapped(reason_against(fits)))
     else:
         _draw_decay(axes, decay, scale)
-    label(
-        axes, "Depth (mm)", f"Peak force of the run {unit}", log="y", xlim=(0, depth[-1] * _MILLI)
-    )
+    kind = "Dynamic peak force" if is_pressed else "Peak force"
+    part = "first wave" if peaks.of_first_wave else "run"
+    limits = (0, _MARGIN * depth[-1] * _MILLI)
+    label(axes, "Depth (mm)", f"{kind} of the {part} {unit}", log="y", xlim=limits)
+    lowest, highest = axes.get_ylim()
+    label_log_axis(axes, highest / lowest)
     legend_above(axes, 1, fontsize=8)
     columns = {
         "layer_depth_m": depth,
         f"layer_peak_{name}": force / scale,
+        "layer_peak_after_reflection": peaks.is_later.astype(int),
         "contact_depth_m": middle,
     }
     if is_pressed:
-        columns[f"layer_dynamic_{name}"] = dynamic / scale
+        columns[f"layer_dynamic_{name}"] = peaks.largest / scale
     if decay is not None:
         columns |= _columns_of_decay(decay)
     columns |= {
@@ -274,6 +294,31 @@ def _have_lines(force: Array) -> bool:
         Forces, 0 or NaN without contact: (n_contacts, n_directions), N.
     """
     return len(force) >= _FEWEST and bool(np.any(force[1] > 0))
+
+
+def _draw_layers(axes: Axes, peaks: LayerPeaks, scale: float) -> None:
+    """Draw the largest force of each layer: of the first wave as a line, of later times and of
+    layers that it has not passed as markers.
+
+    Parameters
+    ----------
+    scale
+        Unit of the forces of the figure, N.
+    """
+    depth = peaks.depth * _MILLI
+    force = peaks.largest / scale
+    others = ~peaks.is_known & ~peaks.is_later & (force > 0)
+    marker = "." if len(depth) <= _MOST_MARKED else ""
+    look: dict[str, Any] = {
+        "color": BLUE, "markerfacecolor": "none", "markersize": 4, "zorder": 1.5
+    }  # fmt: skip
+    for chosen, signs, name in (
+        (peaks.is_known, f"{marker}-", "largest of the layer"),
+        (peaks.is_later, "s", "largest of the layer, after the reflection (not fitted)"),
+        (others, "x", "largest of the layer, still rising or not reached"),
+    ):
+        if np.any(chosen):
+            axes.plot(depth[chosen], force[chosen], signs, label=name, **look)
 
 
 def _wrapped(reason: str) -> str:
@@ -330,6 +375,8 @@ def _mark_directions(axes: Axes, depth: Array, force: Array) -> None:
         Forces in the unit of the figure, 0 without contact: (n_contacts, n_directions).
     """
     loaded = np.flatnonzero(np.all(force > 0, axis=1))
+    if not len(loaded):
+        return
     middle = np.median(force[loaded], axis=1)
     below = middle - force[loaded].min(axis=1)
     above = force[loaded].max(axis=1) - middle

@@ -11,7 +11,14 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.impact_arrow import impact_arrow
-from granwave.analysis.figures.series import LINES, against_time, label, panels, time_axis
+from granwave.analysis.figures.series import (
+    LINES,
+    against_time,
+    label,
+    panels,
+    scale_by_peaks,
+    time_axis,
+)
 from granwave.analysis.figures.style import GREY, ORANGE, Drawing, legend_above
 from granwave.analysis.figures.user_axes import user_figure
 from granwave.analysis.measures.depths import ForceAtDepth, depth_range, forces_at_depths
@@ -37,7 +44,10 @@ _REGION_MAP = "Blues"
 _PALEST = 0.3  # part of the colour map of regions: farthest from the load
 _DARKEST = 0.95  # nearest to it
 _OTHER_COLOURS = {DISSIPATED: ORANGE, WALLS: GREY, OTHERS: "#d9d9d9", "plate": "#3a3a3a"}
-_HATCHES = {DISSIPATED: "////", WALLS: "....", "rotation": "xxxx", "support": "----"}
+_HATCHES = {
+    DISSIPATED: "////", WALLS: "....", "rotation": "xxxx", "support": "----", "bar": "\\\\\\\\",
+    "incident bar": "||||",
+}  # fmt: skip
 _EDGE = 0.5  # points: white lines between regions
 _COLUMNS = 2  # columns of the legend of regions
 _MOST = 0.5  # dissipated fraction of the input above which the rest has its own panel
@@ -70,6 +80,7 @@ def force_at_depths(result: Result) -> Drawing | None:
         columns |= {"bottom_time_s": time, "bottom_force_N": force}
     time_axis(axes, result["energy/time"])
     label(axes, y=f"Force through the plane ({unit})")
+    scale_by_peaks(axes, [scale * float(part.force.max()) for part in forces])
     legend_above(axes, 3, title="Depth", handlelength=2.2)
     return Drawing(figure, columns)
 

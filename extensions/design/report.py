@@ -284,7 +284,7 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
         columns.append(cells)
     for name in known:
         unit, cells = value_cells(name, rows[name].astype(object).tolist())
-        title = label_of(name) + _bounds(limits.get(name, {}))
+        title = label_of(name) + limit_in_heading(name, limits.get(name, {}))
         heads.append(TableColumn(title, unit, numeric=True))
         columns.append(cells)
     for key in keys:
@@ -312,12 +312,16 @@ def _value_of(name: str, value: float) -> str:
     return in_any_unit(value, unit)
 
 
-def _bounds(limit: Mapping[str, float]) -> str:
-    """Return the bounds of a limit in the form of a heading."""
+def limit_in_heading(name: str, limit: Mapping[str, float]) -> str:
+    """Return the bounds of a limit of a value, with their unit, in the form of a heading."""
+    unit = unit_of_value(name)
     ends = {"low": "at least", "high": "at most"}
-    return "".join(
-        f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None
-    )
+    texts = [
+        f", {words} {in_any_unit(limit[end], unit)}"
+        for end, words in ends.items()
+        if limit.get(end) is not None
+    ]
+    return "".join(texts)
 
 
 def _checks(best: Mapping[str, Any]) -> DocumentTable:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingDataError, did_you_mean
@@ -33,7 +34,7 @@ from granwave.analysis.reports.comparison.measured import (
     unit_notes,
     unranked_reasons,
 )
-from granwave.analysis.reports.comparison.protection import protection_sentences
+from granwave.analysis.reports.comparison.protection import Ranking, protection_rankings
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     by_reason,
@@ -113,6 +114,18 @@ class Comparison:
         values = compared_values(self.runs) if self.quantities else self.values
         return {value.name: value.without_ratio for value in values if value.without_ratio}
 
+    @cached_property
+    def _finished(self) -> tuple[ComparedRun, ...]:
+        """The finished runs."""
+        return tuple(run for run in self.runs if not run.run.is_unfinished)
+
+    @cached_property
+    def _finished_values(self) -> list[ComparedValue]:
+        """Values of the summaries of the finished runs: all results, the most different first."""
+        if len(self._finished) == len(self.runs) and not self.quantities:
+            return self.values
+        return compared_values(self._finished)
+
     @property
     def _names_compared(self) -> list[str]:
         """Names of the requested values, and of values that describe the requested figures; empty
@@ -150,10 +163,14 @@ class Comparison:
 
     @property
     def paragraphs(self) -> list[str]:
-        """Sentences in their order on a page: on a measured curve, the protection, and the values
-        that differ most.
+        """Sentences in their order on a page: on a measured curve, the protection, and the other
+        values that differ most.
         """
-        paragraphs = [*self.measured_sentences, *self.protection, self.difference_sentence]
+        rankings = self._rankings
+        stated = tuple(chain.from_iterable(ranking.names for ranking in rankings))
+        differences = self._differences_in_words(stated)
+        sentences = [ranking.sentence for ranking in rankings]
+        paragraphs = [*self.measured_sentences, *sentences, differences]
         return [text for text in paragraphs if text]
 
     @cached_property
@@ -175,38 +192,50 @@ class Comparison:
         """The values that differ most, in a sentence; empty for a single run, and if only figures
         without such values were requested.
         """
+        return self._differences_in_words()
+
+    def _differences_in_words(self, stated: Collection[str] = ()) -> str:
+        """Return the sentence on the values that differ most, without values that other sentences
+        state.
+        """
         if len(self.runs) < _LEAST_RUNS:
             return ""
         if differ_in_end_only(self.runs):
-            return f"{same_case_sentence(self.runs)} {self._largest_differences()}".rstrip()
+            return f"{same_case_sentence(self.runs)} {self._largest_differences(stated)}".rstrip()
         if not self.differs:
             listed = names_in_words([run.name for run in self.runs])
             return f"Nothing differs: cases and results of {listed} are equal."
-        return self._largest_differences()
+        return self._largest_differences(stated)
 
-    def _largest_differences(self) -> str:
+    def _largest_differences(self, stated: Collection[str]) -> str:
         """Return the values that differ most, in a sentence; of finished runs, if there are two."""
         if self.quantities and self.values:
             return sentence(self.values, self.runs, asked=True)
         if self.quantities:
             values = self._values_of_figures
             return sentence(values, self.runs, asked=True) if values else ""
-        finished = [run for run in self.runs if not run.run.is_unfinished]
-        runs = finished if len(finished) >= _LEAST_RUNS else self.runs
-        return sentence(compared_values(runs), runs)
+        runs = self._finished
+        if len(runs) < _LEAST_RUNS:
+            return sentence(compared_values(self.runs), self.runs, stated=stated)
+        return sentence(self._finished_values, runs, stated=stated)
 
     @property
     def protection(self) -> list[str]:
         """Sentences that compare the protection by the runs: force on the bottom, and depth of the
         plastic zone; empty if values were requested, or if nothing differs.
         """
+        return [ranking.sentence for ranking in self._rankings]
+
+    @cached_property
+    def _rankings(self) -> list[Ranking]:
+        """Orders of the runs by their protection."""
         if self.quantities or len(self.runs) < _LEAST_RUNS or not self.differs:
             return []
         if differ_in_end_only(self.runs):
             return []
         names = names_with_cases(self.runs)
-        finished = [place for place, run in enumerate(self.runs) if not run.run.is_unfinished]
-        return protection_sentences(
+        finished = [place for place, run in enumerate(self.runs) if run in self._finished]
+        return protection_rankings(
             [self.runs[place] for place in finished], [names[place] for place in finished]
         )
 

@@ -163,8 +163,7 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
     Parameters
     ----------
     is_ranked
-        True in a comparison, which ranks runs by these forces, and in which the wave may reach the
-        bottom in no run.
+        True in a comparison, which ranks runs by these forces.
     """
     unloaded: list[ComparedRun] = []
     rising: list[ComparedRun] = []
@@ -177,7 +176,7 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
         elif record.rises_at_end:
             rising.append(run)
     notes: list[str] = []
-    if unloaded and not (is_ranked and len(unloaded) == len(runs)):
+    if unloaded:
         listed = _listed(unloaded, _end)
         notes.append(f"{NO_ARRIVAL} before the end of the run: {listed}.")
     if rising:

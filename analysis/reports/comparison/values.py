@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, named, unit_of_value
@@ -258,7 +258,11 @@ def differing_values(values: Iterable[ComparedValue]) -> list[ComparedValue]:
 
 
 def sentence(
-    values: Sequence[ComparedValue], runs: Sequence[ComparedRun], *, asked: bool = False
+    values: Sequence[ComparedValue],
+    runs: Sequence[ComparedRun],
+    *,
+    asked: bool = False,
+    stated: Collection[str] = (),
 ) -> str:
     """Return the value that differs most in a sentence, with both values and the ratio, and
     further values of other kinds in a second sentence.
@@ -269,17 +273,24 @@ def sentence(
     ----------
     asked
         True if the values were requested by name, so that others may differ.
+    stated
+        Names of values that other sentences state.
     """
     compared = [value for value in values if (value.is_complete if asked else value.is_main)]
+    others_stated = any(value.name in stated for value in compared)
+    compared = [value for value in compared if value.name not in stated]
+    other = "other " if others_stated else ""
     different = differing_values(compared)
     is_truncated = any(value.is_truncated for value in values)
     if not different:
+        if others_stated:
+            return ""
         return _without_difference(values, compared, runs, asked=asked)
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
-        results = f"Results {_COMPLETE}" if is_truncated else "Results"
-        return f"{results} {_agreement(largest)}."
+        results = f"{other}results {_COMPLETE}" if is_truncated else f"{other}results"
+        return f"{results[0].upper()}{results[1:]} {_agreement(largest)}."
     with_cases = names_with_cases(runs)
     chosen: list[ComparedValue] = []
     families: set[str] = set()
@@ -291,7 +302,7 @@ def sentence(
     most, *others = [_clause(value, with_cases) for value in chosen]
     if asked:
         return f"The requested values differ most in {'; '.join([most, *others])}."
-    results = f"results {_COMPLETE}" if is_truncated else "main results"
+    results = f"{other}results {_COMPLETE}" if is_truncated else f"{other}main results"
     text = f"The {results} differ most in {most}."
     if not others:
         return text

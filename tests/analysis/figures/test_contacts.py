@@ -14,7 +14,7 @@ import pytest
 from matplotlib.collections import LineCollection, QuadMesh
 
 from granwave.analysis import Result, write_result
-from granwave.analysis.figures import contacts, dissipation, rows
+from granwave.analysis.figures import contacts, dissipation, lines
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.measures.contact_forces import contact_forces, exponential_tail
@@ -272,7 +272,7 @@ def test_captions_explain_what_is_drawn():
     """White cells, pale spheres, the end of an axis, a panel that rigid targets lack."""
     looks = {name: figure.look for name, figure in run_figures().items()}
     assert "White: slower" in looks["line_diagram"]
-    assert pytest.approx(1e-3) == 10**-rows._DECADES_OF_SPEED  # "one thousandth"
+    assert pytest.approx(1e-3) == 10**-lines._DECADES_OF_SPEED  # "one thousandth"
     assert "one thousandth of the largest speed" in looks["line_diagram"]
     for name in ("peak_force_orthogonal", "dissipation_orthogonal"):
         assert "Pale spheres" in looks[name]
@@ -308,7 +308,7 @@ def test_slow_grains_behind_the_front_are_no_gaps(tmp_path):
     place = np.array([0.0, 1.0])
     arrival = np.array([0.0, 1.0])
     motion = LineMotion("axis", np.array([1, 2]), time, place, velocity, arrival, None)
-    image = rows._draw_motion(axes, motion, "viridis")
+    image = lines._draw_motion(axes, motion, "viridis")
     plt.close(axes.figure)
     assert image.get_array().filled(0.0).tolist() == [[1.0, 0.0], [1e-3, 0.5], [0.3, 1e-3]]
 

@@ -366,7 +366,7 @@ def test_report_notes_marks_and_explains(tmp_path, scan):
     report = build([cut, whole, scan], tmp_path)
     told = [note.text for note in notes(report, "short")]
     assert any(
-        "reaches a boundary" in text and "small (bottom, sides)" in text and "large" not in text
+        "reaches a boundary" in text and "bottom, sides (small, " in text and "large" not in text
         for text in told
     )
     assert any(
