@@ -337,8 +337,9 @@ def _counted(state: ContactForces) -> str:
     number = len(state.force)
     if not state.n_left_out:
         return f"{number} contacts"
-    loaded = number + state.n_left_out
-    return f"{number} of {loaded} loaded contacts\n(with at least $10^{{-4}}$ of the largest force)"
+    of_all = number + state.n_left_out
+    kind = "loaded contacts" if state.name == PEAK else "contacts with a force"
+    return f"{number} of {of_all} {kind}\n(with at least $10^{{-4}}$ of the largest force)"
 
 
 def _draw_distribution(axes: Axes, state: ContactForces, relative: Vectors) -> dict[str, ArrayLike]:

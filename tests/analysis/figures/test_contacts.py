@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
+from types import SimpleNamespace
 
 import h5py
 import matplotlib.pyplot as plt
@@ -14,7 +15,7 @@ import pytest
 from matplotlib.collections import LineCollection, QuadMesh
 
 from granwave.analysis import Result, write_result
-from granwave.analysis.figures import contacts, dissipation, lines
+from granwave.analysis.figures import contacts, dissipation, lines, regions
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.measures.contact_forces import contact_forces, exponential_tail
@@ -298,6 +299,27 @@ def test_a_zone_on_the_axis_has_no_radius(tmp_path):
     lower = drawing.figure.axes[1]
     assert len(lower.lines) == 1 and lower.get_ylabel() == "Depth of plastic zone (mm)"
     assert not drawing.columns["radius_m"].any()
+
+
+def test_energy_that_is_not_dissipated_has_its_own_panel(run, monkeypatch):
+    """Its fractions add up to 1 at each instant; parts below a thousandth are not drawn."""
+    time = np.linspace(0.0, 1e-4, 5)
+    lost = np.array([0.0, 0.5, 0.7, 0.8, 0.8])
+    walls = np.full(5, 5e-4)
+    share = {"dissipated": lost, "walls": walls, "0 to 20 mm deep": 1 - lost - walls}
+    energy = SimpleNamespace(time=time, share=share, kinetic_only=False)
+    monkeypatch.setattr(regions, "energy_of_regions", lambda result, parts: energy)
+    monkeypatch.setattr(regions, "usual_regions", lambda result, along: {"0 to 20 mm deep": 0})
+    drawing = drawn(run, "energy_by_region")
+    upper, lower = drawing.figure.axes
+    names = [text.get_text() for text in upper.get_legend().get_texts()]
+    assert names == ["0 to 20 mm deep", "dissipated"]
+    (area,) = lower.collections
+    assert area.get_paths()[0].vertices[:, 1].max() == pytest.approx(1.0, abs=5e-3)
+    assert drawing.columns["walls_over_input"] == pytest.approx(walls)
+    share["dissipated"] = 0.4 * lost
+    share["0 to 20 mm deep"] = 1 - 0.4 * lost - walls
+    assert len(drawn(run, "energy_by_region").figure.axes) == 1
 
 
 def test_slow_grains_behind_the_front_are_no_gaps(tmp_path):
