@@ -155,9 +155,10 @@ def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
     close = sum(one <= _CLOSE for one in off)
     far = sum(one > _FAR for one in off)
     return (
-        f"There are {len(rows)} rows with a value of a source. Of these, {close} differ from it by at "
-        f"most {100 * _CLOSE:g} %, {len(off) - close - far} by {100 * _CLOSE:g} to {100 * _FAR:g} %, "
-        f"and {far} by more. The other {len(rows) - len(off)} rows are bounds, have zero as the "
+        f"There are {len(rows)} rows with a value of a source. Of these, {close} differ from it by "
+        f"at most {100 * _CLOSE:g} %, {len(off) - close - far} by {100 * _CLOSE:g} to "
+        f"{100 * _FAR:g} %, and {far} by more. "
+        f"The other {len(rows) - len(off)} rows are bounds, have zero as the "
         "printed value, or no value of ours."
     )
 

@@ -79,10 +79,15 @@ def ends_in_words(runs: Sequence[ComparedRun]) -> str:
     names: dict[str, list[str]] = {}
     for run in sorted(runs, key=end_of) if len(runs) > _MOST_LISTED else runs:
         names.setdefault(quantity_in(end_of(run), "s"), []).append(run.name)
-    texts = [f"{names_in_words(of_end)} at {end}" for end, of_end in names.items()]
     if len(runs) <= _MOST_LISTED:
-        return ", ".join(texts)
+        return ", ".join(f"{names_in_words(of_end)} at {end}" for end, of_end in names.items())
+    texts = [f"{end} ({_few(of_end)})" for end, of_end in names.items()]
     return f"from {texts[0]} to {texts[-1]}"
+
+
+def _few(names: Sequence[str]) -> str:
+    """Return names, or the number of many runs."""
+    return f"{len(names)} runs" if len(names) > _MOST_LISTED else names_in_words(names)
 
 
 def end_of(run: ComparedRun) -> float:

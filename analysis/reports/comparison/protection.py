@@ -94,9 +94,10 @@ def protection_rankings(runs: Sequence[ComparedRun], names: Sequence[str]) -> li
     Runs with the same input are ordered by the peak force on the bottom, above its static force if
     there is one; others by the peak force relative to the impact without the packing. Runs
     that end before the wave reaches the bottom, or whose force there still rises at the end, are
-    left out. Values that an earlier end of a run truncates are not ranked. The second sentence orders the runs by the interpolated depth of 90 % of the plastic
-    dissipation; it leaves out collisions of two spheres, and zones that reach a boundary or still
-    grow, and there is none with different inputs. The module `definitions` names these runs.
+    left out. Values that an earlier end of a run truncates are not ranked. The second sentence
+    orders the runs by the interpolated depth of 90 % of the plastic dissipation; it leaves out
+    collisions of two spheres, and zones that reach a boundary or still grow, and there is none with
+    different inputs. The module `definitions` names these runs.
 
     Parameters
     ----------

@@ -260,16 +260,16 @@ def test_the_noise_of_a_static_stage_is_no_peak():
 
 def test_a_front_that_begins_to_arrive_has_not_reached_the_bottom():
     """The front of a chain of elastic spheres has no sharp edge: 2.5e-10 N at the end of the run,
-    for 96 N in the chain. A wave that has passed is a wave, however small it is.
+    of a momentum of 1 N s. A wave that has passed is a wave, however small it is.
     """
     time = np.linspace(0.0, 1.0, 11)
     rising = np.where(time > 0.85, 2.5e-10 * time, 0.0)
-    record = Reached(time, rising, rising, contact_force=96.0)
+    record = Reached(time, rising, rising, momentum=1.0)
     assert not record.is_reached
     assert record.dynamic_peak_force == 0.0
     assert record.arrival is None
     passed = 2.5e-10 * np.sin(math.pi * time)
-    assert Reached(time, passed, passed, contact_force=96.0).is_reached
+    assert Reached(time, passed, passed, momentum=1.0).is_reached
 
 
 def test_the_arrival_of_a_force_that_still_rises_is_not_known():
