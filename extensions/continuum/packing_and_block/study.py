@@ -65,8 +65,8 @@ _CAPTIONS = {
     "curve dissipates a larger fraction",
     "plastic_volume": "Volume involved, granular and continuum. At equal dissipated fraction the "
     "higher curve spreads the dissipation over more material",
-    "granular_scaling": "Granular: runs with other diameters, densities, moduli or yield strengths. Where similarity "
-    "holds, all points lie on the curve of the reference on the normalised axis",
+    "granular_scaling": "Granular: runs with other diameters, densities, moduli or yield "
+    "strengths. Where similarity holds, all points lie on the curve of the reference on the normalised axis",
     "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to "
     "the fast impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",
     "loading_area": "Granular: number of impacted spheres. If points differ from the curve of "
