@@ -72,6 +72,7 @@ _POINTS_OF_FIT = 50
 _MARGIN = 1.03  # end of the axis of depths / depth of the last layer
 _MOST_MARKED = 60  # largest number of layers with a marker each
 _FEWEST = 2  # fewest layers and loaded contacts of a course of forces
+_ON_AXIS = 1e-6  # largest distance of centres on the axis of the impact, diameters
 _LETTERS = 36  # most letters of a line of a legend
 _ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipation
 
@@ -181,7 +182,7 @@ def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
 
 def plastic_zone_growth(result: Result) -> Drawing | None:
     """Draw the number of yielded contacts and spheres, and depth and radius of the outermost
-    yielded sphere, against time.
+    yielded sphere, against time; without the radius if all yielded spheres are on the axis.
 
     The title names the boundaries that the zone reaches.
     """
@@ -194,15 +195,16 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
     if cut := cut_of(packing_zone(result)):
         names = bounds_in_words(cut, periodic=result.case.boundary.periodic)
         upper.set_title(f"the zone reaches a boundary: {names}", fontsize=7)
+    extents = {"depth": growth.depth * _MILLI}
+    extent = "Depth of plastic zone (mm)"
+    if growth.radius.max() > _ON_AXIS * result.case.packing.diameter:
+        extents["radius"] = growth.radius * _MILLI
+        extent = "Extent of plastic zone (mm)"
     for axes, quantity, curves in (
         (upper, "Number yielded", {"contacts": growth.contacts, "spheres": growth.spheres}),
-        (
-            lower,
-            "Extent of plastic zone (mm)",
-            {"depth": growth.depth * _MILLI, "radius": growth.radius * _MILLI},
-        ),
+        (lower, extent, extents),
     ):
-        for (name, values), line in zip(curves.items(), ("-", "--"), strict=True):
+        for (name, values), line in zip(curves.items(), ("-", "--"), strict=False):
             axes.step(
                 time * _MICRO,
                 np.concatenate([[0], values, values[-1:]]),
@@ -212,7 +214,8 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
             )
         label(axes, y=quantity)
         axes.set_ylim(bottom=0)
-        axes.legend(loc="lower right")
+        if len(curves) > 1:
+            axes.legend(loc="lower right")
     time_axis(lower, time)
     columns = {"time_s": growth.time, "contacts": growth.contacts, "spheres": growth.spheres}
     return Drawing(figure, columns | {"depth_m": growth.depth, "radius_m": growth.radius})
@@ -243,7 +246,7 @@ def peak_force_depth(result: Result) -> Drawing | None:
     pitch = result.case.packing.diameter * along.directions[0, 2] if n_rays else 0.0
     middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
     figure, axes = panels(3.2)
-    if n_rays > 1 and n_contacts > 1:
+    if n_rays > 1 and _have_lines(along.peak_force):
         arrival = np.interp(middle, depth, peaks.reflection)
         is_first = along.time_peak < arrival[:, None]
         _mark_directions(axes, middle * _MILLI, np.where(is_first, along.peak_force, 0.0) / scale)
@@ -279,6 +282,18 @@ def peak_force_depth(result: Result) -> Drawing | None:
         f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)
     }
     return Drawing(figure, columns)
+
+
+def _have_lines(force: Array) -> bool:
+    """Return True if a second contact of the preferred directions is loaded: in hcp the grains are
+    not on a line beyond the first contact.
+
+    Parameters
+    ----------
+    force
+        Forces, 0 or NaN without contact: (n_contacts, n_directions), N.
+    """
+    return len(force) >= _FEWEST and bool(np.any(force[1] > 0))
 
 
 def _draw_layers(axes: Axes, peaks: LayerPeaks, scale: float) -> None:
@@ -432,9 +447,9 @@ def draw_zone_size(
     distances
         ``depth`` and ``radius`` of the parts, as far as they apply: (n,), m.
     diameter
-        Unit of the axis, m.
+        Diameter of the spheres or of the punch, which the title of the axis gives, m.
     unit
-        Symbol of this unit.
+        Symbol of this diameter.
     bounds
         Distances of the boundaries that the zone reaches, by name, m.
     periodic
@@ -442,14 +457,14 @@ def draw_zone_size(
     """
     if not distances or not np.any(energy > 0):
         return None
-    figure, axes = panels(2.7)
+    figure, axes = panels(2.9)
     columns: dict[str, Sequence[float] | Array] = {}
     reach = 0.0
     for name, values in distances.items():
         colour, line, marker, bound = _STYLES[name]
         place, outside = _outside(values, energy)
         axes.step(
-            place / diameter,
+            place * _MILLI,
             np.maximum(outside, _NOTHING),
             line,
             where="post",
@@ -458,7 +473,7 @@ def draw_zone_size(
         )
         sizes = [extent_holding(values, energy, percent / 100) for percent in SHARES]
         left = [1 - percent / 100 for percent in SHARES]
-        axes.plot(np.array(sizes) / diameter, left, marker, color=colour, markersize=4)
+        axes.plot(np.array(sizes) * _MILLI, left, marker, color=colour, markersize=4)
         beyond = np.flatnonzero(outside > _LEAST)  # all energy is at distance 0
         reach = max(
             reach,
@@ -468,7 +483,7 @@ def draw_zone_size(
             shown = bounds_in_words([bound], periodic=periodic)
             reach = max(reach, bounds[bound])
             axes.axvline(
-                bounds[bound] / diameter,
+                bounds[bound] * _MILLI,
                 color=colour,
                 linestyle=_EDGES[name],
                 linewidth=0.9,
@@ -483,9 +498,10 @@ def draw_zone_size(
         axes.axhline(1 - percent / 100, color=GREY, linestyle=":", linewidth=0.6, zorder=0)
     words = {"depth": "depth", "radius": "distance from the impact axis"}
     title = ", or ".join(words[name] for name in distances)
-    limits = {"xlim": (0, 1.05 * (reach or diameter) / diameter), "ylim": (_LEAST, 1)}
+    limits = {"xlim": (0, 1.05 * (reach or diameter) * _MILLI), "ylim": (_LEAST, 1)}
     outside_of_all = "Plastic dissipation beyond\n/ total plastic dissipation"
-    label(axes, f"{title[:1].upper()}{title[1:]} $/{unit}$", outside_of_all, log="y", **limits)
+    title = f"{title[:1].upper()}{title[1:]} (mm)\n(${unit}$ = {diameter * _MILLI:.4g} mm)"
+    label(axes, title, outside_of_all, log="y", **limits)
     axes.plot([], [], "o", color=GREY, markersize=4, label="contains 50, 90, 99 %")
     legend_above(axes, 2, fontsize=7)  # three columns are wider than the figure
     return Drawing(figure, columns)

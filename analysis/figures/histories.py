@@ -359,8 +359,8 @@ def target_moves(result: Result) -> bool:
 
 
 def target(result: Result) -> Drawing | None:
-    """Draw the force on the bottom against time, the force without the packing, and below them the
-    work on a bottom that moves.
+    """Draw the force on the bottom, which is a target or a wall, against time, the force without
+    the packing, and below them the work on a bottom that moves.
 
     The axis of the forces is logarithmic if their peaks differ by more than a decade. The
     impulse is in the figure of the force on the bottom. None if the bottom does not move and there
@@ -379,7 +379,8 @@ def target(result: Result) -> Drawing | None:
         3.6 if moves else 2.6, rows=1 + moves, sharex=True, height_ratios=(3, 2)[: 1 + moves]
     )
     largest = [float(arrival.force.max())]
-    against_time(force, time, arrival.force, linewidth=0.9, label="on the target")
+    bottom = "target" if target_moves(result) else "bottom"
+    against_time(force, time, arrival.force, linewidth=0.9, label=f"on the {bottom}")
     if arrival.displacement is not None and arrival.ground_force is not None:
         columns |= {"displacement_m": arrival.displacement, "ground_force_N": arrival.ground_force}
         against_time(
@@ -397,7 +398,7 @@ def target(result: Result) -> Drawing | None:
             without.force,
             color=GREY,
             linestyle="--",
-            label="target without packing",
+            label=f"on the {bottom} without packing",
         )
         largest.append(without.peak_force)
     if max(largest) > _FAR_APART * min(largest) > 0:

@@ -141,7 +141,7 @@ def line_diagram(result: Result) -> Drawing | None:
     columns: dict[str, NDArray] = {}
     for axes, motion in zip(stack, motions, strict=True):
         image = _draw_motion(axes, motion, result.figure_options.colour_map or FORCE_MAP)
-        figure.colorbar(image, ax=axes, label="Speed along the line (m/s)")
+        figure.colorbar(image, ax=axes, label="Speed along the line (m/s)", extend="min")
         columns |= _columns_of_motion(motion)
     return Drawing(figure, columns)
 
@@ -155,7 +155,10 @@ def _draw_motion(axes: Axes, motion: LineMotion, colours: str) -> Any:
     rows = slice(None, None, max(1, len(motion.time) // _MOST_COLUMNS))
     places = slice(None, None, max(1, len(motion.place) // _MOST_COLUMNS))
     shown = speed[rows, places]
-    shown = np.where(shown > least, shown, np.nan)
+    # behind the front, grains that are slow for an instant have the lowest colour
+    behind = motion.time[rows, None] >= motion.arrival[places]
+    shown = np.where(behind & (shown > 0), np.maximum(shown, least), shown)
+    shown = np.where(shown >= least, shown, np.nan)
     image = space_time_map(axes, motion.place[places], motion.time[rows], shown, norm, colours)
     left, _ = axes.get_xlim()
     limits = (left, _last_moved(motion, least), 0.0, _last_shown(motion))

@@ -84,8 +84,7 @@ class RunFigure:
 #: Figures of the core: name, function, caption, what to look for; with * on each of the three planes.
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
-     "Bright lines are chains that carry the wave. White: no force. Pale spheres lie behind the "
-     "perpendicular plane."),
+     "Bright lines are chains that carry the wave. White: no force."),
     ("peak_force_depth", dissipation.peak_force_depth,
      "Peak contact force of the first wave against depth, excluding walls; hollow squares: layers "
      "whose force is largest after a reflection from the bottom; of the run under an oscillating "
@@ -93,8 +92,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "A straight line is an exponential decay. Layers are at the depth of their spheres, circles "
      "at the depth of contacts."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
-     "Coloured: the extent of the plastic zone. White: no dissipation. Pale spheres lie behind the "
-     "perpendicular plane."),
+     "Coloured: the extent of the plastic zone. White: no dissipation."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
         "friction and viscous losses",
      "All panels have the same scale: compare the location of yielding, sliding and damping. "
@@ -112,8 +110,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "complete; if they rise, use a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a distance",
-     "The curve reaches 0.1 at the 90 % depth or radius. Yielded spheres beyond the axis "
-     "dissipated less than 1e-5 of the total."),
+     "The curves reach 0.1 at the 90 % depth and radius. The horizontal axis ends where less "
+     "than 1e-5 of the total is beyond."),
     ("energies", histories.energies, "Energies and the error of their balance",
      "When the dissipated energy is constant, the impact is over; the residual is the error of "
      "the balance."),
@@ -173,13 +171,15 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "1e-4 of the largest are left out."),
     ("line_diagram", lines.line_diagram,
      "Speed of a line of grains in space and time, with the front",
-     "The front is the lower edge of the colours, straight at a constant speed. White: slower than "
-     "one thousandth of the largest speed."),
+     "The lower edge of the colours is the front. White: slower than one thousandth of the largest "
+     "speed before the front arrives."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
      "The delay between the curves gives the speed of the wave, and their heights give its decay."),
     ("energy_by_region", regions.energy_by_region, "Energy in regions of the packing",
      "A region gains energy when its area grows; the sum of all areas is the energy input."),
 )  # fmt: skip
+#: End of the text of sections through the perpendicular plane, which alone have such spheres.
+_BEHIND = {"orthogonal": "Pale spheres lie behind the plane."}
 _PLANES = {
     "principal": "principal plane",
     "orthogonal": "perpendicular plane",
@@ -206,7 +206,9 @@ _NEEDS = {
     "line_decay": "a run with [[line]]",
     "line_speeds": "a run with [[line]]",
     "force_at_depths": "a run with output.contact_forces = true, or a chain",
-    "target": "a target below the packing",
+    "contact_network": "a packing; along_chain shows the forces of a chain",
+    "force_distribution": "a packing with at least ten loaded contacts",
+    "target": "a force on a bottom that moves, or that the load could also hit without the packing",
     "transmission": "a load that oscillates",
 }
 
@@ -231,7 +233,11 @@ def _figures() -> Iterator[tuple[str, RunFigure]]:
         for plane, where in _PLANES.items():
             yield (
                 name.replace("*", plane),
-                RunFigure(f"{caption}, {where}", partial(function, name=plane), look),
+                RunFigure(
+                    f"{caption}, {where}",
+                    partial(function, name=plane),
+                    f"{look} {_BEHIND.get(plane, '')}".rstrip(),
+                ),
             )
 
 

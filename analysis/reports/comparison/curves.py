@@ -30,6 +30,7 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 FORMS = ("kinetic", "elastic", "dissipated")  # forms of energy, in the order of their panels
 _LEAST_LAYERS = 2  # fewest layers of a curve
+_LEAST_YIELDED = 3  # fewest yielded spheres of a zone that grows
 _STATIC_LOAD = "precompression"  # beginning of the keys of a static load
 
 
@@ -65,6 +66,8 @@ class PeaksByDepth:
     later
         Depths of the layers of a packing whose largest force occurred when the reflection from the
         base may have arrived, m.
+    after_gap
+        True for layers that follow a layer that is left out, (n_layers,); None without such layers.
     """
 
     depth: Array
@@ -76,11 +79,20 @@ class PeaksByDepth:
     of_first_wave: bool = False
     is_chain: bool = False
     later: Array = field(default_factory=lambda: np.empty(0))
+    after_gap: NDArray[np.bool_] | None = None
 
     @property
     def is_later(self) -> NDArray[np.bool_]:
         """True for layers in `later`: (n_layers,)."""
         return np.isin(self.depth, self.later)
+
+    def with_gaps(self, values: Array) -> Array:
+        """Return values of the layers with NaN where layers are left out, so that no line joins the
+        layers on both sides.
+        """
+        if self.after_gap is None:
+            return values
+        return np.insert(values, np.flatnonzero(self.after_gap), np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +212,14 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
         of_first_wave=peaks.of_first_wave,
         is_chain=is_chain,
         later=peaks.depth[peaks.is_later],
+        after_gap=_after_gap(shown),
     )
+
+
+def _after_gap(shown: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return True for shown layers that follow a layer that is not shown: (n_shown,)."""
+    places = np.flatnonzero(shown)
+    return np.diff(places, prepend=places[:1] - 1) > 1
 
 
 def dissipation_by_depth(run: ComparedRun) -> SampledCurve:
@@ -220,6 +239,8 @@ def growth(run: ComparedRun) -> GrowthCurves:
         if not result["contacts/yielded"].any():
             raise LackingError("no contact of two spheres yielded")
         zone = zone_growth(result)
+        if int(zone.spheres[-1]) < _LEAST_YIELDED:
+            raise LackingError("fewer than three spheres yielded")
         end = float(result["energy/time"][-1])
     time = np.concatenate([[0.0], zone.time, [end]])
     spheres = np.concatenate([[0], zone.spheres, zone.spheres[-1:]]).astype(np.float64)

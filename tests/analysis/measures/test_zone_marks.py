@@ -354,7 +354,7 @@ def test_boundaries_at_one_distance_are_both_seen():
     assert drawing is not None
     lines = drawing.figure.axes[0].lines
     edges = [line for line in lines if str(line.get_label()).startswith("zone reaches")]
-    assert [line.get_xdata()[0] for line in edges] == [3.0, 3.0]
+    assert [line.get_xdata()[0] for line in edges] == [3000.0, 3000.0]
     (first, dashes), (second, others) = (line._unscaled_dash_pattern for line in edges)
     assert tuple(dashes) == tuple(others) and second - first == dashes[0] == dashes[1]
     assert edges[0].get_color() != edges[1].get_color()

@@ -148,6 +148,7 @@ def log_if_wide(*panels_of_figure: Axes) -> None:
     """
     lines = list(chain.from_iterable(axes.lines for axes in panels_of_figure))
     values = np.concatenate([np.asarray(line.get_ydata()) for line in lines] or [np.ones(1)])
+    values = values[np.isfinite(values)]
     is_wide = len(values) and values.max() > _WIDE * values.min()
     positive = values[values > 0]
     for axes in panels_of_figure:

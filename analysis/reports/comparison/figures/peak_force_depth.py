@@ -44,7 +44,8 @@ def draw_peaks(
 ) -> Drawing:
     """Draw the largest and median peak force of each layer against depth, with the fits.
 
-    If each layer is one sphere, as in a chain, there is no panel of the median.
+    If each layer is one sphere, as in a chain, there is no panel of the median. Lines have gaps
+    where layers are left out.
     """
     has_layers = any((one.largest != one.median).any() for one in peaks.values())
     n_panels = 1 + has_layers
@@ -53,16 +54,16 @@ def draw_peaks(
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(peaks)).items():
         one = peaks[run]
-        depth = one.depth * _MILLI
-        is_first = ~one.is_later
-        upper.plot(depth[is_first], one.largest[is_first], **run_markers(run, depth), **look)
+        depth = one.with_gaps(one.depth) * _MILLI
+        first = one.with_gaps(np.where(one.is_later, np.nan, one.largest))
+        upper.plot(depth, first, **run_markers(run, depth), **look)
         if one.is_later.any():
             later: dict[str, Any] = look | {"linestyle": "", "label": "_later"}
-            later |= run_markers(run, depth[one.is_later][:1])
-            upper.plot(depth[one.is_later], one.largest[one.is_later], **later)
+            later |= run_markers(run, depth[:1])
+            upper.plot(one.depth[one.is_later] * _MILLI, one.largest[one.is_later], **later)
         for lower in others:
-            is_loaded = _has_median(one)
-            lower.plot(depth[is_loaded], one.median[is_loaded], **run_markers(run, depth), **look)
+            median = one.with_gaps(np.where(_has_median(one), one.median, np.nan))
+            lower.plot(depth, median, **run_markers(run, depth), **look)
         if run in fits:
             decay = fits[run]
             ends = np.linspace(decay.first, decay.last, _POINTS_OF_FIT)
