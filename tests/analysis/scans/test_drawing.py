@@ -16,7 +16,7 @@ from pandas import DataFrame, concat
 
 from granwave.analysis.figures.scales import plain_powers
 from granwave.analysis.figures.style import style
-from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
+from granwave.analysis.scans.drawing import _scale_abscissae, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.figures import draw_scan_figures, drawings
 from granwave.analysis.scans.keys import key_of, means_of
 from granwave.analysis.scans.result import ScanResult
@@ -312,3 +312,22 @@ def test_points_of_categories_are_not_joined(tmp_path):
     ]
     figure = drawings(ScanResult(write_scan(tmp_path, points)))["peak_force_vs_packing_size"].figure
     assert figure.axes[0].lines[0].get_linestyle() == "None"
+
+
+@pytest.mark.parametrize(
+    ("places", "ticks"),
+    [([0, 10, 50], [0, 10, 50]), ([0.0, 0.1, 0.25], [0.0, 0.1, 0.25])],
+)
+def test_few_values_of_a_key_have_the_ticks(places, ticks):
+    axes = Figure().subplots()
+    axes.set_xlim(places[0], places[-1])
+    _scale_abscissae(axes, np.array(places), chosen=True)
+    assert axes.get_xticks().tolist() == ticks
+
+
+def test_crowded_values_of_a_key_have_round_ticks():
+    places = np.array([0, 1, 2, 3, 100])
+    axes = Figure().subplots()
+    axes.set_xlim(0, 100)
+    _scale_abscissae(axes, places, chosen=True)
+    assert 1 not in axes.get_xticks()

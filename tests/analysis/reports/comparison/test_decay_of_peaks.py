@@ -12,7 +12,8 @@ from granwave.analysis.measures.force_decay import (
     exponential_of_depth,
     power_decay,
 )
-from granwave.analysis.reports.comparison.curves import PeaksByDepth, front
+from granwave.analysis.reports.comparison.curves import PeaksByDepth, _after_gap, front
+from granwave.analysis.reports.comparison.fields import _tick_label, _ticks
 from granwave.analysis.reports.comparison.figures.peak_force_depth import (
     common_fits,
     decay_notes,
@@ -45,6 +46,28 @@ def test_error_of_the_decay():
     errors = np.array([fit.error for fit in fits])
     assert exponents.mean() == pytest.approx(2.0, abs=4 * exponents.std() / np.sqrt(300))
     assert np.sqrt(np.mean(errors**2)) == pytest.approx(exponents.std(), rel=0.15)
+
+
+def test_lines_have_gaps_where_beads_are_left_out(place):
+    """No line joins the beads before and behind those whose force is not known."""
+    run = compared(place, "chain", "mixed").runs[0]
+    depth = np.array([0.0, 1.0, 4.0, 5.0])
+    is_after = _after_gap(np.array([True, True, False, False, True, True]))
+    assert is_after.tolist() == [False, False, True, False]
+    peaks = PeaksByDepth(depth, 9.0 - depth, 9.0 - depth, None, no_decay="none", after_gap=is_after)
+    with style():
+        line = draw_peaks({run: peaks}, []).figure.axes[0].lines[0]
+    assert np.isnan(line.get_ydata()).tolist() == [False, False, True, False, False]
+    assert line.get_ydata()[3:].tolist() == [5.0, 4.0]
+
+
+def test_ends_of_the_scale_of_differences_have_labels():
+    ticks = _ticks(740.0)
+    assert ticks == [-740.0, -100.0, -10.0, 0.0, 10.0, 100.0, 740.0]
+    minus = "\N{MINUS SIGN}"
+    labels = [_tick_label(tick, 740.0) for tick in ticks]
+    assert labels == [f"{minus}740", f"{minus}100", f"{minus}10", "0", "10", "100", "740"]
+    assert _ticks(110.0) == [-110.0, -10.0, 0.0, 10.0, 110.0]
 
 
 def test_runs_without_a_fitted_decay_are_named(place):
