@@ -511,7 +511,8 @@ def _measured_curve(path: Any, name: str, shift: float, scale: float) -> Measure
         raise InputError(
             f"--as: found {name}, which cannot be compared with a measured curve; {hint}"
         )
-    return read_measured(path, units, shift=shift, scale=scale)
+    has_peak = FIGURES[name].has_peak
+    return read_measured(path, units, shift=shift, scale=scale, has_peak=has_peak)
 
 
 def _units_of(name: str) -> tuple[str, str]:

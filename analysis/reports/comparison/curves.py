@@ -107,11 +107,11 @@ def bottom_record(run: ComparedRun) -> Reached | None:
 
 
 def has_peak_at_bottom(run: ComparedRun) -> bool:
-    """Return False if the wave does not reach the bottom, or the force there is largest at the end
-    of a run; True without a record.
+    """Return False if the wave does not reach the bottom, the force there is largest at the end of
+    a run, or a later pulse may be larger; True without a record.
     """
     record = bottom_record(run)
-    return record is None or (record.is_reached and not record.rises_at_end)
+    return record is None or record.has_known_peak
 
 
 def has_static_load(run: ComparedRun) -> bool:

@@ -4,10 +4,11 @@ of a run limits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.measures.target import Reached
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
 from granwave.analysis.reports.comparison.ends import GROWING
@@ -30,7 +31,8 @@ _MOST_LISTED = 4  # runs that a sentence lists
 GROWING_ZONE = "The plastic zone still grows"
 NO_ARRIVAL = "The wave does not reach the bottom"
 RISING_FORCE = "The force on the bottom is largest"
-OF_THE_END = (GROWING_ZONE, NO_ARRIVAL, RISING_FORCE)
+LATE_PULSE = "Less than 80 % of the impact's momentum has reached the bottom"
+OF_THE_END = (GROWING_ZONE, NO_ARRIVAL, RISING_FORCE, LATE_PULSE)
 
 
 def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> list[str]:
@@ -135,8 +137,8 @@ def _cut_zones(runs: Sequence[ComparedRun]) -> list[str]:
         return []
     listed = _listed(cut, lambda run: _joined(run, "zone_cut"))
     return [
-        f"The plastic zone reaches a boundary, which limits its size: {listed}. Limited zones "
-        "are not ranked by their depth, and their sizes and counts have no ratio."
+        f"The plastic zone reaches a boundary, which limits its size: {listed}. The depths of "
+        "these zones are not ranked, and their sizes and counts have no ratio."
     ]
 
 
@@ -152,8 +154,7 @@ def _growing_zones(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]
     if not growing:
         return []
     listed = _listed(growing, lambda run: _joined(run, GROWING))
-    unranked = is_ranked and any("depth" in run.run.summary[GROWING] for run in growing)
-    more = " Depths that still grow are not ranked." if unranked else ""
+    more = " Its growing sizes are not ranked and have no ratio." if is_ranked else ""
     return [f"{GROWING_ZONE} at the end of the run: {listed}.{more}"]
 
 
@@ -168,6 +169,7 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
     """
     unloaded: list[ComparedRun] = []
     rising: list[ComparedRun] = []
+    late: dict[ComparedRun, Reached] = {}
     for run in runs:
         record = bottom_record(run)
         if record is None:
@@ -176,7 +178,9 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
             unloaded.append(run)
         elif record.rises_at_end:
             rising.append(run)
-    notes: list[str] = []
+        elif record.awaits_momentum:
+            late[run] = record
+    notes = [_late_pulses(late, is_ranked=is_ranked)] if late else []
     if unloaded and not (is_ranked and len(unloaded) == len(runs)):
         listed = _listed(unloaded, _end)
         notes.append(f"{NO_ARRIVAL} before the end of the run: {listed}.")
@@ -189,6 +193,16 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
             f"{unknown[0].upper()}{unknown[1:]}."
         )
     return notes
+
+
+def _late_pulses(records: Mapping[ComparedRun, Reached], *, is_ranked: bool) -> str:
+    """Return a sentence on runs after whose end a larger force on the bottom may follow."""
+    percent = {run: 100 * (record.arrived_momentum or 0.0) for run, record in records.items()}
+    listed = _listed(list(records), lambda run: f"{percent[run]:.2g} %")
+    more = " Forces on the bottom of these runs are not ranked." if is_ranked else ""
+    return (
+        f"{LATE_PULSE} by the end of the run, so that a later pulse may be larger: {listed}.{more}"
+    )
 
 
 def _without_force(runs: Sequence[ComparedRun]) -> list[str]:

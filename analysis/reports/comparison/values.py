@@ -13,6 +13,7 @@ from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
+    growing_names,
     have_unlike_ends,
     limited_names,
     truncated_names,
@@ -66,11 +67,15 @@ _ROUNDING = 1e-12  # value / largest value of the runs that counts as zero
 _SAME = 1e-9  # relative difference of values that are equal
 _NO_FRACTION = 1e-3  # fraction that counts as zero next to zero
 _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
-#: In place of the ratio of a value that the end of a run truncates, or that a boundary limits.
+#: In place of the ratio of a value that the end of a run truncates, that still grows at this end,
+#: or that a boundary limits.
 TRUNCATED = "truncated"
+STILL_GROWING = "still growing"
+NOT_COMPARED = "Not compared, since they depend on the end of the shorter run"
 LIMITED = "limited"
 _IN_SENTENCE = 3
-_COMPLETE = "that every run completes"  # follows "results"
+_ALL_COMPLETE = "that are complete in every run"  # follows "results"
+_COMPLETE = "that is complete in every run"  # follows "result"
 _MOST_LABELS = 6  # truncated values that a sentence lists
 _MOST_NAMED = 4  # runs with an equal value that a sentence lists
 _IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
@@ -98,6 +103,8 @@ class ComparedValue:
     is_limited
         True for a size of plastic zones of which a boundary limits at least one, so that it has no
         ratio.
+    is_growing
+        True for a truncated value if it still grows at the end of a run.
     is_of_input
         True for an energy in J of runs with different inputs, which a fraction describes better.
     """
@@ -108,6 +115,7 @@ class ComparedValue:
     unit: str
     is_truncated: bool = False
     is_limited: bool = False
+    is_growing: bool = False
     is_of_input: bool = False
 
     @property
@@ -126,7 +134,7 @@ class ComparedValue:
         smallest magnitude.
 
         None for a single run, if a run has no value or the value zero, or if the value is
-        truncated or limited.
+        truncated, still grows or is limited.
         """
         if self.without_ratio or None in self.values or not all(self.numbers):
             return None
@@ -139,15 +147,19 @@ class ComparedValue:
 
     @property
     def without_ratio(self) -> str:
-        """Word in place of the ratio of a value that is truncated or limited; empty otherwise."""
-        if self.is_truncated:
+        """Words in place of the ratio of a value that is truncated, still grows or is limited;
+        empty otherwise.
+        """
+        if self.is_truncated and not self.is_growing:
             return TRUNCATED
-        return LIMITED if self.is_limited else ""
+        if self.is_limited:
+            return LIMITED
+        return STILL_GROWING if self.is_growing else ""
 
     @property
     def is_complete(self) -> bool:
-        """True for a value that every run has, and that neither the end of a run truncates nor a
-        boundary limits.
+        """True for a value that every run has, and that neither the end of a run nor a boundary
+        limits.
         """
         return not self.without_ratio and None not in self.values
 
@@ -196,8 +208,15 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
     wanted = asked or _outcomes(runs)
     truncated = truncated_names(wanted, runs)
     limited = limited_names(wanted, runs)
+    growing = growing_names(wanted, runs) - truncated
     values = [
-        _value(name, runs, is_truncated=name in truncated, is_limited=name in limited)
+        _value(
+            name,
+            runs,
+            is_truncated=name in truncated | growing,
+            is_limited=name in limited,
+            is_growing=name in growing,
+        )
         for name in wanted
     ]
     if asked:
@@ -272,13 +291,13 @@ def sentence(
     """
     compared = [value for value in values if (value.is_complete if asked else value.is_main)]
     different = differing_values(compared)
-    is_truncated = any(value.is_truncated for value in values)
+    is_truncated = any(value.is_truncated and not value.is_growing for value in values)
     if not different:
         return _without_difference(values, compared, runs, asked=asked)
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
-        results = f"Results {_COMPLETE}" if is_truncated else "Results"
+        results = f"Results {_ALL_COMPLETE}" if is_truncated else "Results"
         return f"{results} {_agreement(largest)}."
     with_cases = names_with_cases(runs)
     chosen: list[ComparedValue] = []
@@ -291,11 +310,12 @@ def sentence(
     most, *others = [_clause(value, with_cases) for value in chosen]
     if asked:
         return f"The requested values differ most in {'; '.join([most, *others])}."
-    results = f"results {_COMPLETE}" if is_truncated else "main results"
-    text = f"The {results} differ most in {most}."
+    text = f"The main results differ most in {most}."
+    if is_truncated:
+        text = f"Of the results {_ALL_COMPLETE}, the largest difference is in {most}."
     if not others:
         return text
-    return f"{text} Largest differences of other kinds of results: {'; '.join(others)}."
+    return f"{text} Further large differences: {'; '.join(others)}."
 
 
 def _agreement(value: ComparedValue) -> str:
@@ -320,17 +340,19 @@ def _without_difference(
     """Return the sentence on runs whose compared values are equal, or that have none."""
     end = "an earlier end" if have_unlike_ends(runs) else "the end of a run"
     names = names_in_words([run.name for run in runs])
-    is_truncated = any(value.is_truncated for value in values)
-    is_limited = any(value.is_limited for value in values)
-    if (is_truncated or is_limited) and not compared:
+    is_truncated = any(value.is_truncated and not value.is_growing for value in values)
+    reasons = [f"{end} truncates it"] if is_truncated else []
+    if any(value.is_growing for value in values):
+        reasons.append("it still grows at the end of a run")
+    if any(value.is_limited for value in values):
+        reasons.append("a boundary limits the plastic zone")
+    if reasons and not compared:
         which = "requested value" if asked else "result"
-        reasons = [f"{end} truncates it"] if is_truncated else []
-        if is_limited:
-            reasons.append("a boundary limits the plastic zone")
         return f"No {which} is complete in {names}: {', or '.join(reasons)}."
     if asked:
         return f"The requested values do not differ between {names}, or a run lacks them."
-    result = f"result {_COMPLETE}" if is_truncated else "result"
+    has_truncated = any(value.is_truncated for value in values)
+    result = f"result {_COMPLETE}" if has_truncated else "result"
     return f"No {result} differs between {names}."
 
 
@@ -339,10 +361,7 @@ def truncation_note(values: Sequence[ComparedValue]) -> str:
     labels = [_in_sentence(value.label) for value in values if value.is_truncated]
     if not labels:
         return ""
-    return (
-        f"Truncated by the earlier end, or at an arbitrary instant, and therefore not compared: "
-        f"{named(labels, _MOST_LABELS)}."
-    )
+    return f"{NOT_COMPARED}: {named(labels, _MOST_LABELS)}."
 
 
 def factor(ratio: float) -> str:
@@ -405,6 +424,7 @@ def _value(
     *,
     is_truncated: bool = False,
     is_limited: bool = False,
+    is_growing: bool = False,
 ) -> ComparedValue:
     numbers = [_number(name, run) for run in runs]
     finite = [None if value is None or not math.isfinite(value) else value for value in numbers]
@@ -417,7 +437,14 @@ def _value(
     unit = unit_of_value(name)
     is_of_input = unit == _JOULE and not have_same_input(runs)
     return ComparedValue(
-        name, tuple(values), label_of(name, called), unit, is_truncated, is_limited, is_of_input
+        name,
+        tuple(values),
+        label_of(name, called),
+        unit,
+        is_truncated=is_truncated,
+        is_limited=is_limited,
+        is_growing=is_growing,
+        is_of_input=is_of_input,
     )
 
 

@@ -98,7 +98,7 @@ def test_boundaries_that_zones_reach_are_grouped(tmp_path):
     reached = {"a": ["bottom"], "b": ["bottom", "sides"], "c": ["bottom"]}
     runs = [write_run(tmp_path / n, figures=False, zone_cut=cut) for n, cut in reached.items()]
     notes = " ".join(compare_runs(read_inputs(runs, tmp_path).runs).notes)
-    assert "which limits its size: bottom in a, c; bottom and sides in b. Limited" in notes
+    assert "which limits its size: bottom in a, c; bottom and sides in b. The depths" in notes
 
 
 def test_zeros_and_signs_come_first(tmp_path):
