@@ -7,6 +7,8 @@ from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
@@ -304,8 +306,16 @@ class Comparison:
                 name for name in self.wanted_figures if isinstance(self.drawing(name), Drawing)
             )
 
-    def figure(self, name: str) -> Axes | list[Axes]:
+    def figure(self, name: str, ax: Axes | Sequence[Axes] | None = None) -> Axes | list[Axes]:
         """Draw a figure for further editing; it is not saved.
+
+        Parameters
+        ----------
+        name
+            Name of the figure.
+        ax
+            Axes to draw into; of a figure of several panels a list of axes. By default a new
+            figure.
 
         Returns
         -------
@@ -316,12 +326,17 @@ class Comparison:
         ------
         MissingDataError
             There is no figure of this name, or no run has its data.
+        InputError
+            The axes do not suit the panels.
         """
         from granwave.analysis.figures.series import draw_axes, no_figure
 
         if name not in FIGURES:
             raise no_figure("comparison", name, FIGURES)
-        axes = draw_axes(lambda: self._draw(name))
+        into: list[Axes] = []
+        if ax is not None:
+            into = list(np.ravel(np.array(ax, dtype=object)))
+        axes = draw_axes(lambda: self._draw(name), into=into)
         if axes is None:
             lacking = self.data(name).lacking
             reasons = [f"{run.name}: {why}" for run, why in lacking.items()]

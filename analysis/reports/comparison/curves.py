@@ -97,6 +97,15 @@ def force_at_bottom(run: ComparedRun) -> SampledCurve:
         return SampledCurve(record.time, record.force)
 
 
+def drawn_force_at_bottom(run: ComparedRun) -> SampledCurve:
+    """Return the force on the bottom against time, s, N, of a run whose wave reaches the bottom."""
+    curve = force_at_bottom(run)
+    record = bottom_record(run)
+    if record is not None and not record.is_reached:
+        raise LackingError("the wave does not reach its bottom before its end")
+    return curve
+
+
 def bottom_record(run: ComparedRun) -> Reached | None:
     """Return the record of the force on the bottom of a run; None without one."""
     try:

@@ -154,7 +154,7 @@ def _growing_zones(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]
     if not growing:
         return []
     listed = _listed(growing, lambda run: _joined(run, GROWING))
-    more = " Its growing sizes are not ranked and have no ratio." if is_ranked else ""
+    more = " Sizes that still grow are not ranked and have no ratio." if is_ranked else ""
     return [f"{GROWING_ZONE} at the end of the run: {listed}.{more}"]
 
 

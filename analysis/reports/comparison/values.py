@@ -71,7 +71,7 @@ _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next 
 #: or that a boundary limits.
 TRUNCATED = "truncated"
 STILL_GROWING = "still growing"
-NOT_COMPARED = "Not compared, since they depend on the end of the shorter run"
+NOT_COMPARED = "Not compared, since they depend on the end time of a run"
 LIMITED = "limited"
 _IN_SENTENCE = 3
 _ALL_COMPLETE = "that are complete in every run"  # follows "results"
@@ -358,7 +358,8 @@ def _without_difference(
 
 def truncation_note(values: Sequence[ComparedValue]) -> str:
     """Return a sentence on values that an earlier end truncates; empty if there are none."""
-    labels = [_in_sentence(value.label) for value in values if value.is_truncated]
+    truncated = [value for value in values if value.is_truncated and not value.is_growing]
+    labels = [_in_sentence(value.label) for value in truncated]
     if not labels:
         return ""
     return f"{NOT_COMPARED}: {named(labels, _MOST_LABELS)}."
