@@ -35,7 +35,10 @@ from granwave.analysis.reports.comparison.measured import (
     unit_notes,
     unranked_reasons,
 )
-from granwave.analysis.reports.comparison.protection import protection_sentences
+from granwave.analysis.reports.comparison.protection import (
+    protection_sentences,
+    stated_values,
+)
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     by_reason,
@@ -155,7 +158,8 @@ class Comparison:
         """Sentences in their order on a page: on a measured curve, the protection, and the values
         that differ most.
         """
-        paragraphs = [*self.measured_sentences, *self.protection, self.difference_sentence]
+        stated = stated_values(self.runs) if self.protection else set[str]()
+        paragraphs = [*self.measured_sentences, *self.protection, self._difference(stated)]
         return [text for text in paragraphs if text]
 
     @cached_property
@@ -177,16 +181,22 @@ class Comparison:
         """The values that differ most, in a sentence; empty for a single run, and if only figures
         without such values were requested.
         """
+        return self._difference()
+
+    def _difference(self, stated: Collection[str] = ()) -> str:
+        """Return the values that differ most, in a sentence, without values that other sentences
+        state.
+        """
         if len(self.runs) < _LEAST_RUNS:
             return ""
         if differ_in_end_only(self.runs):
-            return f"{same_case_sentence(self.runs)} {self._largest_differences()}".rstrip()
+            return f"{same_case_sentence(self.runs)} {self._largest_differences(stated)}".rstrip()
         if not self.differs:
             listed = names_in_words([run.name for run in self.runs])
             return f"Nothing differs: cases and results of {listed} are equal."
-        return self._largest_differences()
+        return self._largest_differences(stated)
 
-    def _largest_differences(self) -> str:
+    def _largest_differences(self, stated: Collection[str]) -> str:
         """Return the values that differ most, in a sentence; of finished runs, if there are two."""
         if self.quantities and self.values:
             return sentence(self.values, self.runs, asked=True)
@@ -195,7 +205,7 @@ class Comparison:
             return sentence(values, self.runs, asked=True) if values else ""
         finished = [run for run in self.runs if not run.run.is_unfinished]
         runs = finished if len(finished) >= _LEAST_RUNS else self.runs
-        return sentence(compared_values(runs), runs)
+        return sentence(compared_values(runs), runs, stated=stated)
 
     @property
     def protection(self) -> list[str]:

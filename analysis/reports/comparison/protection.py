@@ -19,6 +19,7 @@ from granwave.analysis.reports.comparison.subjects import ComparedRun, names_in_
 from granwave.analysis.reports.setting import target_of
 
 _FORCE = "wall_peak_force_N"
+_DYNAMIC_FORCE = "wall_dynamic_peak_force_N"
 _REDUCTION = "peak_reduction"
 _SPHERES = "n_spheres"
 _DEPTH = "zone_depth_90_interpolated_m"
@@ -62,6 +63,15 @@ class _Phrase:
     times: str
     of_two: str
     of_more: str
+
+
+def stated_values(runs: Sequence[ComparedRun]) -> set[str]:
+    """Return the values of which the sentences on protection, if there are any, state the order of
+    the runs: with different inputs only the reduction of the peak force.
+    """
+    if have_same_input(runs):
+        return {_FORCE, _DYNAMIC_FORCE, _REDUCTION, _DEPTH}
+    return {_REDUCTION}
 
 
 def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, named, unit_of_value
@@ -42,13 +42,10 @@ _OF_ONE_KIND = (
     "impactor_velocity_m_s",
 )  # fmt: skip
 #: Values that are left out where they equal another value in every run.
-_REPEATED = {
-    "ground_peak_force_N": "wall_peak_force_N",
-    "target_peak_force_N": "wall_peak_force_N",
-    "peak_force_with_walls_N": "peak_force_N",
-    "plastic_fraction": "dissipated_fraction",
-    "ground_peak_reduction": "peak_reduction",
-}
+_REPEATING = (
+    "ground_peak_force_N", "target_peak_force_N", "peak_force_with_walls_N", "plastic_fraction",
+    "ground_peak_reduction",
+)  # fmt: skip
 #: Beginnings of the names of similar values; a sentence has only one of each.
 _FAMILIES = (
     ("plastic_fraction", "dissipated_fraction", "energy_dissipated"),
@@ -201,8 +198,8 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
     """Return the values of the runs: the requested values, or all results, the most different
     first: values that are zero in one run, or have different signs, and then by their ratio.
 
-    Values that are zero in every run, or repeat another value, such as the force on the ground
-    below a bottom at rest, are omitted unless they are requested by name.
+    Values that are zero in every run, or equal another value in every run, such as the force on
+    the ground below a bottom at rest, are omitted unless they are requested by name.
     """
     asked = list(names)
     wanted = asked or _outcomes(runs)
@@ -221,18 +218,24 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
     ]
     if asked:
         return values
-    by_name = {value.name: value.values for value in values}
-    shown = [
-        value
-        for value in values
-        if len(value.numbers) > 1 and not value.is_zero and not _repeats(value, by_name)
-    ]
-    return sorted(shown, key=_rank)
+    shown = [value for value in values if len(value.numbers) > 1 and not value.is_zero]
+    return sorted(_without_repetitions(shown), key=_rank)
 
 
-def _repeats(value: ComparedValue, by_name: Mapping[str, tuple[float | None, ...]]) -> bool:
-    """Return True for a value that equals the value that it may repeat in every run."""
-    return by_name.get(_REPEATED.get(value.name, "")) == value.values
+def _without_repetitions(values: Sequence[ComparedValue]) -> list[ComparedValue]:
+    """Return the values, of equal values of one unit only one: a complete value before a value
+    without a ratio, and others before the values of `_REPEATING`.
+    """
+    kept: dict[tuple[str, tuple[str, ...]], ComparedValue] = {}
+    for value in sorted(values, key=lambda one: (bool(one.without_ratio), one.name in _REPEATING)):
+        kept.setdefault((value.unit, tuple(map(_digits, value.values))), value)
+    names = {value.name for value in kept.values()}
+    return [value for value in values if value.name in names]
+
+
+def _digits(number: float | None) -> str:
+    """Return a number with as many digits as equal values have."""
+    return "" if number is None else f"{number:.9e}"
 
 
 def shown_values(
@@ -277,7 +280,11 @@ def differing_values(values: Iterable[ComparedValue]) -> list[ComparedValue]:
 
 
 def sentence(
-    values: Sequence[ComparedValue], runs: Sequence[ComparedRun], *, asked: bool = False
+    values: Sequence[ComparedValue],
+    runs: Sequence[ComparedRun],
+    *,
+    asked: bool = False,
+    stated: Collection[str] = (),
 ) -> str:
     """Return the value that differs most in a sentence, with both values and the ratio, and
     further values of other kinds in a second sentence.
@@ -288,34 +295,42 @@ def sentence(
     ----------
     asked
         True if the values were requested by name, so that others may differ.
+    stated
+        Names of values that sentences before it state, and that it omits; it is empty if no other
+        values differ.
     """
     compared = [value for value in values if (value.is_complete if asked else value.is_main)]
     different = differing_values(compared)
-    is_truncated = any(value.is_truncated and not value.is_growing for value in values)
     if not different:
         return _without_difference(values, compared, runs, asked=asked)
+    is_truncated = any(value.is_truncated and not value.is_growing for value in values)
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
         results = f"Results {_ALL_COMPLETE}" if is_truncated else "Results"
         return f"{results} {_agreement(largest)}."
-    with_cases = names_with_cases(runs)
-    chosen: list[ComparedValue] = []
-    families: set[str] = set()
-    for value in distinct:
-        family = _family(value.name)
-        if family not in families and len(chosen) < _IN_SENTENCE:
-            families.add(family)
-            chosen.append(value)
-    most, *others = [_clause(value, with_cases) for value in chosen]
+    most, *others = [_clause(value, names_with_cases(runs)) for value in _of_families(distinct)]
     if asked:
         return f"The requested values differ most in {'; '.join([most, *others])}."
+    unstated = [value for value in distinct if value.name not in stated]
+    if len(unstated) < len(distinct):
+        clauses = [_clause(value, names_with_cases(runs)) for value in _of_families(unstated)]
+        complete = f" between results {_ALL_COMPLETE}" if is_truncated else ""
+        return f"Further differences{complete}: {'; '.join(clauses)}." if clauses else ""
     text = f"The main results differ most in {most}."
     if is_truncated:
         text = f"Of the results {_ALL_COMPLETE}, the largest difference is in {most}."
     if not others:
         return text
-    return f"{text} Further large differences: {'; '.join(others)}."
+    return f"{text} Further differences: {'; '.join(others)}."
+
+
+def _of_families(values: Sequence[ComparedValue]) -> list[ComparedValue]:
+    """Return the first values of different families, as many as a sentence lists."""
+    chosen: dict[str, ComparedValue] = {}
+    for value in values:
+        chosen.setdefault(_family(value.name), value)
+    return list(chosen.values())[:_IN_SENTENCE]
 
 
 def _agreement(value: ComparedValue) -> str:
