@@ -81,7 +81,7 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
     paragraphs = comparison.paragraphs
     leads = comparison.measured_sentences or comparison.protection or paragraphs
     blocks: list[Block] = [Note(text, "lead" if text in leads else "") for text in paragraphs]
-    blocks += [Note(text, "note") for text in comparison.notes]
+    blocks += [Note(text, "note") for text in comparison.grouped_notes]
     blocks += misfit_tables(comparison)
     if comparison.values:
         blocks.append(value_table(comparison))

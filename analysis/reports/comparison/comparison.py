@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Collection, Mapping, Sequence
 from functools import cached_property
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
 from granwave.analysis.reports.comparison.curves import SampledCurve
-from granwave.analysis.reports.comparison.definitions import definition_notes
+from granwave.analysis.reports.comparison.definitions import definition_notes, limit_notes
 from granwave.analysis.reports.comparison.ends import (
     differ_in_end_only,
     ends_in_words,
@@ -408,19 +409,35 @@ class Comparison:
         """Sentences on runs that are omitted, ended early, or that no figure shows, and on values
         that runs define differently or that a boundary limits.
         """
+        return list(chain.from_iterable(self._note_groups))
+
+    @property
+    def grouped_notes(self) -> list[str]:
+        """The notes, with a paragraph for all differences between definitions, and a paragraph for
+        all limits by the end of a run or a boundary.
+        """
+        first, definitions, limits, last = self._note_groups
+        joined = [" ".join(notes) for notes in (definitions, limits) if notes]
+        return [*first, *joined, *last]
+
+    @cached_property
+    def _note_groups(self) -> tuple[list[str], list[str], list[str], list[str]]:
+        """Notes on missing runs, on definitions, on limits, and on other subjects."""
         early = [f"{run.name} ({run.unfinished})" for run in self.runs if run.unfinished]
-        notes = [f"Left out: {message}." for message in self.left_out]
+        first = [f"Left out: {message}." for message in self.left_out]
         if early:
             listed = ", ".join(early)
-            notes.append(f"Unfinished, compared up to the last output: {listed}.")
-        notes += self._unlike_ends()
+            first.append(f"Unfinished, compared up to the last output: {listed}.")
+        definitions: list[str] = []
+        limits = self._unlike_ends()
         if len(self.runs) >= _LEAST_RUNS:
-            notes += definition_notes(self.runs, self._names_compared)
-        notes += warning_notes([run.run for run in self.runs])
+            definitions = definition_notes(self.runs, self._names_compared)
+            limits += limit_notes(self.runs, self._names_compared)
+        last = warning_notes([run.run for run in self.runs])
         for name, curve in self.measured.items():
-            notes += coverage_notes(curve, self._named_deviations(name))
-            notes += range_notes(curve, self._named_deviations(name), _units_of(name))
-        return notes + self._undrawn()
+            last += coverage_notes(curve, self._named_deviations(name))
+            last += range_notes(curve, self._named_deviations(name), _units_of(name))
+        return first, definitions, limits, last + self._undrawn()
 
     def _undrawn(self) -> list[str]:
         """Return a sentence on the runs that are in no figure; nothing if there is none."""

@@ -36,7 +36,7 @@ OF_THE_END = (GROWING_ZONE, NO_ARRIVAL, RISING_FORCE, LATE_PULSE)
 
 
 def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> list[str]:
-    """Return sentences on values that these runs define differently, or that are limited.
+    """Return sentences on values that these runs define differently.
 
     Parameters
     ----------
@@ -45,11 +45,21 @@ def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -
     """
     notes = [_inputs(runs), _static_forces(runs)]
     if _concerns(names, _OF_BOTTOM):
-        forces = [*_limited_forces(runs, is_ranked=True), *_without_force(runs)]
-        notes += [_heights(runs), " ".join(forces)]
+        notes += [_heights(runs), " ".join(_without_force(runs))]
     if _concerns(names, _OF_ZONE):
-        zones = [*_cut_zones(runs), *_growing_zones(runs, is_ranked=True)]
-        notes += [_yielding_of_laws(runs), _depths_of_kinds(runs), " ".join(zones)]
+        notes += [_yielding_of_laws(runs), _depths_of_kinds(runs)]
+    return [note for note in notes if note]
+
+
+def limit_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> list[str]:
+    """Return sentences on values that the end of a run or a boundary limits; ``names`` as of
+    `definition_notes`.
+    """
+    notes: list[str] = []
+    if _concerns(names, _OF_BOTTOM):
+        notes.append(" ".join(_limited_forces(runs, is_ranked=True)))
+    if _concerns(names, _OF_ZONE):
+        notes.append(" ".join([*_cut_zones(runs), *_growing_zones(runs, is_ranked=True)]))
     return [note for note in notes if note]
 
 

@@ -157,6 +157,11 @@ def limited_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]
     return {name for name in names if _matches(name, _OF_SIZE)}
 
 
+def is_zone_size(name: str) -> bool:
+    """Return True for sizes of the plastic zone and counts of its parts."""
+    return _matches(name, _OF_SIZE)
+
+
 def growing_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
     """Return the values that still grow at the end of a run: impulses on the bottom, sizes of a
     plastic zone, and counts of yielded contacts that grow in the last tenth of the run.

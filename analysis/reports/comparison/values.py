@@ -15,6 +15,7 @@ from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
     growing_names,
     have_unlike_ends,
+    is_zone_size,
     limited_names,
     truncated_names,
 )
@@ -103,7 +104,8 @@ class ComparedValue:
     is_growing
         True for a truncated value if it still grows at the end of a run.
     is_of_input
-        True for an energy in J of runs with different inputs, which a fraction describes better.
+        True for an energy in J or a size of the plastic zone, of runs with different inputs, which
+        depends on the input.
     """
 
     name: str
@@ -162,8 +164,8 @@ class ComparedValue:
 
     @property
     def is_main(self) -> bool:
-        """True for a complete value that is no value at an arbitrary instant, and no energy of runs
-        with different inputs.
+        """True for a complete value that is no value at an arbitrary instant, and no energy or size
+        of runs with different inputs.
         """
         return self.is_complete and not self.is_of_input and self.name not in AT_THE_END
 
@@ -366,6 +368,8 @@ def _without_difference(
         return f"No {which} is complete in {names}: {', or '.join(reasons)}."
     if asked:
         return f"The requested values do not differ between {names}, or a run lacks them."
+    if any(value.is_of_input and value.is_complete and value.spread > _SAME for value in values):
+        return "Only energies and sizes of the plastic zone differ, which depend on the input."
     has_truncated = any(value.is_truncated for value in values)
     result = f"result {_COMPLETE}" if has_truncated else "result"
     return f"No {result} differs between {names}."
@@ -451,7 +455,8 @@ def _value(
     ]
     called = grains_called_in([run.run.summary for run in runs])
     unit = unit_of_value(name)
-    is_of_input = unit == _JOULE and not have_same_input(runs)
+    is_absolute = unit == _JOULE or is_zone_size(name)
+    is_of_input = is_absolute and not have_same_input(runs)
     return ComparedValue(
         name,
         tuple(values),
