@@ -9,11 +9,10 @@ It is computed in `granwave.analysis.summary`. Entries of extensions state where
 from __future__ import annotations
 
 import dataclasses
-import itertools
 from collections.abc import Container
 from fnmatch import fnmatchcase
 from functools import cache
-from itertools import product
+from itertools import chain, product
 from typing import Any
 
 from granwave.lammps_inputs.extensions import added
@@ -478,7 +477,7 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
     ),
 }  # fmt: skip
 
-ENTRIES = tuple(itertools.chain.from_iterable(GROUPS.values()))
+ENTRIES = tuple(chain.from_iterable(GROUPS.values()))
 
 _OF_THE_CORE = {entry.name: entry for entry in ENTRIES}
 

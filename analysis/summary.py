@@ -32,7 +32,7 @@ from granwave.analysis.measures.target import Reached, reached, unprotected
 from granwave.analysis.measures.waves import wave_speed_of
 from granwave.analysis.measures.zone_size import HALF_LAW_LIMIT, LAW_LIMIT, zone_summary
 from granwave.analysis.quantities import ENTRIES
-from granwave.analysis.result.contacts import LISTED_FROM
+from granwave.analysis.result.contacts import is_loaded
 from granwave.analysis.result.hdf5_file import AT_ONCE
 from granwave.analysis.result.reader import Result, misfit
 from granwave.lammps_inputs.contact.law import velocity_normalised
@@ -336,16 +336,14 @@ def _of_rows(columns: dict[str, Array]) -> dict[str, float]:
     overlap = columns["peak_overlap"]
     force = columns["peak_force"]
     radius = columns["effective_radius"]
-    yield_overlap = columns["yield_overlap"]
     yielded = columns["yielded"] > 0
-    pressed = overlap > np.where(np.isfinite(yield_overlap), LISTED_FROM * yield_overlap, 0.0)
     lost = columns["dissipated_energy"]
     by_yielding = lost - sum(columns[name] for name in _OTHER_LOSSES if name in columns)
     counted = {
         "touching": columns["touching"],
         "yielded": yielded,
         "dissipating": yielded & (by_yielding > _ROUNDING * lost),
-        "loaded": pressed & (force > 0),
+        "loaded": is_loaded(overlap, columns["yield_overlap"], force),
         "beyond_law": overlap > LAW_LIMIT * radius,
         "beyond_half_law": overlap > HALF_LAW_LIMIT * radius,
     }

@@ -14,13 +14,16 @@ from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.style import BLANK, DISSIPATION_MAP, FORCE_MAP
+from granwave.analysis.figures.style import DISSIPATION_MAP, FORCE_MAP
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.result.reader import Result
 
 DISSIPATION_LIMITS = (1e-6, 1e-1)  # range of dissipation over input
 _LEAST_DECADES = 3  # default range of a logarithmic scale
-_EDGE_OF_BLANK = "#c4c4c4"
+_LEAST_RATIO = 10.0  # highest / lowest value of a scale of nearly equal values
+#: Grains without a value, which differ from both ends of the colour maps in grey prints too.
+_BLANK = "white"
+_EDGE_OF_BLANK = "#9a9a9a"
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,12 +87,20 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
     low, high = decades_up_to(
         float(values.max(initial=0.0)), 1.0 if result.has_yield_force else None
     )
+    low = max(low, 10 ** math.floor(math.log10(_smallest(values, low))))
+    low = min(low, high / _LEAST_RATIO)
     if decades is not None:
         low = high / 10**decades
     low, high = options.force_limits or (low, high)
     return Colouring(
         values, f"Peak force {label}", f"peak_{column}", options.colour_map or FORCE_MAP, low, high
     )
+
+
+def _smallest(values: NDArray[np.float64], least: float) -> float:
+    """Return the smallest value above 0; ``least`` without any."""
+    positive = values[values > 0]
+    return float(positive.min()) if len(positive) else least
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:
@@ -117,7 +128,7 @@ def disc_colours(
     colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
     coloured = (values > 0)[:, None]
     return (
-        np.where(coloured, colours, to_rgba(BLANK)),
+        np.where(coloured, colours, to_rgba(_BLANK)),
         np.where(coloured, colours, to_rgba(_EDGE_OF_BLANK)),
     )
 
@@ -128,24 +139,33 @@ def colour_bar(
     colouring: Colouring,
     values: NDArray[np.float64],
     location: str = "bottom",
+    blank: str = "0",
 ) -> None:
     """Draw a colour bar next to, above or below the panels, with pointed ends if values exceed the
-    scale.
+    scale. Its label explains white grains, if there are any.
+
+    Parameters
+    ----------
+    values
+        Values of the coloured grains; 0 for white ones.
+    blank
+        Meaning of white.
     """
     below = bool(np.any((values > 0) & (values < colouring.low)))
     above = bool(np.any(values > colouring.high))
     extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get(
         (below, above), "neither"
     )
+    label = colouring.label
+    if np.any(values == 0):
+        label = f"{label} (white: {blank})"
     mappable = ScalarMappable(colouring.norm, colormaps[colouring.map])
     place: dict[str, Any] = {
         "ax": axes,
         "location": location,
         "fraction": 0.08 if location in ("top", "bottom") else 0.05,
     }
-    figure.colorbar(
-        mappable, label=colouring.label, extend=extend, aspect=28, pad=0.03, shrink=0.9, **place
-    )
+    figure.colorbar(mappable, label=label, extend=extend, aspect=28, pad=0.03, shrink=0.9, **place)
 
 
 def decades_up_to(largest: float, low: float | None) -> tuple[float, float]:

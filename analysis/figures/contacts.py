@@ -27,6 +27,7 @@ from granwave.analysis.figures.style import (
     legend_above,
     new_figure,
 )
+from granwave.analysis.figures.user_axes import user_figure
 from granwave.analysis.measures.contact_forces import (
     INSTANT,
     PEAK,
@@ -52,7 +53,7 @@ _SHOWN = 0.05  # fraction of the largest force: the window shows the contacts th
 _LINE = "black"
 _MOST_VECTORS = 20_000  # lines and discs above which the PDF has a raster image
 _TALLEST = 8.0  # inches
-_LOWEST = 0.4  # smallest height of a panel, inches
+_LOWEST = 0.15  # smallest height of a panel, inches
 _BESIDE = 0.5  # distance from the plane of a packing without planes of its own, diameters
 _ROOM = 0.6  # room for labels next to the panels, inches
 _ABOVE = 0.3  # room for the title above a panel, inches
@@ -66,8 +67,11 @@ def contact_network(result: Result) -> Drawing | None:
     """Draw contacts as lines as thick as their force, with a panel for each state: at rest, at an
     instant, and the largest force of each contact.
 
-    The plane is the plane of the case, or the principal plane, or y = 0 through the impact.
+    The plane is the plane of the case, or the principal plane, or y = 0 through the impact. None
+    for a chain, whose network is a single line: `along_chain` draws its forces.
     """
+    if result.case.packing.rule.is_chain:
+        return None
     cut = _cut(result)
     if not len(cut.index):
         return None
@@ -123,7 +127,7 @@ def _height(window: Window) -> float:
 
 
 def _lying(cut: SpheresOnPlane) -> SpheresOnPlane:
-    """Return a section with its depth from left to right, as for a chain."""
+    """Return a section with its depth from left to right, as for a column."""
     plane = replace(
         cut.plane,
         across=cut.plane.down,
@@ -228,6 +232,10 @@ _FIRST_BIN = 0.25  # upper edge of the first of widening bins / mean force
 _NOT_SMALL = 0.5  # smallest force / mean, above which bins begin with it
 _CURVE = 200  # points of a fitted tail
 _BEYOND = 3.0  # ratio of the limits of the axis to the densities
+_LOW_FIGURE = 2.7  # height of a figure with one panel, inches
+_TALL_FIGURE = 4.6  # with two panels
+_RELATIVE = r"Contact force / mean $F/\langle F\rangle$"
+_DENSITY = r"$P(F/\langle F\rangle)$"
 
 
 def force_distribution(result: Result) -> Drawing | None:
@@ -235,14 +243,17 @@ def force_distribution(result: Result) -> Drawing | None:
 
     The states are at rest, at the instant of the largest elastic energy, and at the largest force
     of each contact. A state needs a record and at least ten contacts. Nearly equal forces are drawn
-    as a band over their range. A chain has no distribution: all its contacts carry the same pulse.
+    as a band over their range. If the largest force exceeds 20 times the mean, the first panel ends
+    there, and a second panel with two logarithmic axes has all forces; in axes of the user there is
+    one panel with all forces. A chain has no distribution: all its contacts carry the same pulse.
     """
     if result.case.packing.rule.is_chain:
         return None
     states = [state for state in contact_forces(result) if len(state.force) >= _FEWEST]
     if not states:
         return None
-    figure, axes = panels(2.7)
+    is_wide = user_figure() is None and any(_is_wide(state) for state in states)
+    figure, axes, *of_all = panels(_TALL_FIGURE if is_wide else _LOW_FIGURE, rows=1 + is_wide)
     all_alike = all(_is_alike(state) for state in states)
     columns: dict[str, ArrayLike] = {}
     for state in states:
@@ -251,14 +262,34 @@ def force_distribution(result: Result) -> Drawing | None:
             columns |= _draw_alike_forces(axes, state)
         else:
             columns |= _draw_distribution(axes, state, relative)
-    label(axes, r"Contact force / mean $F/\langle F\rangle$")
+    label(axes, _RELATIVE)
     if all_alike:
         _say_that_all_are_alike(axes)
     else:
-        label(axes, y=r"$P(F/\langle F\rangle)$", log="y")
-    axes.set_xlim(left=0)
+        label(axes, y=_DENSITY, log="y")
+    axes.set_xlim(left=0, right=_WIDE if is_wide else None)
     legend_above(axes, 1, fontsize=7)
+    for beyond in of_all:
+        _draw_all_forces(beyond, states)
     return Drawing(figure, columns)
+
+
+def _is_wide(state: ContactForces) -> bool:
+    """Return True if the largest force exceeds 20 times the mean."""
+    return float(state.force.max()) > _WIDE * float(state.force.mean())
+
+
+def _draw_all_forces(axes: Axes, states: list[ContactForces]) -> None:
+    """Draw the distributions of all states on two logarithmic axes, where a power law is a straight
+    line.
+    """
+    for state in states:
+        if _is_alike(state):
+            continue
+        relative = state.force / state.force.mean()
+        centre, density, count = _histogram(relative)
+        _draw_densities(axes, state, centre[count > 0], density[count > 0])
+    label(axes, _RELATIVE, _DENSITY, log="xy")
 
 
 def _is_alike(state: ContactForces) -> bool:
@@ -300,17 +331,20 @@ def _say_that_all_are_alike(axes: Axes) -> None:
 
 
 def _counted(state: ContactForces) -> str:
-    """Return the number of contacts of a state in words, and of loaded contacts left out."""
+    """Return the number of contacts of a state in words, and of all loaded contacts if some are
+    left out.
+    """
     number = len(state.force)
     if not state.n_left_out:
         return f"{number} contacts"
-    loaded = number + state.n_left_out
-    return f"{number} of {loaded} loaded contacts\n(with at least $10^{{-4}}$ of the largest force)"
+    of_all = number + state.n_left_out
+    kind = "loaded contacts" if state.name == PEAK else "contacts with a force"
+    return f"{number} of {of_all} {kind}\n(with at least $10^{{-4}}$ of the largest force)"
 
 
 def _draw_distribution(axes: Axes, state: ContactForces, relative: Vectors) -> dict[str, ArrayLike]:
     """Draw the distribution of one state with its tail; return its data."""
-    colour, marker = _STYLES[state.name]
+    colour, _ = _STYLES[state.name]
     centre, density, count = _histogram(relative)
     filled = count > 0
     text = f"{state.title}: {_counted(state)}"
@@ -319,14 +353,23 @@ def _draw_distribution(axes: Axes, state: ContactForces, relative: Vectors) -> d
         decay = "not exponential"
         if tail.is_exponential:
             decay = f"decay {with_error(tail.decay, tail.error)}"
-        text = f"{text}\n{tail.count} beyond the mean: {decay}"
+        text = f"{text}\n{tail.count} above the mean force: {decay}"
+    _draw_densities(axes, state, centre[filled], density[filled], text)
+    if tail is not None:
         _draw_tail(axes, tail, relative, colour)
-    axes.plot(
-        centre[filled], density[filled], marker, color=colour, markersize=3.5,
-        markerfacecolor="none", markeredgewidth=0.9, label=text,
-    )  # fmt: skip
     _widen(axes, density[filled])
     return _columns_of_distribution(state, (centre, density, count), tail)
+
+
+def _draw_densities(
+    axes: Axes, state: ContactForces, relative: Vectors, density: Vectors, text: str = ""
+) -> None:
+    """Mark the probability densities of relative forces of a state, with a text in the legend."""
+    colour, marker = _STYLES[state.name]
+    axes.plot(
+        relative, density, marker, color=colour, markersize=3.5,
+        markerfacecolor="none", markeredgewidth=0.9, label=text or None,
+    )  # fmt: skip
 
 
 def _widen(axes: Axes, density: Vectors) -> None:
@@ -370,7 +413,10 @@ def _draw_tail(axes: Axes, tail: ExponentialTail, relative: Vectors, colour: str
     height = tail.count / len(relative) * tail.decay
     density = height * np.exp(-tail.decay * (x - tail.start))
     line = "-" if tail.is_exponential else "--"
-    axes.plot(x, density, line, color=colour, linewidth=0.9)
+    text = "exponential with the same mean above it"
+    if tail.is_exponential:
+        text = "fitted exponential"
+    axes.plot(x, density, line, color=colour, linewidth=0.9, label=text)
 
 
 def _columns_of_distribution(

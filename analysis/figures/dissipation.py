@@ -13,7 +13,13 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.colouring import force_scale
 from granwave.analysis.figures.sections import spheres_beyond_law
-from granwave.analysis.figures.series import label, panels, time_axis, with_error
+from granwave.analysis.figures.series import (
+    label,
+    label_log_axis,
+    panels,
+    time_axis,
+    with_error,
+)
 from granwave.analysis.figures.style import (
     BLUE,
     DISSIPATION_MAP,
@@ -31,9 +37,12 @@ from granwave.analysis.measures import waves
 from granwave.analysis.measures.dynamic_force import has_static_forces
 from granwave.analysis.measures.force_decay import (
     ForceDecay,
+    LayerPeaks,
     PowerDecay,
-    force_decay,
-    no_decay_reason,
+    accepted,
+    both_decays,
+    layer_peaks,
+    reason_against,
 )
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import (
@@ -60,7 +69,10 @@ _MILLI = 1e3  # mm in a metre
 _MICRO = 1e6  # microseconds in a second
 _RANGE = 1e-10  # smallest / largest dissipation in the ranked figure
 _POINTS_OF_FIT = 50
+_MARGIN = 1.03  # end of the axis of depths / depth of the last layer
+_MOST_MARKED = 60  # largest number of layers with a marker each
 _FEWEST = 2  # fewest layers and loaded contacts of a course of forces
+_ON_AXIS = 1e-6  # largest distance of centres on the axis of the impact, diameters
 _LETTERS = 36  # most letters of a line of a legend
 _ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipation
 
@@ -170,7 +182,7 @@ def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
 
 def plastic_zone_growth(result: Result) -> Drawing | None:
     """Draw the number of yielded contacts and spheres, and depth and radius of the outermost
-    yielded sphere, against time.
+    yielded sphere, against time; without the radius if all yielded spheres are on the axis.
 
     The title names the boundaries that the zone reaches.
     """
@@ -183,15 +195,16 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
     if cut := cut_of(packing_zone(result)):
         names = bounds_in_words(cut, periodic=result.case.boundary.periodic)
         upper.set_title(f"the zone reaches a boundary: {names}", fontsize=7)
+    extents = {"depth": growth.depth * _MILLI}
+    extent = "Depth of plastic zone (mm)"
+    if growth.radius.max() > _ON_AXIS * result.case.packing.diameter:
+        extents["radius"] = growth.radius * _MILLI
+        extent = "Extent of plastic zone (mm)"
     for axes, quantity, curves in (
         (upper, "Number yielded", {"contacts": growth.contacts, "spheres": growth.spheres}),
-        (
-            lower,
-            "Extent of plastic zone (mm)",
-            {"depth": growth.depth * _MILLI, "radius": growth.radius * _MILLI},
-        ),
+        (lower, extent, extents),
     ):
-        for (name, values), line in zip(curves.items(), ("-", "--"), strict=True):
+        for (name, values), line in zip(curves.items(), ("-", "--"), strict=False):
             axes.step(
                 time * _MICRO,
                 np.concatenate([[0], values, values[-1:]]),
@@ -201,7 +214,8 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
             )
         label(axes, y=quantity)
         axes.set_ylim(bottom=0)
-        axes.legend(loc="lower right")
+        if len(curves) > 1:
+            axes.legend(loc="lower right")
     time_axis(lower, time)
     columns = {"time_s": growth.time, "contacts": growth.contacts, "spheres": growth.spheres}
     return Drawing(figure, columns | {"depth_m": growth.depth, "radius_m": growth.radius})
@@ -212,9 +226,13 @@ def peak_force_depth(result: Result) -> Drawing | None:
     marker for each layer of contacts along the preferred directions, and bars over the range of
     these directions.
 
-    Under a static load it also shows the largest dynamic force of each layer, above the static
-    force; the law is then fitted to this force. The forces are the largest of the run, including
-    reflections. Where no law describes them, the legend gives the reason.
+    The forces are those of the first wave. Layers whose largest force occurred when the reflection
+    from the base may have arrived have hollow markers, and are not fitted. Under a load that keeps
+    oscillating the forces are the largest of the run.
+
+    Under a static load the fitted force is the largest dynamic force of each layer, above the
+    static force; a line shows the largest total force of the run. Where no law describes the
+    forces, the legend gives the reason.
     """
     depth, force = peak_force_by_depth(result)
     n_loaded = np.count_nonzero(result["contacts/peak_force"] > 0)
@@ -222,43 +240,85 @@ def peak_force_depth(result: Result) -> Drawing | None:
     if len(depth) < _FEWEST or n_loaded < _FEWEST or "chain" in result:
         return None
     scale, unit, name = force_scale(result)
+    peaks = layer_peaks(result)
     along = rays(result)
     n_contacts, n_rays = along.peak_force.shape
     pitch = result.case.packing.diameter * along.directions[0, 2] if n_rays else 0.0
     middle = (np.arange(n_contacts) + 0.5) * pitch  # depth of the contact points
     figure, axes = panels(3.2)
-    if n_rays > 1 and n_contacts > 1:
-        _mark_directions(axes, middle * _MILLI, along.peak_force / scale)
+    if n_rays > 1 and _have_lines(along.peak_force):
+        arrival = np.interp(middle, depth, peaks.reflection)
+        is_first = along.time_peak < arrival[:, None]
+        _mark_directions(axes, middle * _MILLI, np.where(is_first, along.peak_force, 0.0) / scale)
     is_pressed = has_static_forces(result)
-    layer = "largest of the layer"
-    total = f"{layer}, with the static force" if is_pressed else layer
-    axes.plot(depth * _MILLI, force / scale, "-", color=BLUE, label=total, zorder=1)
-    _, dynamic = peak_force_by_depth(result, dynamic=True)
     if is_pressed:
-        above = f"{layer}, dynamic"
-        axes.plot(depth * _MILLI, dynamic / scale, "-.", color=GREEN, label=above, zorder=1)
-    decay = force_decay(result)
+        total = "largest of the layer in the run, with static force"
+        axes.plot(depth * _MILLI, force / scale, "-.", color=GREEN, label=total, zorder=1)
+    _draw_layers(axes, peaks, scale)
+    fits = both_decays(result, peaks)
+    decay = accepted(fits)
     if decay is None:
-        axes.plot([], [], " ", label=_wrapped(no_decay_reason(result)))
+        axes.plot([], [], " ", label=_wrapped(reason_against(fits)))
     else:
         _draw_decay(axes, decay, scale)
-    label(
-        axes, "Depth (mm)", f"Peak force of the run {unit}", log="y", xlim=(0, depth[-1] * _MILLI)
-    )
+    kind = "Dynamic peak force" if is_pressed else "Peak force"
+    part = "first wave" if peaks.of_first_wave else "run"
+    limits = (0, _MARGIN * depth[-1] * _MILLI)
+    label(axes, "Depth (mm)", f"{kind} of the {part} {unit}", log="y", xlim=limits)
+    lowest, highest = axes.get_ylim()
+    label_log_axis(axes, highest / lowest)
     legend_above(axes, 1, fontsize=8)
     columns = {
         "layer_depth_m": depth,
         f"layer_peak_{name}": force / scale,
+        "layer_peak_after_reflection": peaks.is_later.astype(int),
         "contact_depth_m": middle,
     }
     if is_pressed:
-        columns[f"layer_dynamic_{name}"] = dynamic / scale
+        columns[f"layer_dynamic_{name}"] = peaks.largest / scale
     if decay is not None:
         columns |= _columns_of_decay(decay)
     columns |= {
         f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)
     }
     return Drawing(figure, columns)
+
+
+def _have_lines(force: Array) -> bool:
+    """Return True if a second contact of the preferred directions is loaded: in hcp the grains are
+    not on a line beyond the first contact.
+
+    Parameters
+    ----------
+    force
+        Forces, 0 or NaN without contact: (n_contacts, n_directions), N.
+    """
+    return len(force) >= _FEWEST and bool(np.any(force[1] > 0))
+
+
+def _draw_layers(axes: Axes, peaks: LayerPeaks, scale: float) -> None:
+    """Draw the largest force of each layer: of the first wave as a line, of later times and of
+    layers that it has not passed as markers.
+
+    Parameters
+    ----------
+    scale
+        Unit of the forces of the figure, N.
+    """
+    depth = peaks.depth * _MILLI
+    force = peaks.largest / scale
+    others = ~peaks.is_known & ~peaks.is_later & (force > 0)
+    marker = "." if len(depth) <= _MOST_MARKED else ""
+    look: dict[str, Any] = {
+        "color": BLUE, "markerfacecolor": "none", "markersize": 4, "zorder": 1.5
+    }  # fmt: skip
+    for chosen, signs, name in (
+        (peaks.is_known, f"{marker}-", "largest of the layer"),
+        (peaks.is_later, "s", "largest of the layer, after the reflection (not fitted)"),
+        (others, "x", "largest of the layer, still rising or not reached"),
+    ):
+        if np.any(chosen):
+            axes.plot(depth[chosen], force[chosen], signs, label=name, **look)
 
 
 def _wrapped(reason: str) -> str:
@@ -315,6 +375,8 @@ def _mark_directions(axes: Axes, depth: Array, force: Array) -> None:
         Forces in the unit of the figure, 0 without contact: (n_contacts, n_directions).
     """
     loaded = np.flatnonzero(np.all(force > 0, axis=1))
+    if not len(loaded):
+        return
     middle = np.median(force[loaded], axis=1)
     below = middle - force[loaded].min(axis=1)
     above = force[loaded].max(axis=1) - middle
@@ -385,9 +447,9 @@ def draw_zone_size(
     distances
         ``depth`` and ``radius`` of the parts, as far as they apply: (n,), m.
     diameter
-        Unit of the axis, m.
+        Diameter of the spheres or of the punch, which the title of the axis gives, m.
     unit
-        Symbol of this unit.
+        Symbol of this diameter.
     bounds
         Distances of the boundaries that the zone reaches, by name, m.
     periodic
@@ -395,14 +457,14 @@ def draw_zone_size(
     """
     if not distances or not np.any(energy > 0):
         return None
-    figure, axes = panels(2.7)
+    figure, axes = panels(2.9)
     columns: dict[str, Sequence[float] | Array] = {}
     reach = 0.0
     for name, values in distances.items():
         colour, line, marker, bound = _STYLES[name]
         place, outside = _outside(values, energy)
         axes.step(
-            place / diameter,
+            place * _MILLI,
             np.maximum(outside, _NOTHING),
             line,
             where="post",
@@ -411,7 +473,7 @@ def draw_zone_size(
         )
         sizes = [extent_holding(values, energy, percent / 100) for percent in SHARES]
         left = [1 - percent / 100 for percent in SHARES]
-        axes.plot(np.array(sizes) / diameter, left, marker, color=colour, markersize=4)
+        axes.plot(np.array(sizes) * _MILLI, left, marker, color=colour, markersize=4)
         beyond = np.flatnonzero(outside > _LEAST)  # all energy is at distance 0
         reach = max(
             reach,
@@ -421,7 +483,7 @@ def draw_zone_size(
             shown = bounds_in_words([bound], periodic=periodic)
             reach = max(reach, bounds[bound])
             axes.axvline(
-                bounds[bound] / diameter,
+                bounds[bound] * _MILLI,
                 color=colour,
                 linestyle=_EDGES[name],
                 linewidth=0.9,
@@ -436,9 +498,10 @@ def draw_zone_size(
         axes.axhline(1 - percent / 100, color=GREY, linestyle=":", linewidth=0.6, zorder=0)
     words = {"depth": "depth", "radius": "distance from the impact axis"}
     title = ", or ".join(words[name] for name in distances)
-    limits = {"xlim": (0, 1.05 * (reach or diameter) / diameter), "ylim": (_LEAST, 1)}
+    limits = {"xlim": (0, 1.05 * (reach or diameter) * _MILLI), "ylim": (_LEAST, 1)}
     outside_of_all = "Plastic dissipation beyond\n/ total plastic dissipation"
-    label(axes, f"{title[:1].upper()}{title[1:]} $/{unit}$", outside_of_all, log="y", **limits)
+    title = f"{title[:1].upper()}{title[1:]} (mm)\n(${unit}$ = {diameter * _MILLI:.4g} mm)"
+    label(axes, title, outside_of_all, log="y", **limits)
     axes.plot([], [], "o", color=GREY, markersize=4, label="contains 50, 90, 99 %")
     legend_above(axes, 2, fontsize=7)  # three columns are wider than the figure
     return Drawing(figure, columns)

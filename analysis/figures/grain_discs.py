@@ -18,6 +18,7 @@ OUTLINE = "#9a9a9a"  # colour of the outlines of grains
 _MILLI = 1e3  # mm in a metre
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
 _OUTLINE_WIDTH = 0.35  # points
+_EDGE_WIDTH = 0.2  # width of the edge of a coloured disc, points
 _DISC = 0.96  # drawn / actual diameter
 _SEEN_ALONG = 0.1  # length of an axis in a section / radius below which a cylinder is seen end-on
 
@@ -37,7 +38,9 @@ def draw_discs(
     faces, edges = disc_colours(values, colouring)
     if ringed is not None:
         edges[ringed] = to_rgba("black")  # colour at the bright end of the scale
-    widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(radius), 0.2)
+    widths = np.where(values > 0, _EDGE_WIDTH, _OUTLINE_WIDTH)
+    if ringed is not None:
+        widths = np.where(ringed, _RING, widths)
     discs, *_ = _add_grains(axes, cut, radius, sticks, faces, edges, widths)
     return discs
 

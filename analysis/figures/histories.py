@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from typing import Any
 
@@ -16,6 +15,7 @@ from granwave.analysis.figures.series import (
     energy_unit,
     label,
     legend_outside,
+    limits_of_error,
     panels,
     time_axis,
     velocity_unit,
@@ -87,7 +87,10 @@ _IN_PANEL = 4  # sensors in a panel
 # figure of probes
 _MOST_IN_LEGEND = 10  # largest number of curves with a legend
 _COLUMNS = 2  # columns of a legend above all panels
-_ERRORS_SHOWN = 1e4  # largest over smallest error on the axis of the energies
+_IMPULSES = ((1e3, "mN s"), (1e6, "µN s"), (1e9, "nN s"))
+_LEAST_IMPULSE = 0.1  # in mN s: tenths are common there
+_STEADY = 0.01  # change / range of a record that is still noticeable
+_AFTER_CHANGE = 3.0  # end of an axis of times / time of the last noticeable change
 _LEAST = 1e-3  # start of the axis of the error over the tolerance
 
 
@@ -127,7 +130,7 @@ def energies(result: Result) -> Drawing | None:
     lower.semilogy(
         time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8
     )
-    label(lower, y="|Residual|\n/ input", **_limits_of_error(residual))
+    label(lower, y="|Residual|\n/ input", **limits_of_error(residual))
     time_axis(lower, time)
     named = {part.replace("'s ", "_").replace(" ", "_"): values for part, values in parts.items()}
     columns = {"time_s": time, **{f"{name}_J": values for name, values in named.items()}}
@@ -137,15 +140,6 @@ def energies(result: Result) -> Drawing | None:
     return Drawing(
         figure, columns | {"input_J": result["energy/input"], "residual_over_input": residual}
     )
-
-
-def _limits_of_error(residual: NDArray[np.float64]) -> dict[str, Any]:
-    """Return the limits of the axis of errors, which single small errors do not widen."""
-    largest = float(residual.max(initial=0.0))
-    if not 0 < largest < math.inf:  # a logarithmic axis shows only positive, finite errors
-        return {}
-    shown = residual[residual > largest / _ERRORS_SHOWN]
-    return {"ylim": (float(shown.min()) / 2, 2 * largest)}
 
 
 def _energy_parts(result: Result) -> dict[str, NDArray]:
@@ -203,14 +197,22 @@ def bottom_force(result: Result) -> Drawing | None:
     axes.autoscale_view(scalex=False)
     axes.set_ylabel("Force on the bottom (N)", color=BLUE)
     beside = axes.twinx()
-    beside.plot(time * _MICRO, impulse * 1e3, color=ORANGE, linestyle="--")
+    unit, name = _impulse_unit(float(np.abs(impulse).max(initial=0.0)))
+    beside.plot(time * _MICRO, impulse * unit, color=ORANGE, linestyle="--")
     kind = "Dynamic impulse" if is_pressed else "Impulse"
-    beside.set_ylabel(f"{kind} (mN s)", color=ORANGE)
+    beside.set_ylabel(f"{kind} ({name})", color=ORANGE)
     _common_zero(axes, beside)
     columns = {"time_s": time, "force_N": force, "impulse_Ns": record.impulse}
     if is_pressed:
         columns["dynamic_impulse_Ns"] = impulse
     return Drawing(figure, columns)
+
+
+def _impulse_unit(largest: float) -> tuple[float, str]:
+    """Return the unit of impulses up to ``largest`` (N s): the number of units in 1 N s, and its
+    name.
+    """
+    return next((unit for unit in _IMPULSES if largest * unit[0] >= _LEAST_IMPULSE), _IMPULSES[0])
 
 
 def impactor_velocity(result: Result) -> Drawing | None:
@@ -229,7 +231,17 @@ def impactor_velocity(result: Result) -> Drawing | None:
         axes,
         y=f"Velocity of the\n{'loaded' if result.case.load.driven else 'impacted'} sphere ({unit})",
     )
+    axes.set_xlim(0, _end_of_change(time, velocity) * _MICRO)
     return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
+
+
+def _end_of_change(time: NDArray[np.float64], values: NDArray[np.float64]) -> float:
+    """Return the end of an axis of times that shows the changes of a record: some time after its
+    last noticeable change, or the end of the record.
+    """
+    differs = np.abs(values - values[-1]) > _STEADY * float(np.ptp(values))
+    last = float(time[np.flatnonzero(differs)[-1]]) if differs.any() else 0.0
+    return min(_AFTER_CHANGE * last, float(time[-1])) or float(time[-1])
 
 
 def probes(result: Result) -> Drawing | None:
@@ -347,8 +359,8 @@ def target_moves(result: Result) -> bool:
 
 
 def target(result: Result) -> Drawing | None:
-    """Draw the force on the bottom against time, the force without the packing, and below them the
-    work on a bottom that moves.
+    """Draw the force on the bottom, which is a target or a wall, against time, the force without
+    the packing, and below them the work on a bottom that moves.
 
     The axis of the forces is logarithmic if their peaks differ by more than a decade. The
     impulse is in the figure of the force on the bottom. None if the bottom does not move and there
@@ -367,7 +379,8 @@ def target(result: Result) -> Drawing | None:
         3.6 if moves else 2.6, rows=1 + moves, sharex=True, height_ratios=(3, 2)[: 1 + moves]
     )
     largest = [float(arrival.force.max())]
-    against_time(force, time, arrival.force, linewidth=0.9, label="on the target")
+    bottom = "target" if target_moves(result) else "bottom"
+    against_time(force, time, arrival.force, linewidth=0.9, label=f"on the {bottom}")
     if arrival.displacement is not None and arrival.ground_force is not None:
         columns |= {"displacement_m": arrival.displacement, "ground_force_N": arrival.ground_force}
         against_time(
@@ -385,7 +398,7 @@ def target(result: Result) -> Drawing | None:
             without.force,
             color=GREY,
             linestyle="--",
-            label="target without packing",
+            label=f"on the {bottom} without packing",
         )
         largest.append(without.peak_force)
     if max(largest) > _FAR_APART * min(largest) > 0:
@@ -418,20 +431,20 @@ def timestep(result: Result) -> Drawing | None:
     expected = np.abs(result["energy/expected_error"]) * work / largest_input
     error = misfit(result.ledger) / largest_input
     figure, upper, lower = panels(3.2, rows=2, sharex=True)
-    upper.step(time * _MICRO, step * _NANO, where="pre")
+    upper.plot(time * _MICRO, step * _NANO, ".", markersize=2)  # a line would hide fast changes
     upper.set_yscale("log", base=2)
     upper.yaxis.set_major_formatter("{x:.4g}")
     label(upper, y="Timestep (ns)")
-    for values, colour, line, name in (
-        (error, GREY, "-", "measured"),
-        (expected, ORANGE, "--", "expected"),
+    for values, colour, line, width, name in (
+        (error, _PALE, "-", 2.4, "measured"),
+        (expected, ORANGE, "-", 0.7, "expected"),
     ):
         lower.semilogy(
             time * _MICRO,
             np.where(values > 0, values, np.nan),
             line,
             color=colour,
-            linewidth=0.8,
+            linewidth=width,
             label=name,
         )
     lower.axhline(tolerance, color="black", linestyle=":", linewidth=0.8, label="tolerance")

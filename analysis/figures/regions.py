@@ -11,8 +11,16 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.impact_arrow import impact_arrow
-from granwave.analysis.figures.series import LINES, against_time, label, panels, time_axis
+from granwave.analysis.figures.series import (
+    LINES,
+    against_time,
+    label,
+    panels,
+    scale_by_peaks,
+    time_axis,
+)
 from granwave.analysis.figures.style import GREY, ORANGE, Drawing, legend_above
+from granwave.analysis.figures.user_axes import user_figure
 from granwave.analysis.measures.depths import ForceAtDepth, depth_range, forces_at_depths
 from granwave.analysis.measures.regions import (
     DISSIPATED,
@@ -36,9 +44,17 @@ _REGION_MAP = "Blues"
 _PALEST = 0.3  # part of the colour map of regions: farthest from the load
 _DARKEST = 0.95  # nearest to it
 _OTHER_COLOURS = {DISSIPATED: ORANGE, WALLS: GREY, OTHERS: "#d9d9d9", "plate": "#3a3a3a"}
-_HATCHES = {DISSIPATED: "////", WALLS: "....", "rotation": "xxxx", "support": "----"}
+_HATCHES = {
+    DISSIPATED: "////", WALLS: "....", "rotation": "xxxx", "support": "----", "bar": "\\\\\\\\",
+    "incident bar": "||||",
+}  # fmt: skip
 _EDGE = 0.5  # points: white lines between regions
 _COLUMNS = 2  # columns of the legend of regions
+_MOST = 0.5  # dissipated fraction of the input above which the rest has its own panel
+_LEAST_SHOWN = 1e-3  # fraction of the input that a part exceeds at some time, or is not drawn
+_LEAST_LEFT = 1e-12  # fraction of the input, rounding of an energy that is completely dissipated
+_LOW_FIGURE = 2.9  # height of a figure with one panel, inches
+_TALL_FIGURE = 4.4  # with two panels
 _LONG = 24  # characters of a name, beyond which the legend has one column
 
 
@@ -65,6 +81,7 @@ def force_at_depths(result: Result) -> Drawing | None:
         columns |= {"bottom_time_s": time, "bottom_force_N": force}
     time_axis(axes, result["energy/time"])
     label(axes, y=f"Force through the plane ({unit})")
+    scale_by_peaks(axes, [scale * float(part.force.max()) for part in forces])
     legend_above(axes, 3, title="Depth", handlelength=2.2)
     return Drawing(figure, columns)
 
@@ -97,7 +114,11 @@ def _warn_of_depths(result: Result, depths: tuple[float, ...]) -> None:
 
 
 def energy_by_region(result: Result) -> Drawing | None:
-    """Draw the energy in regions of a packing as areas, one above the other, against time."""
+    """Draw the energy in regions of a packing as areas, one above the other, against time.
+
+    If most of the energy is dissipated, a second panel has the fractions of the energy that is not
+    yet dissipated, except in axes of the user. Parts below a thousandth of the input are not drawn.
+    """
     regions = usual_regions(result, impact_arrow(result).direction)
     energy = energy_of_regions(result, regions)
     if energy is None or not energy.share:
@@ -106,15 +127,25 @@ def energy_by_region(result: Result) -> Drawing | None:
     names = sorted(
         energy.share, key=lambda name: order.index(name) if name in order else len(order)
     )
-    figure, axes = panels(2.9)
-    _draw_areas(axes, energy.time, [(name, energy.share[name]) for name in names], list(regions))
     total = np.sum([energy.share[name] for name in names], axis=0)
+    lost = energy.share.get(DISSIPATED, np.zeros(len(total)))
+    has_rest = user_figure() is None and float(lost.max()) > _MOST
+    figure, axes, *below = panels(
+        _TALL_FIGURE if has_rest else _LOW_FIGURE, rows=1 + has_rest, sharex=True
+    )
+    shown = [name for name in names if float(energy.share[name].max()) >= _LEAST_SHOWN]
+    _draw_areas(axes, energy.time, [(name, energy.share[name]) for name in shown], list(regions))
+    for rest in below:
+        left = np.maximum(total - lost, _LEAST_LEFT)
+        parts = [(name, energy.share[name] / left) for name in shown if name != DISSIPATED]
+        _draw_areas(rest, energy.time, parts, list(regions))
+        label(rest, y="Fraction of the energy\nnot yet dissipated", ylim=(0, 1))
     quantity = "Kinetic energy" if energy.kinetic_only else "Energy"
     label(axes, y=f"{quantity} / energy input", ylim=(0, 1.05 * max(1.0, float(total.max()))))
     if energy.kinetic_only:
         axes.set_ylim(0, 1.05 * float(total.max()))
-    time_axis(axes, energy.time)
-    is_long = max(map(len, names)) > _LONG
+    time_axis(figure.axes[-1], energy.time)
+    is_long = max(map(len, shown)) > _LONG
     legend_above(axes, 1 if is_long else _COLUMNS, fontsize=7, reverse=True)
     columns: dict[str, ArrayLike] = {"time_s": energy.time}
     columns |= {f"{column}_over_input": energy.share[name] for name, column in _columns(names)}

@@ -15,7 +15,17 @@ from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import BinaryIO
 
-from granwave.analysis.figures import contacts, dissipation, histories, regions, rows, sections
+from granwave.analysis.figures import (
+    chains,
+    contacts,
+    dissipation,
+    driven,
+    force_map,
+    histories,
+    lines,
+    regions,
+    sections,
+)
 from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
@@ -74,20 +84,21 @@ class RunFigure:
 #: Figures of the core: name, function, caption, what to look for; with * on each of the three planes.
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
-     "Bright lines are chains of contacts that carry the wave. Pale spheres lie behind the "
-     "perpendicular plane."),
-    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth: largest "
-        "of the run, with any reflections, excluding walls",
-     "A straight line is an exponential decay. Layers are at the depth of their spheres, markers "
+     "Bright lines are chains that carry the wave. White: no force."),
+    ("peak_force_depth", dissipation.peak_force_depth,
+     "Peak contact force of the first wave against depth, excluding walls; hollow squares: layers "
+     "whose force is largest after a reflection from the bottom; of the run under an oscillating "
+     "load",
+     "A straight line is an exponential decay. Layers are at the depth of their spheres, circles "
      "at the depth of contacts."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
-     "The coloured spheres show the extent of the plastic zone. Pale spheres lie behind the "
-     "perpendicular plane."),
+     "Coloured: the extent of the plastic zone. White: no dissipation."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
         "friction and viscous losses",
-     "All panels have the same scale: compare the location of yielding, sliding and damping."),
+     "All panels have the same scale: compare the location of yielding, sliding and damping. "
+     "White: none of this kind."),
     ("dents_*", sections.dents_section, "Plastic indentations before the run",
-     "A contact is elastic up to the force that caused its indentation."),
+     "A contact is elastic up to the force that caused its indentation. White: no indentation."),
     ("dissipation_ranked", dissipation.dissipation_ranked, "Dissipation of spheres in descending order",
      "A steep decrease means that few spheres dissipate most of the energy. Spheres that "
      "yielded without dissipation are excluded."),
@@ -99,8 +110,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "complete; if they rise, use a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
      "Size of the plastic zone: plastic dissipation beyond a distance",
-     "The curve reaches 0.1 at the 90 % depth or radius. Yielded spheres beyond the axis "
-     "dissipated less than 1e-5 of the total."),
+     "The curves reach 0.1 at the 90 % depth and radius. The horizontal axis ends where less "
+     "than 1e-5 of the total is beyond."),
     ("energies", histories.energies, "Energies and the error of their balance",
      "A constant dissipated energy shows that no contact dissipates any more; the residual is the "
      "error of the balance."),
@@ -118,33 +129,33 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("probes", histories.probes, "Probes",
      "The delay between curves gives the wave speed, and the height of the peaks gives the decay."),
     ("wave_front", sections.wave_front, "Wave front",
-     "The edge of the coloured region is the wave front; its distance in each direction shows "
-     "how the speed depends on direction."),
-    ("force_map", rows.force_map, "Contact force in space and time",
+     "The edge of the coloured region is the wave front; its speed depends on the direction. "
+     "White: no force at this time."),
+    ("force_map", force_map.force_map, "Contact force in space and time",
      "A wave is an inclined line; its slope gives the speed, fading colours show decay, and a "
      "reversal is a reflection."),
-    ("force_histories", rows.force_histories, "Forces of individual contacts",
+    ("force_histories", chains.force_histories, "Forces of individual contacts",
      "Equal successive pulses are a steady wave; pulses that become lower and longer lose energy."),
-    ("along_chain", rows.along_chain, "Peak force of the first wave above the static force, "
+    ("along_chain", chains.along_chain, "Peak force of the first wave above the static force, "
         "and dissipation, along the chain; crosses: larger forces later in the run",
      "Constant values show a wave without decay; decreasing values show its decay. Forces that "
      "still rise at the end are omitted."),
-    ("bead_velocities", rows.bead_velocities, "Velocities along the chain",
+    ("bead_velocities", chains.bead_velocities, "Velocities along the chain",
      "Each curve is the whole chain at one instant: the front moves to the right, and its height "
      "shows the decay."),
-    ("transmission", rows.transmission,
+    ("transmission", driven.transmission,
      "Amplitude along the chain, or transmission against frequency, for an oscillating load",
      "Where the curve is near zero, no wave is transmitted."),
-    ("amplitude_sweep", rows.amplitude_sweep, "Response of the chain against the load amplitude",
+    ("amplitude_sweep", driven.amplitude_sweep, "Response of the chain against the load amplitude",
      "A jump, or separate curves, shows two states of the chain at one amplitude."),
-    ("bars", rows.bars, "Bars: contact force and energy",
+    ("bars", chains.bars, "Bars: contact force and energy",
      "A second peak is a reflected pulse; the energies are given for each bar."),
-    ("sensors", rows.sensors, "Sensors",
+    ("sensors", chains.sensors, "Sensors",
      "The delay between curves gives the wave speed, and the height of the peaks gives the decay."),
-    ("line_speeds", rows.line_speeds, "Speeds along lines of grains",
+    ("line_speeds", lines.line_speeds, "Speeds along lines of grains",
      "The first peak of each grain is the wave; later peaks are rattling and reflections from "
      "walls."),
-    ("line_decay", rows.line_decay, "Peak speed along lines of grains, and its decay in two regions",
+    ("line_decay", lines.line_decay, "Peak speed along lines of grains, and its decay in two regions",
      "A straight line is an exponential decay; its rate changes where the two lines meet."),
     ("accelerations", histories.sensors, "Accelerations of the sensors",
      "Sensors at equivalent positions ideally have the same curve."),
@@ -158,15 +169,17 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Distribution of contact forces relative to their mean",
      "A straight line is an exponential tail: only the densities are logarithmic. Forces below "
      "1e-4 of the largest are left out."),
-    ("line_diagram", rows.line_diagram,
+    ("line_diagram", lines.line_diagram,
      "Speed of a line of grains in space and time, with the front",
-     "The front is the lower edge of the colours, straight at a constant speed. White: slower than "
-     "one thousandth of the largest speed."),
+     "The lower edge of the colours is the front. White: slower than one thousandth of the largest "
+     "speed before the front arrives."),
     ("force_at_depths", regions.force_at_depths, "Force through planes at several depths",
      "The delay between the curves gives the speed of the wave, and their heights give its decay."),
     ("energy_by_region", regions.energy_by_region, "Energy in regions of the packing",
      "A region gains energy when its area grows; the sum of all areas is the energy input."),
 )  # fmt: skip
+#: End of the text of sections through the perpendicular plane, which alone have such spheres.
+_BEHIND = {"orthogonal": "Pale spheres lie behind the plane."}
 _PLANES = {
     "principal": "principal plane",
     "orthogonal": "perpendicular plane",
@@ -193,7 +206,9 @@ _NEEDS = {
     "line_decay": "a run with [[line]]",
     "line_speeds": "a run with [[line]]",
     "force_at_depths": "a run with output.contact_forces = true, or a chain",
-    "target": "a target below the packing",
+    "contact_network": "a packing; along_chain shows the forces of a chain",
+    "force_distribution": "a packing with at least ten loaded contacts",
+    "target": "a force on a bottom that moves, or that the load could also hit without the packing",
     "transmission": "a load that oscillates",
 }
 
@@ -218,7 +233,11 @@ def _figures() -> Iterator[tuple[str, RunFigure]]:
         for plane, where in _PLANES.items():
             yield (
                 name.replace("*", plane),
-                RunFigure(f"{caption}, {where}", partial(function, name=plane), look),
+                RunFigure(
+                    f"{caption}, {where}",
+                    partial(function, name=plane),
+                    f"{look} {_BEHIND.get(plane, '')}".rstrip(),
+                ),
             )
 
 

@@ -197,7 +197,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
         axes.set_title(colouring.title, pad=2)
         if beyond.any():
             note = {"transform": axes.transAxes, "ha": "right", "va": "top", "fontsize": 6}
-            axes.text(0.98, 0.985, f"black ring: overlap beyond {LAW_LIMIT:g} R*", **note)
+            axes.text(0.98, 0.985, f"black ring: overlap\nbeyond {LAW_LIMIT:g} R*", **note)
         if cut.plane.through is None:
             draw_impact(axes, result, cut, window)
     if len(panels) > 1:

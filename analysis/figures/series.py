@@ -17,7 +17,8 @@ import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.scales import least_span
@@ -45,6 +46,12 @@ MARKS = "os^Dv"
 LINES: tuple[Any, ...] = ("-", "--", "-.", (0, (1, 1)), (0, (5, 1, 1, 1, 1, 1)), (0, (8, 2)))
 _ENERGIES = ((1.0, "J"), (1e3, "mJ"), (1e6, "µJ"), (1e9, "nJ"))
 _VELOCITIES = ((1.0, "m/s"), (1e3, "mm/s"), (1e6, "µm/s"))
+_TWO_DECADES = 100.0  # highest / lowest value below which ticks between decades have labels
+_WIDE_PEAKS = 30.0  # largest / smallest peak of the curves of a logarithmic axis
+_ERRORS_SHOWN = 1e4  # largest over smallest error on the axis of the energies
+_LEAST_PEAK = 1e-4  # fraction of the largest peak: curves that the wave reached
+_BELOW_PEAKS = 4.0  # smallest peak / start of that axis
+_ABOVE_PEAKS = 1.5  # end of that axis / largest peak
 _LEAST_VELOCITY = 0.01  # in m/s: tenths are common there
 
 
@@ -134,6 +141,48 @@ def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: An
     """
     axes.set(**{f"{name}scale": "log" for name in log})
     axes.set(xlabel=x or axes.get_xlabel(), ylabel=y or axes.get_ylabel(), **settings)
+
+
+def label_log_axis(axes: Axes, ratio: float) -> None:
+    """Label the ticks of a logarithmic vertical axis: 1, 2 and 5 of each decade over less than two
+    decades, otherwise the decades.
+
+    Parameters
+    ----------
+    ratio
+        Largest value / smallest value.
+    """
+    if ratio < _TWO_DECADES:
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def limits_of_error(residual: NDArray[np.float64]) -> dict[str, Any]:
+    """Return the limits of the axis of errors, which single small errors do not widen."""
+    largest = float(residual.max(initial=0.0))
+    if not 0 < largest < math.inf:  # a logarithmic axis shows only positive, finite errors
+        return {}
+    shown = residual[residual > largest / _ERRORS_SHOWN]
+    return {"ylim": (float(shown.min()) / 2, 2 * largest)}
+
+
+def scale_by_peaks(axes: Axes, peaks: ArrayLike) -> None:
+    """Give the vertical axis a logarithmic scale if the peaks of its curves differ so much that the
+    lowest curves would be on the axis of times.
+
+    Parameters
+    ----------
+    peaks
+        Largest values of the curves, in the unit of the axis: (n_curves,).
+    """
+    values = np.asarray(peaks, dtype=np.float64)
+    values = values[values > _LEAST_PEAK * values.max(initial=0.0)]
+    if not len(values) or values.max() < _WIDE_PEAKS * values.min():
+        return
+    axes.set_yscale("log")
+    axes.set_ylim(values.min() / _BELOW_PEAKS, values.max() * _ABOVE_PEAKS)
+    label_log_axis(axes, _BELOW_PEAKS * values.max() / values.min())
 
 
 def legend_outside(figure: Figure, ncols: int, **options: Any) -> None:

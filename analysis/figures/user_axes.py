@@ -23,6 +23,8 @@ _OTHER_LINE = "--"  # line style of another run
 _OTHER_MARKER = "x"  # marker of its points that no line joins
 _OTHER_ALPHA = 0.7
 _FONT = 8  # font size of legends, points
+_SMALLEST = 5.0  # smallest font size of legends, points
+_WIDEST = 0.97  # width of a legend above the axes / width of the figure
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
@@ -140,7 +142,9 @@ def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
 def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:
     """Draw the curves of another run, dashed, over the panels of a run.
 
-    Second axes, such as the axis of the impulse in a figure of the force, are removed.
+    Second axes, such as the axis of the impulse in a figure of the force, are removed. If one figure
+    has more panels than the other, the first panels with equal quantities are used. The figure
+    grows by the legends above its panels.
 
     Parameters
     ----------
@@ -154,17 +158,19 @@ def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: s
     bool
         False if there are no curves, or other panels.
     """
+    pairs = list(zip(panels, others, strict=False))
     if len(panels) != len(others):
-        return False
+        pairs = [pair for pair in pairs if pair[0].get_ylabel() == pair[1].get_ylabel()]
     number = 0
     second: list[Axes] = []
-    for axes, other in zip(panels, others, strict=True):
+    for axes, other in pairs:
         if _is_second(axes, panels):
             second.append(axes)
             continue
         curves = _curves_of(other)
+        has_labels = any(not label.startswith("_") for _, label in curves)
         for curve, label in curves:
-            _add_curve(axes, curve, label, name)
+            _add_curve(axes, curve, _label_of_other(label, name, has_labels=has_labels))
         if curves:
             axes.set_xlim(_widened(axes.get_xlim(), other.get_xlim()))
             axes.set_ylim(_widened(axes.get_ylim(), other.get_ylim()))
@@ -172,14 +178,52 @@ def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: s
                 _name_curve(axes.lines[0], own)
             legend = axes.get_legend()
             if legend is not None or len(curves) == 1:
-                axes.legend(*_own_first(axes, name), fontsize=_size_of(legend))
-                uncover_curves_of(axes)
+                _draw_legend(axes, _own_first(axes, name), legend)
         number += len(curves)
     for axes in second:
         axes.remove()
     if second:
         _uncolour(panels[0])
     return number > 0
+
+
+def _label_of_other(label: str, name: str, *, has_labels: bool) -> str:
+    """Return the label of a curve of another run: the first line of its label with the name of the
+    run. Curves without a label have the name alone, and none next to curves with labels.
+    """
+    if label.startswith("_"):
+        return "_" if has_labels else name
+    first, *_ = label.split("\n")
+    return f"{first}, {name}"
+
+
+def _draw_legend(axes: Axes, entries: tuple[list[Any], list[str]], before: Legend | None) -> None:
+    """Draw a legend of the curves of both runs. A legend above the axes of a figure of ours has the
+    width of the figure at most, and the figure grows by its height.
+
+    Parameters
+    ----------
+    entries
+        Handles and labels.
+    before
+        Legend of the curves of this run, which it replaces.
+    """
+    size = _size_of(before)
+    figure = axes.get_figure(root=True)
+    is_above = before is not None and not axes.bbox.overlaps(before.get_window_extent().padded(-1))
+    if not is_above or figure is None or figure.get_layout_engine() is None:
+        axes.legend(*entries, fontsize=size)
+        uncover_curves_of(axes)
+        return
+    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
+    height = before.get_window_extent().height
+    legend = axes.legend(*entries, fontsize=size, **place)
+    width = legend.get_window_extent().width / figure.bbox.width
+    if width > _WIDEST:
+        legend = axes.legend(*entries, fontsize=max(size * _WIDEST / width, _SMALLEST), **place)
+    grown = (legend.get_window_extent().height - height) / figure.dpi
+    if grown > 0:
+        figure.set_figheight(figure.get_figheight() + grown)
 
 
 def _own_first(axes: Axes, name: str) -> tuple[list[Any], list[str]]:
@@ -234,17 +278,18 @@ def _name_curve(curve: Line2D, name: str) -> None:
         curve.set_label(name)
 
 
-def _add_curve(axes: Axes, curve: Line2D, label: str, name: str) -> None:
-    """Draw a curve of another run; points that no line joins stay points."""
+def _add_curve(axes: Axes, curve: Line2D, label: str) -> None:
+    """Draw a curve of another run with a label; points that no line joins stay points."""
     is_joined = curve.get_linestyle() not in ("None", "none", "", " ")
     axes.plot(
         *curve.get_data(),
         linestyle=_OTHER_LINE if is_joined else "none",
         marker="" if is_joined else _OTHER_MARKER,
         markersize=curve.get_markersize(),
+        drawstyle=curve.get_drawstyle(),
         color=curve.get_color(),
         alpha=_OTHER_ALPHA,
-        label=name if label.startswith("_") else f"{label}, {name}",
+        label=label,
     )
 
 

@@ -89,13 +89,27 @@ def in_any_unit(value: float, unit: str) -> str:
     unit
         As of SI: ``N``, ``m^3``, ``1/m``; empty for a number.
     """
+    scale, name = _suitable_unit(value, unit)
+    return f"{plain(f'{value / scale:.4g}')} {name}".rstrip()
+
+
+def interval_in_any_unit(mean: float, half_width: float, unit: str) -> str:
+    """Format a mean and its half-width with a prefix of the unit, as `in_any_unit` does: ``213 ± 18
+    mm``.
+    """
+    scale, name = _suitable_unit(mean, unit)
+    return f"{interval(mean / scale, half_width / scale)} {name}".rstrip()
+
+
+def _suitable_unit(value: float, unit: str) -> tuple[float, str]:
+    """Return the size and the name of the unit in which a value is read best."""
     unit = unit.replace("^3", "³").replace("^2", "²")
     if unit == "m³" and value:
-        scale, volume = _fitting(value, _VOLUMES)
-        return f"{plain(f'{value / scale:.4g}')} {volume}"
-    if unit.isalpha() and unit != "kg":
-        return quantity_in(value, unit)
-    return f"{plain(f'{value:.4g}')} {unit}".rstrip()
+        return _fitting(value, _VOLUMES)
+    if unit.isalpha() and unit != "kg" and value:
+        scale, prefix = _fitting(value, _PREFIXES)
+        return scale, prefix + unit
+    return 1.0, unit
 
 
 def column_unit(unit: str, values: Iterable[object]) -> tuple[str, float]:

@@ -3,7 +3,8 @@ contact; and the tail of their distribution.
 
 The instant has the largest elastic energy among the snapshots with ``output.contact_forces``, or in
 the record of a chain. Contacts that carry less than 1e-4 of the largest force do not count: grains
-that touch overlap by the rounding of their coordinates.
+that touch overlap by the rounding of their coordinates. The loaded contacts of a run, of which the
+largest forces are a part, are those that the summary counts (`is_loaded`).
 
 Beyond a threshold x0 an exponential tail is exp(-b (x - x0)). Of n independent values beyond it
 the decay is b = (n - 1) / sum(x - x0), without bias, with the standard error b / sqrt(n - 2).
@@ -24,6 +25,7 @@ from numpy.typing import NDArray
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.lammps_output.dumps import read_frame_forces
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.result.contacts import is_loaded
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs.run_directory import DUMPS, FRAME_FORCES_FILE
@@ -55,7 +57,7 @@ class ContactForces:
     force
         Forces: (n_contacts,), N.
     n_left_out
-        Number of contacts with a smaller force than 1e-4 of the largest, which do not count.
+        Number of loaded contacts with a smaller force than 1e-4 of the largest, which do not count.
     """
 
     name: str
@@ -93,13 +95,23 @@ def contact_forces(result: Result, kept: NDArray[np.bool_] | None = None) -> lis
     if at_instant is not None:
         time, pairs = at_instant
         states.append(_joined(result, INSTANT, time, [pairs], kept))
-    states.append(_joined(result, PEAK, None, _of_table(result, "peak_force"), kept))
+    states.append(_joined(result, PEAK, None, _largest_forces(result), kept))
     return [state for state in states if len(state.force)]
 
 
 def _of_table(result: Result, column: str) -> Blocks:
     """Return the contacts of the run in blocks."""
     return result.blocks("contacts/i", "contacts/j", f"contacts/{column}")
+
+
+def _largest_forces(result: Result) -> Blocks:
+    """Yield the loaded contacts of the run with their largest forces, in blocks."""
+    names = ("i", "j", "peak_force", "peak_overlap", "yield_overlap")
+    for i, j, force, overlap, yield_overlap in result.blocks(
+        *(f"contacts/{name}" for name in names)
+    ):
+        loaded = is_loaded(overlap, yield_overlap, force)
+        yield i[loaded], j[loaded], force[loaded]
 
 
 def _joined(

@@ -16,14 +16,24 @@ A decay is reported only if it describes the forces. It is refused
 * where the misfit, the root mean square of ln(F / fit), is 30 % or more;
 * where the law explains less than 85 % of the variance of ln(F).
 
-Lattices of 4 to 28 layers in 3-D are within 2 to 27 % of the better law, which explains more than
-96 % of the variance; layers in a plane are within 19 % and explain more than 88 %; damped chains
+Lattices of 12 and 24 layers in 3-D are within 3 to 23 % of the better law, which explains more than
+96 % of the variance; layers in a plane are within 22 % and explain more than 96 %; damped chains
 are within 5 %. Chains with a step of the material were 50 to 55 % from the law, which explained 74
 to 76 %, and 440 % where layers ahead of the wave were included. A poured bed of 201 grains was
 40 % from the law, which explained 54 %.
 
-Forces of a chain are those of its first wave, before the reflection from the end. Forces of other
-packings are the largest of the run, including reflections.
+Forces are those of the first wave, before the reflection from the end of a chain or from the base
+of a packing. The record of a packing has the largest force of each contact in the run, and its
+time. The largest force of a layer belongs to the first wave if it occurred before a reflection from
+the base can have arrived, see `reflection_arrivals`; otherwise the layer is not fitted. Reflections
+from the sides are included. Under a load that keeps oscillating the forces are the largest of the
+run.
+
+With a base at twice the depth, or without one, the forces of the first wave change by less than
+2e-5 in fcc, hcp, bcc and sc lattices and in layers in a plane. The misfit of fcc and hcp is
+geometric. Up to some 7 diameters the largest force is that of the contacts along the preferred
+directions, which decays exponentially; farther away it is that of the wave behind, which decays
+more slowly.
 """
 
 from __future__ import annotations
@@ -39,6 +49,8 @@ from granwave.analysis.measures.dynamic_force import dynamic_contact_peaks, dyna
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.leading_wave import has_first_wave, leading_peaks_of_spheres
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.waves import arrivals_of_groups
 from granwave.analysis.result.reader import Result
 
 _LEAST_FIT = 4  # layers of a fit of the decay
@@ -50,6 +62,7 @@ _CONSTANT = 0.02  # largest over smallest force of the deeper half of a fit, min
 _LEAST_PERCENT = 0.1  # smallest change that is named, per cent
 _SAME_SIZE = 1.2  # largest over smallest median diameter of layers with one decay
 _LEAST_SHARE = 1e-4  # fraction of the largest force: layers that the wave reached
+_AT_TOP = 1e-9  # fraction of the way down that layers above the impact have
 BEFORE_END = 1 - 1e-9  # fraction of the run: a force that is largest later may still rise
 
 
@@ -228,16 +241,25 @@ def force_decay(result: Result) -> Decay | None:
     """Fit the largest peak force of each layer against depth by an exponential and by a power law;
     return the fit with the smaller misfit, or None if there is no decay; see `no_decay_reason`.
     """
-    fits = both_decays(result)
-    if isinstance(fits, str):
-        return None
-    decay = better_of(fits)
-    return None if objection(decay) else decay
+    return accepted(both_decays(result))
 
 
 def no_decay_reason(result: Result) -> str:
     """Return the reason why `force_decay` returns no decay; empty if it returns one."""
-    fits = both_decays(result)
+    return reason_against(both_decays(result))
+
+
+def accepted(fits: tuple[ForceDecay, PowerDecay] | str) -> Decay | None:
+    """Return the fit with the smaller misfit; None without fits, and if it is no description of the
+    forces.
+    """
+    if isinstance(fits, str) or objection(better_of(fits)):
+        return None
+    return better_of(fits)
+
+
+def reason_against(fits: tuple[ForceDecay, PowerDecay] | str) -> str:
+    """Return the reason why no fit is `accepted`; empty if one is."""
     return fits if isinstance(fits, str) else objection(better_of(fits))
 
 
@@ -269,21 +291,30 @@ class LayerPeaks:
     depth
         Below the impacted sphere, m.
     largest, median
-        Of the peak forces of their spheres, N.
+        Of the peak forces of their spheres, N. The median of a layer of several spheres is of the
+        largest forces of the run.
     is_known
         False where the force still rises at the end of the run, where the wave has not arrived, or
-        where the reflection from the end of a chain came before the force had passed its peak.
+        where the reflection came before the force had passed its peak.
+    is_later
+        True for layers of a packing whose largest force occurred when the reflection from the base
+        may have arrived.
+    reflection
+        Time at which the reflection from the base can be at the layers of a packing, s, see
+        `reflection_arrivals`; inf where no such time is known.
     n_left_out
-        Number of layers with a force that is not known.
+        Number of other layers with a force that is not known.
     of_first_wave
-        True for a chain: the forces are those of the first wave. Otherwise they are the largest of
-        the run.
+        True if the known forces are those of the first wave. Otherwise they are the largest of the
+        run.
     """
 
     depth: Array
     largest: Array
     median: Array
     is_known: NDArray[np.bool_]
+    is_later: NDArray[np.bool_]
+    reflection: Array
     n_left_out: int
     of_first_wave: bool
 
@@ -292,20 +323,72 @@ def layer_peaks(result: Result) -> LayerPeaks:
     """Return the peak forces of the layers of a packing, or of the beads of a chain."""
     depth = result["spheres/position"][:, 2] - result.origin[2]
     mean, layer = layers(depth, result["spheres/radius"], result.case.packing.diameter)
-    is_first = has_first_wave(result)
+    is_chain = has_first_wave(result)
     of_run = dynamic_peak_forces(result)
-    force = leading_peaks_of_spheres(result) if is_first else of_run
+    force = leading_peaks_of_spheres(result) if is_chain else of_run
     unknown = layer[~np.isfinite(force)]
     force = np.nan_to_num(force)
     largest = _largest(force, layer, len(mean))
     median = np.array([np.median(force[layer == n]) for n in range(len(mean))])
-    is_known = largest > _LEAST_SHARE * largest.max(initial=0.0)
+    least = _LEAST_SHARE * float(largest.max(initial=0.0))
+    is_known = largest > least
     is_known[unknown] = False
-    reached = _largest(of_run, layer, len(mean)) > _LEAST_SHARE * of_run.max(initial=0.0)
-    if not is_first:
+    is_reached = _largest(of_run, layer, len(mean)) > _LEAST_SHARE * of_run.max(initial=0.0)
+    is_later = np.zeros(len(mean), dtype=bool)
+    reflection = None
+    if not is_chain:
         is_known &= ~still_rising(result, layer, largest)
-    n_left_out = int(np.count_nonzero(reached & ~is_known))
-    return LayerPeaks(mean, largest, median, is_known, n_left_out, is_first)
+        reflection = reflection_arrivals(result, mean, layer, least)
+    if reflection is not None:
+        is_later = is_known & _peaks_since(result, layer, largest, reflection)
+        is_known &= ~is_later
+    return LayerPeaks(
+        depth=mean,
+        largest=largest,
+        median=median,
+        is_known=is_known,
+        is_later=is_later,
+        reflection=np.full(len(mean), np.inf) if reflection is None else reflection,
+        n_left_out=int(np.count_nonzero(is_reached & ~is_known & ~is_later)),
+        of_first_wave=is_chain or (reflection is not None and bool(np.any(is_known))),
+    )
+
+
+def reflection_arrivals(
+    result: Result, depth: Array, layer: NDArray[np.int64], least: float = 0.0
+) -> Array | None:
+    """Return the time at which the reflection from the base of a packing can be at each layer, s:
+    (n_layers,); inf if the wave does not arrive at the base. None under a load that keeps
+    oscillating, and where the arrival at the base is not known.
+
+    The front is at the base at t_b, and was at the layer at t on its way. Waves get weaker and
+    slower on their way, so that the reflection returns at 2 t_b - t at the earliest. If contacts
+    are loaded from the start, arrivals at layers cannot be observed; t is then that of a wave with
+    a constant speed down to the base.
+
+    Parameters
+    ----------
+    depth
+        Of the layers, rising: (n_layers,), m.
+    layer
+        Layer of each sphere: (n_spheres,).
+    least
+        Force on the base from which on the wave has arrived there, N.
+    """
+    if result.case.load.keeps_oscillating:
+        return None
+    if result.case.precompression is None:
+        front = arrivals_of_groups(result, layer, len(depth))
+    else:
+        base = reached(result)
+        if base is None or not depth[-1] > 0:
+            return None
+        is_there = base.dynamic_peak_force > least
+        at_base = base.arrival if is_there else None
+        front = np.clip(depth / depth[-1], _AT_TOP, 1.0) * (at_base or np.inf)
+    if not np.isfinite(front[-1]):
+        return np.full(len(depth), np.inf)
+    return np.asarray(2 * front[-1] - np.minimum(front, front[-1]))
 
 
 def _largest(force: Array, layer: NDArray[np.int64], n_layers: int) -> Array:
@@ -318,7 +401,8 @@ def _largest(force: Array, layer: NDArray[np.int64], n_layers: int) -> Array:
 def both_decays(
     result: Result, peaks: LayerPeaks | None = None
 ) -> tuple[ForceDecay, PowerDecay] | str:
-    """Fit the largest peak force of each layer against depth, by an exponential and by a power.
+    """Fit the largest peak force of each layer in the first wave against depth, by an exponential
+    and by a power.
 
     Omitted are the impacted layer, which shares its largest contact with the next, the deepest
     layer, which the bottom holds or leaves free, and layers whose peak is not known, see
@@ -344,7 +428,8 @@ def both_decays(
     fitted = below & peaks.is_known
     n_fitted = int(np.count_nonzero(fitted))
     if n_fitted < _LEAST_FIT:
-        return f"only {n_fitted} layers"
+        is_cut = bool(np.any(below & peaks.is_later))
+        return f"only {n_fitted} layers{' before the reflection' if is_cut else ''}"
     if _differs_along_depth(result, peaks.depth[below]):
         return "the material or the diameter changes with depth"
     depth = peaks.depth[fitted]
@@ -397,9 +482,18 @@ def still_rising(result: Result, layer: NDArray[np.int64], force: Array) -> NDAr
         Largest force of each layer, dynamic under a static load: (n_layers,), N.
     """
     last = BEFORE_END * float(result["energy/time"][-1])
-    rising = np.zeros(len(force), dtype=bool)
+    return _peaks_since(result, layer, force, np.full(len(force), last))
+
+
+def _peaks_since(
+    result: Result, layer: NDArray[np.int64], force: Array, since: Array
+) -> NDArray[np.bool_]:
+    """Return True for layers whose largest force, (n_layers,), N, was reached at a time of their
+    own, (n_layers,), s, or later: (n_layers,).
+    """
+    is_since = np.zeros(len(force), dtype=bool)
     for i, j, peak, when in dynamic_contact_peaks(result):
         for ends in (i, j):
             there = layer[result.rows(ends)]
-            rising[there[(peak >= force[there]) & (when >= last)]] = True
-    return rising
+            is_since[there[(peak >= force[there]) & (when >= since[there])]] = True
+    return is_since

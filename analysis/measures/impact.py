@@ -96,10 +96,13 @@ class Rays:
     peak_force
         Of the n-th contact from the impacted sphere: (n_contacts, n_directions), N; NaN beyond the
         packing, and where a sphere is missing.
+    time_peak
+        Time of this force: (n_contacts, n_directions), s; NaN without contact.
     """
 
     directions: Array
     peak_force: Array
+    time_peak: Array
 
     @property
     def difference(self) -> Array:
@@ -123,20 +126,23 @@ def rays(result: Result) -> Rays:
     """
     directions = preferred_directions(result.case.packing.kind)
     if not len(directions):
-        return Rays(directions, np.empty((0, 0)))
+        return Rays(directions, np.empty((0, 0)), np.empty((0, 0)))
     diameter = result.case.packing.diameter
     positions = result["spheres/position"]
     ids = result["spheres/id"]
     reach = int(np.linalg.norm(np.ptp(positions, axis=0)) / diameter) + 2
-    columns = []
+    forces = []
+    times = []
     for direction in directions:
         points = result.origin + np.arange(reach)[:, None] * diameter * direction
         distance, row = nearest(points, positions)
         found = np.where(distance <= _ON_RAY * diameter, ids[row], 0)
-        columns.append(result.of_pairs("peak_force", found[:-1], found[1:], np.nan))
-    table = np.stack(columns, axis=1)
+        forces.append(result.of_pairs("peak_force", found[:-1], found[1:], np.nan))
+        times.append(result.of_pairs("time_peak", found[:-1], found[1:], np.nan))
+    table = np.stack(forces, axis=1)
     there = np.flatnonzero(np.isfinite(table).any(axis=1))
-    return Rays(directions, table[: there[-1] + 1 if there.size else 0])
+    n_contacts = there[-1] + 1 if there.size else 0
+    return Rays(directions, table[:n_contacts], np.stack(times, axis=1)[:n_contacts])
 
 
 def peak_force_by_depth(result: Result, *, dynamic: bool = False) -> tuple[Array, Array]:

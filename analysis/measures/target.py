@@ -51,7 +51,7 @@ _GROWTH = 0.01  # ... by more than this fraction of its value
 _LEAST_RECORDS = 2
 ARRIVED = 0.01  # fraction of the largest dynamic force on the bottom
 _STATIC = 1e-6  # fraction of the peak force: touching grains overlap by rounding at the start
-_NEGLIGIBLE = 1e-6  # fraction of the largest force of a contact in the packing
+_NEGLIGIBLE = 1e-6  # fraction of the momentum of the impact
 _NOISE = 1e-6  # fraction of the initial force: precision of a static stage
 _TOLERANCE = 1e-8  # relative tolerance of the integration
 _IN_CONTACT = 200  # fewest steps during a collision with a plane at rest
@@ -76,10 +76,10 @@ class Reached:
     displacement: Array | None = None
     # largest force in any step, N, where it is known: the records may miss it
     largest_force: float | None = None
-    contact_force: float = 0.0  # largest force of a contact in the packing, N
-    # momentum of the impact, which only the target takes up, kg m/s; None if others do, or without
-    # an impact
-    momentum: float | None = None
+    momentum: float = 0.0  # magnitude of the momentum of the impact, N s
+    # momentum of the impact towards the target, which only the target takes up, N s; None if other
+    # bodies do, or without an impact
+    momentum_down: float | None = None
 
     @property
     def impulse(self) -> Array:
@@ -135,15 +135,16 @@ class Reached:
         """True if the force rises above its static value by more than the precision of a static
         stage.
 
-        A force that still rises at the end of the record, but is negligible compared with the
-        forces in the packing, is the start of a front that has not arrived: in a chain of elastic
-        spheres such a front has no sharp edge.
+        A force that still rises at the end of the record, and whose impulse is negligible compared
+        with the momentum of the impact, is the start of a front that has not arrived: in a chain of
+        elastic spheres such a front has no sharp edge.
         """
-        rise = self.force - self.static_force
-        least = _NOISE * abs(self.static_force)
         if self._is_largest_at_end:
-            least = max(least, _NEGLIGIBLE * self.contact_force)
-        return bool(np.any(rise > least))
+            impulse = float(self.dynamic_impulse[-1])
+            if impulse < _NEGLIGIBLE * self.momentum:
+                return False
+        rise = self.force - self.static_force
+        return bool(np.any(rise > _NOISE * abs(self.static_force)))
 
     @property
     def rises_at_end(self) -> bool:
@@ -155,9 +156,9 @@ class Reached:
         """Impulse on the target at the end of the record, above the static force, divided by the
         momentum of the impact; None if that is unknown.
         """
-        if not self.momentum or not len(self.force):
+        if not self.momentum_down or not len(self.force):
             return None
-        return float(self.dynamic_impulse[-1]) / self.momentum
+        return float(self.dynamic_impulse[-1]) / self.momentum_down
 
     @property
     def awaits_momentum(self) -> bool:
@@ -240,10 +241,18 @@ def reached(result: Result) -> Reached | None:
     if ground is None and name != BAR:
         ground = force
     displacement = None if moved is None else moved - moved[0]
-    contact_force = float(np.max(result["contacts/peak_force"], initial=0.0))
     largest = _largest_of_one_contact(result, name)
-    momentum = impact_momentum(result.assembly)
-    return Reached(time, force, ground, displacement, largest, contact_force, momentum)
+    scale = _momentum_scale(result)
+    down = impact_momentum(result.assembly)
+    return Reached(time, force, ground, displacement, largest, scale, down)
+
+
+def _momentum_scale(result: Result) -> float:
+    """Return the magnitude of the momentum of the impact, N s: input energy / largest speed of the
+    loaded grain; 0 if that never moves.
+    """
+    speed = float(np.max(np.abs(result["energy/struck_velocity"]), initial=0.0))
+    return result.energy_input / speed if speed else 0.0
 
 
 def _largest_of_one_contact(result: Result, name: str) -> float | None:

@@ -42,6 +42,7 @@ from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
 from granwave.analysis.reports.setting import is_chain, target_of
+from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Means, VariedKey
 from granwave.analysis.summary_table import has_no_pairs
@@ -80,7 +81,7 @@ _SENTENCES = (
     "{whole_spheres}",
     "The plate {plate}.",
     "None of the input energy of {kept} was dissipated.",
-    "{n_loaded_contacts} of {n_contacts} contacts carried a force.",
+    "{n_loaded_contacts} of {n_contacts} contacts carried a force{loaded_from}.",
 )
 _ALONG_LINE = (  # values along a line, with its name
     "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}.",
@@ -90,6 +91,8 @@ _SENSORS = (  # values of the sensors with the largest and smallest signal, with
     "Sensors recorded at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least "
     "{{sensor_{1}_peak_velocity_m_s}} ({1})."
 )
+#: Definition of the loaded contacts of a run with yield forces, as in `is_loaded`.
+_LOADED_FROM = f" (overlaps above {LISTED_FROM:g} of the yield overlap)"
 _WHOLE_SPHERES = (
     "Both lengths end at a sphere; the table has the lengths interpolated between spheres."
 )
@@ -325,6 +328,7 @@ def in_words(run: ReportRun) -> str:
     if (plate := run.number("plate_velocity_m_s")) is not None:
         values["plate"] = f"{'rebounds' if plate < 0 else 'still moves in'} at {abs(plate):.4g} m/s"
     values = {name: text for name, text in values.items() if text}
+    values["loaded_from"] = _loaded_from(run)
     lines = list[str]()
     for name in _named(summary, "line_", "_front_speed_m_s"):
         lines += [text.format(name) for text in _ALONG_LINE]
@@ -373,6 +377,14 @@ def _name_contacts(run: ReportRun, values: dict[str, str]) -> None:
         values.pop("n_contacts", None)
     if _is_precompressed(run) and ("between_spheres" in values or "peak_force_N" in values):
         values["static"] = "include the static force"
+
+
+def _loaded_from(run: ReportRun) -> str:
+    """Return the definition of the loaded contacts of a run; empty without yield forces, where any
+    force counts.
+    """
+    has_yield_force = run.number("energy_input_normalised") is not None
+    return _LOADED_FROM if has_yield_force else ""
 
 
 def _is_precompressed(run: ReportRun) -> bool:

@@ -83,8 +83,8 @@ _BEYOND_SMALL = (
 )
 _LEFT_OUT = "Left out: "  # before the message of an unfinished run
 _CUT = (
-    "The plastic zone reaches a boundary, which limits its extent, and may change "
-    "the depth and radius that contain 99 % of its dissipation"
+    "The plastic zone reaches a boundary, which limits its extent, and may change the depths and "
+    "radii that contain 50, 90 and 99 % of its dissipation"
 )
 _UNFINISHED = "Unfinished, with values up to the last output"
 _OF_ENDS = (_UNFINISHED, *OF_THE_END)  # notes on the ends of runs
@@ -292,7 +292,7 @@ def _badges(inputs: ReportInputs) -> tuple[Badge, ...]:
         badges.append(
             _badge(beyond, len(balanced), inside, "contacts beyond the law", "note", _BALANCE)
         )
-    yielding = [run for run in balanced if run.summary.get("zone_cut") is not None]
+    yielding = [run for run in balanced if _has_zone(run)]
     if yielding:
         cut = sum(mark_of(run.summary) is not Mark.NONE for run in yielding)
         is_growing = any(run.summary.get(GROWING) for run in yielding)
@@ -381,6 +381,18 @@ def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
     if runs and not notes:
         return [Note(_GOOD, "good")]
     return notes
+
+
+def _has_zone(run: ReportRun) -> bool:
+    """Return True for a run whose plastic zone could reach a boundary.
+
+    A packing of one layer has no depth; if it also has no sides, its zone has no extent.
+    """
+    if run.summary.get("zone_cut") is None:
+        return False
+    sizes = [run.summary.get(name) for name in ("zone_depth_90_m", "zone_radius_90_m")]
+    has_yielded = bool(run.number("energy_dissipated_plastic_J"))
+    return not has_yielded or any(size is not None for size in sizes)
 
 
 def _by_bounds(runs: Sequence[ReportRun]) -> list[str]:

@@ -62,6 +62,7 @@ MOST_OPEN = 12  # most points of a scan whose table is not folded
 MOST_ROWS = 14  # most values of one run in the first section
 _LONGEST = 600  # most characters of a reason
 _ROUNDING = 1e-9  # relative difference of equal values
+_TIMES = 10.0  # relative difference from which on it is given as a ratio
 _STATUS = "Status"
 _NUMBER = TableColumn("#", numeric=True, key=True)
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no results
@@ -393,6 +394,8 @@ def _difference(first: Any, second: Any) -> Cell:
         return Cell("")
     change = second / first - 1
     value = 0.0 if abs(change) < _ROUNDING else 100 * change
+    if change >= _TIMES:
+        return Cell(f"{second / first:.3g} times", value)
     return Cell(percent(value), value)
 
 

@@ -209,6 +209,26 @@ def list_contacts(
     return result
 
 
+def is_loaded(
+    overlap: NDArray[np.float64], yield_overlap: NDArray[np.float64], force: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Return True for loaded contacts: (n_contacts,).
+
+    The force is positive, and the overlap exceeds `LISTED_FROM` of the yield overlap: grains that
+    touch overlap by the rounding of their coordinates. Without a finite yield overlap any positive
+    force counts.
+
+    Parameters
+    ----------
+    overlap, yield_overlap
+        Largest overlap and alpha_y: (n_contacts,), m.
+    force
+        Largest force: (n_contacts,), N.
+    """
+    least = np.where(np.isfinite(yield_overlap), LISTED_FROM * yield_overlap, 0.0)
+    return (overlap > least) & (force > 0)
+
+
 def leave_out_rounding(contacts: Contacts, box: NDArray[np.float64]) -> None:
     """Remove the time of arrival of contacts with an overlap that never exceeded the rounding of
     coordinates in the box, (3, 2), m: no wave has reached them.

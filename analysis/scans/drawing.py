@@ -24,7 +24,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import ArrayLike, NDArray
 from pandas import DataFrame
 
-from granwave.analysis.figures.scales import not_to_scale, numbered_map
+from granwave.analysis.figures.scales import not_to_scale, numbered_map, ticks_at
 from granwave.analysis.figures.style import (
     BLANK,
     BLUE,
@@ -157,11 +157,23 @@ def _draw_curve(axes: Axes, part: DataFrame, look: dict[str, Any], *, joined: bo
 
 
 def _scale_abscissae(axes: Axes, places: NDArray, *, chosen: bool) -> None:
-    """Set the scale of abscissae: logarithmic for a large range, integer ticks for integers."""
+    """Set the scale of abscissae: logarithmic for a large range; ticks at few chosen values, otherwise
+    integer ticks for integers.
+    """
     if even_in_log(places) or (not chosen and _is_wide(places)):
         axes.set_xscale("log")
+    elif chosen and _have_room(places):
+        ticks_at(axes.xaxis, places)
     elif chosen and np.all(places == np.rint(places)):
         axes.xaxis.set_major_locator(MaxNLocator("auto", integer=True))
+
+
+def _have_room(places: NDArray) -> bool:
+    """Return True for sorted values whose labels have room next to each other."""
+    widest = max(len(f"{place:g}") for place in places)
+    room = _CHARACTER * (widest + 1) / _AXIS
+    steps = np.diff(places)
+    return len(places) > 1 and bool(steps.min() > room * (places[-1] - places[0]))
 
 
 def draw_bars(

@@ -14,14 +14,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from granwave.analysis.document.model import is_number, show
-from granwave.analysis.formatting.numbers import in_any_unit, interval, tick
+from granwave.analysis.formatting.numbers import in_any_unit, interval, interval_in_any_unit, tick
 from granwave.analysis.formatting.values import (
     AMPLITUDE,
     NONE,
     Naming,
     grains_called_in,
     more_keys,
-    printed_unit,
     shown_unit,
     unique_labels,
     unit_of,
@@ -279,13 +278,13 @@ def _sizes(labels: Sequence[Any]) -> list[tuple[int, ...]]:
     return sizes
 
 
+_CLEAR = 0.05  # change of a quantity, relative to its largest value, that is worth a headline
 WORTH = 1e-12  # smallest value that is not rounding
 _SAME = 1e-6  # relative difference of values that count as equal
+_AIMS = (REDUCTION, "restitution", "transmission")  # values for which scans are made
 #: Quantities that come first, in this order.
 _MAIN = (
-    REDUCTION,
-    "restitution",
-    "transmission",
+    *_AIMS,
     "dissipated_fraction",
     "peak_force_N",
     "peak_force_with_walls_N",
@@ -333,8 +332,9 @@ class Means:
         return scan_figures(_present(self.values))
 
     def quantities(self) -> list[tuple[str, str]]:
-        """Return the quantities that have figures, as names of figure and value, varying ones
-        first.
+        """Return the quantities that have figures, as names of figure and value: first those for
+        which scans are made and those that vary clearly, then those that vary by less than
+        `_CLEAR`, then constant ones.
         """
         quantities = []
         for number, (name, key) in enumerate(self.figures.items()):
@@ -343,13 +343,20 @@ class Means:
                 continue
             if len(values) == len(self.counts) > 1 and max(map(abs, values)) > WORTH:
                 rank = _MAIN.index(key) if key in _MAIN else len(_MAIN) + number
-                quantities.append((not self.varies(key), rank, name, key))
+                change = self._change(key)
+                is_slight = change <= _CLEAR and key not in _AIMS
+                quantities.append((change <= _SAME, is_slight, rank, name, key))
         return [(name, key) for *_, name, key in sorted(quantities)]
 
     def varies(self, name: str) -> bool:
         """Return True if the values of a quantity differ by more than rounding."""
+        return self._change(name) > _SAME
+
+    def _change(self, name: str) -> float:
+        """Return the range of a quantity, divided by its largest magnitude."""
         values = [value for value in self.values[name] if value is not None]
-        return max(values) - min(values) > _SAME * max(map(abs, values))
+        largest = max(map(abs, values))
+        return (max(values) - min(values)) / largest if largest else 0.0
 
     def sentence(self, main: str) -> str:
         """Return a sentence with the range of a quantity, the points at its ends, and the trends
@@ -414,10 +421,11 @@ class Means:
     def in_words(self, name: str, row: int) -> str:
         """Return a mean with its unit, and its interval if it has one."""
         mean = self.values[name][row]
+        half = self.half_widths[name][row]
         unit = quantity(name).unit
-        if mean is None or self.half_widths[name][row]:
-            return f"{self.text(name, row)} {printed_unit(unit)}".rstrip()
-        return in_any_unit(mean, unit)
+        if mean is None:
+            return show(mean)
+        return interval_in_any_unit(mean, half, unit) if half else in_any_unit(mean, unit)
 
     def setting(self, row: int) -> str:
         """Return the values of the keys of a row in words."""

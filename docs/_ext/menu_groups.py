@@ -41,7 +41,9 @@ def add_groups(
         link = "#" if first == page else app.builder.get_relative_uri(page, first)
         entry = re.compile(rf'<li class="toctree-l2[^>]*><a [^>]*href="{re.escape(link)}"')
         heading = f'<li class="menu-group">{html.escape(caption)}</li>'
-        menu = entry.sub(lambda found, heading=heading: heading + found[0], menu, count=1)
+        found = entry.search(menu)
+        if found:
+            menu = f"{menu[: found.start()]}{heading}{menu[found.start() :]}"
     context[_MENU] = menu
 
 

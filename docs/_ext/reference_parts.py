@@ -228,13 +228,13 @@ def _figure(title: str, first: str, drawn: str, runs: Mapping[str, Mapping[str, 
     title
         Its name, with a star for the plane.
     first
-        Its name, on the first of the planes.
+        Its name, on the first of the planes, whose texts are shown without a picture.
     drawn
         Name of the picture that is shown; empty for none.
     runs
         Entries of figures.toml, by the names of figures.
     """
-    figure = run_figures()[first]
+    figure = run_figures()[drawn or first]
     caption = _AT_PLANE.sub("", figure.caption) if title.endswith("*") else figure.caption
     text = f"**{_escape(caption)}.** {_escape(figure.look)}"
     if not drawn:

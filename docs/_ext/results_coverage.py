@@ -155,9 +155,11 @@ def _agreement(items: Sequence[Item], stored: Mapping[str, Any]) -> str:
     close = sum(one <= _CLOSE for one in off)
     far = sum(one > _FAR for one in off)
     return (
-        f"Of {len(rows)} rows with a value of a source, {close} agree within {100 * _CLOSE:g} %, "
-        f"{len(off) - close - far} within {100 * _FAR:g} %, and {far} do not; "
-        f"{len(rows) - len(off)} are bounds, have zero as the printed value, or no value of ours."
+        f"There are {len(rows)} rows with a value of a source. Of these, {close} differ from it by "
+        f"at most {100 * _CLOSE:g} %, {len(off) - close - far} by {100 * _CLOSE:g} to "
+        f"{100 * _FAR:g} %, and {far} by more. "
+        f"The other {len(rows) - len(off)} rows are bounds, have zero as the "
+        "printed value, or no value of ours."
     )
 
 

@@ -11,6 +11,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.ticker import MaxNLocator
 
 from granwave.analysis.document.model import (
@@ -68,6 +71,9 @@ _TOLD = (
 )  # keys that are listed with the setting of a case
 _OF_OTHER_DESIGNS = ("neighbour", "moved")  # checks that compare with another design
 _GRAMS = 1e3  # in a kilogram
+_SHADES_OF_DESIGNS = "Blues"  # colours of designs in the figure of their values
+_PALEST = 0.35  # part of these colours: the worst design
+_SHADES = 256  # number of shades of their scale
 _CAPTIONS = {
     "packing": "The best design: its packing, with a quarter cut away at the impact, and the peak "
     "contact force of each sphere",
@@ -278,7 +284,7 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
         columns.append(cells)
     for name in known:
         unit, cells = value_cells(name, rows[name].astype(object).tolist())
-        title = label_of(name) + _bounds(limits.get(name, {}))
+        title = label_of(name) + limit_in_heading(name, limits.get(name, {}))
         heads.append(TableColumn(title, unit, numeric=True))
         columns.append(cells)
     for key in keys:
@@ -306,12 +312,16 @@ def _value_of(name: str, value: float) -> str:
     return in_any_unit(value, unit)
 
 
-def _bounds(limit: Mapping[str, float]) -> str:
-    """Return the bounds of a limit in the form of a heading."""
+def limit_in_heading(name: str, limit: Mapping[str, float]) -> str:
+    """Return the bounds of a limit of a value, with their unit, in the form of a heading."""
+    unit = unit_of_value(name)
     ends = {"low": "at least", "high": "at most"}
-    return "".join(
-        f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None
-    )
+    texts = [
+        f", {words} {in_any_unit(limit[end], unit)}"
+        for end, words in ends.items()
+        if limit.get(end) is not None
+    ]
+    return "".join(texts)
 
 
 def _checks(best: Mapping[str, Any]) -> DocumentTable:
@@ -432,22 +442,27 @@ def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
     (name, which), *_ = found["objectives"].items()
     scaled = pd.DataFrame({key: _scaled(ran[key]) for key in (*keys, name)})
     goodness = 1 - scaled[name] if which == "smallest" else scaled[name]
+    colours = colormaps[_SHADES_OF_DESIGNS]
+    best = found["best"]["number"]
     figure, axes = panels(3.2, width=max(3.4, 0.7 * len(keys) + 1.5))
     places = range(len(keys) + 1)
     for row, good, number in zip(scaled.to_numpy(), goodness, ran["number"], strict=True):
-        chosen: dict[str, Any] = {"color": ORANGE, "lw": 2, "zorder": 3}
+        chosen: dict[str, Any] = {"color": ORANGE, "lw": 2, "zorder": 3, "label": "best design"}
         others: dict[str, Any] = {
-            "color": BLUE,
-            "alpha": 0.1 + 0.6 * good**3,
-            "lw": 0.8,
-            "zorder": 2,
+            "color": colours(_PALEST + (1 - _PALEST) * good),
+            "lw": 0.9,
+            "zorder": 2 + 0.9 * good,
         }
-        axes.plot(places, row, **(chosen if number == found["best"]["number"] else others))
+        axes.plot(places, row, **(chosen if number == best else others))
+    scale = ScalarMappable(Normalize(), ListedColormap(colours(np.linspace(_PALEST, 1, _SHADES))))
+    bar = figure.colorbar(scale, ax=axes, label="Other designs", ticks=[0, 1], pad=0.03)
+    bar.ax.set_yticklabels(["worst", "best"])
     names = zip((*keys, name), (*keys, value_column(name).title), strict=True)
     axes.set_xticks(
         places, [f"{words}\n{_ends(ran[key])}" for key, words in names], rotation=30, ha="right"
     )
     label(axes, y="Value, from first to last", yticks=[0, 1])
+    legend_above(axes, 1)
     return Drawing(figure, {key: ran[key].astype(str).to_list() for key in (*keys, name)})
 
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.formatting.numbers import counted, duration
 from granwave.analysis.formatting.values import printed_unit, unit_in_cases
 from granwave.analysis.quantities import quantity
 from granwave.analysis.summary_table import lines
@@ -179,7 +179,10 @@ def plan_text(problem: DesignProblem, values: dict[str, Any]) -> str:
         ("variables", ", ".join(values["variables"])),
         ("designs", f"{n}" if n is not None else "infinite: ranges are continuous"),
         ("within limits", f"{100 * values['share_within_limits']:.0f} % of random designs"),
-        ("evaluations", f"{values['evaluations']}, of {values['runs_each']} runs each"),
+        (
+            "evaluations",
+            f"{values['evaluations']}, with {counted(values['runs_each'], 'run')} each",
+        ),
     ]
     if seconds:
         expected = f"about {duration(seconds)}, without checks and neighbours of the best"

@@ -34,8 +34,8 @@ from granwave.analysis.figures.colouring import (
     disc_colours,
     force_scale,
 )
+from granwave.analysis.figures.force_map import space_time_map
 from granwave.analysis.figures.grain_discs import disc_radii, draw_discs
-from granwave.analysis.figures.rows import space_time_map
 from granwave.analysis.figures.style import (
     BLUE,
     DISSIPATION_MAP,
@@ -201,7 +201,7 @@ def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) ->
     axes.set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
     axes.set_ylabel(f"{cut.plane.down_label} (mm)")
     axes.set_title(" ", fontsize=9)  # room for the clock
-    ends = np.array([first.low, first.high])
+    ends = np.array([0.0, first.low, first.high])  # white grains in some snapshot
     colour_bar(figure, [axes], first, ends, bar_location(size))
     clock = _clock(figure)
 

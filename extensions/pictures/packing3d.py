@@ -120,9 +120,9 @@ def draw_packing(
     margin = _AROUND_ARROW * (right - left)
     axes.set_xlim(min(left, tail[0] - margin), max(right, tail[0] + margin))
     axes.set_ylim(min(bottom, tail[1] - margin), max(top, tail[1] + margin))
-    colour_bar(
-        figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size)
-    )
+    seen = values[surface.visible]
+    shown = np.where(seen < colouring.low, 0.0, seen)
+    colour_bar(figure, [axes], colouring, shown, bar_location(size), "below the scale")
     rows = kept[surface.visible]
     columns = {"id": result["spheres/id"][rows]}
     columns |= {f"{axis}_m": place for axis, place in zip("xyz", positions[rows].T, strict=True)}
@@ -248,14 +248,16 @@ def plane_lines(
 PEAK_FORCE = RunFigure(
     "Packing cut open, peak contact force, excluding walls",
     packing_3d,
-    "A quarter is cut away at the impact; bright spheres carried the largest forces.",
+    "A quarter is cut away at the impact; bright spheres carried the largest forces. White: below "
+    "the scale, or none.",
     shares_work_with=("packing_3d_dissipation",),
     takes_long=True,
 )
 DISSIPATION = RunFigure(
     "Packing cut open, dissipation",
     packing_3d_dissipation,
-    "A quarter is cut away at the impact; bright spheres dissipated the most energy.",
+    "A quarter is cut away at the impact; bright spheres dissipated the most energy. White: below "
+    "the scale, or none.",
     shares_work_with=("packing_3d",),
     takes_long=True,
 )

@@ -15,6 +15,7 @@ from granwave.extensions.waves.spectra.bands import Gap, Modes
 from granwave.extensions.waves.spectra.network import FREEDOMS
 from granwave.extensions.waves.spectra.transmission import Transmission
 
+_FEWEST_GRAINS = 2  # fewest grains of a cell whose modes are drawn
 _KILO = 1e-3
 _LEAST_GAP = 0.002  # fraction of the height of the panel; narrower gaps are invisible
 
@@ -172,12 +173,12 @@ def equal_frequency_curves(found: BandStructure) -> Drawing | None:
 
 
 def mode_shapes(found: BandStructure) -> Drawing | None:
-    """Draw the displacements of the modes at the last corner of the first stretch; None for cells
-    of many grains.
+    """Draw the displacements of the modes at the end of the first segment of the path; None for cells
+    of many grains, and of one grain, whose modes have no shape.
     """
     network = found.state.network
     bands = found.bands
-    if network.n_freedoms > 24:
+    if network.n_freedoms > 24 or len(network.ids) < _FEWEST_GRAINS:
         return None
     grain, direction = network.freedoms
     row = bands.path.corners[1][0]

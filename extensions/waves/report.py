@@ -74,7 +74,7 @@ _CAPTIONS = {
     "group_velocity": "Group velocity against frequency",
     "slowness": "Slowness of long waves against direction in a plane",
     "equal_frequency": "Lines of equal frequency in a plane of wave vectors",
-    "mode_shapes": "Displacements of the modes at the last corner of the first stretch",
+    "mode_shapes": "Displacements of the modes at the end of the first segment of the path",
     "density_of_states": "Density of states",
     "participation": "Participation ratio against frequency",
 }

@@ -158,7 +158,7 @@ def _core() -> tuple[Command, ...]:
         Command("quantities", FIND, "list the values of summary.json: label, unit, meaning",
                 "granwave.workflows.cli.package:quantities", (
             option("names", nargs="*", metavar="NAME",
-                   help="values, such as zone_depth_90_m (default: a list)"),
+                   help="values, such as zone_depth_90_m, or words (default: a list)"),
         )),
         Command("check", FIND, "check a case and estimate size, memory, disk, timestep, time, "
             "overlap", "granwave.workflows.cli.check:check", (

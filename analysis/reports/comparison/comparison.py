@@ -36,10 +36,7 @@ from granwave.analysis.reports.comparison.measured import (
     unit_notes,
     unranked_reasons,
 )
-from granwave.analysis.reports.comparison.protection import (
-    protection_sentences,
-    stated_values,
-)
+from granwave.analysis.reports.comparison.protection import Ranking, protection_rankings
 from granwave.analysis.reports.comparison.subjects import (
     ComparedRun,
     by_reason,
@@ -119,6 +116,18 @@ class Comparison:
         values = compared_values(self.runs) if self.quantities else self.values
         return {value.name: value.without_ratio for value in values if value.without_ratio}
 
+    @cached_property
+    def _finished(self) -> tuple[ComparedRun, ...]:
+        """The finished runs."""
+        return tuple(run for run in self.runs if not run.run.is_unfinished)
+
+    @cached_property
+    def _finished_values(self) -> list[ComparedValue]:
+        """Values of the summaries of the finished runs: all results, the most different first."""
+        if len(self._finished) == len(self.runs) and not self.quantities:
+            return self.values
+        return compared_values(self._finished)
+
     @property
     def _names_compared(self) -> list[str]:
         """Names of the requested values, and of values that describe the requested figures; empty
@@ -156,11 +165,14 @@ class Comparison:
 
     @property
     def paragraphs(self) -> list[str]:
-        """Sentences in their order on a page: on a measured curve, the protection, and the values
-        that differ most.
+        """Sentences in their order on a page: on a measured curve, the protection, and the other
+        values that differ most.
         """
-        stated = stated_values(self.runs) if self.protection else set[str]()
-        paragraphs = [*self.measured_sentences, *self.protection, self._difference(stated)]
+        rankings = self._rankings
+        stated = tuple(chain.from_iterable(ranking.names for ranking in rankings))
+        differences = self._differences_in_words(stated)
+        sentences = [ranking.sentence for ranking in rankings]
+        paragraphs = [*self.measured_sentences, *sentences, differences]
         return [text for text in paragraphs if text]
 
     @cached_property
@@ -182,10 +194,10 @@ class Comparison:
         """The values that differ most, in a sentence; empty for a single run, and if only figures
         without such values were requested.
         """
-        return self._difference()
+        return self._differences_in_words()
 
-    def _difference(self, stated: Collection[str] = ()) -> str:
-        """Return the values that differ most, in a sentence, without values that other sentences
+    def _differences_in_words(self, stated: Collection[str] = ()) -> str:
+        """Return the sentence on the values that differ most, without values that other sentences
         state.
         """
         if len(self.runs) < _LEAST_RUNS:
@@ -204,22 +216,28 @@ class Comparison:
         if self.quantities:
             values = self._values_of_figures
             return sentence(values, self.runs, asked=True) if values else ""
-        finished = [run for run in self.runs if not run.run.is_unfinished]
-        runs = finished if len(finished) >= _LEAST_RUNS else self.runs
-        return sentence(compared_values(runs), runs, stated=stated)
+        runs = self._finished
+        if len(runs) < _LEAST_RUNS:
+            return sentence(compared_values(self.runs), self.runs, stated=stated)
+        return sentence(self._finished_values, runs, stated=stated)
 
     @property
     def protection(self) -> list[str]:
         """Sentences that compare the protection by the runs: force on the bottom, and depth of the
         plastic zone; empty if values were requested, or if nothing differs.
         """
+        return [ranking.sentence for ranking in self._rankings]
+
+    @cached_property
+    def _rankings(self) -> list[Ranking]:
+        """Orders of the runs by their protection."""
         if self.quantities or len(self.runs) < _LEAST_RUNS or not self.differs:
             return []
         if differ_in_end_only(self.runs):
             return []
         names = names_with_cases(self.runs)
-        finished = [place for place, run in enumerate(self.runs) if not run.run.is_unfinished]
-        return protection_sentences(
+        finished = [place for place, run in enumerate(self.runs) if run in self._finished]
+        return protection_rankings(
             [self.runs[place] for place in finished], [names[place] for place in finished]
         )
 

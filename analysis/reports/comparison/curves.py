@@ -6,7 +6,7 @@ A function of a run returns a curve, or raises `LackingError` with the reason wh
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import h5py
 import numpy as np
@@ -30,6 +30,7 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 FORMS = ("kinetic", "elastic", "dissipated")  # forms of energy, in the order of their panels
 _LEAST_LAYERS = 2  # fewest layers of a curve
+_LEAST_YIELDED = 3  # fewest yielded spheres of a zone that grows
 _STATIC_LOAD = "precompression"  # beginning of the keys of a static load
 
 
@@ -59,7 +60,14 @@ class PeaksByDepth:
         Number of layers that are left out: their force still rises at the end, or includes the
         reflection from the end of a chain.
     of_first_wave
-        True for the forces of the first wave along a chain, False for the largest of the run.
+        True for the forces of the first wave, False for the largest of the run.
+    is_chain
+        True for beads of a chain, False for layers.
+    later
+        Depths of the layers of a packing whose largest force occurred when the reflection from the
+        base may have arrived, m.
+    after_gap
+        True for layers that follow a layer that is left out, (n_layers,); None without such layers.
     """
 
     depth: Array
@@ -69,6 +77,22 @@ class PeaksByDepth:
     no_decay: str = ""
     n_unknown: int = 0
     of_first_wave: bool = False
+    is_chain: bool = False
+    later: Array = field(default_factory=lambda: np.empty(0))
+    after_gap: NDArray[np.bool_] | None = None
+
+    @property
+    def is_later(self) -> NDArray[np.bool_]:
+        """True for layers in `later`: (n_layers,)."""
+        return np.isin(self.depth, self.later)
+
+    def with_gaps(self, values: Array) -> Array:
+        """Return values of the layers with NaN where layers are left out, so that no line joins the
+        layers on both sides.
+        """
+        if self.after_gap is None:
+            return values
+        return np.insert(values, np.flatnonzero(self.after_gap), np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,12 +200,13 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
         peaks = layer_peaks(result)
         fits = both_decays(result, peaks)
         n_loaded = int(np.count_nonzero(result["contacts/peak_force"] > 0))
+        is_chain = "chain" in result
     largest = peaks.largest
     if n_loaded == 1:
         raise LackingError("a single contact carries a force, the same for both spheres")
     if len(largest) < _LEAST_LAYERS or not largest.any():
         raise LackingError("no force reaches two layers")
-    shown = peaks.is_known
+    shown = peaks.is_known | peaks.is_later
     if np.count_nonzero(shown) < _LEAST_LAYERS:
         raise LackingError("the peak force of fewer than two layers is known at the end of the run")
     decays = None if isinstance(fits, str) else fits
@@ -194,7 +219,16 @@ def peaks_by_depth(run: ComparedRun) -> PeaksByDepth:
         no_decay=no_decay,
         n_unknown=peaks.n_left_out,
         of_first_wave=peaks.of_first_wave,
+        is_chain=is_chain,
+        later=peaks.depth[peaks.is_later],
+        after_gap=_after_gap(shown),
     )
+
+
+def _after_gap(shown: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return True for shown layers that follow a layer that is not shown: (n_shown,)."""
+    places = np.flatnonzero(shown)
+    return np.diff(places, prepend=places[:1] - 1) > 1
 
 
 def dissipation_by_depth(run: ComparedRun) -> SampledCurve:
@@ -212,8 +246,10 @@ def growth(run: ComparedRun) -> GrowthCurves:
     """Return the growth of the plastic zone, from zero to the end of the run."""
     with run.opened() as result:
         if not result["contacts/yielded"].any():
-            raise LackingError("no contact yielded")
+            raise LackingError("no contact of two spheres yielded")
         zone = zone_growth(result)
+        if int(zone.spheres[-1]) < _LEAST_YIELDED:
+            raise LackingError("fewer than three spheres yielded")
         end = float(result["energy/time"][-1])
     time = np.concatenate([[0.0], zone.time, [end]])
     spheres = np.concatenate([[0], zone.spheres, zone.spheres[-1:]]).astype(np.float64)

@@ -174,8 +174,7 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
     Parameters
     ----------
     is_ranked
-        True in a comparison, which ranks runs by these forces, and in which the wave may reach the
-        bottom in no run.
+        True in a comparison, which ranks runs by these forces.
     """
     unloaded: list[ComparedRun] = []
     rising: list[ComparedRun] = []
@@ -191,7 +190,7 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
         elif record.awaits_momentum:
             late[run] = record
     notes = [_late_pulses(late, is_ranked=is_ranked)] if late else []
-    if unloaded and not (is_ranked and len(unloaded) == len(runs)):
+    if unloaded:
         listed = _listed(unloaded, _end)
         notes.append(f"{NO_ARRIVAL} before the end of the run: {listed}.")
     if rising:

@@ -18,7 +18,7 @@ from granwave.analysis.reports.comparison.curves import (
     bottom_record,
     has_peak_at_bottom,
 )
-from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError, names_in_words
 from granwave.analysis.reports.setting import differing
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
@@ -82,11 +82,18 @@ def ends_in_words(runs: Sequence[ComparedRun]) -> str:
     """Return the end times of runs: ``a at 70 µs, b at 1 ms``; of many runs the earliest and the
     latest.
     """
-    texts = [f"{run.name} at {quantity_in(end_of(run), 's')}" for run in runs]
-    if len(texts) <= _MOST_LISTED:
-        return ", ".join(texts)
-    order = sorted(range(len(runs)), key=lambda place: end_of(runs[place]))
-    return f"from {texts[order[0]]} to {texts[order[-1]]}"
+    names: dict[str, list[str]] = {}
+    for run in sorted(runs, key=end_of) if len(runs) > _MOST_LISTED else runs:
+        names.setdefault(quantity_in(end_of(run), "s"), []).append(run.name)
+    if len(runs) <= _MOST_LISTED:
+        return ", ".join(f"{names_in_words(of_end)} at {end}" for end, of_end in names.items())
+    texts = [f"{end} ({_few(of_end)})" for end, of_end in names.items()]
+    return f"from {texts[0]} to {texts[-1]}"
+
+
+def _few(names: Sequence[str]) -> str:
+    """Return names, or the number of many runs."""
+    return f"{len(names)} runs" if len(names) > _MOST_LISTED else names_in_words(names)
 
 
 def end_of(run: ComparedRun) -> float:

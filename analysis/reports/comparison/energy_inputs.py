@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from granwave.analysis.formatting.numbers import number, quantity_in
-from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.comparison.subjects import ComparedRun, joined_texts
 
 _ENERGY = "energy_input_J"
 _VELOCITY = "load.velocity"
@@ -34,7 +34,7 @@ def inputs_in_words(runs: Sequence[ComparedRun]) -> str:
     b``; of many runs the smallest and the largest.
     """
     if len(runs) <= _MOST_LISTED:
-        return ", ".join(f"{_input_text(run)} in {run.name}" for run in runs)
+        return joined_texts([(run.name, _input_text(run)) for run in runs], "in")
     ends = (min(runs, key=input_energy), max(runs, key=input_energy))
     least, most = [f"{_input_text(run)} in {run.name}" for run in ends]
     return f"from {least} to {most}"

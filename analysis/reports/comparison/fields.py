@@ -50,6 +50,9 @@ _DECADE = (
     10.0  # upper part of the usual scale of the smallest forces that a common scale leaves out
 )
 _TICKS = 2  # powers of ten on each side of zero
+_NEAR_END = 0.25  # largest power of ten that has room next to the end of the scale / end
+_MOST_PLAIN = 3  # largest power of ten, and its inverse, that is a plain number
+_MINUS = "\N{MINUS SIGN}"
 _DISC = 0.96  # ratio of drawn to actual diameter
 _NO_EDGE = 0.2  # width of edges, points
 _MARKED = 0.1  # fraction of the linear part from which on a lower force is marked
@@ -195,7 +198,8 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
     is_dynamic = first.has_static or any(fields[run].has_static for run in changes)
     force = "Peak dynamic force" if is_dynamic else "Peak force"
     bar.set_label(f"{force} minus {reference.name} (N); dots: lower")
-    bar.set_ticks(_ticks(largest))
+    ticks = _ticks(largest)
+    bar.set_ticks(ticks, labels=[_tick_label(tick, largest) for tick in ticks])
     bar.minorticks_off()
     _mark_lower_half(bar.ax, norm)
     trim_height(figure, panels)
@@ -203,12 +207,25 @@ def draw_difference(fields: Mapping[ComparedRun, ForceField]) -> Drawing | None:
 
 
 def _ticks(largest: float) -> list[float]:
-    """Return the powers of ten on both sides of zero that a scale up to ``largest`` shows."""
+    """Return the ends of a scale up to ``largest`` on both sides of zero, and the powers of ten
+    between them that are not close to an end.
+    """
     power = math.floor(math.log10(largest))
-    positive = [
-        10.0 ** (power - n) for n in range(_TICKS) if 10.0 ** (power - n) > _LINEAR * largest
-    ]
+    powers = [10.0 ** (power - n) for n in range(_TICKS)]
+    positive = [largest]
+    positive += [tick for tick in powers if _LINEAR * largest < tick < _NEAR_END * largest]
     return [*(-tick for tick in positive), 0.0, *reversed(positive)]
+
+
+def _tick_label(tick: float, largest: float) -> str:
+    """Return the label of a tick: a number with two digits at the ends, else a power of ten."""
+    if abs(tick) == largest:
+        return f"{float(f'{tick:.2g}'):g}".replace("-", _MINUS)
+    if not tick:
+        return "0"
+    power = round(math.log10(abs(tick)))
+    sign = _MINUS if tick < 0 else ""
+    return f"{sign}$10^{{{power}}}$" if abs(power) > _MOST_PLAIN else f"{sign}{abs(tick):g}"
 
 
 def difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:

@@ -13,16 +13,18 @@ from granwave.analysis.reports.comparison.curves import (
     has_peak_at_bottom,
     static_force_at_bottom,
 )
-from granwave.analysis.reports.comparison.ends import GROWING
+from granwave.analysis.reports.comparison.ends import GROWING, truncated_names
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import ComparedRun, names_in_words
 from granwave.analysis.reports.setting import target_of
 
 _FORCE = "wall_peak_force_N"
-_DYNAMIC_FORCE = "wall_dynamic_peak_force_N"
 _REDUCTION = "peak_reduction"
 _SPHERES = "n_spheres"
 _DEPTH = "zone_depth_90_interpolated_m"
+#: Values that the sentences state, directly or as their ratio.
+_OF_FORCE = (_FORCE, "wall_dynamic_peak_force_N", "target_peak_force_N", _REDUCTION)
+_OF_DEPTH = (_DEPTH, "zone_depth_90_m")
 _SAME = 5e-3  # relative difference of results that are called equal
 _IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
 _ROUNDING = 1e-12  # relative difference of results that differ by rounding only
@@ -37,6 +39,22 @@ class _Entry:
 
     name: str
     value: float
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Order of runs by a value.
+
+    Attributes
+    ----------
+    sentence
+        Sentence with the order and the values.
+    names
+        Values of the summaries that it states, directly or as their ratio.
+    """
+
+    sentence: str
+    names: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -65,36 +83,33 @@ class _Phrase:
     of_more: str
 
 
-def stated_values(runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the values of which the sentences on protection, if there are any, state the order of
-    the runs: with different inputs only the reduction of the peak force.
-    """
-    if have_same_input(runs):
-        return {_FORCE, _DYNAMIC_FORCE, _REDUCTION, _DEPTH}
-    return {_REDUCTION}
-
-
 def protection_sentences(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[str]:
-    """Return sentences that compare the protection, with all values and their ratios.
+    """Return the sentences of `protection_rankings`."""
+    return [ranking.sentence for ranking in protection_rankings(runs, names)]
+
+
+def protection_rankings(runs: Sequence[ComparedRun], names: Sequence[str]) -> list[Ranking]:
+    """Return the orders of the runs by their protection, with all values and their ratios.
 
     Runs with the same input are ordered by the peak force on the bottom, above its static force if
     there is one; others by the peak force relative to the impact without the packing. Runs
     that end before the wave reaches the bottom, or whose force there still rises at the end, are
-    left out. The second sentence orders the runs by the interpolated depth of 90 % of the plastic
-    dissipation; it leaves out collisions of two spheres, and zones that reach a boundary or still
-    grow, and there is none with different inputs. The module `definitions` names these runs.
+    left out. Values that an earlier end of a run truncates are not ranked. The second sentence
+    orders the runs by the interpolated depth of 90 % of the plastic dissipation; it leaves out
+    collisions of two spheres, and zones that reach a boundary or still grow, and there is none with
+    different inputs. The module `definitions` names these runs.
 
     Parameters
     ----------
     names
         Names of the runs in sentences: (n_runs,).
     """
-    sentences: list[str] = []
+    rankings: list[Ranking] = []
     if force := _force_sentence(runs, names):
-        sentences.append(force)
+        rankings.append(Ranking(force, _OF_FORCE))
     if depth := _depth_sentence(runs, names):
-        sentences.append(depth)
-    return sentences
+        rankings.append(Ranking(depth, _OF_DEPTH))
+    return rankings
 
 
 def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
@@ -104,6 +119,8 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     kept = [n for n, run in enumerate(runs) if has_peak_at_bottom(run)]
     runs = [runs[n] for n in kept]
     names = [names[n] for n in kept]
+    if truncated_names([_FORCE], runs):
+        return ""
     if have_same_input([run for run in runs if run.run.number(_FORCE)]):
         static = [static_force_at_bottom(run) for run in runs]
         force = "peak dynamic force" if any(static) else "peak force"
@@ -138,6 +155,8 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     if not have_same_input([run for run in runs if run.run.number(_DEPTH)]):
         return ""
     complete = [place for place, run in enumerate(runs) if _has_complete_zone(run)]
+    if truncated_names([_DEPTH], [runs[place] for place in complete]):
+        return ""
     entries = _entries(
         _DEPTH, [runs[place] for place in complete], [names[place] for place in complete]
     )

@@ -178,6 +178,23 @@ def names_in_words(names: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
+def joined_texts(texts: Sequence[tuple[str, str]], between: str) -> str:
+    """Return texts with the names of the runs that have them, each text once: ``2 mm in a and b,
+    3 mm in c``.
+
+    Parameters
+    ----------
+    texts
+        Name and text of each run.
+    between
+        Word between a text and the names.
+    """
+    names: dict[str, list[str]] = {}
+    for name, text in texts:
+        names.setdefault(text, []).append(name)
+    return ", ".join(f"{text} {between} {names_in_words(runs)}" for text, runs in names.items())
+
+
 def by_reason(lacking: Mapping[ComparedRun, str]) -> str:
     """Return runs with the reasons for which they lack a curve, each reason once.
 

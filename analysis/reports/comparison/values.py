@@ -298,30 +298,29 @@ def sentence(
     asked
         True if the values were requested by name, so that others may differ.
     stated
-        Names of values that sentences before it state, and that it omits; it is empty if no other
-        values differ.
+        Names of values that other sentences state.
     """
     compared = [value for value in values if (value.is_complete if asked else value.is_main)]
+    others_stated = any(value.name in stated for value in compared)
+    compared = [value for value in compared if value.name not in stated]
+    other = "other " if others_stated else ""
     different = differing_values(compared)
     if not different:
+        if others_stated:
+            return ""
         return _without_difference(values, compared, runs, asked=asked)
     is_truncated = any(value.is_truncated and not value.is_growing for value in values)
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
-        results = f"Results {_ALL_COMPLETE}" if is_truncated else "Results"
-        return f"{results} {_agreement(largest)}."
+        results = f"{other}results {_ALL_COMPLETE}" if is_truncated else f"{other}results"
+        return f"{results[0].upper()}{results[1:]} {_agreement(largest)}."
     most, *others = [_clause(value, names_with_cases(runs)) for value in _of_families(distinct)]
     if asked:
         return f"The requested values differ most in {'; '.join([most, *others])}."
-    unstated = [value for value in distinct if value.name not in stated]
-    if len(unstated) < len(distinct):
-        clauses = [_clause(value, names_with_cases(runs)) for value in _of_families(unstated)]
-        complete = f" between results {_ALL_COMPLETE}" if is_truncated else ""
-        return f"Further differences{complete}: {'; '.join(clauses)}." if clauses else ""
-    text = f"The main results differ most in {most}."
+    text = f"The {other}main results differ most in {most}."
     if is_truncated:
-        text = f"Of the results {_ALL_COMPLETE}, the largest difference is in {most}."
+        text = f"Of the {other}results {_ALL_COMPLETE}, the largest difference is in {most}."
     if not others:
         return text
     return f"{text} Further differences: {'; '.join(others)}."

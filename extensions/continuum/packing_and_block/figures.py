@@ -20,7 +20,16 @@ from pandas import DataFrame, Series
 
 from granwave.analysis.document.model import DocumentTable, show
 from granwave.analysis.figures.series import label, legend_outside, panels
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    Drawing,
+    legend_above,
+)
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import QuadraticLaw, rays
 from granwave.analysis.result.reader import Result
@@ -137,7 +146,7 @@ def dissipated_fraction(impacts: Impacts) -> Drawing:
 def plastic_volume(packings: DataFrame, blocks: DataFrame) -> Drawing:
     """Draw the volume that dissipates a fraction of the input: granular curves, continuum marks."""
     unit = math.pi * blocks.diameter.iloc[0] ** 3 / 6
-    figure, axes = panels(2.8)
+    figure, axes = panels(3.1)
     parts: list[tuple[str, Any, Any]] = []
     for run, colour in zip(packings.itertuples(), _OF_PACKINGS, strict=False):
         if elements := involved(run):
@@ -156,10 +165,12 @@ def plastic_volume(packings: DataFrame, blocks: DataFrame) -> Drawing:
         fraction = block.dissipated_fraction
         volumes = (block.volume_over_sphere_volume, block.volume_ever_over_sphere_volume)
         axes.plot(fraction, volumes[0], mark, color=ORANGE, markersize=4.5, label=name)
-        axes.plot(fraction, volumes[1], mark, color=ORANGE, markerfacecolor="none", markersize=4.5)
+        axes.plot(fraction, volumes[1], mark, color=ORANGE, markerfacecolor="none", markersize=7)
         parts += [(name, [fraction], volumes[:1]), (f"{name}, ever", [fraction], volumes[1:])]
     label(axes, FRACTION, r"Volume $/(\pi D_\mathrm{punch}^3/6)$", log="y", xlim=(0, 1))
-    axes.set_title("open marks: volume that ever yielded", fontsize=7)
+    if len(blocks):
+        look: dict[str, Any] = {"color": GREY, "markerfacecolor": "none", "markersize": 7}
+        axes.plot([], [], "o", label="large, open: ever yielded", **look)
     axes.legend(fontsize=6, ncols=2, loc="lower right")
     names = ("curve", "dissipated_fraction", "volume_over_sphere_volume")
     return Drawing(
@@ -246,12 +257,16 @@ _LAYERS_LISTED = (1, 4, 8, 16)  # layers below the impacted one in the table of 
 _MOST_FRONTS = 4  # largest number of fronts
 _BANDS = 5  # number of ranges of depth
 _MILLI = 1e3
+_LARGE_DOT = 4.0  # size of dots, points
+_SMALL_DOT = 1.5
+_FEW_DOTS = 500  # number of dots below which they are large
 _WEAK = 1.0  # normalised force at the largest velocity below which contacts are left out
 _INSIDE = -1e-6  # least coordinate along preferred directions inside the cone of these, diameters
 _LAYERS = 1e3  # resolved depths in a diameter
 _IMPULSE = (
-    "Granular: peak force against impulse. Points on their line, and exponents of 1 at every "
-    "depth, show that force is proportional to impulse"
+    "Granular: peak force against impulse, at velocities from a tenth of the largest on, of "
+    "contacts along a preferred direction, counted from the impacted sphere. Points on their line, "
+    "and exponents of 1 at every depth, show that force is proportional to impulse"
 )
 _FRONT = (
     "Granular: the front by layer. Below F_y the front is elastic; a mean close to the largest "
@@ -444,18 +459,18 @@ def _peak_force_against_impulse(linearity: Linearity) -> Drawing:
         log="xy",
     )
     smallest = float(np.nanmin([columns[name].min() for name in columns if "contact" in name]))
-    left.set_ylim(smallest / 2, 30 * float(np.nanmax(linearity.ray)))
-    left.legend(
-        title="lines: proportional",
-        alignment="left",
-        ncols=3,
-        loc="upper left",
+    left.set_ylim(smallest / 2, 2 * float(np.nanmax(linearity.ray)))
+    legend_above(
+        left,
+        3,
+        title="from the impacted sphere; lines: proportional",
         fontsize=7,
-        columnspacing=1,
+        title_fontsize=7,
     )
     depth = linearity.contacts.depth
     exponent = linearity.contacts.exponent
-    right.plot(depth * _MILLI, exponent, ".", color=BLUE, markersize=1.5, rasterized=True)
+    size = _LARGE_DOT if len(exponent) < _FEW_DOTS else _SMALL_DOT
+    right.plot(depth * _MILLI, exponent, ".", color=BLUE, markersize=size, rasterized=True)
     right.axhline(1, color=ORANGE, linewidth=0.8)
     low, high = exponent.quantile((0.005, 0.995))
     limits = min(low, 0.8), max(high, 1.2)
@@ -480,7 +495,8 @@ def _front_by_depth(front_tables: dict[float, DataFrame]) -> Drawing:
         ):
             columns[f"{name}_v_{velocity:.4g}"] = front[column].to_numpy()
     left.axhline(1, color=GREY, linestyle=":", linewidth=0.9)
-    label(left, "Depth (mm)", r"Largest peak force of a layer $/F_\mathrm{y}$", log="y")
+    largest = "Largest peak force\n" + r"of a layer $/F_\mathrm{y}$"
+    label(left, "Depth (mm)", largest, log="y")
     left.legend()
-    label(right, "Depth (mm)", "Mean / largest peak force of a layer", ylim=(0, 1.05))
+    label(right, "Depth (mm)", "Mean / largest\npeak force of a layer", ylim=(0, 1.05))
     return Drawing(figure, columns)

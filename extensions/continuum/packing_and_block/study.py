@@ -49,7 +49,8 @@ _ELSEWHERE = (
 )
 _REFERENCE_ONLY = (
     "The quadratic law, the peak force against impulse and the front are computed for the "
-    "reference; excluded"
+    "reference; excluded, because the packing, material, diameter, support or number of impacted "
+    "spheres differs"
 )
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
 _HOW_MANY = {1: "The run", 2: "Both runs"}  # by number of runs, in a sentence
@@ -65,7 +66,7 @@ _CAPTIONS = {
     "curve dissipates a larger fraction",
     "plastic_volume": "Volume involved, granular and continuum. At equal dissipated fraction the "
     "higher curve spreads the dissipation over more material",
-    "granular_scaling": "Granular: diameter, density, modulus and yield strength. Where similarity "
+    "granular_scaling": "Granular: runs with other diameters, densities, moduli or yield strengths. Where similarity "
     "holds, all points lie on the curve of the reference on the normalised axis",
     "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to "
     "the fast impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",

@@ -93,9 +93,13 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     every = concat(sides.values())
     sizes = [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
     if sizes and len(sides["packing"]) and len(every) > 1:
+        markers = "Open markers"
+        if (sides["packing"]["mark"] == Mark.CUT).all():
+            markers = "Open markers, here all of packings"
         caption = (
-            "Size of the plastic zone: extent of 50, 90 and 99 % of the plastic dissipation. "
-            "Open markers: the zone reaches a boundary"
+            "Size of the plastic zone: extent of 50, 90 and 99 % of the plastic dissipation, in "
+            "packings and blocks of the reference material with one impacted sphere. "
+            f"{markers}: the zone reaches a boundary"
         )
         yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
 

@@ -15,7 +15,14 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.dissipation import draw_zone_size
-from granwave.analysis.figures.series import against_time, label, one_panel, panels
+from granwave.analysis.figures.series import (
+    against_time,
+    label,
+    legend_outside,
+    limits_of_error,
+    one_panel,
+    panels,
+)
 from granwave.analysis.figures.style import (
     BLANK,
     BLUE,
@@ -37,8 +44,9 @@ _MEGA = 1e-6
 _SHOWN = 1.5  # smallest depth, and width, of a section in punch diameters
 _PANELS = 6
 _LINES = {  # lines of the energies
-    "punch": ("-", GREY), "kinetic": ("-", BLUE), "elastic": ("-", GREEN), "plastic": ("-", ORANGE),
-    "viscous": ("--", PURPLE), "hourglass": ("--", SKY), "contact": ("--", "black"),
+    "punch": ("-", GREY), "kinetic": ("-.", BLUE), "elastic": ("--", GREEN),
+    "plastic": ((0, (8, 2)), ORANGE), "viscous": ((0, (1, 1)), PURPLE),
+    "hourglass": ((0, (5, 1, 1, 1, 1, 1)), SKY), "contact": ((0, (3, 3)), "black"),
 }  # fmt: skip
 _YIELDED_MAP = ListedColormap([BLANK, SKY, ORANGE])
 
@@ -76,7 +84,7 @@ def energies(result: ContinuumResult) -> Drawing:
     label(upper, y="Energy (J)", ylim=(0, 1.45 * energy_input[0]))
     upper.legend(ncols=3, loc="upper center", columnspacing=1.0)
     against_time(lower, time, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
-    label(lower, y="|Residual|\n/ input", log="y")
+    label(lower, y="|Residual|\n/ input", log="y", **limits_of_error(residual))
     columns = {"time_s": time, **{f"{name}_J": values for name, values in parts.items()}}
     return Drawing(figure, columns | {"input_J": energy_input, "residual_over_input": residual})
 
@@ -148,7 +156,7 @@ def plastic_zone(result: ContinuumResult) -> Drawing:
     active = np.flatnonzero(at_yield.any(axis=1))
     last = int(active[-1]) if len(active) else len(times) - 1
     frames = np.unique(np.linspace(min(1, last), last, _PANELS).round().astype(int))
-    figure, *grid = panels(4.2, 3, 2, width=5.2, sharex=True, sharey=True)
+    figure, *grid = panels(3.0, 3, 2, width=5.2, sharex=True, sharey=True)
     columns = result.centres
     for axes, frame in zip(grid, frames, strict=False):
         state = np.where(at_yield[frame], 2, np.where(at_yield[: frame + 1].any(axis=0), 1, 0))
@@ -158,6 +166,9 @@ def plastic_zone(result: ContinuumResult) -> Drawing:
     for n, axes in enumerate(grid):
         axes.set_visible(n < len(frames))
         axes.label_outer()
+    for colour, name in ((ORANGE, "at yield"), (SKY, "yielded earlier"), (BLANK, "elastic")):
+        grid[0].plot([], [], "s", color=colour, markersize=5, label=name)
+    legend_outside(figure, 3)
     return Drawing(figure, columns)
 
 
@@ -179,7 +190,7 @@ def _section_with_bar(
     label: str,
     **options: Any,
 ) -> tuple[Figure, Axes]:
-    figure, axes = one_panel(2.6, "", "")
+    figure, axes = one_panel(2.1, "", "")
     _section(axes, result, values, colours, scale)
     figure.colorbar(ScalarMappable(scale, colours), ax=axes, label=label, shrink=0.8, **options)
     return figure, axes

@@ -6,18 +6,22 @@ from __future__ import annotations
 
 import csv
 from dataclasses import replace
+from types import SimpleNamespace
 
+import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection, QuadMesh
 
 from granwave.analysis import Result, write_result
-from granwave.analysis.figures import contacts, dissipation, rows
+from granwave.analysis.figures import contacts, dissipation, lines, regions
 from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
-from granwave.analysis.measures.contact_forces import exponential_tail
+from granwave.analysis.measures.contact_forces import contact_forces, exponential_tail
 from granwave.analysis.measures.force_decay import power_decay
+from granwave.analysis.measures.fronts import LineMotion
+from granwave.analysis.summary import summary_of
 from granwave.lammps_inputs.case.figures import Figures, usual_figure_names
 from tests.helpers.made_up import synthetic
 
@@ -66,23 +70,23 @@ def test_figures_drawn_by_name_stay(tmp_path, monkeypatch):
     usual = {"bottom_force", "energies", "peak_force_depth", "plastic_zone_size"}
     assert {path.stem for path in folder.iterdir()} == {*usual, "line_diagram"}
     assert (folder / "line_diagram.png").stat().st_size > 0
-    draw_figures(tmp_path, options=replace(png_only, only=("contact_network",)))
-    assert {path.stem for path in folder.iterdir()} == {"contact_network"}
+    draw_figures(tmp_path, options=replace(png_only, only=("energies",)))
+    assert {path.stem for path in folder.iterdir()} == {"energies"}
 
 
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
         *(({"kind": kind, "size": (5, 5, 4)}, set(OF_CONTACTS)) for kind in ("hcp", "bcc")),
-        ({"kind": "chain", "size": 2}, {"contact_network", "line_diagram"}),
-        ({"kind": "chain", "size": 12}, {"contact_network", "line_diagram"}),
+        ({"kind": "chain", "size": 2}, {"line_diagram"}),
+        ({"kind": "chain", "size": 12}, {"line_diagram"}),
         ({"kind": "square", "size": (5, 5)}, {"contact_network", "force_distribution"}),
         ({"size": (1, 1, 1)}, set()),
     ],
 )
 def test_figures_that_apply(tmp_path, options, expected):
     """A lone sphere has no contacts; less than ten loaded contacts have no distribution, and a
-    layer that is hit from the side has no line.
+    layer that is hit from the side has no line. The network of a chain is a line of contacts.
     """
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(**options)))
     assert {name for name in OF_CONTACTS if drawn(tmp_path, name) is not None} == expected
@@ -124,12 +128,13 @@ def test_a_contact_across_periodic_sides_is_two_lines(tmp_path):
     assert len(widths) == len(ends)
 
 
-def test_a_chain_lies(tmp_path):
-    """The depth of a chain increases from left to right, up to 30 diameters."""
-    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 50)))
+def test_a_tall_packing_lies(tmp_path, monkeypatch):
+    """The depth of a tall packing increases from left to right, up to 30 diameters."""
+    monkeypatch.setattr(contacts, "_TALL", 0.5)  # the loaded part of the packing is not tall
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case(size=(3, 3, 50))))
     axes = drawn(tmp_path, "contact_network").figure.axes[0]
     left, right = axes.get_xlim()
-    assert axes.get_xlabel() == "Depth (mm)"
+    assert axes.get_xlabel() == "Depth along the plane (mm)"
     assert left < 0 < right < 1e3 * 31 * DIAMETER
 
 
@@ -192,11 +197,13 @@ def test_forces_without_an_exponential_tail_have_no_decay(run, monkeypatch):
     first, second, third = text.split("\n")
     assert first.endswith("5000 of 5100 loaded contacts")
     assert second == "(with at least $10^{-4}$ of the largest force)"
-    assert third.endswith("beyond the mean: not exponential") and "±" not in text
+    assert third.endswith("above the mean force: not exponential") and "±" not in text
 
 
 def test_an_exponential_tail_is_a_straight_line(run, monkeypatch):
-    """The axis of the forces is linear, also of wide distributions."""
+    """The axis of the forces is linear, also of wide distributions, whose largest forces are in a
+    second panel.
+    """
     ids = np.arange(5000)
     force = np.random.default_rng(3).exponential(7.0, 5000)
     force[0] = 30.0 * force.mean()
@@ -205,6 +212,10 @@ def test_an_exponential_tail_is_a_straight_line(run, monkeypatch):
     drawing = drawn(run, "force_distribution")
     axes = drawing.figure.axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
+    assert axes.get_xlim() == (0, 20)
+    of_all = drawing.figure.axes[1]
+    assert (of_all.get_xscale(), of_all.get_yscale()) == ("log", "log")
+    assert of_all.lines[0].get_xdata().max() > 20
     count = drawing.columns["peak_contacts"]
     assert count.sum() == 5000
     x = drawing.columns["peak_force_over_mean"][count > 100]
@@ -222,6 +233,26 @@ def test_the_bins_of_wide_forces_have_all_contacts(run):
     assert columns["peak_contacts"].sum() == carries.sum()
     axes = drawing.figure.axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "log")
+
+
+def test_the_loaded_contacts_are_those_of_the_summary(tmp_path):
+    """One definition: contacts that overlap by rounding are loaded neither in the legend nor in the
+    summary.
+    """
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case(size=(6, 6, 4))))
+    with h5py.File(tmp_path / "result.h5", "r+") as file:
+        loaded = np.flatnonzero(file["contacts/peak_force"][()] > 0)[:5]
+        overlap = file["contacts/peak_overlap"][()]
+        force = file["contacts/peak_force"][()]
+        overlap[loaded] = 0.5e-6 * file["contacts/yield_overlap"][()][loaded]
+        force[loaded] = 1e-9
+        file["contacts/peak_overlap"][...] = overlap
+        file["contacts/peak_force"][...] = force
+    with Result(tmp_path) as result:
+        (peak,) = contact_forces(result)
+        counted = summary_of(result)["n_loaded_contacts"]
+        assert np.count_nonzero(result["contacts/peak_force"] > 0) == counted + 5
+        assert len(peak.force) + peak.n_left_out == counted
 
 
 def test_the_legend_has_the_number_of_fitted_layers():
@@ -242,13 +273,66 @@ def test_captions_explain_what_is_drawn():
     """White cells, pale spheres, the end of an axis, a panel that rigid targets lack."""
     looks = {name: figure.look for name, figure in run_figures().items()}
     assert "White: slower" in looks["line_diagram"]
-    assert pytest.approx(1e-3) == 10**-rows._DECADES_OF_SPEED  # "one thousandth"
+    assert pytest.approx(1e-3) == 10**-lines._DECADES_OF_SPEED  # "one thousandth"
     assert "one thousandth of the largest speed" in looks["line_diagram"]
     for name in ("peak_force_orthogonal", "dissipation_orthogonal"):
         assert "Pale spheres" in looks[name]
     assert f"{dissipation._LEAST:.0e}".replace("-0", "-") in looks["plastic_zone_size"]
     assert "work" not in run_figures()["target"].caption
     assert "curve" not in looks["directions"]
+
+
+@pytest.mark.parametrize(("kind", "n_series"), [("fcc", 1), ("hcp", 0)])
+def test_only_lattices_with_straight_lines_of_grains_show_preferred_directions(
+    tmp_path, kind, n_series
+):
+    """In hcp the contacts of the impacted sphere do not continue in straight lines."""
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case(kind, (6, 6, 6))))
+    axes = drawn(tmp_path, "peak_force_depth").figure.axes[0]
+    assert len(axes.containers) == n_series
+
+
+def test_a_zone_on_the_axis_has_no_radius(tmp_path):
+    """All yielded spheres of a chain are on its axis: only the depth is drawn."""
+    write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 12)))
+    drawing = drawn(tmp_path, "plastic_zone_growth")
+    lower = drawing.figure.axes[1]
+    assert len(lower.lines) == 1 and lower.get_ylabel() == "Depth of plastic zone (mm)"
+    assert not drawing.columns["radius_m"].any()
+
+
+def test_energy_that_is_not_dissipated_has_its_own_panel(run, monkeypatch):
+    """Its fractions add up to 1 at each instant; parts below a thousandth are not drawn."""
+    time = np.linspace(0.0, 1e-4, 5)
+    lost = np.array([0.0, 0.5, 0.7, 0.8, 0.8])
+    walls = np.full(5, 5e-4)
+    share = {"dissipated": lost, "walls": walls, "0 to 20 mm deep": 1 - lost - walls}
+    energy = SimpleNamespace(time=time, share=share, kinetic_only=False)
+    monkeypatch.setattr(regions, "energy_of_regions", lambda result, parts: energy)
+    monkeypatch.setattr(regions, "usual_regions", lambda result, along: {"0 to 20 mm deep": 0})
+    drawing = drawn(run, "energy_by_region")
+    upper, lower = drawing.figure.axes
+    names = [text.get_text() for text in upper.get_legend().get_texts()]
+    assert names == ["0 to 20 mm deep", "dissipated"]
+    (area,) = lower.collections
+    assert area.get_paths()[0].vertices[:, 1].max() == pytest.approx(1.0, abs=5e-3)
+    assert drawing.columns["walls_over_input"] == pytest.approx(walls)
+    share["dissipated"] = 0.4 * lost
+    share["0 to 20 mm deep"] = 1 - 0.4 * lost - walls
+    assert len(drawn(run, "energy_by_region").figure.axes) == 1
+
+
+def test_slow_grains_behind_the_front_are_no_gaps(tmp_path):
+    """Behind the front a grain that is slow for an instant has the lowest colour."""
+    axes = plt.figure().add_subplot()
+    velocity = np.array([[1.0, 0.0], [1e-9, 0.5], [0.3, 1e-9]])
+    time = np.array([0.0, 1.0, 2.0])
+    place = np.array([0.0, 1.0])
+    arrival = np.array([0.0, 1.0])
+    motion = LineMotion("axis", np.array([1, 2]), time, place, velocity, arrival, None)
+    image = lines._draw_motion(axes, motion, "viridis")
+    plt.close(axes.figure)
+    assert image.get_array().filled(0.0).tolist() == [[1.0, 0.0], [1e-3, 0.5], [0.3, 1e-3]]
 
 
 def test_a_chain_has_no_distribution(tmp_path):

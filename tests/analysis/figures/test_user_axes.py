@@ -97,6 +97,28 @@ def test_points_of_another_run_stay_points(runs, axes):
     assert [line.get_linestyle() for line in points] == ["None"] * len(points)
 
 
+def test_the_legend_of_two_runs_leaves_the_axes_their_size(runs):
+    """The figure grows by a legend above the axes, which is no wider than the figure; steps stay
+    steps.
+    """
+    slow, fast = runs
+    alone = slow.figure("peak_force_depth")
+    figure = alone.get_figure()
+    figure.draw_without_rendering()
+    height = alone.bbox.height
+    both = slow.figure("peak_force_depth", against=fast)
+    figure = both.get_figure()
+    figure.draw_without_rendering()
+    box = both.get_legend().get_window_extent()
+    assert box.x0 >= 0 and box.x1 <= figure.bbox.width and box.y1 <= figure.bbox.height
+    assert both.bbox.height == pytest.approx(height, rel=0.05)
+    texts = [text.get_text() for text in both.get_legend().get_texts()]
+    assert not any("\n" in text for text in texts if fast.directory.name in text)
+    zone = slow.figure("plastic_zone_size", against=fast)
+    steps = [line for line in zone.lines if str(line.get_label()).startswith(("depth", "radius"))]
+    assert len(steps) == 4 and {line.get_drawstyle() for line in steps} == {"steps-post"}
+
+
 def test_a_plane_for_a_figure_with_its_own(runs):
     with pytest.raises(InputError, match=r"use peak_force_section"):
         runs[0].figure("peak_force_principal", plane=[0, 1, 0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granwave.analysis.figures import rows
+from granwave.analysis.figures.chains import along_chain
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.force_decay import force_decay, layer_peaks, no_decay_reason
 from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speeds
@@ -77,7 +77,7 @@ def test_a_damped_wave_decays(tmp_path):
 def test_figure_along_a_chain_is_of_the_first_wave(tmp_path):
     """The figure shows the forces of the sentence; the reflection has marks of its own."""
     with run(tmp_path, {"precompression": {"kind": "uniaxial", "force": 5.0}}) as result, style():
-        drawing = rows.along_chain(result)
+        drawing = along_chain(result)
         first = leading_peaks(result)
         rise = result.along_chain("peak_force") - result["chain/contact_force"][0]
     later, wave = drawing.figure.axes[0].lines

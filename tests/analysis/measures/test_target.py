@@ -261,16 +261,16 @@ def test_the_noise_of_a_static_stage_is_no_peak():
 
 def test_a_front_that_begins_to_arrive_has_not_reached_the_bottom():
     """The front of a chain of elastic spheres has no sharp edge: 2.5e-10 N at the end of the run,
-    for 96 N in the chain. A wave that has passed is a wave, however small it is.
+    of a momentum of 1 N s. A wave that has passed is a wave, however small it is.
     """
     time = np.linspace(0.0, 1.0, 11)
     rising = np.where(time > 0.85, 2.5e-10 * time, 0.0)
-    record = Reached(time, rising, rising, contact_force=96.0)
+    record = Reached(time, rising, rising, momentum=1.0)
     assert not record.is_reached
     assert record.dynamic_peak_force == 0.0
     assert record.arrival is None
     passed = 2.5e-10 * np.sin(math.pi * time)
-    assert Reached(time, passed, passed, contact_force=96.0).is_reached
+    assert Reached(time, passed, passed, momentum=1.0).is_reached
 
 
 def test_the_arrival_of_a_force_that_still_rises_is_not_known():
@@ -325,7 +325,7 @@ def pulses(*strengths: float) -> Reached:
     number = np.minimum((time * 1e3).astype(int), len(strengths) - 1)
     phase = math.pi * np.minimum(time * 1e3 - number, 1.0)
     force = 500 * math.pi * np.array(strengths)[number] * np.sin(phase)
-    return Reached(time, force, force, contact_force=1.0, momentum=1.0)
+    return Reached(time, force, force, momentum=1.0, momentum_down=1.0)
 
 
 def test_a_peak_is_known_once_most_of_the_momentum_has_arrived():
@@ -337,7 +337,7 @@ def test_a_peak_is_known_once_most_of_the_momentum_has_arrived():
     assert late.arrived_momentum == pytest.approx(1.35, rel=1e-5)
     assert not late.awaits_momentum and late.has_known_peak
     assert late.dynamic_peak_force > 5 * early.dynamic_peak_force
-    unknown = dataclasses.replace(early, momentum=None)
+    unknown = dataclasses.replace(early, momentum_down=None)
     assert unknown.arrived_momentum is None and unknown.has_known_peak
 
 

@@ -354,7 +354,7 @@ def test_boundaries_at_one_distance_are_both_seen():
     assert drawing is not None
     lines = drawing.figure.axes[0].lines
     edges = [line for line in lines if str(line.get_label()).startswith("zone reaches")]
-    assert [line.get_xdata()[0] for line in edges] == [3.0, 3.0]
+    assert [line.get_xdata()[0] for line in edges] == [3000.0, 3000.0]
     (first, dashes), (second, others) = (line._unscaled_dash_pattern for line in edges)
     assert tuple(dashes) == tuple(others) and second - first == dashes[0] == dashes[1]
     assert edges[0].get_color() != edges[1].get_color()
@@ -366,7 +366,7 @@ def test_report_notes_marks_and_explains(tmp_path, scan):
     report = build([cut, whole, scan], tmp_path)
     told = [note.text for note in notes(report, "short")]
     assert any(
-        "reaches a boundary" in text and "small (bottom, sides)" in text and "large" not in text
+        "reaches a boundary" in text and "bottom, sides (small, " in text and "large" not in text
         for text in told
     )
     assert any(

@@ -9,7 +9,11 @@ import pytest
 
 from granwave.analysis.reports.comparison.blocks import value_table
 from granwave.analysis.reports.comparison.comparison import Comparison, compare_runs
-from granwave.analysis.reports.comparison.curves import SampledCurve, bottom_record
+from granwave.analysis.reports.comparison.curves import (
+    SampledCurve,
+    bottom_record,
+    has_peak_at_bottom,
+)
 from granwave.analysis.reports.comparison.ends import _is_final_at, truncated_names
 from granwave.analysis.reports.comparison.subjects import compared_runs
 from granwave.analysis.reports.inputs import read_inputs
@@ -162,3 +166,19 @@ def test_one_run_beside_a_measured_curve_has_no_ratio(place, tmp_path):
     table = value_table(comparison)
     assert [column.heading for column in table.columns] == ["Quantity", "Unit", "full"]
     assert table.caption == "Results"
+
+
+def test_truncated_forces_are_not_ranked(place, tmp_path):
+    """A force that passes its peak after the end of the other run, and shortly before its own, is
+    neither compared in the table nor ranked in the first sentence.
+    """
+    slow = {"packing.size": [6, 6, 6], "material": "ptfe", "contact.law": "hertz"}
+    slow["run.end_time"] = 4e-4  # the peak is at 282 us
+    run_case(load_case("fcc-small", slow), tmp_path / "slow", figures=False)
+    (full,) = read_inputs([place / "full"], place).runs
+    (other,) = read_inputs([tmp_path / "slow"], tmp_path).runs
+    comparison = compare_runs([full, other])
+    assert all(map(has_peak_at_bottom, comparison.runs))
+    assert comparison.without_ratio["wall_peak_force_N"] == "truncated"
+    assert comparison.protection == []
+    assert not any("on the bottom" in text for text in comparison.paragraphs)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from granwave.extensions.design.report import range_under_checks, ranking_of
+from granwave.extensions.design.report import limit_in_heading, range_under_checks, ranking_of
 from granwave.extensions.design.search.guards import (
     changes_of,
     finding_of,
@@ -146,3 +146,13 @@ def test_the_report_says_by_what_designs_are_ranked(statistic, runs, words):
     best = {"runs": runs} if runs > 1 else {}
     assert words in ranking_of({"statistic": statistic, "best": best})
     assert ranking_of({"best": best}) == ""
+
+
+def test_limits_in_headings_have_their_unit():
+    """The values below a heading may be in mm, and the limit in m."""
+    assert limit_in_heading("height_m", {"high": 0.05}) == ", at most 50 mm"
+    assert (
+        limit_in_heading("mass_kg", {"low": 0.1, "high": 0.5})
+        == ", at least 0.1 kg, at most 0.5 kg"
+    )
+    assert limit_in_heading("height_m", {}) == ""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fnmatch import fnmatchcase
 
-from granwave.analysis.quantities import entries, quantity
+from granwave.analysis.quantities import Quantity, entries, quantity
 from granwave.analysis.summary_table import explanation
 from granwave.lammps_inputs.case.schema import did_you_mean, show
 from granwave.lammps_inputs.errors import InputError
@@ -16,23 +17,33 @@ def is_quantity(name: str) -> bool:
 
 
 def quantity_text(name: str) -> str:
-    """Return label, unit and meaning of a value.
+    """Return label, unit and meaning of a value; of a word, a list of the values with this word in
+    their name or label.
 
     Raises
     ------
     InputError
         There is no such value; the message names the nearest.
     """
-    if not is_quantity(name):
-        names = [entry.name for entry in entries()]
+    if is_quantity(name):
+        return explanation(name)
+    listed = [quantity(entry.name) for entry in entries()]
+    word = name.casefold()
+    found = [one for one in listed if word and word in f"{one.name} {one.label}".casefold()]
+    if not found:
+        names = [one.name for one in listed]
         hint = did_you_mean(name, names, cutoff=0.5) or "; granwave quantities lists all"
         raise InputError(f"{show(name)[1:-1] or '(empty)'}: not a value of summary.json{hint}")
-    return explanation(name)
+    return _table(found)
 
 
 def all_quantities() -> str:
     """Return a list of all values: name, unit and label."""
-    listed = [quantity(entry.name) for entry in entries()]
+    return _table([quantity(entry.name) for entry in entries()])
+
+
+def _table(listed: Sequence[Quantity]) -> str:
+    """List values: name, unit and label."""
     width = max(len(entry.name) for entry in listed)
     units = max(len(entry.unit) for entry in listed)
     return "\n".join(f"{one.name:{width}}  {one.unit:{units}}  {one.label}" for one in listed)

@@ -11,9 +11,8 @@ import matplotlib.lines as mlines
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from granwave.analysis.figures.series import COLOURS
+from granwave.analysis.figures.series import COLOURS, label_log_axis
 from granwave.analysis.figures.user_axes import user_figure
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.measured import MeasuredCurve
@@ -47,7 +46,6 @@ _MEASURED_SIZE = 4.5  # size of the markers of measured points, points
 _MOST_MARKED = 40  # points of a curve with markers
 _ROOM_ABOVE = 1.06  # upper end of a linear axis / largest value
 _ROOM_OF_LOG = 1.4  # end of a logarithmic axis / largest or smallest value
-_TWO_DECADES = 100.0  # highest / lowest value below which ticks between decades have labels
 _WIDE = 10.0  # highest over lowest value from which on an axis is logarithmic
 
 
@@ -159,27 +157,13 @@ def log_if_wide(*panels_of_figure: Axes) -> None:
     """
     lines = list(chain.from_iterable(axes.lines for axes in panels_of_figure))
     values = np.concatenate([np.asarray(line.get_ydata()) for line in lines] or [np.ones(1)])
+    values = values[np.isfinite(values)]
     is_wide = len(values) and values.max() > _WIDE * values.min()
     positive = values[values > 0]
     for axes in panels_of_figure:
         if is_wide and len(positive):
             axes.set_yscale("log")
             axes.set_ylim(positive.min() / _ROOM_OF_LOG, positive.max() * _ROOM_OF_LOG)
-            _label_log_axis(axes, positive.max() / positive.min())
+            label_log_axis(axes, positive.max() / positive.min())
         else:
             axes.set_ylim(0, _ROOM_ABOVE * values.max(initial=0.0))
-
-
-def _label_log_axis(axes: Axes, ratio: float) -> None:
-    """Label the ticks of a logarithmic vertical axis: 1, 2 and 5 of each decade over less than two
-    decades, otherwise the decades.
-
-    Parameters
-    ----------
-    ratio
-        Largest value / smallest value.
-    """
-    if ratio < _TWO_DECADES:
-        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())

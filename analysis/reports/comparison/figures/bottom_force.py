@@ -30,10 +30,12 @@ _BELOW = 1e-2  # lowest force of a logarithmic axis, divided by the smallest pea
 
 def draw_bottom_force(
     curves: Mapping[ComparedRun, SampledCurve], measured: Sequence[MeasuredCurve]
-) -> Drawing:
-    """Draw the force on the bottom against time."""
-    figure, axes = panels(2.7)
+) -> Drawing | None:
+    """Draw the force on the bottom against time; None if it is zero in every run."""
     largest = max(float(np.abs(curve.y).max(initial=0.0)) for curve in curves.values())
+    if not largest and not measured:
+        return None
+    figure, axes = panels(2.7)
     scale, unit = force_unit(largest)
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(curves)).items():

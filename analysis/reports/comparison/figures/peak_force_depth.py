@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.document.model import named
 from granwave.analysis.figures.series import column_name, label, panels
@@ -42,7 +44,8 @@ def draw_peaks(
 ) -> Drawing:
     """Draw the largest and median peak force of each layer against depth, with the fits.
 
-    If each layer is one sphere, as in a chain, there is no panel of the median.
+    If each layer is one sphere, as in a chain, there is no panel of the median. Lines have gaps
+    where layers are left out.
     """
     n_panels = 1 + _have_layers(peaks)
     figure, upper, *others = panels(1.0 + 1.8 * n_panels, rows=n_panels, sharex=True)
@@ -50,11 +53,16 @@ def draw_peaks(
     columns: dict[str, Array] = {}
     for run, look in run_styles(list(peaks)).items():
         one = peaks[run]
-        depth = one.depth * _MILLI
-        upper.plot(depth, one.largest, **run_markers(run, depth), **look)
+        depth = one.with_gaps(one.depth) * _MILLI
+        first = one.with_gaps(np.where(one.is_later, np.nan, one.largest))
+        upper.plot(depth, first, **run_markers(run, depth), **look)
+        if one.is_later.any():
+            later: dict[str, Any] = look | {"linestyle": "", "label": "_later"}
+            later |= run_markers(run, depth[:1])
+            upper.plot(one.depth[one.is_later] * _MILLI, one.largest[one.is_later], **later)
         for lower in others:
-            is_loaded = one.median > _LEAST_MEDIAN * one.largest.max()
-            lower.plot(depth[is_loaded], one.median[is_loaded], **run_markers(run, depth), **look)
+            median = one.with_gaps(np.where(_has_median(one), one.median, np.nan))
+            lower.plot(depth, median, **run_markers(run, depth), **look)
         if run in fits:
             decay = fits[run]
             ends = np.linspace(decay.first, decay.last, _POINTS_OF_FIT)
@@ -70,16 +78,43 @@ def draw_peaks(
     label(upper, "" if others else "Depth (mm)", _peak_title(peaks))
     for lower in others:
         upper.set_title("largest of the layer")
-        label(lower, "Depth (mm)", _peak_title(peaks), title="median of the layer")
+        label(lower, "Depth (mm)", _median_title(peaks), title="median of the layer")
     log_if_wide(upper, *others)
     legend_above(figure)
     return Drawing(figure, columns)
 
 
-def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
-    """Return the title of the axis of peak forces."""
+def _has_median(peaks: PeaksByDepth) -> NDArray[np.bool_]:
+    """Return True for layers of which at least half of the spheres are loaded: (n_layers,)."""
+    return peaks.median > _LEAST_MEDIAN * peaks.largest.max()
+
+
+def median_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on runs without a median force; empty if there are none."""
+    names = [run.name for run, one in peaks.items() if not _has_median(one).any()]
+    if not names:
+        return ""
+    listed = named(names, len(names))
+    return f"No median, since more than half of the spheres of each layer stay at rest: {listed}."
+
+
+def _force_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the kind of the peak forces."""
     is_dynamic = any(has_static_load(run) for run in peaks)
-    title = "Peak dynamic force" if is_dynamic else "Peak force"
+    return "Peak dynamic force" if is_dynamic else "Peak force"
+
+
+def _median_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the title of the axis of medians, which are of the whole run except in chains."""
+    title = _force_title(peaks)
+    if all(one.of_first_wave for one in peaks.values()):
+        return f"{title}\nof the run (N)"
+    return f"{title} (N)"
+
+
+def _peak_title(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return the title of the axis of the largest peak forces."""
+    title = _force_title(peaks)
     if all(one.of_first_wave for one in peaks.values()):
         return f"{title}\nof the first wave (N)"
     return f"{title} (N)"
@@ -111,9 +146,13 @@ def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     is_exponential = isinstance(next(iter(fits.values())), ForceDecay)
     law = "exponential, F ~ exp(-bz), fitted" if is_exponential else "power law, F ~ z^-n, fitted"
     constant = "b" if is_exponential else "n"
+    names: dict[tuple[str, str], list[str]] = {}
+    for run, fit in fits.items():
+        quality = f"{fit.n_layers} layers, rms {100 * fit.misfit:.2g} %"
+        names.setdefault((_constant(fit), quality), []).append(run.name)
     parts = [
-        f"{_constant(fit)} ({run.name}, {fit.n_layers} layers, rms {100 * fit.misfit:.2g} %)"
-        for run, fit in fits.items()
+        f"{constant_of_runs} ({', '.join(runs)}, {quality})"
+        for (constant_of_runs, quality), runs in names.items()
     ]
     fitted = (
         f"Dotted: {law} to the largest force between the impacted and the last layer; {constant} "
@@ -156,6 +195,7 @@ def _peak_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
         _layer_notes(peaks),
         wave_notes(peaks),
         dynamic_notes(peaks),
+        median_notes(peaks),
         decay_notes(peaks),
         _unknown_notes(peaks),
     ]
@@ -183,7 +223,18 @@ def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
         parts.append(f"of the first wave, before the reflection ({named(first, len(first))})")
     if whole:
         parts.append(f"of the whole run, with any reflections ({named(whole, len(whole))})")
-    return f"Largest forces {' and '.join(parts)}."
+    later = [
+        f"{np.count_nonzero(one.is_later)} ({run.name})"
+        for run, one in peaks.items()
+        if one.is_later.any()
+    ]
+    if not later:
+        return f"Largest forces {' and '.join(parts)}."
+    return (
+        f"Largest forces {' and '.join(parts)}. Markers without a line (not fitted): the force of "
+        "the layer was largest after a reflection from the base may have arrived; number of "
+        f"layers: {', '.join(later)}."
+    )
 
 
 def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
@@ -192,7 +243,7 @@ def _unknown_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     if not parts:
         return ""
     reasons = "whose force still rises at the end"
-    if any(one.of_first_wave for one in peaks.values()):
+    if any(one.is_chain and one.n_unknown for one in peaks.values()):
         reasons += " or also includes the reflection"
     return f"Without layers {reasons}: {', '.join(parts)}."
 

@@ -49,6 +49,7 @@ PEAK_FORCE_FIELD = ComparisonFigure(
     "the run, on a common colour scale",
     force_field,
     draw_field_panels,
+    look="White: no contact force.",
     notes=_field_notes,
     most=MOST_PANELS,
     is_cumulative=True,

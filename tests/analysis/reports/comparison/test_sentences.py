@@ -162,6 +162,6 @@ def test_a_number_is_stated_once(tmp_path):
     assert "peak_force_with_walls_N" not in comparison.table.index
     first, second = comparison.paragraphs
     assert first.startswith("brass protects the bottom better: its peak force is 11.55 N")
-    assert second.startswith("Further differences: ")
+    assert second.startswith("The other main results differ most in ")
     assert "187.9" not in second and "reduction" not in second
     assert "187.9 N (steel)" in comparison.sentence  # which stands alone

@@ -1,0 +1,234 @@
+"""Figures of chains: forces of contacts, peaks, velocities of beads, bars and sensors."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.series import (
+    LINES,
+    against_time,
+    energy_unit,
+    label,
+    label_log_axis,
+    panels,
+    scale_by_peaks,
+    velocity_unit,
+)
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREY,
+    Drawing,
+    legend_above,
+)
+from granwave.analysis.formatting.numbers import instant
+from granwave.analysis.measures.force_decay import BEFORE_END
+from granwave.analysis.measures.leading_wave import leading_peaks
+from granwave.analysis.measures.lines import sensor_forces
+from granwave.analysis.result.reader import Result
+
+_KILO = 1e-3
+_MOST_CURVES = 5
+_FEWEST = 2  # fewest contacts along which forces are drawn
+_SAME = 1e-3  # relative difference of equal forces
+_LEAST_FORCE = 1e-4  # fraction of the largest force: contacts that the wave reached
+_WIDE_FORCES = 30.0  # largest over smallest value from which on an axis is logarithmic
+
+
+def force_histories(result: Result) -> Drawing | None:
+    """Draw the force histories of some of the loaded contacts, evenly spaced along the chain."""
+    if "chain" not in result:
+        return None
+    force = result["chain/contact_force"]
+    time = result["chain/time"]
+    loaded = np.flatnonzero(force.max(axis=0, initial=0.0) > 0)
+    if not len(loaded):
+        return None
+    chosen = np.unique(
+        np.linspace(0, loaded[-1], min(_MOST_CURVES, loaded[-1] + 1)).round().astype(int)
+    )
+    figure, axes = panels(2.9)
+    scale, unit = _unit(force)
+    for n, line in zip(chosen, LINES, strict=False):
+        against_time(axes, time, force[:, n] * scale, line, label=_name(result, n), linewidth=0.9)
+    label(axes, y=f"Contact force ({unit})")
+    scale_by_peaks(axes, scale * force[:, chosen].max(axis=0))
+    legend_above(axes, 3, title="Contact")
+    return Drawing(
+        figure, {"time_s": time} | {f"contact_{_name(result, n)}_N": force[:, n] for n in chosen}
+    )
+
+
+def along_chain(result: Result) -> Drawing | None:
+    """Draw peak force and dissipated energy of every contact along the chain.
+
+    The forces are those of the first wave, before the reflection from the end, above the static
+    force; grey marks are the largest forces of the run where they are larger. Under a load that
+    keeps oscillating they are the largest of the run only. None for a single contact.
+    """
+    if "chain" not in result:
+        return None
+    peak = result.along_chain("peak_force")
+    lost = result.along_chain("dissipated_energy")
+    if len(peak) < _FEWEST or not np.any(peak):
+        return None
+    number = np.arange(1, len(peak) + 1)
+    is_first = not result.case.load.keeps_oscillating
+    first = leading_peaks(result) if is_first else np.zeros(len(peak))
+    has_panel_of_loss = bool(np.any(lost > 0))
+    n_panels = 1 + has_panel_of_loss
+    figure, upper, *lower = panels(1.0 + 1.4 * n_panels, rows=n_panels, sharex=True)
+    _draw_peaks_along(upper, result, first)
+    for axes in lower:
+        energy, name = energy_unit(float(lost.max()))
+        _dots(axes, number, lost * energy, "dissipated")
+        _scale_axis(axes, lost * energy, f"Dissipated ({name})")
+    label(figure.axes[-1], f"Contact, {_counted(result)}")
+    figure.axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
+    ids = {"i": result["chain/contact_i"], "j": result["chain/contact_j"]}
+    columns = {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost}
+    if is_first:
+        columns["first_wave_peak_force_N"] = first
+    return Drawing(figure, columns)
+
+
+def _draw_peaks_along(axes: Axes, result: Result, first: NDArray[np.float64]) -> None:
+    """Draw the peak forces of the first wave along a chain, and of the run where they differ.
+
+    Parameters
+    ----------
+    first
+        Of the first wave, above the static force: (n_contacts,), N; 0 or NaN where not known.
+    """
+    peak = result.along_chain("peak_force")
+    has_risen = result.along_chain("time_peak") < BEFORE_END * float(result["energy/time"][-1])
+    static = np.zeros(len(peak))
+    if result.case.precompression is not None:
+        static = result["chain/contact_force"][0]
+    scale, unit = _unit(peak)
+    whole = np.where(has_risen, peak - static, 0.0) * scale
+    whole = np.where(whole > _LEAST_FORCE * whole.max(initial=0.0), whole, 0.0)
+    shown = np.nan_to_num(first) * scale
+    number = np.arange(1, len(peak) + 1)
+    differs = whole > (1 + _SAME) * shown
+    if np.any(differs):
+        look: Any = {"color": GREY, "markersize": 3, "label": "largest of the run"}
+        axes.plot(number[differs], whole[differs], "x", **look)
+    if np.any(shown > 0):
+        _dots(axes, number, shown, "first wave")
+    kind = "Dynamic peak force" if np.any(static > 0) else "Peak force"
+    _scale_axis(axes, np.maximum(whole, shown), f"{kind} ({unit})")
+    legend_above(axes, 2)
+
+
+def _dots(axes: Axes, number: NDArray, values: NDArray[np.float64], name: str) -> None:
+    """Draw positive values of contacts as dots."""
+    shown = values > 0
+    axes.plot(number[shown], values[shown], ".", color=BLUE, markersize=3, label=name)
+
+
+def _scale_axis(axes: Axes, values: NDArray[np.float64], quantity: str) -> None:
+    """Make an axis logarithmic if its positive values span much, otherwise linear from 0."""
+    positive = values[values > 0]
+    is_wide = len(positive) and positive.max() > _WIDE_FORCES * positive.min()
+    label(axes, y=quantity)
+    if is_wide:
+        axes.set_yscale("log")
+        lowest, highest = axes.get_ylim()
+        label_log_axis(axes, highest / lowest)
+    else:
+        axes.set_ylim(0, 1.05 * float(values.max()))
+
+
+def bead_velocities(result: Result) -> Drawing | None:
+    """Draw the velocity along the chain at four instants."""
+    if "chain" not in result:
+        return None
+    time = result["chain/time"]
+    velocity = result["chain/velocity"]
+    chosen = np.unique(np.linspace(0, len(time) - 1, 5).round().astype(int))[1:]
+    figure, axes = panels(2.6)
+    bead = np.arange(1, velocity.shape[1] + 1)
+    scale, unit = velocity_unit(float(np.abs(velocity[chosen]).max(initial=0.0)))
+    for n, line in zip(chosen, LINES, strict=False):
+        name = instant(time[n])
+        axes.plot(bead, velocity[n] * scale, linestyle=line, linewidth=0.9, label=name)
+    axes.axhline(0, color="black", linewidth=0.5)
+    label(axes, f"Bead, {_counted(result)}", f"Velocity ({unit})")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    legend_above(axes, 2)
+    return Drawing(
+        figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in chosen}
+    )
+
+
+def bars(result: Result) -> Drawing | None:
+    """Draw the contact force on each bar, and its energy."""
+    bars_of_run = result.assembly.bars
+    if not bars_of_run:
+        return None
+    figure, upper, lower = panels(3.4, rows=2, sharex=True)
+    columns: dict[str, NDArray] = {"energy_time_s": result["energy/time"]}
+    for bar, line in zip(bars_of_run, cycle(LINES), strict=False):
+        time = result[f"walls/{bar.name}/time"]
+        force = result[f"walls/{bar.name}/force"]
+        energy = result[f"energy/{bar.name}"]
+        against_time(upper, time, force * _KILO, line, linewidth=0.9)
+        against_time(lower, result["energy/time"], energy, line, label=bar.name.replace("_", " "))
+        columns |= {
+            f"{bar.name}_time_s": time,
+            f"{bar.name}_contact_force_N": force,
+            f"{bar.name}_energy_J": energy,
+        }
+    label(upper, y="Contact force\non the bar (kN)")
+    label(lower, y="Energy in the bar (J)")
+    lower.legend()
+    return Drawing(figure, columns)
+
+
+def sensors(result: Result) -> Drawing | None:
+    """Draw the mean contact force of the beads with a sensor."""
+    if "chain" not in result or not result.case.sensor:
+        return None
+    time = result["chain/time"]
+    forces = sensor_forces(result)
+    scale, unit = _unit(np.stack(list(forces.values())))
+    figure, axes = panels(2.2)
+    for (name, force), line in zip(forces.items(), cycle(LINES), strict=False):
+        against_time(axes, time, force * scale, line, label=name, linewidth=0.9)
+    label(axes, y=f"Sensor force ({unit})")
+    axes.legend()
+    return Drawing(
+        figure, {"time_s": time} | {f"{name}_N": force for name, force in forces.items()}
+    )
+
+
+def _name(result: Result, contact: int) -> str:
+    """Return the label of a contact from the labels of its bodies, such as ``3-4``."""
+    first = _name_of_body(result, int(result["chain/contact_i"][contact]))
+    second = _name_of_body(result, int(result["chain/contact_j"][contact]))
+    return f"{first}-{second}"
+
+
+def _name_of_body(result: Result, number: int) -> str:
+    """Return the number of a bead, ``S`` with its number for a striker, or ``bar``."""
+    n_beads = result.assembly.lattice.n_spheres
+    if number <= n_beads:
+        return str(number)
+    if number <= result.assembly.n_spheres:
+        return f"S{number - n_beads}"
+    return "bar"
+
+
+def _counted(result: Result) -> str:
+    """Return the end from which contacts and beads are counted."""
+    return f"from the {'loaded' if result.case.load.driven else 'impacted'} end"
+
+
+def _unit(force: NDArray[np.float64]) -> tuple[float, str]:
+    return (_KILO, "kN") if np.max(force, initial=0.0) >= 1e4 else (1.0, "N")
