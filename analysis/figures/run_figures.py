@@ -113,8 +113,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "The curves reach 0.1 at the 90 % depth and radius. The horizontal axis ends where less "
      "than 1e-5 of the total is beyond."),
     ("energies", histories.energies, "Energies and the error of their balance",
-     "When the dissipated energy is constant, the impact is over; the residual is the error of "
-     "the balance."),
+     "A constant dissipated energy shows that no contact dissipates any more; the residual is the "
+     "error of the balance."),
     ("timestep", histories.timestep, "Timestep, and the error of the energy balance that controls "
         "it",
      "Steps are short while contacts are stiff; the line is the tolerance for the error."),

@@ -142,9 +142,9 @@ def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
 def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:
     """Draw the curves of another run, dashed, over the panels of a run.
 
-    Second axes, such as the axis of the impulse in a figure of the force, are removed. If one figure
-    has more panels than the other, the first panels with equal quantities are used. The figure
-    grows by the legends above its panels.
+    Second axes, such as the axis of the impulse in a figure of the force, are removed. If one
+    figure has more panels than the other, the first panels with equal quantities are used. The
+    figure grows by the legends above its panels.
 
     Parameters
     ----------

@@ -29,6 +29,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granwave._contact_laws import ContactLaw
+from granwave.analysis.measures.impact_momentum import impact_momentum
 from granwave.analysis.measures.signals import Array, arrival
 from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.material import Material
@@ -42,6 +43,12 @@ from granwave.lammps_inputs.roots import brentq
 if TYPE_CHECKING:  # loads h5py, which `granwave check` does without
     from granwave.analysis.result.reader import Result
 
+#: Fraction of the momentum of an impact: as long as the impulse on the bottom is smaller, a later
+#: pulse may be larger than the pulses so far.
+_MOST_MOMENTUM = 0.8
+_LAST_PART = 0.1  # fraction of the record in which an impulse may still grow ...
+_GROWTH = 0.01  # ... by more than this fraction of its value
+_LEAST_RECORDS = 2
 ARRIVED = 0.01  # fraction of the largest dynamic force on the bottom
 _STATIC = 1e-6  # fraction of the peak force: touching grains overlap by rounding at the start
 _NEGLIGIBLE = 1e-6  # fraction of the momentum of the impact
@@ -70,6 +77,9 @@ class Reached:
     # largest force in any step, N, where it is known: the records may miss it
     largest_force: float | None = None
     momentum: float = 0.0  # magnitude of the momentum of the impact, N s
+    # momentum of the impact towards the target, which only the target takes up, N s; None if other
+    # bodies do, or without an impact
+    momentum_down: float | None = None
 
     @property
     def impulse(self) -> Array:
@@ -142,6 +152,42 @@ class Reached:
         return self.is_reached and self._is_largest_at_end
 
     @property
+    def arrived_momentum(self) -> float | None:
+        """Impulse on the target at the end of the record, above the static force, divided by the
+        momentum of the impact; None if that is unknown.
+        """
+        if not self.momentum_down or not len(self.force):
+            return None
+        return float(self.dynamic_impulse[-1]) / self.momentum_down
+
+    @property
+    def awaits_momentum(self) -> bool:
+        """True if the force has passed a peak, but less than 80 % of the momentum of the impact has
+        reached the target, so that a later pulse may be larger.
+        """
+        arrived = self.arrived_momentum
+        if arrived is None or not self.is_reached or self.rises_at_end:
+            return False
+        return arrived < _MOST_MOMENTUM
+
+    @property
+    def has_known_peak(self) -> bool:
+        """True if the target is reached, and the record includes the largest force."""
+        return self.is_reached and not self.rises_at_end and not self.awaits_momentum
+
+    @property
+    def has_growing_impulse(self) -> bool:
+        """True if the impulse above the static force still grows at the end: more than 1 % of it
+        belongs to the last tenth of the record.
+        """
+        impulse = self.dynamic_impulse
+        if not self.is_reached or len(impulse) < _LEAST_RECORDS:
+            return False
+        start = self.time[0] + (1 - _LAST_PART) * (self.time[-1] - self.time[0])
+        before = float(np.interp(start, self.time, impulse))
+        return abs(float(impulse[-1]) - before) > _GROWTH * abs(float(impulse[-1]))
+
+    @property
     def _is_largest_at_end(self) -> bool:
         return len(self.force) > 0 and int(self.force.argmax()) == len(self.force) - 1
 
@@ -196,7 +242,9 @@ def reached(result: Result) -> Reached | None:
         ground = force
     displacement = None if moved is None else moved - moved[0]
     largest = _largest_of_one_contact(result, name)
-    return Reached(time, force, ground, displacement, largest, _momentum_scale(result))
+    scale = _momentum_scale(result)
+    down = impact_momentum(result.assembly)
+    return Reached(time, force, ground, displacement, largest, scale, down)
 
 
 def _momentum_scale(result: Result) -> float:
@@ -218,18 +266,34 @@ def _largest_of_one_contact(result: Result, name: str) -> float | None:
 
 
 def rising_force_warning(directory: Path) -> str:
-    """Return a warning if the force on the bottom is largest at the end of a run, in a line; empty
-    if it is not, or not recorded.
+    """Return a warning if the force on the bottom may rise further after the end of a run, in a
+    line; empty if it does not, or is not recorded.
     """
     from granwave.analysis.result.reader import Result  # loads h5py
 
     with Result(directory) as result:
         record = reached(result)
-    if record is None or not record.rises_at_end:
+    if record is None:
         return ""
+    remedy = "Increase run.end_time to record its peak."
+    if record.rises_at_end:
+        return (
+            "the force on the bottom is largest at the end of the run, and may rise further. Its "
+            f"arrival and the peak reduction are not known. {remedy}"
+        )
+    if record.awaits_momentum:
+        return f"{momentum_in_words(record)}. {remedy}"
+    return ""
+
+
+def momentum_in_words(record: Reached) -> str:
+    """Return a clause on a force on the bottom that may become larger, since little of the momentum
+    of the impact has arrived.
+    """
+    percent = f"{100 * (record.arrived_momentum or 0.0):.2g} %"
     return (
-        "the force on the bottom is largest at the end of the run, and may rise further. Its "
-        "arrival and the peak reduction are not known. Increase run.end_time to record its peak."
+        f"only {percent} of the impact's momentum has reached the bottom by the end of the run, so "
+        "that a later pulse may be larger"
     )
 
 

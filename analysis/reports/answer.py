@@ -33,7 +33,7 @@ from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speeds
 from granwave.analysis.measures.regions import stretches
-from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.target import momentum_in_words, reached
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import picture_in
@@ -430,16 +430,19 @@ def _beside(force: float, bare: float | None) -> str:
 
 
 def _rise(run: ReportRun) -> str:
-    """Return a clause on a force on the bottom that is largest at the end of a run; empty if it is
-    not, or not recorded.
+    """Return a clause on a force on the bottom that may rise further after the end of a run; empty
+    if it does not, or is not recorded.
     """
     try:
         with Result(run.results) as result:
             record = reached(result)
-            is_rising = record is not None and record.rises_at_end
     except (GranwaveError, KeyError, ValueError):
         return ""
-    return "; it is largest at the end of the run, and may rise further" if is_rising else ""
+    if record is None:
+        return ""
+    if record.rises_at_end:
+        return "; it is largest at the end of the run, and may rise further"
+    return f"; {momentum_in_words(record)}" if record.awaits_momentum else ""
 
 
 def _named(summary: Mapping[str, Any], start: str, end: str) -> list[str]:

@@ -32,6 +32,7 @@ from granwave.lammps_inputs.packing_kind import PackingKind
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _MOST_NAMED = 4  # inputs that the first line describes one by one
+_TWO = 2  # packings whose values are given by name
 _MOST_SYMBOLS = 12  # most runs from which the constants of symbols are read
 _LAWS = {"elastoplastic": "", "hertz": "elastic", "line": "elastic"}  # the default needs no word
 _NOT_IDEAL = {  # keys of cases that are zero or absent in an ideal packing: text and unit
@@ -172,12 +173,28 @@ def symbols_note(inputs: ReportInputs, uses: Callable[[str], bool] | None = None
     ]  # fmt: skip
     for kind in report_kinds():
         rows += kind.symbols([run for run in runs if run.kind is kind])
+    names = [run.label for run in packings]
     said = [
-        f"{symbol} = {range_in(values, unit)} is {what}."
+        f"{symbol} = {_values_in(values, unit, names)} is {what}."
         for symbol, values, unit, what in rows
         if values and (uses is None or uses(symbol))
     ]
     return [Note(" ".join(said))] if said else []
+
+
+def _values_in(values: Sequence[float], unit: str, names: Sequence[str]) -> str:
+    """Return the range of a value in words; for two packings that differ, the value of each.
+
+    Parameters
+    ----------
+    names
+        Names of the packings: (n_packings,).
+    """
+    texts = [range_in([value], unit) for value in values]
+    if len(names) != _TWO or len(texts) != _TWO or texts[0] == texts[1]:
+        return range_in(values, unit)
+    first, second = [f"{text} ({name})" for text, name in zip(texts, names, strict=True)]
+    return f"{first} and {second}"
 
 
 def _of_item(item: ReportRun | ReportScan) -> str:

@@ -157,8 +157,8 @@ def _draw_curve(axes: Axes, part: DataFrame, look: dict[str, Any], *, joined: bo
 
 
 def _scale_abscissae(axes: Axes, places: NDArray, *, chosen: bool) -> None:
-    """Set the scale of abscissae: logarithmic for a large range; ticks at few chosen values, otherwise
-    integer ticks for integers.
+    """Set the scale of abscissae: logarithmic for a large range; ticks at few chosen values,
+    otherwise integer ticks for integers.
     """
     if even_in_log(places) or (not chosen and _is_wide(places)):
         axes.set_xscale("log")

@@ -173,8 +173,8 @@ def equal_frequency_curves(found: BandStructure) -> Drawing | None:
 
 
 def mode_shapes(found: BandStructure) -> Drawing | None:
-    """Draw the displacements of the modes at the end of the first segment of the path; None for cells
-    of many grains, and of one grain, whose modes have no shape.
+    """Draw the displacements of the modes at the end of the first segment of the path; None for
+    cells of many grains, and of one grain, whose modes have no shape.
     """
     network = found.state.network
     bands = found.bands

@@ -35,7 +35,7 @@ def compare(options: argparse.Namespace) -> int:
 
 def text_of(comparison: Comparison) -> str:
     """Return sentence, notes and tables for the terminal, with an empty line at the end."""
-    parts = ["\n".join([*comparison.paragraphs, *comparison.notes])]
+    parts = ["\n".join([*comparison.paragraphs, *comparison.grouped_notes])]
     parts += _misfits(comparison)
     if len(comparison.runs) <= _MOST_RUNS:
         parts += [_values(comparison), _differences(comparison)]

@@ -31,6 +31,7 @@ from granwave.analysis.reports.comparison.measured import (
     NEGLIGIBLE,
     ROUNDING,
     Deviation,
+    MeasuredCurve,
     relative_text,
     unranked_reasons,
 )
@@ -65,7 +66,8 @@ MISFIT_HEADS = (
 )
 _TIMES = 10.0  # relative difference above which it is given as a ratio
 _NO_RANGE = "no common range"
-_NO_CELLS = ("",) * (len(MISFIT_HEADS) - 1)
+#: The same for a curve that only rises.
+_HEADS_WITHOUT_PEAK = ("rms", "rms / largest measured value", "Points")
 
 
 def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[Block]:
@@ -79,7 +81,7 @@ def comparison_blocks(comparison: Comparison, data: Link | None = None) -> list[
     paragraphs = comparison.paragraphs
     leads = comparison.measured_sentences or comparison.protection or paragraphs
     blocks: list[Block] = [Note(text, "lead" if text in leads else "") for text in paragraphs]
-    blocks += [Note(text, "note") for text in comparison.notes]
+    blocks += [Note(text, "note") for text in comparison.grouped_notes]
     blocks += misfit_tables(comparison)
     if comparison.values:
         blocks.append(value_table(comparison))
@@ -205,26 +207,41 @@ def misfit_tables(comparison: Comparison) -> list[DocumentTable]:
     """Return the differences from measured curves, a table each."""
     blocks: list[DocumentTable] = []
     for name, curve in comparison.measured.items():
-        units = FIGURES[name].units
-        assert units is not None  # a measured curve cannot be drawn over it
-        x_unit, y_unit = units
-        peak = quantity_in(curve.peak, y_unit)
-        place = quantity_in(curve.peak_at, x_unit)
-        own = ("measured", "", "", peak, place, "", str(len(curve.x)))
-        rows: list[tuple[str, ...]] = [own]
+        heads = MISFIT_HEADS if curve.has_peak else _HEADS_WITHOUT_PEAK
+        no_cells = ("",) * (len(heads) - 1)
+        rows = [_measured_row(curve, _units_of(name))]
         deviations = comparison.deviations(name)
         reasons = unranked_reasons(
             {run.name: found for run, found in deviations.items() if found is not None}
         )
         for run, difference in deviations.items():
-            cells: tuple[str, ...] = (_NO_RANGE, *_NO_CELLS)
+            cells: tuple[str, ...] = (_NO_RANGE, *no_cells)
             if difference is not None:
-                cells = misfit_cells(difference, units, curve.peak, reasons.get(run.name, ""))
+                reason = reasons.get(run.name, "")
+                cells = misfit_cells(difference, _units_of(name), curve.peak, reason)
+                cells = cells if curve.has_peak else (*cells[:2], cells[-1])
             rows.append((run.name, *cells))
         for run, why in comparison.data(name).lacking.items():
-            rows.append((run.name, why, *_NO_CELLS))
-        blocks.append(text_table(f"Difference from {curve.source}", ("Run", *MISFIT_HEADS), rows))
+            rows.append((run.name, why, *no_cells))
+        blocks.append(text_table(f"Difference from {curve.source}", ("Run", *heads), rows))
     return blocks
+
+
+def _units_of(name: str) -> tuple[str, str]:
+    """Return the units of a figure over which a measured curve is drawn."""
+    units = FIGURES[name].units
+    assert units is not None  # a measured curve cannot be drawn over it
+    return units
+
+
+def _measured_row(curve: MeasuredCurve, units: tuple[str, str]) -> tuple[str, ...]:
+    """Return the row of the measured curve itself."""
+    n_points = str(len(curve.x))
+    if not curve.has_peak:
+        return ("measured", "", "", n_points)
+    peak = quantity_in(curve.peak, units[1])
+    place = quantity_in(curve.peak_at, units[0])
+    return ("measured", "", "", peak, place, "", n_points)
 
 
 def misfit_cells(

@@ -8,12 +8,14 @@ from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from granwave.analysis.errors import MissingDataError, did_you_mean
 from granwave.analysis.figures.style import Drawing, NotDrawn, attempt
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.comparison.cases import Difference, case_differences
 from granwave.analysis.reports.comparison.curves import SampledCurve
-from granwave.analysis.reports.comparison.definitions import definition_notes
+from granwave.analysis.reports.comparison.definitions import definition_notes, limit_notes
 from granwave.analysis.reports.comparison.ends import (
     differ_in_end_only,
     ends_in_words,
@@ -333,8 +335,16 @@ class Comparison:
                 name for name in self.wanted_figures if isinstance(self.drawing(name), Drawing)
             )
 
-    def figure(self, name: str) -> Axes | list[Axes]:
+    def figure(self, name: str, ax: Axes | Sequence[Axes] | None = None) -> Axes | list[Axes]:
         """Draw a figure for further editing; it is not saved.
+
+        Parameters
+        ----------
+        name
+            Name of the figure.
+        ax
+            Axes to draw into; of a figure of several panels a list of axes. By default a new
+            figure.
 
         Returns
         -------
@@ -345,12 +355,17 @@ class Comparison:
         ------
         MissingDataError
             There is no figure of this name, or no run has its data.
+        InputError
+            The axes do not suit the panels.
         """
         from granwave.analysis.figures.series import draw_axes, no_figure
 
         if name not in FIGURES:
             raise no_figure("comparison", name, FIGURES)
-        axes = draw_axes(lambda: self._draw(name))
+        into: list[Axes] = []
+        if ax is not None:
+            into = list(np.ravel(np.array(ax, dtype=object)))
+        axes = draw_axes(lambda: self._draw(name), into=into)
         if axes is None:
             lacking = self.data(name).lacking
             reasons = [f"{run.name}: {why}" for run, why in lacking.items()]
@@ -412,19 +427,35 @@ class Comparison:
         """Sentences on runs that are omitted, ended early, or that no figure shows, and on values
         that runs define differently or that a boundary limits.
         """
+        return list(chain.from_iterable(self._note_groups))
+
+    @property
+    def grouped_notes(self) -> list[str]:
+        """The notes, with a paragraph for all differences between definitions, and a paragraph for
+        all limits by the end of a run or a boundary.
+        """
+        first, definitions, limits, last = self._note_groups
+        joined = [" ".join(notes) for notes in (definitions, limits) if notes]
+        return [*first, *joined, *last]
+
+    @cached_property
+    def _note_groups(self) -> tuple[list[str], list[str], list[str], list[str]]:
+        """Notes on missing runs, on definitions, on limits, and on other subjects."""
         early = [f"{run.name} ({run.unfinished})" for run in self.runs if run.unfinished]
-        notes = [f"Left out: {message}." for message in self.left_out]
+        first = [f"Left out: {message}." for message in self.left_out]
         if early:
             listed = ", ".join(early)
-            notes.append(f"Unfinished, compared up to the last output: {listed}.")
-        notes += self._unlike_ends()
+            first.append(f"Unfinished, compared up to the last output: {listed}.")
+        definitions: list[str] = []
+        limits = self._unlike_ends()
         if len(self.runs) >= _LEAST_RUNS:
-            notes += definition_notes(self.runs, self._names_compared)
-        notes += warning_notes([run.run for run in self.runs])
+            definitions = definition_notes(self.runs, self._names_compared)
+            limits += limit_notes(self.runs, self._names_compared)
+        last = warning_notes([run.run for run in self.runs])
         for name, curve in self.measured.items():
-            notes += coverage_notes(curve, self._named_deviations(name))
-            notes += range_notes(curve, self._named_deviations(name), _units_of(name))
-        return notes + self._undrawn()
+            last += coverage_notes(curve, self._named_deviations(name))
+            last += range_notes(curve, self._named_deviations(name), _units_of(name))
+        return first, definitions, limits, last + self._undrawn()
 
     def _undrawn(self) -> list[str]:
         """Return a sentence on the runs that are in no figure; nothing if there is none."""
@@ -540,7 +571,8 @@ def _measured_curve(path: Any, name: str, shift: float, scale: float) -> Measure
         raise InputError(
             f"--as: found {name}, which cannot be compared with a measured curve; {hint}"
         )
-    return read_measured(path, units, shift=shift, scale=scale)
+    has_peak = FIGURES[name].has_peak
+    return read_measured(path, units, shift=shift, scale=scale, has_peak=has_peak)
 
 
 def _units_of(name: str) -> tuple[str, str]:

@@ -121,6 +121,15 @@ def force_at_bottom(run: ComparedRun) -> SampledCurve:
         return SampledCurve(record.time, record.force)
 
 
+def drawn_force_at_bottom(run: ComparedRun) -> SampledCurve:
+    """Return the force on the bottom against time, s, N, of a run whose wave reaches the bottom."""
+    curve = force_at_bottom(run)
+    record = bottom_record(run)
+    if record is not None and not record.is_reached:
+        raise LackingError("the wave does not reach its bottom before its end")
+    return curve
+
+
 def bottom_record(run: ComparedRun) -> Reached | None:
     """Return the record of the force on the bottom of a run; None without one."""
     try:
@@ -131,11 +140,11 @@ def bottom_record(run: ComparedRun) -> Reached | None:
 
 
 def has_peak_at_bottom(run: ComparedRun) -> bool:
-    """Return False if the wave does not reach the bottom, or the force there is largest at the end
-    of a run; True without a record.
+    """Return False if the wave does not reach the bottom, the force there is largest at the end of
+    a run, or a later pulse may be larger; True without a record.
     """
     record = bottom_record(run)
-    return record is None or (record.is_reached and not record.rises_at_end)
+    return record is None or record.has_known_peak
 
 
 def has_static_load(run: ComparedRun) -> bool:

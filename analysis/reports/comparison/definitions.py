@@ -4,10 +4,11 @@ of a run limits.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import quantity_in
+from granwave.analysis.measures.target import Reached
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
 from granwave.analysis.reports.comparison.ends import GROWING
@@ -30,11 +31,12 @@ _MOST_LISTED = 4  # runs that a sentence lists
 GROWING_ZONE = "The plastic zone still grows"
 NO_ARRIVAL = "The wave does not reach the bottom"
 RISING_FORCE = "The force on the bottom is largest"
-OF_THE_END = (GROWING_ZONE, NO_ARRIVAL, RISING_FORCE)
+LATE_PULSE = "Less than 80 % of the impact's momentum has reached the bottom"
+OF_THE_END = (GROWING_ZONE, NO_ARRIVAL, RISING_FORCE, LATE_PULSE)
 
 
 def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> list[str]:
-    """Return sentences on values that these runs define differently, or that are limited.
+    """Return sentences on values that these runs define differently.
 
     Parameters
     ----------
@@ -43,11 +45,21 @@ def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -
     """
     notes = [_inputs(runs), _static_forces(runs)]
     if _concerns(names, _OF_BOTTOM):
-        forces = [*_limited_forces(runs, is_ranked=True), *_without_force(runs)]
-        notes += [_heights(runs), " ".join(forces)]
+        notes += [_heights(runs), " ".join(_without_force(runs))]
     if _concerns(names, _OF_ZONE):
-        zones = [*_cut_zones(runs), *_growing_zones(runs, is_ranked=True)]
-        notes += [_yielding_of_laws(runs), _depths_of_kinds(runs), " ".join(zones)]
+        notes += [_yielding_of_laws(runs), _depths_of_kinds(runs)]
+    return [note for note in notes if note]
+
+
+def limit_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -> list[str]:
+    """Return sentences on values that the end of a run or a boundary limits; ``names`` as of
+    `definition_notes`.
+    """
+    notes: list[str] = []
+    if _concerns(names, _OF_BOTTOM):
+        notes.append(" ".join(_limited_forces(runs, is_ranked=True)))
+    if _concerns(names, _OF_ZONE):
+        notes.append(" ".join([*_cut_zones(runs), *_growing_zones(runs, is_ranked=True)]))
     return [note for note in notes if note]
 
 
@@ -135,8 +147,8 @@ def _cut_zones(runs: Sequence[ComparedRun]) -> list[str]:
         return []
     listed = _listed(cut, lambda run: _joined(run, "zone_cut"))
     return [
-        f"The plastic zone reaches a boundary, which limits its size: {listed}. Limited zones "
-        "are not ranked by their depth, and their sizes and counts have no ratio."
+        f"The plastic zone reaches a boundary, which limits its size: {listed}. The depths of "
+        "these zones are not ranked, and their sizes and counts have no ratio."
     ]
 
 
@@ -152,8 +164,7 @@ def _growing_zones(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str]
     if not growing:
         return []
     listed = _listed(growing, lambda run: _joined(run, GROWING))
-    unranked = is_ranked and any("depth" in run.run.summary[GROWING] for run in growing)
-    more = " Depths that still grow are not ranked." if unranked else ""
+    more = " Sizes that still grow are not ranked and have no ratio." if is_ranked else ""
     return [f"{GROWING_ZONE} at the end of the run: {listed}.{more}"]
 
 
@@ -167,6 +178,7 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
     """
     unloaded: list[ComparedRun] = []
     rising: list[ComparedRun] = []
+    late: dict[ComparedRun, Reached] = {}
     for run in runs:
         record = bottom_record(run)
         if record is None:
@@ -175,7 +187,9 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
             unloaded.append(run)
         elif record.rises_at_end:
             rising.append(run)
-    notes: list[str] = []
+        elif record.awaits_momentum:
+            late[run] = record
+    notes = [_late_pulses(late, is_ranked=is_ranked)] if late else []
     if unloaded:
         listed = _listed(unloaded, _end)
         notes.append(f"{NO_ARRIVAL} before the end of the run: {listed}.")
@@ -188,6 +202,16 @@ def _limited_forces(runs: Sequence[ComparedRun], *, is_ranked: bool) -> list[str
             f"{unknown[0].upper()}{unknown[1:]}."
         )
     return notes
+
+
+def _late_pulses(records: Mapping[ComparedRun, Reached], *, is_ranked: bool) -> str:
+    """Return a sentence on runs after whose end a larger force on the bottom may follow."""
+    percent = {run: 100 * (record.arrived_momentum or 0.0) for run, record in records.items()}
+    listed = _listed(list(records), lambda run: f"{percent[run]:.2g} %")
+    more = " Forces on the bottom of these runs are not ranked." if is_ranked else ""
+    return (
+        f"{LATE_PULSE} by the end of the run, so that a later pulse may be larger: {listed}.{more}"
+    )
 
 
 def _without_force(runs: Sequence[ComparedRun]) -> list[str]:

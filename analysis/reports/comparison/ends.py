@@ -50,14 +50,20 @@ _INDEPENDENT = (
 )  # fmt: skip
 
 _IMPULSE = "wall_impulse_Ns"
+_DYNAMIC_IMPULSE = "wall_dynamic_impulse_Ns"
 #: Values of the peak force on the bottom, by patterns.
 _PEAKS_AT_BOTTOM = (
     "wall_peak_force_N", "wall_dynamic_peak_force_N", "target_peak_force_N",
     "ground_peak_force_N", "base_arrival_s", "peak_reduction*", "ground_peak_reduction",
 )  # fmt: skip
-_OF_BOTTOM = (*_PEAKS_AT_BOTTOM, _IMPULSE, "wall_dynamic_impulse_Ns")
-#: Depths of the plastic zone, by patterns; they are not known while its depth still grows.
-_OF_DEPTH = ("plastic_zone_depth_m", "zone_depth_*")
+_OF_BOTTOM = (*_PEAKS_AT_BOTTOM, _IMPULSE, _DYNAMIC_IMPULSE)
+#: Sizes of the plastic zone, by patterns, that grow in a direction of ``zone_growing``.
+_GROWTH_ALONG = {
+    "depth": ("plastic_zone_depth_m", "zone_depth_*", "plastic_zone_volume_m3", "zone_volume_*"),
+    "radius": ("plastic_zone_radius_m", "zone_radius_*", "plastic_zone_volume_m3", "zone_volume_*"),
+}
+#: Counts of yielded contacts and of their spheres, by patterns.
+_COUNTS = ("n_plastic_*", "n_dissipating_*")
 #: Sizes of the plastic zone and counts of its parts, by patterns, which a boundary limits.
 _OF_SIZE = (
     "plastic_zone_*", "zone_depth_*", "zone_radius_*", "zone_volume_*", "n_plastic_*",
@@ -158,16 +164,54 @@ def limited_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]
     return {name for name in names if _matches(name, _OF_SIZE)}
 
 
-def _unknown_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the values that are not known at the end of a run: of a force on the bottom that has
-    not passed its peak, and depths of a plastic zone that still grow.
+def is_zone_size(name: str) -> bool:
+    """Return True for sizes of the plastic zone and counts of its parts."""
+    return _matches(name, _OF_SIZE)
+
+
+def growing_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
+    """Return the values that still grow at the end of a run: impulses on the bottom, sizes of a
+    plastic zone, and counts of yielded contacts that grow in the last tenth of the run.
     """
-    unknown: set[str] = set()
-    if not all(has_peak_at_bottom(run) for run in runs):
-        unknown.update(name for name in names if _matches(name, _OF_BOTTOM))
-    if any("depth" in (run.run.summary.get(GROWING) or ()) for run in runs):
-        unknown.update(name for name in names if _matches(name, _OF_DEPTH))
-    return unknown
+    patterns: list[str] = []
+    for run in runs:
+        patterns += _growing_impulses(run)
+        for direction in run.run.summary.get(GROWING) or ():
+            patterns += _GROWTH_ALONG.get(direction, ())
+        is_cut = mark_of(run.run.summary) is Mark.CUT  # a boundary limits its counts
+        if not (is_cut or _has_settled(run) or _has_all_yielded(run)):
+            patterns += _COUNTS
+    return {name for name in names if _matches(name, patterns)}
+
+
+def _growing_impulses(run: ComparedRun) -> list[str]:
+    """Return the names of the impulses on the bottom that still grow at the end of a run; a static
+    force always adds to the impulse.
+    """
+    record = bottom_record(run)
+    if record is None:
+        return []
+    names = [_DYNAMIC_IMPULSE] if record.has_growing_impulse else []
+    return [*names, _IMPULSE] if names or record.has_static_force else names
+
+
+def _has_all_yielded(run: ComparedRun) -> bool:
+    """Return True if the number of yielded contacts hardly changes in the last tenth of a run, or
+    is not recorded.
+    """
+    try:
+        return _is_final_at(_yielded(run), (1 - _LAST_PART) * end_of(run))
+    except LackingError:
+        return True
+
+
+def _unknown_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
+    """Return the values of a force on the bottom that has not passed its peak at the end of a
+    run.
+    """
+    if all(has_peak_at_bottom(run) for run in runs):
+        return set()
+    return {name for name in names if _matches(name, _OF_BOTTOM)}
 
 
 def _has_settled(run: ComparedRun) -> bool:

@@ -50,8 +50,11 @@ def _input_text(run: ComparedRun) -> str:
 
 
 def _velocity(run: ComparedRun) -> float | None:
-    """Return the velocity of the impacted sphere, m/s; None with another load or a striker."""
+    """Return the velocity of the impacted sphere, or of the body that hits a block, m/s; None with
+    another load or a striker.
+    """
     case = run.run.case
+    case = {**case, **run.run.kind.load_keys(case)}
     velocity = case.get(_VELOCITY)
     is_impact = case.get(_KIND, _IMPACT) == _IMPACT and not case.get(_STRIKER)
     if not is_impact or not isinstance(velocity, float | int) or isinstance(velocity, bool):

@@ -7,6 +7,7 @@ below the names, as in the files of oscilloscopes. It is shifted and scaled only
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -71,6 +72,8 @@ class MeasuredCurve:
         Shift added to ``x``, in its unit.
     scale
         Factor of ``y``.
+    has_peak
+        False for a curve that only rises, such as the arrivals of a front.
     """
 
     source: str
@@ -79,6 +82,7 @@ class MeasuredCurve:
     y: Array
     shift: float = 0.0
     scale: float = 1.0
+    has_peak: bool = True
 
     @property
     def peak(self) -> float:
@@ -115,13 +119,14 @@ class Deviation:
     peak_difference
         Largest value of the run in the measured range / largest measured value, minus 1; NaN if
         the run does not cover the measured peak, still rises at its end, or if the measured curve
-        is reversed.
+        is reversed or has no peak.
     n_points
         Number of measured points within the curve of the run.
     peak
-        Largest value of the run in the measured range.
+        Largest value of the run in the measured range, interpolated at the measured points; NaN
+        without a peak.
     peak_at
-        Its time or length, s or m.
+        Its time or length, s or m; NaN without a peak.
     outside_at
         Time or length of the largest value of the run, if it is outside the measured range; None:
         it lies inside.
@@ -154,7 +159,12 @@ class Deviation:
 
 
 def read_measured(
-    path: str | Path, units: tuple[str, str], *, shift: float = 0.0, scale: float = 1.0
+    path: str | Path,
+    units: tuple[str, str],
+    *,
+    shift: float = 0.0,
+    scale: float = 1.0,
+    has_peak: bool = True,
 ) -> MeasuredCurve:
     """Read a measured curve.
 
@@ -168,6 +178,8 @@ def read_measured(
         Added to times or lengths, s or m.
     scale
         Factor of the values.
+    has_peak
+        As of `MeasuredCurve`.
 
     Raises
     ------
@@ -190,7 +202,9 @@ def read_measured(
     if not y.any():
         raise InputError(f"{source}: found only zeros for {names[1]}, expected measured values")
     order = np.argsort(x, kind="stable")
-    return MeasuredCurve(source, names, x[order] + shift, scale * y[order], shift, scale)
+    return MeasuredCurve(
+        source, names, x[order] + shift, scale * y[order], shift, scale, has_peak=has_peak
+    )
 
 
 def deviation(
@@ -216,28 +230,44 @@ def deviation(
     difference = np.interp(measured.x[inside], curve.x, curve.y) - measured.y[inside]
     rms = float(np.sqrt(np.mean(difference**2)))
     size = float(np.abs(measured.y).max())
-    covers_peak = low <= measured.peak_at <= high
-    own = _within(curve, low, high)
-    first = int(own.y.argmax())
-    largest = float(own.y[first])
-    place = int(curve.y.argmax())
-    rises_at_end = place == len(curve.y) - 1 and low < curve.x[-1] <= measured.x[-1]
-    has_peaks = covers_peak and not rises_at_end and not measured.is_reversed
     beyond = (measured.x[inside] < curve.x.min()) | (measured.x[inside] > curve.x.max())
-    is_outside = not low <= curve.x[place] <= high and curve.y[place] > largest
-    return Deviation(
+    simple = Deviation(
         rms,
         rms / size,
-        largest / size - 1 if has_peaks else np.nan,
+        np.nan,
         int(inside.sum()),
-        peak=largest,
-        peak_at=float(own.x[first]),
-        outside_at=float(curve.x[place]) if is_outside else None,
-        covers_peak=covers_peak,
-        rises_at_end=bool(rises_at_end),
+        peak=np.nan,
+        peak_at=np.nan,
         is_reversed=measured.is_reversed,
         n_near_end=int(beyond.sum()),
         has_doubtful_unit=has_doubtful_unit,
+    )
+    return _with_peak(simple, measured, curve, low, high) if measured.has_peak else simple
+
+
+def _with_peak(
+    difference: Deviation, measured: MeasuredCurve, curve: SampledCurve, low: float, high: float
+) -> Deviation:
+    """Return a difference from a measured curve with the largest values of both in their common
+    range, from ``low`` to ``high``.
+    """
+    own = _within(curve, measured.x, low, high)
+    first = int(own.y.argmax())
+    largest = float(own.y[first])
+    place = int(curve.y.argmax())
+    covers_peak = low <= measured.peak_at <= high
+    rises_at_end = place == len(curve.y) - 1 and low < curve.x[-1] <= measured.x[-1]
+    has_peaks = covers_peak and not rises_at_end and not measured.is_reversed
+    is_outside = not low <= curve.x[place] <= high and curve.y[place] > largest
+    size = float(np.abs(measured.y).max())
+    return dataclasses.replace(
+        difference,
+        peak_difference=largest / size - 1 if has_peaks else np.nan,
+        peak=largest,
+        peak_at=float(own.x[first]),
+        outside_at=float(curve.x[place]) if is_outside else None,
+        covers_peak=bool(covers_peak),
+        rises_at_end=bool(rises_at_end),
     )
 
 
@@ -331,10 +361,8 @@ def closest_sentence(
         )
     peaks = _peaks_in_words(measured, closest, units)
     if len(names) < len(deviations) and len(names) == 1:
-        return (
-            f"Only {name} is compared with {measured.source}, with a difference of {rms}; {peaks}."
-        )
-    return f"Closest to {measured.source} is {name}, with a difference of {rms}; {peaks}."
+        return f"Only {name} is compared with {measured.source}, with a difference of {rms}{peaks}."
+    return f"Closest to {measured.source} is {name}, with a difference of {rms}{peaks}."
 
 
 def _sentence_on_one_run(
@@ -351,7 +379,7 @@ def _sentence_on_one_run(
         return f"{name} is not compared with {measured.source}: {_FEW_COMMON}."
     rms = _rms_in_words(measured, difference, units)
     peaks = _peaks_in_words(measured, difference, units)
-    return f"{name} differs from {measured.source} by {rms}; {peaks}."
+    return f"{name} differs from {measured.source} by {rms}{peaks}."
 
 
 def _reasons(deviations: Mapping[str, Deviation]) -> str:
@@ -365,7 +393,8 @@ def _reasons(deviations: Mapping[str, Deviation]) -> str:
 def _rms_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[str, str]) -> str:
     """Return the root mean square difference of a run in words."""
     size = relative_text(closest.relative_rms)
-    rms = f"{quantity_in(closest.rms, units[1])} rms, {size} the measured peak"
+    largest = "peak" if measured.has_peak else "largest value"
+    rms = f"{quantity_in(closest.rms, units[1])} rms, {size} the measured {largest}"
     if closest.relative_rms < ROUNDING:
         rms = "rounding only"
     if closest.n_points < len(measured.x):
@@ -374,17 +403,19 @@ def _rms_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[str,
 
 
 def _peaks_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[str, str]) -> str:
-    """Return the peaks of a run and of a measured curve in words."""
+    """Return a clause on the peaks of a run and of a measured curve; empty without peaks."""
+    if not measured.has_peak:
+        return ""
     x_unit, y_unit = units
     own = f"{quantity_in(closest.peak, y_unit)} at {quantity_in(closest.peak_at, x_unit)}"
     other = f"{quantity_in(measured.peak, y_unit)} at {quantity_in(measured.peak_at, x_unit)}"
     if not closest.covers_peak:
-        return f"the run does not cover the measured peak, {other}"
+        return f"; the run does not cover the measured peak, {other}"
     if closest.rises_at_end:
-        return f"the curve of the run still rises at its end, {own}; the measured peak is {other}"
+        return f"; the curve of the run still rises at its end, {own}; the measured peak is {other}"
     if abs(closest.peak) < NEGLIGIBLE * abs(measured.peak):
-        return f"it is zero in the measured range, the measured peak is {other}"
-    return f"its peak in the measured range is {own}, the measured peak {other}"
+        return f"; it is zero in the measured range, the measured peak is {other}"
+    return f"; its peak in the measured range is {own}, the measured peak {other}"
 
 
 def coverage_notes(measured: MeasuredCurve, deviations: Mapping[str, Deviation]) -> list[str]:
@@ -545,12 +576,11 @@ def relative_text(ratio: float) -> str:
     return f"{share(ratio)} of" if ratio < _TIMES else f"{ratio:.3g} times"
 
 
-def _within(curve: SampledCurve, low: float, high: float) -> SampledCurve:
-    """Return the part of a curve in a range; its interpolated start if no sample is inside."""
-    inside = (curve.x >= low) & (curve.x <= high)
-    if inside.any():
-        return SampledCurve(curve.x[inside], curve.y[inside])
-    return SampledCurve(np.array([low]), np.interp([low], curve.x, curve.y))
+def _within(curve: SampledCurve, points: Array, low: float, high: float) -> SampledCurve:
+    """Return the part of a curve in a range, with its interpolated values at further points."""
+    places = np.concatenate([curve.x, points])
+    places = np.unique(places[(places >= low) & (places <= high)])
+    return SampledCurve(places, np.interp(places, curve.x, curve.y))
 
 
 def _with_units(table: TextTable) -> TextTable:

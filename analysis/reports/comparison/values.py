@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from granwave.analysis.document.model import label_of, named, unit_of_value
@@ -13,7 +13,9 @@ from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
+    growing_names,
     have_unlike_ends,
+    is_zone_size,
     limited_names,
     truncated_names,
 )
@@ -41,13 +43,10 @@ _OF_ONE_KIND = (
     "impactor_velocity_m_s",
 )  # fmt: skip
 #: Values that are left out where they equal another value in every run.
-_REPEATED = {
-    "ground_peak_force_N": "wall_peak_force_N",
-    "target_peak_force_N": "wall_peak_force_N",
-    "peak_force_with_walls_N": "peak_force_N",
-    "plastic_fraction": "dissipated_fraction",
-    "ground_peak_reduction": "peak_reduction",
-}
+_REPEATING = (
+    "ground_peak_force_N", "target_peak_force_N", "peak_force_with_walls_N", "plastic_fraction",
+    "ground_peak_reduction",
+)  # fmt: skip
 #: Beginnings of the names of similar values; a sentence has only one of each.
 _FAMILIES = (
     ("plastic_fraction", "dissipated_fraction", "energy_dissipated"),
@@ -66,11 +65,15 @@ _ROUNDING = 1e-12  # value / largest value of the runs that counts as zero
 _SAME = 1e-9  # relative difference of values that are equal
 _NO_FRACTION = 1e-3  # fraction that counts as zero next to zero
 _HARDLY = 5e-3  # relative difference of values that a sentence leaves out next to larger ones
-#: In place of the ratio of a value that the end of a run truncates, or that a boundary limits.
+#: In place of the ratio of a value that the end of a run truncates, that still grows at this end,
+#: or that a boundary limits.
 TRUNCATED = "truncated"
+STILL_GROWING = "still growing"
+NOT_COMPARED = "Not compared, since they depend on the end time of a run"
 LIMITED = "limited"
 _IN_SENTENCE = 3
-_COMPLETE = "that every run completes"  # follows "results"
+_ALL_COMPLETE = "that are complete in every run"  # follows "results"
+_COMPLETE = "that is complete in every run"  # follows "result"
 _MOST_LABELS = 6  # truncated values that a sentence lists
 _MOST_NAMED = 4  # runs with an equal value that a sentence lists
 _IN_DIGITS = 1e-6  # relative difference below which results agree to a number of digits
@@ -98,8 +101,11 @@ class ComparedValue:
     is_limited
         True for a size of plastic zones of which a boundary limits at least one, so that it has no
         ratio.
+    is_growing
+        True for a truncated value if it still grows at the end of a run.
     is_of_input
-        True for an energy in J of runs with different inputs, which a fraction describes better.
+        True for an energy in J or a size of the plastic zone, of runs with different inputs, which
+        depends on the input.
     """
 
     name: str
@@ -108,6 +114,7 @@ class ComparedValue:
     unit: str
     is_truncated: bool = False
     is_limited: bool = False
+    is_growing: bool = False
     is_of_input: bool = False
 
     @property
@@ -126,7 +133,7 @@ class ComparedValue:
         smallest magnitude.
 
         None for a single run, if a run has no value or the value zero, or if the value is
-        truncated or limited.
+        truncated, still grows or is limited.
         """
         if self.without_ratio or None in self.values or not all(self.numbers):
             return None
@@ -139,22 +146,26 @@ class ComparedValue:
 
     @property
     def without_ratio(self) -> str:
-        """Word in place of the ratio of a value that is truncated or limited; empty otherwise."""
-        if self.is_truncated:
+        """Words in place of the ratio of a value that is truncated, still grows or is limited;
+        empty otherwise.
+        """
+        if self.is_truncated and not self.is_growing:
             return TRUNCATED
-        return LIMITED if self.is_limited else ""
+        if self.is_limited:
+            return LIMITED
+        return STILL_GROWING if self.is_growing else ""
 
     @property
     def is_complete(self) -> bool:
-        """True for a value that every run has, and that neither the end of a run truncates nor a
-        boundary limits.
+        """True for a value that every run has, and that neither the end of a run nor a boundary
+        limits.
         """
         return not self.without_ratio and None not in self.values
 
     @property
     def is_main(self) -> bool:
-        """True for a complete value that is no value at an arbitrary instant, and no energy of runs
-        with different inputs.
+        """True for a complete value that is no value at an arbitrary instant, and no energy or size
+        of runs with different inputs.
         """
         return self.is_complete and not self.is_of_input and self.name not in AT_THE_END
 
@@ -189,31 +200,44 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
     """Return the values of the runs: the requested values, or all results, the most different
     first: values that are zero in one run, or have different signs, and then by their ratio.
 
-    Values that are zero in every run, or repeat another value, such as the force on the ground
-    below a bottom at rest, are omitted unless they are requested by name.
+    Values that are zero in every run, or equal another value in every run, such as the force on
+    the ground below a bottom at rest, are omitted unless they are requested by name.
     """
     asked = list(names)
     wanted = asked or _outcomes(runs)
     truncated = truncated_names(wanted, runs)
     limited = limited_names(wanted, runs)
+    growing = growing_names(wanted, runs) - truncated
     values = [
-        _value(name, runs, is_truncated=name in truncated, is_limited=name in limited)
+        _value(
+            name,
+            runs,
+            is_truncated=name in truncated | growing,
+            is_limited=name in limited,
+            is_growing=name in growing,
+        )
         for name in wanted
     ]
     if asked:
         return values
-    by_name = {value.name: value.values for value in values}
-    shown = [
-        value
-        for value in values
-        if len(value.numbers) > 1 and not value.is_zero and not _repeats(value, by_name)
-    ]
-    return sorted(shown, key=_rank)
+    shown = [value for value in values if len(value.numbers) > 1 and not value.is_zero]
+    return sorted(_without_repetitions(shown), key=_rank)
 
 
-def _repeats(value: ComparedValue, by_name: Mapping[str, tuple[float | None, ...]]) -> bool:
-    """Return True for a value that equals the value that it may repeat in every run."""
-    return by_name.get(_REPEATED.get(value.name, "")) == value.values
+def _without_repetitions(values: Sequence[ComparedValue]) -> list[ComparedValue]:
+    """Return the values, of equal values of one unit only one: a complete value before a value
+    without a ratio, and others before the values of `_REPEATING`.
+    """
+    kept: dict[tuple[str, tuple[str, ...]], ComparedValue] = {}
+    for value in sorted(values, key=lambda one: (bool(one.without_ratio), one.name in _REPEATING)):
+        kept.setdefault((value.unit, tuple(map(_digits, value.values))), value)
+    names = {value.name for value in kept.values()}
+    return [value for value in values if value.name in names]
+
+
+def _digits(number: float | None) -> str:
+    """Return a number with as many digits as equal values have."""
+    return "" if number is None else f"{number:.9e}"
 
 
 def shown_values(
@@ -281,32 +305,33 @@ def sentence(
     compared = [value for value in compared if value.name not in stated]
     other = "other " if others_stated else ""
     different = differing_values(compared)
-    is_truncated = any(value.is_truncated for value in values)
     if not different:
         if others_stated:
             return ""
         return _without_difference(values, compared, runs, asked=asked)
+    is_truncated = any(value.is_truncated and not value.is_growing for value in values)
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
-        results = f"{other}results {_COMPLETE}" if is_truncated else f"{other}results"
+        results = f"{other}results {_ALL_COMPLETE}" if is_truncated else f"{other}results"
         return f"{results[0].upper()}{results[1:]} {_agreement(largest)}."
-    with_cases = names_with_cases(runs)
-    chosen: list[ComparedValue] = []
-    families: set[str] = set()
-    for value in distinct:
-        family = _family(value.name)
-        if family not in families and len(chosen) < _IN_SENTENCE:
-            families.add(family)
-            chosen.append(value)
-    most, *others = [_clause(value, with_cases) for value in chosen]
+    most, *others = [_clause(value, names_with_cases(runs)) for value in _of_families(distinct)]
     if asked:
         return f"The requested values differ most in {'; '.join([most, *others])}."
-    results = f"{other}results {_COMPLETE}" if is_truncated else f"{other}main results"
-    text = f"The {results} differ most in {most}."
+    text = f"The {other}main results differ most in {most}."
+    if is_truncated:
+        text = f"Of the {other}results {_ALL_COMPLETE}, the largest difference is in {most}."
     if not others:
         return text
-    return f"{text} Largest differences of other kinds of results: {'; '.join(others)}."
+    return f"{text} Further differences: {'; '.join(others)}."
+
+
+def _of_families(values: Sequence[ComparedValue]) -> list[ComparedValue]:
+    """Return the first values of different families, as many as a sentence lists."""
+    chosen: dict[str, ComparedValue] = {}
+    for value in values:
+        chosen.setdefault(_family(value.name), value)
+    return list(chosen.values())[:_IN_SENTENCE]
 
 
 def _agreement(value: ComparedValue) -> str:
@@ -331,29 +356,31 @@ def _without_difference(
     """Return the sentence on runs whose compared values are equal, or that have none."""
     end = "an earlier end" if have_unlike_ends(runs) else "the end of a run"
     names = names_in_words([run.name for run in runs])
-    is_truncated = any(value.is_truncated for value in values)
-    is_limited = any(value.is_limited for value in values)
-    if (is_truncated or is_limited) and not compared:
+    is_truncated = any(value.is_truncated and not value.is_growing for value in values)
+    reasons = [f"{end} truncates it"] if is_truncated else []
+    if any(value.is_growing for value in values):
+        reasons.append("it still grows at the end of a run")
+    if any(value.is_limited for value in values):
+        reasons.append("a boundary limits the plastic zone")
+    if reasons and not compared:
         which = "requested value" if asked else "result"
-        reasons = [f"{end} truncates it"] if is_truncated else []
-        if is_limited:
-            reasons.append("a boundary limits the plastic zone")
         return f"No {which} is complete in {names}: {', or '.join(reasons)}."
     if asked:
         return f"The requested values do not differ between {names}, or a run lacks them."
-    result = f"result {_COMPLETE}" if is_truncated else "result"
+    if any(value.is_of_input and value.is_complete and value.spread > _SAME for value in values):
+        return "Only energies and sizes of the plastic zone differ, which depend on the input."
+    has_truncated = any(value.is_truncated for value in values)
+    result = f"result {_COMPLETE}" if has_truncated else "result"
     return f"No {result} differs between {names}."
 
 
 def truncation_note(values: Sequence[ComparedValue]) -> str:
     """Return a sentence on values that an earlier end truncates; empty if there are none."""
-    labels = [_in_sentence(value.label) for value in values if value.is_truncated]
+    truncated = [value for value in values if value.is_truncated and not value.is_growing]
+    labels = [_in_sentence(value.label) for value in truncated]
     if not labels:
         return ""
-    return (
-        f"Truncated by the earlier end, or at an arbitrary instant, and therefore not compared: "
-        f"{named(labels, _MOST_LABELS)}."
-    )
+    return f"{NOT_COMPARED}: {named(labels, _MOST_LABELS)}."
 
 
 def factor(ratio: float) -> str:
@@ -416,6 +443,7 @@ def _value(
     *,
     is_truncated: bool = False,
     is_limited: bool = False,
+    is_growing: bool = False,
 ) -> ComparedValue:
     numbers = [_number(name, run) for run in runs]
     finite = [None if value is None or not math.isfinite(value) else value for value in numbers]
@@ -426,9 +454,17 @@ def _value(
     ]
     called = grains_called_in([run.run.summary for run in runs])
     unit = unit_of_value(name)
-    is_of_input = unit == _JOULE and not have_same_input(runs)
+    is_absolute = unit == _JOULE or is_zone_size(name)
+    is_of_input = is_absolute and not have_same_input(runs)
     return ComparedValue(
-        name, tuple(values), label_of(name, called), unit, is_truncated, is_limited, is_of_input
+        name,
+        tuple(values),
+        label_of(name, called),
+        unit,
+        is_truncated=is_truncated,
+        is_limited=is_limited,
+        is_growing=is_growing,
+        is_of_input=is_of_input,
     )
 
 

@@ -53,6 +53,7 @@ _REFERENCE_ONLY = (
     "spheres differs"
 )
 SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
+_HOW_MANY = {1: "The run", 2: "Both runs"}  # by number of runs, in a sentence
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
 _GRANULAR_LISTED = 6  # largest number of packings in the table
 _OTHERS_LISTED = 24  # largest number of impacts with other materials, diameters or loading areas
@@ -65,8 +66,8 @@ _CAPTIONS = {
     "curve dissipates a larger fraction",
     "plastic_volume": "Volume involved, granular and continuum. At equal dissipated fraction the "
     "higher curve spreads the dissipation over more material",
-    "granular_scaling": "Granular: runs with other diameters, densities, moduli or yield strengths. Where similarity "
-    "holds, all points lie on the curve of the reference on the normalised axis",
+    "granular_scaling": "Granular: runs with other diameters, densities, moduli or yield "
+    "strengths. Where similarity holds, all points lie on the curve of the reference on the normalised axis",
     "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to "
     "the fast impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",
     "loading_area": "Granular: number of impacted spheres. If points differ from the curve of "
@@ -128,7 +129,7 @@ def text(impacts: Impacts) -> str:
             runs += list(table.run)
     seconds = sum(float(run.summary.get("wall_time_s") or 0) for run in runs)
     if seconds >= 1:
-        who = f"All {len(runs)} runs" if len(runs) > 1 else "The run"
+        who = _HOW_MANY.get(len(runs), f"The {len(runs)} runs")
         parts.append(f"{who} took {show(round(seconds))} s of computing time.")
     return " ".join(parts)
 

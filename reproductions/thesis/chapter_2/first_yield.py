@@ -1,6 +1,7 @@
 """First yield of two spheres of the chain, calculated by hand.
 
-The overlap and the force at which the contact of two brass spheres of R = 4.76 mm begins to yield.
+The rows give the overlap and the force at which the contact of two brass spheres of R = 4.76 mm
+begins to yield.
 """
 
 import granwave as gw

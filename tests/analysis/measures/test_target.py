@@ -4,6 +4,7 @@ spheres.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -314,3 +315,36 @@ def test_packing_without_a_bottom(tmp_path):
     )
     assert all(summary[key] is None for key in absent)
     assert summary["packing_mass_kg"] > 0
+
+
+def pulses(*strengths: float) -> Reached:
+    """Half-sine pulses of some impulses, N s, one a millisecond, on a bottom that an impact of
+    1 kg m/s loads; the record ends 10 % of a pulse after the last one.
+    """
+    time = np.linspace(0.0, len(strengths) + 0.1, 2000 * len(strengths)) * 1e-3
+    number = np.minimum((time * 1e3).astype(int), len(strengths) - 1)
+    phase = math.pi * np.minimum(time * 1e3 - number, 1.0)
+    force = 500 * math.pi * np.array(strengths)[number] * np.sin(phase)
+    return Reached(time, force, force, momentum=1.0, momentum_down=1.0)
+
+
+def test_a_peak_is_known_once_most_of_the_momentum_has_arrived():
+    """After 15 % of the momentum, 85 % have yet to arrive, in a pulse that may be larger."""
+    early = pulses(0.15)
+    assert early.arrived_momentum == pytest.approx(0.15, rel=1e-5)
+    assert early.awaits_momentum and not early.rises_at_end and not early.has_known_peak
+    late = pulses(0.15, 1.2)
+    assert late.arrived_momentum == pytest.approx(1.35, rel=1e-5)
+    assert not late.awaits_momentum and late.has_known_peak
+    assert late.dynamic_peak_force > 5 * early.dynamic_peak_force
+    unknown = dataclasses.replace(early, momentum_down=None)
+    assert unknown.arrived_momentum is None and unknown.has_known_peak
+
+
+@pytest.mark.parametrize(("late", "grows"), [(0.0, False), (0.008, False), (0.012, True)])
+def test_an_impulse_grows_if_a_hundredth_belongs_to_the_last_tenth(late, grows):
+    """A pulse of 1 N s above a static force of 3 N in the first half, and a late impulse, N s."""
+    time = np.linspace(0.0, 1.0, 10001)
+    pulse = np.where((time > 0) & (time <= 0.5), 2.0, 0.0)
+    tail = np.where(time > 0.9, 10 * late, 0.0)
+    assert Reached(time, 3.0 + pulse + tail, None).has_growing_impulse is grows

@@ -62,14 +62,16 @@ def test_one_case_that_stops_earlier_is_no_comparison_of_results(place):
     assert all(np.isnan(table.loc[name, "ratio"]) for name in TRUNCATED if name in table.index)
     ratios = {row[0].text: row[-1].text for row in value_table(comparison).rows}
     assert ratios["Peak force on the bottom"] == "truncated"
-    (note,) = [note for note in comparison.notes if note.startswith("Truncated by the earlier")]
+    (note,) = [note for note in comparison.notes if note.startswith("Not compared, since")]
     assert "peak force on the bottom" in note
     assert "Up to the end of each run: early at 40 µs" in comparison.caption("peak_force_field")
 
 
 def test_other_cases_with_another_end_are_compared_by_complete_values(place):
     comparison = compared(place, "early", "fast")
-    assert comparison.sentence.startswith("The results that every run completes differ most in ")
+    assert comparison.sentence.startswith(
+        "Of the results that are complete in every run, the largest difference is in "
+    )
     assert not any(f"{name}" in comparison.sentence for name in ("yielded", "bottom", "impacted"))
     assert "Runs end at different times: early at 40 µs, fast at 200 µs." in comparison.notes
     assert compared(place, "full", "fast").sentence.startswith("The main results differ most in ")

@@ -68,7 +68,7 @@ def looks(number):
 
 
 def test_equal_depths_and_missing_speeds_are_stated():
-    """Curves that end on one line are named, and so are runs without a speed of the front."""
+    """Runs of equal largest depths are named, and so are runs without a speed of the front."""
     speeds = (400.0, None, None)
     ran = [SimpleNamespace(label=f"r{n}", number=lambda _, v=v: v) for n, v in enumerate(speeds)]
     compared = [ComparedRun(run, run.label, n, look=n) for n, run in enumerate(ran)]
@@ -78,7 +78,7 @@ def test_equal_depths_and_missing_speeds_are_stated():
         for run, depth in zip(compared, depths, strict=True)
     }
     note = growth_notes(zones)
-    assert note == "Curves of equal largest depth end on one line: 32.66 mm in r0, r1."
+    assert note == "Equal largest depths: 32.66 mm in r0, r1."
     text = speed_notes(dict.fromkeys(compared))
     assert "400 m/s (r0)" in text and text.endswith(
         "which requires nine layers that the wave reached: r1, r2."

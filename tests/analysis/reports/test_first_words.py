@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis.document.model import Figure, Gallery, Note, text_table
+from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.reports.answer import _decay, in_words
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import GRANULAR, ReportRun
@@ -239,3 +240,17 @@ def test_what_was_run(changes, line):
         "load.velocity": 5.0,
     }  # fmt: skip
     assert setting_of({**case, **changes}) == line
+
+
+def test_symbols_of_two_runs_name_the_run_of_each_value(tmp_path):
+    """Two materials have two yield forces; the sentence names the run that has each of them."""
+    softer = {"material": '{preset = "brass", yield_strength = 1e8}'}
+    runs = [
+        write_run(tmp_path / "brass", energy_input_J=0.05),
+        write_run(tmp_path / "soft", energy_input_J=0.05, **softer),
+    ]
+    (note,) = symbols_note(read_inputs(runs, tmp_path))
+    laws = [sphere_contact(load_case(run / "case.toml")) for run in runs]
+    hard, soft = (quantity_in(law.yield_force, "N") for law in laws)
+    assert f"F_y = {hard} (brass) and {soft} (soft) is the force" in note.text
+    assert "e_in = 50 mJ is the energy input" in note.text

@@ -75,7 +75,7 @@ def test_forces_that_still_rise_have_no_ratio_with_equal_ends(inputs, tmp_path):
         assert values[name].is_truncated and values[name].ratio is None
     assert values["peak_force_N"].ratio is not None
     assert "on the bottom" not in comparison.sentence
-    assert "that every run completes" in comparison.sentence
+    assert "that are complete in every run" in comparison.sentence
 
 
 def test_a_single_bead_has_no_contact_force(inputs, tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from tests.helpers.made_up.synthetic_report import build, notes, table, write_run
 from tests.helpers.made_up.synthetic_scan import write_json
@@ -42,3 +44,35 @@ def test_a_continuum_balance_has_its_own_limits(tmp_path):
     worse = write_run(tmp_path / "worse", figures=False, n_elements=100, energy_balance_error=0.03)
     (note,) = [n for n in notes(build([run, worse], tmp_path), "short") if n.tone == "bad"]
     assert "(up to 0.03 of the input, more than 0.02): worse" in note.text
+
+
+def test_a_block_and_a_packing_are_compared_by_fractions_of_the_input(tmp_path):
+    """An input 100 times as large has a larger zone, which is no result; the inputs have masses and
+    velocities, and the notes are one paragraph on definitions and one on limits.
+    """
+    run = tmp_path / "block"
+    run.mkdir()
+    (run / "case.toml").write_text("[punch]\ndiameter = 0.010\nmass = 0.1\nvelocity = 10.0\n")
+    zone = {"zone_volume_90_m3": 2e-6, "zone_depth_90_m": 5e-3, "n_elements": 62500}
+    summary = {"energy_input_J": 5.0, "dissipated_fraction": 0.1, "end_time_s": 1e-3}
+    write_json(run / "summary.json", {"name": "block", "kind": "continuum"} | zone | summary)
+    grains = write_run(
+        tmp_path / "grains",
+        figures=False,
+        load__velocity=10.0,
+        energy_input_J=0.05,
+        dissipated_fraction=0.8,
+        zone_volume_90_m3=2e-8,
+        zone_depth_90_m=1e-3,
+        zone_growing=["depth"],
+        zone_cut=["bottom"],
+        end_time_s=1e-3,
+    )
+    comparison = compare_runs(read_inputs([run, grains], tmp_path).runs)
+    (lead,) = comparison.paragraphs
+    assert lead.startswith("The main results differ most in dissipated fraction, 10 % (block)")
+    assert "zone" not in lead
+    definitions, limits, *_ = comparison.grouped_notes
+    assert "Inputs differ: 5 J (100 g at 10 m/s) in block, 50 mJ (1 g at 10 m/s) in" in definitions
+    assert "from the loaded face in a block" in definitions
+    assert "reaches a boundary" in limits and "still grows" in limits

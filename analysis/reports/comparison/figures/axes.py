@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MatplotlibFigure
 
 from granwave.analysis.figures.series import COLOURS, label_log_axis
+from granwave.analysis.figures.user_axes import user_figure
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.reports.comparison.measured import MeasuredCurve
 from granwave.analysis.reports.comparison.subjects import ComparedRun
@@ -41,6 +42,7 @@ _THIN = 0.9  # points
 _THICK = 1.6
 _MOST_WIDTHS = 6  # runs whose lines have different widths
 _MARKERS = ("o", "s", "^", "D", "v", "P")
+_MEASURED_SIZE = 4.5  # size of the markers of measured points, points
 _MOST_MARKED = 40  # points of a curve with markers
 _ROOM_ABOVE = 1.06  # upper end of a linear axis / largest value
 _ROOM_OF_LOG = 1.4  # end of a logarithmic axis / largest or smallest value
@@ -86,14 +88,18 @@ def run_markers(run: ComparedRun, places: Array) -> dict[str, Any]:
 
 
 def legend_above(figure: MatplotlibFigure) -> None:
-    """Put the legend of the lines of the first panel above a figure, which grows by its rows."""
+    """Put the legend of the lines of the first panel above a figure, which grows by its rows.
+
+    Figures of the user keep their size, and have the legend in the first panel.
+    """
     axes = figure.axes[0]
     lines = [line for line in axes.lines if not str(line.get_label()).startswith("_")]
     longest = max(len(str(line.get_label())) for line in lines)
     width, height = figure.get_size_inches()
     n_columns = max(1, int(width / (_HANDLE + _LETTER * longest)))
     n_rows = math.ceil(len(lines) / n_columns)
-    figure.set_size_inches(width, height + _ROW * max(0, n_rows - _FREE_ROWS))
+    if user_figure() is None:
+        figure.set_size_inches(width, height + _ROW * max(0, n_rows - _FREE_ROWS))
     figure.legend(
         handles=lines,
         loc="outside upper center",
@@ -126,15 +132,18 @@ def force_unit(largest: float) -> tuple[float, str]:
 def draw_measured(
     axes: Axes, measured: Sequence[MeasuredCurve], x_scale: float, y_scale: float
 ) -> dict[str, Array]:
-    """Draw measured curves in black, and return their columns."""
+    """Draw measured curves in black, and return their columns; few points have markers."""
     columns: dict[str, Array] = {}
     for curve in measured:
+        is_marked = len(curve.x) <= _MOST_MARKED
         axes.plot(
             curve.x * x_scale,
             curve.y * y_scale,
             color="black",
             linestyle=":",
             linewidth=1.4,
+            marker="x" if is_marked else "",
+            markersize=_MEASURED_SIZE,
             label="measured",
             zorder=3,
         )

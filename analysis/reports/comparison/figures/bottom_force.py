@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from granwave.analysis.figures.series import against_time, column_name, label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.reports.comparison.curves import SampledCurve, force_at_bottom
+from granwave.analysis.reports.comparison.curves import SampledCurve, drawn_force_at_bottom
 from granwave.analysis.reports.comparison.figures.axes import (
     draw_measured,
     force_unit,
@@ -70,7 +70,7 @@ def _show_small_forces(axes: Axes, peaks: Sequence[float]) -> None:
 
 BOTTOM_FORCE = ComparisonFigure(
     "Force on the bottom against time",
-    force_at_bottom,
+    drawn_force_at_bottom,
     draw_bottom_force,
     units=("s", "N"),
     notes=static_notes,

@@ -59,6 +59,6 @@ ENERGIES = ComparisonFigure(
     "Kinetic, elastic and dissipated energy against time, relative to the input",
     energy_shares,
     draw_energies,
-    look="Once a curve is constant, the impact is over.",
+    look="A constant dissipated energy shows that no contact dissipates any more.",
     values=("dissipated_fraction",),
 )

@@ -38,6 +38,8 @@ class ComparisonFigure:
         Function that returns sentences on the data.
     curve
         Function that returns the curve of a run for comparison with a measured curve.
+    has_peak
+        False if this curve only rises, so that it has no peak.
     most
         Largest number of runs that it shows.
     is_cumulative
@@ -54,6 +56,7 @@ class ComparisonFigure:
     look: str = ""
     notes: Callable[[Mapping[ComparedRun, Any]], str] | None = None
     curve: Callable[[Any], SampledCurve] | None = None
+    has_peak: bool = True
     most: int = MOST_CURVES
     is_cumulative: bool = False
     values: tuple[str, ...] = ()

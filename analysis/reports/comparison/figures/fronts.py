@@ -65,5 +65,6 @@ FRONTS = ComparisonFigure(
     units=("m", "s"),
     notes=speed_notes,
     curve=itself,
+    has_peak=False,
     values=("wave_speed_m_s",),
 )

@@ -47,8 +47,7 @@ def draw_peaks(
     If each layer is one sphere, as in a chain, there is no panel of the median. Lines have gaps
     where layers are left out.
     """
-    has_layers = any((one.largest != one.median).any() for one in peaks.values())
-    n_panels = 1 + has_layers
+    n_panels = 1 + _have_layers(peaks)
     figure, upper, *others = panels(1.0 + 1.8 * n_panels, rows=n_panels, sharex=True)
     fits = common_fits(peaks)
     columns: dict[str, Array] = {}
@@ -192,9 +191,27 @@ def _refusal(peaks: PeaksByDepth) -> str:
 
 def _peak_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     """Return the sentences below the peak forces against depth."""
-    notes = [wave_notes(peaks), dynamic_notes(peaks), median_notes(peaks), decay_notes(peaks)]
-    notes.append(_unknown_notes(peaks))
+    notes = [
+        _layer_notes(peaks),
+        wave_notes(peaks),
+        dynamic_notes(peaks),
+        median_notes(peaks),
+        decay_notes(peaks),
+        _unknown_notes(peaks),
+    ]
     return " ".join(filter(None, notes))
+
+
+def _layer_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
+    """Return a sentence on the spheres whose forces are drawn; empty if each layer is one
+    sphere.
+    """
+    return "Largest and median sphere of each layer." if _have_layers(peaks) else ""
+
+
+def _have_layers(peaks: Mapping[ComparedRun, PeaksByDepth]) -> bool:
+    """Return True if the layers of any run have several spheres."""
+    return any((one.largest != one.median).any() for one in peaks.values())
 
 
 def wave_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
@@ -236,7 +253,7 @@ def _largest(peaks: PeaksByDepth) -> SampledCurve:
 
 
 PEAK_FORCE_DEPTH = ComparisonFigure(
-    "Peak force against depth: largest and median sphere of each layer",
+    "Peak force against depth",
     peaks_by_depth,
     draw_peaks,
     units=("m", "N"),

@@ -49,9 +49,7 @@ def draw_growth(
 
 
 def growth_notes(zones: Mapping[ComparedRun, GrowthCurves]) -> str:
-    """Return a sentence on runs whose curves end on one line, since their deepest yield is equal;
-    empty if there are none.
-    """
+    """Return a sentence on runs whose largest depths are equal; empty if there are none."""
     names: dict[str, list[str]] = {}
     for run, zone in zones.items():
         names.setdefault(quantity_in(float(zone.depth[-1]), "m"), []).append(run.name)
@@ -60,7 +58,7 @@ def growth_notes(zones: Mapping[ComparedRun, GrowthCurves]) -> str:
     ]
     if not parts:
         return ""
-    return f"Curves of equal largest depth end on one line: {'; '.join(parts)}."
+    return f"Equal largest depths: {'; '.join(parts)}."
 
 
 ZONE_GROWTH = ComparisonFigure(

@@ -7,9 +7,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from granwave.analysis.reports.comparison.blocks import misfit_cells
-from granwave.analysis.reports.comparison.curves import SampledCurve, force_at_bottom
+from granwave.analysis.reports.comparison.blocks import misfit_cells, misfit_tables
+from granwave.analysis.reports.comparison.curves import SampledCurve, force_at_bottom, front
 from granwave.analysis.reports.comparison.measured import (
+    MeasuredCurve,
     closest_sentence,
     coverage_notes,
     deviation,
@@ -263,3 +264,39 @@ def test_wrong_measured_curves(tmp_path, text, message):
     file.write_text(text)
     with pytest.raises(InputError, match=message):
         read_measured(file, ("s", "N"))
+
+
+def test_a_measured_front_has_no_peak(place, tmp_path):
+    """The last arrival is the largest value of every front; it is no peak, and a curve that ends
+    1 % before a layer needs no shift.
+    """
+    run = compared(place, "chain", "mixed").runs[0]
+    curve = front(run)
+    file = tmp_path / "front.csv"
+    rows = [f"{1e3 * x},{1.02e6 * t}" for x, t in zip(curve.x, curve.y, strict=True)]
+    last = f"{0.999e3 * curve.x[-1]},{1.02e6 * curve.y[-1]}"
+    file.write_text("\n".join(["depth_mm,t_us", *rows[:-1], last]))
+    comparison = compared(place, "chain", "mixed", measured=file, measured_as="fronts")
+    (table,) = misfit_tables(comparison)
+    heads = [column.heading for column in table.columns]
+    assert heads == ["Run", "rms", "rms / largest measured value", "Points"]
+    assert comparison.misfits["peak_difference"].isna().all()
+    words = " ".join([*comparison.paragraphs, *comparison.notes])
+    assert "Closest to" in words and "peak in the measured range" not in words
+    assert "Shift the measured curve" not in words
+
+
+def test_the_largest_value_in_a_range_is_interpolated_at_its_ends():
+    """A decaying curve from 0 to 30 mm, measured from 10 mm on: not the next layer, but the value
+    at 10 mm is its largest value there, as in the rms difference.
+    """
+    depth = np.array([0.0, 8e-3, 16e-3, 24e-3, 32e-3])
+    force = np.array([1000.0, 800.0, 400.0, 200.0, 100.0])
+    places = np.array([10e-3, 20e-3, 30e-3])
+    values = np.array([700.0, 300.0, 125.0])
+    measured = MeasuredCurve("depths.csv", ("z_mm", "F_N"), places, values)
+    difference = deviation(measured, SampledCurve(depth, force))
+    assert difference.peak == pytest.approx(700.0)
+    assert difference.peak_at == 10e-3
+    assert difference.peak_difference == pytest.approx(0.0, abs=1e-12)
+    assert difference.relative_rms == pytest.approx(0.0, abs=1e-12)

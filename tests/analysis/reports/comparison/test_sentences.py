@@ -98,7 +98,7 @@ def test_boundaries_that_zones_reach_are_grouped(tmp_path):
     reached = {"a": ["bottom"], "b": ["bottom", "sides"], "c": ["bottom"]}
     runs = [write_run(tmp_path / n, figures=False, zone_cut=cut) for n, cut in reached.items()]
     notes = " ".join(compare_runs(read_inputs(runs, tmp_path).runs).notes)
-    assert "which limits its size: bottom in a, c; bottom and sides in b. Limited" in notes
+    assert "which limits its size: bottom in a, c; bottom and sides in b. The depths" in notes
 
 
 def test_zeros_and_signs_come_first(tmp_path):
@@ -138,3 +138,30 @@ def test_a_value_that_several_runs_have_names_them(tmp_path):
     subjects = compared_runs(read_inputs(runs, tmp_path).runs)
     text = sentence(compared_values(subjects, ["dissipated_fraction"]), subjects)
     assert "dissipated fraction, 0 % (a, b, c) to 27.3 % (d)" in text
+
+
+def test_a_number_is_stated_once(tmp_path):
+    """The largest force of an elastic chain is the force on its bottom, with a table row and a
+    clause of its own; the order by this force is in the first sentence.
+    """
+    forces = {"steel": 187.9, "brass": 11.55}
+    runs = [
+        write_run(
+            tmp_path / name,
+            figures=False,
+            wall_peak_force_N=force,
+            peak_force_with_walls_N=force,
+            peak_force_N=force / 2,
+            peak_reduction=500 / force,
+            energy_input_J=1.0,
+        )
+        for name, force in forces.items()
+    ]
+    comparison = compare_runs(read_inputs(runs, tmp_path).runs)
+    assert "wall_peak_force_N" in comparison.table.index
+    assert "peak_force_with_walls_N" not in comparison.table.index
+    first, second = comparison.paragraphs
+    assert first.startswith("brass protects the bottom better: its peak force is 11.55 N")
+    assert second.startswith("The other main results differ most in ")
+    assert "187.9" not in second and "reduction" not in second
+    assert "187.9 N (steel)" in comparison.sentence  # which stands alone
