@@ -210,13 +210,14 @@ def _draw_legend(axes: Axes, entries: tuple[list[Any], list[str]], before: Legen
     """
     size = _size_of(before)
     figure = axes.get_figure(root=True)
-    is_above = before is not None and not axes.bbox.overlaps(before.get_window_extent().padded(-1))
-    if not is_above or figure is None or figure.get_layout_engine() is None:
+    extent = None if before is None else before.get_window_extent()
+    is_above = extent is not None and not axes.bbox.overlaps(extent.padded(-1))
+    if extent is None or not is_above or figure is None or figure.get_layout_engine() is None:
         axes.legend(*entries, fontsize=size)
         uncover_curves_of(axes)
         return
     place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
-    height = before.get_window_extent().height
+    height = extent.height
     legend = axes.legend(*entries, fontsize=size, **place)
     width = legend.get_window_extent().width / figure.bbox.width
     if width > _WIDEST:
