@@ -86,11 +86,10 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, excluding walls",
      "Bright lines are chains that carry the wave. White: no force."),
     ("peak_force_depth", dissipation.peak_force_depth,
-     "Peak contact force of the first wave against depth, excluding walls; hollow squares: layers "
-     "whose force is largest after a reflection from the bottom; of the run under an oscillating "
-     "load",
-     "A straight line is an exponential decay. Layers are at the depth of their spheres, circles "
-     "at the depth of contacts."),
+     "Peak contact force of the first wave, or of a run under an oscillating load, against depth, "
+     "excluding walls",
+     "A straight line is an exponential decay. Hollow squares: larger after a reflection. Circles "
+     "are at the depth of contacts."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "Coloured: the extent of the plastic zone. White: no dissipation."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "

@@ -42,7 +42,6 @@ from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
 from granwave.analysis.reports.setting import is_chain, target_of
-from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Means, VariedKey
 from granwave.analysis.summary_table import has_no_pairs
@@ -78,10 +77,9 @@ _SENTENCES = (
     "The largest contact force, including walls, was {with_walls}.",
     "Contact forces {static}.",
     "90 % of the plastic dissipation is within {zone_depth_90_m} below the impact and {zone_radius_90_m} from its axis.",
-    "{whole_spheres}",
     "The plate {plate}.",
     "None of the input energy of {kept} was dissipated.",
-    "{n_loaded_contacts} of {n_contacts} contacts carried a force{loaded_from}.",
+    "{n_loaded_contacts} of {n_contacts} contacts were loaded.",
 )
 _ALONG_LINE = (  # values along a line, with its name
     "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}.",
@@ -90,11 +88,6 @@ _ALONG_LINE = (  # values along a line, with its name
 _SENSORS = (  # values of the sensors with the largest and smallest signal, with their names
     "Sensors recorded at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least "
     "{{sensor_{1}_peak_velocity_m_s}} ({1})."
-)
-#: Definition of the loaded contacts of a run with yield forces, as in `is_loaded`.
-_LOADED_FROM = f" (overlaps above {LISTED_FROM:g} of the yield overlap)"
-_WHOLE_SPHERES = (
-    "Both lengths end at a sphere; the table has the lengths interpolated between spheres."
 )
 _AT_BOTTOM = "The peak force on the bottom was {bottom_bore}."
 
@@ -318,8 +311,9 @@ def in_words(run: ReportRun) -> str:
     run.kind.name_values(run, values)
     if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
         values.pop("zone_depth_90_m", None)
-    elif run.number("zone_depth_90_interpolated_m") is not None:
-        values["whole_spheres"] = _WHOLE_SPHERES
+    for name in ("zone_depth_90", "zone_radius_90"):
+        if interpolated := values.get(f"{name}_interpolated_m"):
+            values[f"{name}_m"] = interpolated  # as in the table
     _name_forces(run, values)
     _name_contacts(run, values)
     if is_chain(run.case) and "transmission" not in values:
@@ -328,7 +322,6 @@ def in_words(run: ReportRun) -> str:
     if (plate := run.number("plate_velocity_m_s")) is not None:
         values["plate"] = f"{'rebounds' if plate < 0 else 'still moves in'} at {abs(plate):.4g} m/s"
     values = {name: text for name, text in values.items() if text}
-    values["loaded_from"] = _loaded_from(run)
     lines = list[str]()
     for name in _named(summary, "line_", "_front_speed_m_s"):
         lines += [text.format(name) for text in _ALONG_LINE]
@@ -377,14 +370,6 @@ def _name_contacts(run: ReportRun, values: dict[str, str]) -> None:
         values.pop("n_contacts", None)
     if _is_precompressed(run) and ("between_spheres" in values or "peak_force_N" in values):
         values["static"] = "include the static force"
-
-
-def _loaded_from(run: ReportRun) -> str:
-    """Return the definition of the loaded contacts of a run; empty without yield forces, where any
-    force counts.
-    """
-    has_yield_force = run.number("energy_input_normalised") is not None
-    return _LOADED_FROM if has_yield_force else ""
 
 
 def _is_precompressed(run: ReportRun) -> bool:
