@@ -393,8 +393,8 @@ def _reasons(deviations: Mapping[str, Deviation]) -> str:
 def _rms_in_words(measured: MeasuredCurve, closest: Deviation, units: tuple[str, str]) -> str:
     """Return the root mean square difference of a run in words."""
     size = relative_text(closest.relative_rms)
-    largest = "peak" if measured.has_peak else "largest value"
-    rms = f"{quantity_in(closest.rms, units[1])} rms, {size} the measured {largest}"
+    largest = "measured peak" if measured.has_peak else "largest measured value"
+    rms = f"{quantity_in(closest.rms, units[1])} rms, {size} the {largest}"
     if closest.relative_rms < ROUNDING:
         rms = "rounding only"
     if closest.n_points < len(measured.x):
