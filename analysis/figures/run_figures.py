@@ -95,8 +95,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Coloured: the extent of the plastic zone. White: no dissipation."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
         "friction and viscous losses",
-     "All panels have the same scale: compare the location of yielding, sliding and damping. "
-     "White: none of this kind."),
+     "One scale for all panels: compare where grains yield, slide and are damped. White: none."),
     ("dents_*", sections.dents_section, "Plastic indentations before the run",
      "A contact is elastic up to the force that caused its indentation. White: no indentation."),
     ("dissipation_ranked", dissipation.dissipation_ranked, "Dissipation of spheres in descending order",
