@@ -25,6 +25,10 @@ BIN := $(VENV)/bin
 RANKS := $(shell n=$$(nproc 2>/dev/null || echo 1); [ $$n -gt 2 ] && n=2; echo $$n)
 # processes of the tests: some tests wait for other programs, and leave a processor to others
 TESTERS := $(shell echo $$(($(RANKS) + 1)))
+# folder of their temporary files, which are many and small: in memory, where 4 GB are free and programs may be run
+MEMORY := $(shell df --output=avail /dev/shm 2>/dev/null | awk 'NR == 2 && $$1 > 4000000 {print "/dev/shm"}')
+NOEXEC := $(shell findmnt -no OPTIONS /dev/shm 2>/dev/null | grep -o noexec)
+TEMPORARY := $(or $(TMPDIR),$(if $(NOEXEC),,$(MEMORY)),/tmp)
 SOURCES := pyproject.toml $(shell find plugins lammps_inputs workflows analysis extensions -type f -not -name '*.pyc' 2>/dev/null)
 DEMO := runs/fcc-impact
 CPP := $(shell find plugins -name '*.cpp' -o -name '*.h')
@@ -80,7 +84,7 @@ demo: $(READY)
 	@echo "Figures: $(DEMO)/figures   summary: $(DEMO)/summary.json   fields: $(DEMO)/result.h5"
 
 test: $(READY)
-	$(BIN)/python -m pytest -n $(TESTERS) --dist loadgroup
+	TMPDIR=$(TEMPORARY) $(BIN)/python -m pytest -n $(TESTERS) --dist loadgroup
 
 validate: $(READY)
 	$(BIN)/python -m pytest -m validation

@@ -95,7 +95,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Coloured: the extent of the plastic zone. White: no dissipation."),
     ("dissipation_parts_*", sections.dissipation_parts_section, "Dissipation by yielding, "
         "friction and viscous losses",
-     "One scale for all panels: compare where grains yield, slide and are damped. White: none."),
+     "All panels have one scale: compare where contacts yield and slide. "
+     "White: none of this kind."),
     ("dents_*", sections.dents_section, "Plastic indentations before the run",
      "A contact is elastic up to the force that caused its indentation. White: no indentation."),
     ("dissipation_ranked", dissipation.dissipation_ranked, "Dissipation of spheres in descending order",
