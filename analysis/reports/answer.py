@@ -309,11 +309,7 @@ def in_words(run: ReportRun) -> str:
     if absorbed <= WORTH:
         values.pop("absorbed_fraction", None)
     run.kind.name_values(run, values)
-    if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
-        values.pop("zone_depth_90_m", None)
-    for name in ("zone_depth_90", "zone_radius_90"):
-        if interpolated := values.get(f"{name}_interpolated_m"):
-            values[f"{name}_m"] = interpolated  # as in the table
+    _name_zone(run, values)
     _name_forces(run, values)
     _name_contacts(run, values)
     if is_chain(run.case) and "transmission" not in values:
@@ -370,6 +366,18 @@ def _name_contacts(run: ReportRun, values: dict[str, str]) -> None:
         values.pop("n_contacts", None)
     if _is_precompressed(run) and ("between_spheres" in values or "peak_force_N" in values):
         values["static"] = "include the static force"
+
+
+def _name_zone(run: ReportRun, values: dict[str, str]) -> None:
+    """Change the lengths of the plastic zone: interpolated between spheres, as in the table; none
+    for a zone without both.
+    """
+    if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
+        values.pop("zone_depth_90_m", None)
+        return
+    for name in ("zone_depth_90", "zone_radius_90"):
+        if interpolated := values.get(f"{name}_interpolated_m"):
+            values[f"{name}_m"] = interpolated
 
 
 def _is_precompressed(run: ReportRun) -> bool:
