@@ -28,7 +28,8 @@ from granwave.analysis.measures.lines import (
     sensor_velocities,
 )
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import Reached, reached, unprotected
+from granwave.analysis.measures.target import unprotected
+from granwave.analysis.measures.target_record import Reached, reached
 from granwave.analysis.measures.waves import wave_speed_of
 from granwave.analysis.measures.zone_size import HALF_LAW_LIMIT, LAW_LIMIT, zone_summary
 from granwave.analysis.quantities import ENTRIES

@@ -32,7 +32,8 @@ from granwave.analysis.figures.style import (
     legend_above,
 )
 from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
-from granwave.analysis.measures.target import reached, unprotected
+from granwave.analysis.measures.target import unprotected
+from granwave.analysis.measures.target_record import reached
 from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
 from granwave.lammps_inputs.case.case import Case
 

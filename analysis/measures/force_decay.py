@@ -49,7 +49,7 @@ from granwave.analysis.measures.dynamic_force import dynamic_contact_peaks, dyna
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.leading_wave import has_first_wave, leading_peaks_of_spheres
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.target_record import reached
 from granwave.analysis.measures.waves import arrivals_of_groups
 from granwave.analysis.result.reader import Result
 

@@ -13,7 +13,7 @@ import numpy as np
 from granwave.analysis.measures.fronts import line_motions
 from granwave.analysis.measures.regions import stretches
 from granwave.analysis.measures.signals import Array, arrival
-from granwave.analysis.measures.target import ARRIVED, reached
+from granwave.analysis.measures.target_record import ARRIVED, reached
 from granwave.analysis.result.reader import Result
 
 _LEAD = 5  # beads, including the impacted one, in which the wave takes its shape

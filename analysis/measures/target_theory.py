@@ -25,7 +25,7 @@ from scipy.signal import lsim
 from scipy.special import beta
 
 from granwave.analysis.measures.signals import Array, width
-from granwave.analysis.measures.target import Reached
+from granwave.analysis.measures.target_record import Reached
 from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact

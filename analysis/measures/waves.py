@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array, arrivals
-from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.target_record import reached
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 

@@ -52,7 +52,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.target_record import reached
 from granwave.analysis.quantities import SHARES
 from granwave.lammps_inputs.packing.places import Places
 

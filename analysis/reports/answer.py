@@ -33,7 +33,7 @@ from granwave.analysis.formatting.numbers import column_unit, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.leading_wave import leading_peaks, stretch_speeds
 from granwave.analysis.measures.regions import stretches
-from granwave.analysis.measures.target import momentum_in_words, reached
+from granwave.analysis.measures.target_record import momentum_in_words, reached
 from granwave.analysis.reports.comparison.blocks import comparison_blocks
 from granwave.analysis.reports.comparison.comparison import Comparison
 from granwave.analysis.reports.figures import picture_in

@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
             f"{summary_table(summary)}\n\nresults in {outcome.directory}"
         )
         warn_of_zone(summary)
-        warn_of_force(summary, directory)
+        warn_of_force(summary, directory, assembly)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
                 f"{beyond} contacts exceeded an overlap of 0.2 R*, the limit of the contact law; "
@@ -202,11 +202,19 @@ def _assembly_of(directory: Path) -> Assembly:
         return assemble(read_deck(directory).case)
 
 
-def warn_of_force(summary: Mapping[str, Any], directory: Path) -> None:
-    """Print a warning if the force on the bottom is largest at the end of a run."""
-    from granwave.analysis.measures.target import rising_force_warning
+def warn_of_force(
+    summary: Mapping[str, Any], directory: Path, assembly: Assembly | None = None
+) -> None:
+    """Print a warning if the force on the bottom may rise further after the end of a run.
 
-    if warning := rising_force_warning(directory):
+    Parameters
+    ----------
+    assembly
+        All bodies of its case, if they are known; otherwise they are assembled.
+    """
+    from granwave.analysis.measures.target_record import rising_force_warning
+
+    if warning := rising_force_warning(directory, assembly):
         warn(f"{summary['name']}: {warning}")
 
 

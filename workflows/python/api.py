@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.measures.target import rising_force_warning
+from granwave.analysis.measures.target_record import rising_force_warning
 from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.notebook.load import ScanRuns, load
 from granwave.analysis.notebook.run import Run

@@ -21,7 +21,7 @@ from granwave.analysis.measures.force_decay import (
 from granwave.analysis.measures.geometry import layers
 from granwave.analysis.measures.impact import zone_growth
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import Reached, reached
+from granwave.analysis.measures.target_record import Reached, reached
 from granwave.analysis.measures.waves import front_arrivals
 from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
 from granwave.analysis.result.reader import Result

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 
 from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import quantity_in
-from granwave.analysis.measures.target import Reached
+from granwave.analysis.measures.target_record import Reached
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.comparison.curves import bottom_record, static_force_at_bottom
 from granwave.analysis.reports.comparison.ends import GROWING

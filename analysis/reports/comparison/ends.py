@@ -11,7 +11,7 @@ import numpy as np
 
 from granwave.analysis.formatting.numbers import quantity_in
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import Reached
+from granwave.analysis.measures.target_record import Reached
 from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.reports.comparison.curves import (
     SampledCurve,

@@ -12,7 +12,7 @@ import numpy as np
 
 from granwave.analysis.document.model import BLANK, Cell, DocumentTable, TableColumn
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import Reached, reached
+from granwave.analysis.measures.target_record import Reached, reached
 from granwave.analysis.result.reader import Result
 from granwave.analysis.statistics import exactly
 from granwave.analysis.studies.runs import FinishedRun, all_but, bottom_label

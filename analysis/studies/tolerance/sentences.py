@@ -7,7 +7,7 @@ from typing import Any
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.numbers import with_interval
-from granwave.analysis.measures.target import reached
+from granwave.analysis.measures.target_record import reached
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun
 from granwave.analysis.studies.study import span

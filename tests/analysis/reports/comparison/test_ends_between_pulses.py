@@ -8,7 +8,7 @@ import re
 
 import pytest
 
-from granwave.analysis.measures.target import rising_force_warning
+from granwave.analysis.measures.target_record import rising_force_warning
 from granwave.analysis.reports.answer import in_words
 from granwave.analysis.reports.comparison.ends import growing_names
 from granwave.lammps_inputs.load_case import case_from_dict
