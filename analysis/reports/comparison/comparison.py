@@ -112,8 +112,8 @@ class Comparison:
 
     @cached_property
     def without_ratio(self) -> dict[str, str]:
-        """Words in place of the ratios of all results and details that the end of a run truncates or that a
-        boundary limits, by name.
+        """Words in place of the ratios of all results and details that ends of runs truncate or
+        that a boundary limits, by name.
         """
         values = self._results_and_details
         return {value.name: value.without_ratio for value in values if value.without_ratio}
