@@ -355,11 +355,11 @@ def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> l
     comparison
         Comparison of these runs, which limits the differences; None without one.
     """
+    pair = len(runs) == 2
     without_ratio = {} if comparison is None else comparison.without_ratio
-    truncated = {} if comparison is None else comparison.truncated_places
+    truncated = {} if comparison is None or pair else comparison.truncated
     names = dict.fromkeys(chain.from_iterable(run.summary for run in runs))
     keys = [key for key in names if key not in _NOT_COMPARED]
-    pair = len(runs) == 2
     numbers = [*(run.label for run in runs), *["Difference"] * pair]
     columns = [
         TableColumn("Quantity", key=True),
@@ -369,10 +369,10 @@ def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> l
     rows = []
     called = grains_called_in([run.summary for run in runs])
     for key, (unit, size) in units_of_values(keys, [run.summary for run in runs]).items():
-        places = frozenset() if pair else truncated.get(key, frozenset())
+        cut = [one.run for one in truncated.get(key, ())]
         cells = [
-            marked(_result_cell(key, run.summary, size), is_marked=place in places)
-            for place, run in enumerate(runs)
+            marked(_result_cell(key, run.summary, size), is_marked=any(run is one for one in cut))
+            for run in runs
         ]
         label = runs[0].kind.label(runs[0], key) or label_of(key, called)
         row = [

@@ -119,10 +119,13 @@ class Comparison:
         return {value.name: value.without_ratio for value in values if value.without_ratio}
 
     @cached_property
-    def truncated_places(self) -> dict[str, frozenset[int]]:
-        """Positions of the runs whose end truncates a result or a detail, by name."""
-        values = self._results_and_details
-        return {value.name: value.incomplete for value in values if value.incomplete}
+    def truncated(self) -> dict[str, tuple[ComparedRun, ...]]:
+        """Runs whose end truncates a value, by its name; ratios are of the other runs."""
+        return {
+            value.name: tuple(self.runs[place] for place in sorted(value.incomplete))
+            for value in self._results_and_details
+            if value.incomplete
+        }
 
     @cached_property
     def _results_and_details(self) -> list[ComparedValue]:
