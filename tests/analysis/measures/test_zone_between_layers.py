@@ -45,6 +45,7 @@ def test_straight_between_layers():
     assert interpolated_extent(depth, energy, 0.5) == 0.0
     assert interpolated_extent(depth, energy, 0.4) == 0.0
     assert interpolated_extent(depth, energy, 1.0) == 1.0
+    assert extent_holding(depth, energy, 0.75) == 1.0
 
 
 def test_a_shell_with_little_energy_is_crossed_by_a_small_change():
@@ -61,7 +62,6 @@ def test_a_shell_with_little_energy_is_crossed_by_a_small_change():
     assert sizes[0] < 17.3
     assert sizes[-1] > 20.0
     assert np.abs(np.diff(sizes)).max() < 0.05
-    assert extent_holding(depth, energy, 0.75) == 1.0
 
 
 def test_parts_without_energy_and_the_order_of_the_rows_do_not_matter():
