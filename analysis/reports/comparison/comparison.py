@@ -263,8 +263,8 @@ class Comparison:
 
         Units are in ``attrs["units"]``, by name. The ratio is that of the second to the first of
         two runs, of the largest to the smallest value of more runs; NaN where a value is zero or
-        missing, where a boundary limits it, or where fewer than two runs are complete; runs whose
-        end truncates the value are left out.
+        missing, where a boundary limits it, or where too few runs are complete; runs whose end
+        truncates the value are left out.
         """
         import pandas
 

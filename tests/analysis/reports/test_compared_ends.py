@@ -274,3 +274,13 @@ def test_all_sizes_of_a_limited_zone_have_no_difference_in_the_table_of_all_valu
     (table,) = [one for one in blocks if getattr(one, "caption", "") == "Values side by side"]
     sizes = [row[-1].text for row in table.rows if re.match(r"Plastic zone, \d+ %", row[0].text)]
     assert len(sizes) > 10 and set(sizes) == {"limited"}
+
+
+def test_a_value_that_most_runs_truncate_is_not_compared(place):
+    """Four of six runs end early: two complete runs are no comparison of the six."""
+    comparison = compared(place, *["early"] * 4, "full", "fast")
+    values = {value.name: value for value in comparison.values}
+    assert values["dissipated_fraction"].without_ratio == "truncated"
+    assert len(comparison.truncated["dissipated_fraction"]) == 4
+    half = compared(place, "early", "early", "full", "fast")
+    assert "dissipated_fraction" not in half.without_ratio
