@@ -121,11 +121,12 @@ class Comparison:
     @cached_property
     def truncated(self) -> dict[str, tuple[ComparedRun, ...]]:
         """Runs whose end truncates a value, by its name; ratios are of the other runs."""
-        return {
-            value.name: tuple(self.runs[place] for place in sorted(value.incomplete))
-            for value in self._results_and_details
-            if value.incomplete
-        }
+        truncated: dict[str, tuple[ComparedRun, ...]] = {}
+        for value in self._results_and_details:
+            if value.incomplete:
+                places = sorted(value.incomplete)
+                truncated[value.name] = tuple(self.runs[place] for place in places)
+        return truncated
 
     @cached_property
     def _results_and_details(self) -> list[ComparedValue]:
