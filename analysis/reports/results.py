@@ -371,7 +371,7 @@ def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> l
     for key, (unit, size) in units_of_values(keys, [run.summary for run in runs]).items():
         cut = [one.run for one in truncated.get(key, ())]
         cells = [
-            marked(_result_cell(key, run.summary, size), is_marked=any(run is one for one in cut))
+            marked(_result_cell(key, run.summary, size), is_marked=_is_among(run, cut))
             for run in runs
         ]
         label = runs[0].kind.label(runs[0], key) or label_of(key, called)
@@ -387,8 +387,13 @@ def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> l
         rows.append(tuple(row))
     caption = "Values side by side" if len(runs) > 1 else f"Run {runs[0].label}"
     table = DocumentTable(caption, tuple(columns), tuple(rows), by_row=True)
-    has_marks = any(cell.text.endswith(MARK) for row in rows for cell in row[2:])
+    has_marks = any(cell.text.endswith(MARK) for cell in chain.from_iterable(rows))
     return [table, Note(f"{MARK} {PARTIAL}.", "note")] if has_marks else [table]
+
+
+def _is_among(run: ReportRun, runs: Sequence[ReportRun]) -> bool:
+    """Return True if a run is one of some runs."""
+    return any(run is other for other in runs)
 
 
 def _difference(first: Any, second: Any) -> Cell:

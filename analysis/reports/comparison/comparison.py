@@ -121,11 +121,12 @@ class Comparison:
     @cached_property
     def truncated(self) -> dict[str, tuple[ComparedRun, ...]]:
         """Runs whose end truncates a value, by its name; ratios are of the other runs."""
-        return {
-            value.name: tuple(self.runs[place] for place in sorted(value.incomplete))
-            for value in self._results_and_details
-            if value.incomplete
-        }
+        truncated: dict[str, tuple[ComparedRun, ...]] = {}
+        for value in self._results_and_details:
+            if value.incomplete:
+                places = sorted(value.incomplete)
+                truncated[value.name] = tuple(self.runs[place] for place in places)
+        return truncated
 
     @cached_property
     def _results_and_details(self) -> list[ComparedValue]:
@@ -263,8 +264,8 @@ class Comparison:
 
         Units are in ``attrs["units"]``, by name. The ratio is that of the second to the first of
         two runs, of the largest to the smallest value of more runs; NaN where a value is zero or
-        missing, where a boundary limits it, or where fewer than two runs are complete; runs whose
-        end truncates the value are left out.
+        missing, where a boundary limits it, or where too few runs are complete; runs whose end
+        truncates the value are left out.
         """
         import pandas
 

@@ -126,15 +126,16 @@ def same_case_sentence(runs: Sequence[ComparedRun]) -> str:
 
 
 def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the values that ends of runs truncate, so that fewer than two runs can be compared,
-    see `truncated_runs`.
+    """Return the values that ends of runs truncate, so that too few runs can be compared, see
+    `truncated_runs` and `has_few_complete`.
     """
     truncated = truncated_runs(names, runs)
-    return {name for name, cut in truncated.items() if is_without_pair(name, runs, cut)}
+    return {name for name, cut in truncated.items() if has_few_complete(name, runs, cut)}
 
 
-def is_without_pair(name: str, runs: Sequence[ComparedRun], cut: Collection[ComparedRun]) -> bool:
-    """Return True if the end of a run truncates a value, and fewer than two other runs have it.
+def has_few_complete(name: str, runs: Sequence[ComparedRun], cut: Collection[ComparedRun]) -> bool:
+    """Return True if the end of a run truncates a value, and the other runs that have it are fewer
+    than two or fewer than half.
 
     Parameters
     ----------
@@ -142,7 +143,7 @@ def is_without_pair(name: str, runs: Sequence[ComparedRun], cut: Collection[Comp
         Runs whose end truncates the value.
     """
     complete = [run for run in runs if run not in cut and run.run.number(name) is not None]
-    return bool(cut) and len(complete) < _LEAST_RUNS
+    return bool(cut) and len(complete) < max(_LEAST_RUNS, len(cut))
 
 
 def truncated_runs(

@@ -14,9 +14,9 @@ from granwave.analysis.quantities import quantities, report_columns
 from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
     growing_names,
+    has_few_complete,
     have_unlike_ends,
     is_limited_by_end,
-    is_without_pair,
     is_zone_size,
     limited_names,
     truncated_runs,
@@ -102,8 +102,8 @@ class ComparedValue:
     unit
         SI unit; empty if there is none.
     is_truncated
-        True if ends of runs truncate it so that fewer than two runs are complete, or if it still
-        grows; it then has no ratio.
+        True if ends of runs truncate it so that too few runs are complete, or if it still grows; it
+        then has no ratio.
     incomplete
         Positions of the runs whose end truncates it; the ratio is of the other runs.
     is_limited
@@ -273,7 +273,7 @@ def _limited_values(names: Sequence[str], runs: Sequence[ComparedRun]) -> list[C
     values: list[ComparedValue] = []
     for name in names:
         cut = truncated.get(name, frozenset())
-        is_truncated = is_without_pair(name, runs, cut)
+        is_truncated = has_few_complete(name, runs, cut)
         is_growing = not is_truncated and any(
             name in growing for run, growing in growing_by_run.items() if run not in cut
         )

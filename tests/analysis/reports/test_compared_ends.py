@@ -49,8 +49,18 @@ def compared(place, *names: str, **options) -> Comparison:
     return compared_in([place / name for name in names], **options)
 
 
+def texts_of(row) -> list[str]:
+    return [cell.text for cell in row]
+
+
+def marks_of(texts) -> list[bool]:
+    return [text.endswith("*") for text in texts]
+
+
 def compared_in(folders, **options) -> Comparison:
-    runs = [run for folder in folders for run in read_inputs([folder], folder.parent).runs]
+    runs = []
+    for folder in folders:
+        runs += read_inputs([folder], folder.parent).runs
     return compare_runs(runs, **options)
 
 
@@ -241,9 +251,9 @@ def test_a_short_run_does_not_remove_the_comparison_of_the_others(place):
         ratio = pair.table.loc[name, "ratio"]
         expected = max(ratio, 1 / ratio)  # largest / smallest
         assert comparison.table.loc[name, "ratio"] == pytest.approx(expected)
-    rows = {row[0].text: [cell.text for cell in row] for row in value_table(comparison).rows}
+    rows = {row[0].text: texts_of(row) for row in value_table(comparison).rows}
     of_force = rows["Peak force on the bottom"]
-    assert [text.endswith("*") for text in of_force[2:5]] == [False, True, False]
+    assert marks_of(of_force[2:5]) == [False, True, False]
     assert not any(text.endswith("*") for text in rows["Peak contact force, excluding walls"])
     assert rows["Arrival at the bottom"][3] == "\N{EN DASH}"  # early: not known
     (note,) = [note for note in comparison.notes if note.startswith("Truncated by the end")]
@@ -257,8 +267,7 @@ def test_truncated_values_are_marked_in_the_table_of_all_values(place):
     inputs = read_inputs([place / name for name in ("full", "early", "fast")], place)
     blocks = results_section(inputs, compare_runs(inputs.runs)).blocks
     (table,) = [one for one in blocks if getattr(one, "caption", "") == "Values side by side"]
-    rows = {row[0].text: [cell.text for cell in row[2:]] for row in table.rows}
-    marks = {label: [text.endswith("*") for text in texts] for label, texts in rows.items()}
+    marks = {row[0].text: marks_of(texts_of(row)[2:]) for row in table.rows}
     assert marks["Peak force on the bottom"] == [False, True, False]
     assert marks["Peak force on the target"] == [False, True, False]
     assert not any(marks["Energy input"])
@@ -274,3 +283,13 @@ def test_all_sizes_of_a_limited_zone_have_no_difference_in_the_table_of_all_valu
     (table,) = [one for one in blocks if getattr(one, "caption", "") == "Values side by side"]
     sizes = [row[-1].text for row in table.rows if re.match(r"Plastic zone, \d+ %", row[0].text)]
     assert len(sizes) > 10 and set(sizes) == {"limited"}
+
+
+def test_a_value_that_most_runs_truncate_is_not_compared(place):
+    """Four of six runs end early: two complete runs are no comparison of the six."""
+    comparison = compared(place, *["early"] * 4, "full", "fast")
+    values = {value.name: value for value in comparison.values}
+    assert values["dissipated_fraction"].without_ratio == "truncated"
+    assert len(comparison.truncated["dissipated_fraction"]) == 4
+    half = compared(place, "early", "early", "full", "fast")
+    assert "dissipated_fraction" not in half.without_ratio
