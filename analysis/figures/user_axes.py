@@ -210,7 +210,7 @@ def _narrow(legend: Legend, axes: Axes) -> None:
                 text.set_text(in_lines(text.get_text().replace("\n", " "), n_lines))
     ratio = axes.bbox.width / legend.get_window_extent().width
     for text in legend.get_texts():
-        text.set_fontsize(max(min(1.0, ratio) * text.get_fontsize(), _SMALLEST))
+        text.set_fontsize(max(min(1.0, ratio) * float(text.get_fontsize()), _SMALLEST))
 
 
 def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:

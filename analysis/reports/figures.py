@@ -62,6 +62,7 @@ _OF_SCANS = {  # captions
 _QUANTITIES = {  # captions of figures of scans that do not follow from the name
     "plastic_zone_depth": "Depth of the plastic zone",
     "plastic_spheres": "Yielded spheres",
+    "bottom_peak_force": "Peak force on the bottom",
     "zone_depth_90": "90 % depth of the plastic dissipation, interpolated between layers",
     "zone_radius_90": "90 % radius of the plastic dissipation, interpolated between spheres",
     "zone_volume_90": "90 % volume of the plastic dissipation",

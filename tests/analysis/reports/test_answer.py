@@ -123,6 +123,33 @@ def test_means_over_seeds(tmp_path):
     )
 
 
+def test_the_force_on_the_bottom_leads_where_zones_are_limited(tmp_path):
+    """Sentence, figure and first column are of the force, the yielded spheres come last."""
+    points = grid(packing__diameter_scatter=[0, 2e-6, 5e-6])
+    scan = scan_with(
+        tmp_path / "scan", points, lambda p: 0.87 + 1e3 * p["packing.diameter_scatter"]
+    )
+    for point in ScanResult(scan).points:
+        path = point.directory / "summary.json"
+        scatter = point.labels["packing.diameter_scatter"]
+        more = {
+            "wall_peak_force_N": 1869.0 - 1.8e8 * scatter,
+            "n_plastic_spheres": 536 - round(1e7 * scatter),
+            "zone_cut": ["bottom", "sides"],
+        }
+        path.write_text(json.dumps(json.loads(path.read_text()) | more))
+    draw_scan_figures(scan, pdf=False)
+    text, shown = answer(build([scan], tmp_path))
+    assert text.startswith(
+        "Peak force on the bottom: from 969 N (diameter scatter 5 µm) to 1.869 kN"
+    )
+    headings = [column.heading for column in shown.table.columns]
+    assert headings[1:3] == ["Peak force on the bottom", "Dissipated fraction"]
+    assert headings[3] == "Yielded spheres"
+    (figure,) = shown.gallery.figures
+    assert figure.caption == "Peak force on the bottom against diameter scatter"
+
+
 def test_one_run(tmp_path):
     run = write_run(
         tmp_path / "run", energy_input_J=2.0, dissipated_fraction=0.8731, peak_force_N=696.84
