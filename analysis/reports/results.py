@@ -352,8 +352,8 @@ def _side_by_side(runs: Sequence[ReportRun], without_ratio: Mapping[str, str]) -
     Parameters
     ----------
     without_ratio
-        Words in place of the difference, by the names of values that the end of a run truncates or
-        that a boundary limits.
+        Words in place of the difference, by the names of values that the end of a run truncates,
+        that a boundary limits, or that runs define differently.
     """
     names = dict.fromkeys(chain.from_iterable(run.summary for run in runs))
     keys = [key for key in names if key not in _NOT_COMPARED]

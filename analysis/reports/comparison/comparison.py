@@ -45,12 +45,14 @@ from granwave.analysis.reports.comparison.subjects import (
     names_with_cases,
 )
 from granwave.analysis.reports.comparison.values import (
+    DIFFERENT_MEANING,
     ComparedValue,
     compared_values,
     differing_values,
     sentence,
     truncation_note,
     unknown_values,
+    unlike_names,
 )
 from granwave.analysis.reports.inputs import ReportInputs
 from granwave.analysis.reports.kinds import ReportRun, warning_notes
@@ -110,11 +112,12 @@ class Comparison:
 
     @cached_property
     def without_ratio(self) -> dict[str, str]:
-        """Words in place of the ratios of all results that the end of a run truncates or that a
-        boundary limits, by name.
+        """Words in place of the ratios of all results that the end of a run truncates, that a
+        boundary limits, or that runs define differently, by name.
         """
         values = compared_values(self.runs) if self.quantities else self.values
-        return {value.name: value.without_ratio for value in values if value.without_ratio}
+        words = {value.name: value.without_ratio for value in values if value.without_ratio}
+        return words | dict.fromkeys(unlike_names(self.runs), DIFFERENT_MEANING)
 
     @cached_property
     def _finished(self) -> tuple[ComparedRun, ...]:

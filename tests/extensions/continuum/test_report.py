@@ -142,6 +142,23 @@ def test_force_on_the_bottom_of_a_block_is_not_recorded(block_and_packing):
     assert "block (it is a continuum run, without grains)" in block_and_packing.caption("fronts")
 
 
+def test_forces_of_a_punch_and_of_a_contact_have_no_ratio(block_and_packing):
+    """A rigid punch carries far more than a contact of two spheres, which is no result."""
+    words = "defined differently"
+    assert block_and_packing.without_ratio["peak_force_N"] == words
+    note = "in a packing, and the force on the punch of a block, so that it has no ratio"
+    assert any(note in text for text in block_and_packing.notes)
+    asked = compare_runs([run.run for run in block_and_packing.runs], ["peak_force_N"])
+    (value,) = asked.values
+    assert value.ratio is None and value.without_ratio == words
+    assert "packings and blocks define it differently" in asked.sentence
+    packing = block_and_packing.runs[0].run
+    assert "peak_force_N" not in compare_runs([packing, packing]).without_ratio
+    page = build([run.run.directory for run in block_and_packing.runs], packing.directory)
+    row = {row["Quantity"].text: row for row in table(page, "results", "Values side by side")}
+    assert row["Peak contact force, excluding walls"]["Difference"].text == words
+
+
 def test_names_of_persons_keep_their_capitals():
     assert readable("von_mises") == "von Mises"
     assert readable("plastic_zone") == "Plastic zone"
