@@ -8,6 +8,7 @@ import pytest
 from granwave.analysis.figures.style import style
 from granwave.analysis.quantities import readable
 from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.extensions.continuum.punch.case import ContinuumCase
@@ -157,6 +158,19 @@ def test_forces_of_a_punch_and_of_a_contact_have_no_ratio(block_and_packing):
     page = build([run.run.directory for run in block_and_packing.runs], packing.directory)
     row = {row["Quantity"].text: row for row in table(page, "results", "Values side by side")}
     assert row["Peak contact force, excluding walls"]["Difference"].text == words
+
+
+def test_figures_that_only_the_packing_has_are_drawn_on_request(block_and_packing):
+    """They compare nothing; the note names each of them."""
+    assert block_and_packing.figures == ("energies",)
+    (note,) = [text for text in block_and_packing.notes if "only on request" in text]
+    packing, block = (run.run for run in block_and_packing.runs)
+    left_out = [name for name in FIGURES if f" {name}" in note]
+    assert "bottom_force" in left_out and "peak_force_difference" not in left_out
+    assert "(packing)" in note and "(block)" not in note
+    for name in left_out:
+        assert compare_runs([packing, block], [name]).figures == (name,)
+    assert "bottom_force" in compare_runs([packing, packing, block]).figures
 
 
 def test_names_of_persons_keep_their_capitals():
