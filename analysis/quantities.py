@@ -111,8 +111,10 @@ _HOLDS_90 = {
     "strikers are excluded.",
 }
 _INTERPOLATED_90 = {
-    "depth": "The 90 % depth, interpolated linearly in the energy between layers, so that it does "
-    "not jump from layer to layer; at most the depth of the layer.",
+    "depth": "The 90 % depth, interpolated linearly in the energy between layers; at most the "
+    "depth of the layer. It changes continuously with the dissipation, but in a lattice with few "
+    "layers or shells a small change of the dissipation can move it by the distance of two of "
+    "them.",
     "radius": "The 90 % radius, interpolated like the depth.",
 }
 

@@ -102,15 +102,41 @@ def _moves_within(axes: Axes, legend: Legend) -> bool:
     return False
 
 
-def _put_above(axes: Axes, legend: Legend) -> None:
-    """Replace a legend by a legend above its axes, with as many columns as fit."""
+def in_one_column(axes: Axes, legend: Legend) -> Legend:
+    """Replace a legend of axes by a legend with a column, within the axes."""
+    handles, entries = _entries(axes, legend)
+    return axes.legend(
+        handles,
+        entries,
+        title=legend.get_title().get_text() or None,
+        loc="upper right",
+        frameon=legend.get_frame_on(),
+        fontsize=legend.get_texts()[0].get_fontsize(),
+    )
+
+
+def _entries(axes: Axes, legend: Legend) -> tuple[Any, list[str]]:
+    """Return the handles of a legend, as drawn in its axes, and its texts, which may be broken into
+    other lines than the labels.
+    """
     entries = [text.get_text() for text in legend.get_texts()]
     of_axes, labels = axes.get_legend_handles_labels()
-    drawn = dict(zip(labels, of_axes, strict=True))
+    drawn = dict(zip(map(_in_one_line, labels), of_axes, strict=True))
     handles: Any = [  # those of the legend lack the markers of error bars
-        drawn.get(entry, handle)
+        drawn.get(_in_one_line(entry), handle)
         for entry, handle in zip(entries, legend.legend_handles, strict=True)
     ]
+    return handles, entries
+
+
+def _in_one_line(text: str) -> str:
+    """Return a text without line breaks."""
+    return text.replace("\n", " ")
+
+
+def _put_above(axes: Axes, legend: Legend) -> None:
+    """Replace a legend by a legend above its axes, with as many columns as fit."""
+    handles, entries = _entries(axes, legend)
     for columns in range(min(_COLUMNS_ABOVE, len(entries)), 0, -1):
         above = axes.legend(
             handles,
@@ -120,6 +146,7 @@ def _put_above(axes: Axes, legend: Legend) -> None:
             bbox_to_anchor=_ABOVE,
             ncols=columns,
             columnspacing=1.0,
+            frameon=legend.get_frame_on(),
             fontsize=legend.get_texts()[0].get_fontsize(),
         )
         if above.get_window_extent().width <= axes.bbox.width:

@@ -10,7 +10,7 @@ import contextlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import nullcontext
-from typing import Any
+from typing import Any, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -35,7 +35,15 @@ from granwave.analysis.figures.style import (
     new_figure,
     style,
 )
-from granwave.analysis.figures.user_axes import drawing_into, match_text, plots_of, user_figure
+from granwave.analysis.figures.user_axes import (
+    UserFigure,
+    drawing_into,
+    fit_to_axes,
+    leave_layout,
+    match_text,
+    plots_of,
+    user_figure,
+)
 
 _MICRO = 1e6  # in a second
 _MOST_POINTS = 20_000  # most points of a curve; the CSV file has all
@@ -245,9 +253,12 @@ def draw_axes(
         if isinstance(drawing, NotDrawn):
             raise MissingDataError(str(drawing))
         least_span(drawing.figure)
+        if into:
+            leave_layout(drawing.figure)
         drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
     if into:
         match_text(drawing.figure, into)
+        fit_to_axes(cast(UserFigure, drawing.figure))
     else:
         pyplot.figure(drawing.figure)
     plots = plots_of(drawing.figure)

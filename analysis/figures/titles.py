@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+_MOST_LINES = 4  # in a title of an axis
 _MATHEMATICS = "$"  # delimiter of formulas, which are never broken
 
 
@@ -27,19 +29,44 @@ def break_long_titles(figure: Figure) -> bool:
     return broken
 
 
+def fit_titles(axes: Axes) -> bool:
+    """Break titles that are longer than their axis into up to `_MOST_LINES` lines; return True if a
+    title was broken, so that the layout has to be computed again.
+    """
+    broken = False
+    for length, axis in ((axes.bbox.width, axes.xaxis), (axes.bbox.height, axes.yaxis)):
+        title = axis.label
+        extent = "width" if axis is axes.xaxis else "height"
+        text = title.get_text().replace("\n", " ")
+        n_lines = title.get_text().count("\n") + 1
+        while getattr(title.get_window_extent(), extent) > length and n_lines < _MOST_LINES:
+            n_lines += 1
+            title.set_text(in_lines(text, n_lines))
+            broken = True
+    return broken
+
+
 def in_two_lines(text: str) -> str:
     """Return a text in two lines of similar length; unchanged if it has several lines, or only
     formulas.
+    """
+    return text if "\n" in text else in_lines(text, 2)
+
+
+def in_lines(text: str, n_lines: int) -> str:
+    """Return a text of one line in lines of similar length, in fewer if it has too few words;
+    formulas are not broken.
     """
     places = [
         place
         for place, character in enumerate(text)
         if character == " " and text.count(_MATHEMATICS, 0, place) % 2 == 0
     ]
-    if "\n" in text or not places:
+    if not places:
         return text
-    middle = min(places, key=lambda place: abs(place - len(text) / 2))
-    return f"{text[:middle]}\n{text[middle + 1 :]}"
+    ends = [len(text) * line / n_lines for line in range(1, n_lines)]
+    breaks = {min(places, key=lambda place: abs(place - end)) for end in ends}
+    return "".join("\n" if place in breaks else character for place, character in enumerate(text))
 
 
 def _leaves(figure: Figure, title: Text, direction: int, middle: float) -> bool:

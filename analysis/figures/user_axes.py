@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
+from weakref import WeakSet
 
 import numpy as np
 from matplotlib import rcParams
@@ -16,7 +17,8 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.legends import uncover_curves_of
+from granwave.analysis.figures.legends import in_one_column, uncover_curves_of
+from granwave.analysis.figures.titles import fit_titles, in_lines
 from granwave.lammps_inputs.errors import InputError
 
 _OTHER_LINE = "--"  # line style of another run
@@ -25,6 +27,8 @@ _OTHER_ALPHA = 0.7
 _FONT = 8  # font size of legends, points
 _SMALLEST = 5.0  # smallest font size of legends, points
 _WIDEST = 0.97  # width of a legend above the axes / width of the figure
+_PASSES = 2  # layouts for broken titles, which take room from each other
+_MOST_LINES = 3  # in an entry of a legend
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
@@ -53,6 +57,11 @@ class UserFigure:
     def axes(self) -> list[Axes]:
         """Axes of the panels, and axes added by the drawing, such as colour bars."""
         return [axes for axes in self._figure.axes if axes not in self._before]
+
+    @property
+    def all_axes(self) -> list[Axes]:
+        """Axes of the figure of the user."""
+        return list(self._figure.axes)
 
     def subplots(
         self, rows: int = 1, columns: int = 1, *, squeeze: bool = True, **options: Any
@@ -137,6 +146,71 @@ def match_text(figure: Figure | UserFigure, panels: Sequence[Axes]) -> None:
             axis.label.set_fontsize(label)
             if ticks:
                 axis.set_tick_params(labelsize=ticks[0].get_fontsize())
+
+
+_drawn: WeakSet[Axes] = WeakSet()  # axes of users with figures of ours
+
+
+def fit_to_axes(figure: UserFigure) -> None:
+    """Break titles that are longer than their axes, and place legends where they fit and cover no
+    curve. Earlier figures in the same figure of the user, whose axes became smaller, are fitted
+    again.
+    """
+    _drawn.update(figure.axes)
+    drawn = [axes for axes in figure.all_axes if axes in _drawn]
+    leave_layout(figure)
+    for _ in range(_PASSES):
+        figure.draw_without_rendering()
+        if not any([fit_titles(axes) for axes in drawn]):
+            break
+    figure.draw_without_rendering()
+    moved = [_fit_legend(axes) for axes in drawn]
+    if any(moved):
+        figure.draw_without_rendering()
+
+
+def leave_layout(figure: Figure | UserFigure) -> None:
+    """Exclude legends from the layout, in which a wide legend leaves no room for its axes."""
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        if legend is not None:
+            legend.set_in_layout(False)
+
+
+def _fit_legend(axes: Axes) -> bool:
+    """Make the legend of axes no wider than these, and move it from curves; return True if it was
+    moved above the axes, so that the layout has to be computed again.
+    """
+    legend = axes.get_legend()
+    if legend is None:
+        return False
+    if legend.get_window_extent().width > axes.bbox.width:
+        legend = in_one_column(axes, legend)
+    _narrow(legend, axes)
+    moved = uncover_curves_of(axes)
+    legend = axes.get_legend()
+    assert legend is not None
+    if moved:
+        _narrow(legend, axes)
+    is_above = not axes.bbox.overlaps(legend.get_window_extent().padded(-1))
+    legend.set_in_layout(is_above and legend.get_window_extent().width <= axes.bbox.width)
+    return moved
+
+
+def _narrow(legend: Legend, axes: Axes) -> None:
+    """Break the entries of a legend into lines, then reduce its text, until it is no wider than its
+    axes.
+    """
+    for n_lines in range(2, _MOST_LINES + 1):
+        if legend.get_window_extent().width <= axes.bbox.width:
+            return
+        longest = max(text.get_window_extent().width for text in legend.get_texts())
+        for text in legend.get_texts():
+            if text.get_window_extent().width > 0.5 * longest:
+                text.set_text(in_lines(text.get_text().replace("\n", " "), n_lines))
+    ratio = axes.bbox.width / legend.get_window_extent().width
+    for text in legend.get_texts():
+        text.set_fontsize(max(min(1.0, ratio) * text.get_fontsize(), _SMALLEST))
 
 
 def add_curves(panels: Sequence[Axes], others: Sequence[Axes], name: str, own: str) -> bool:

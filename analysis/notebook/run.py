@@ -489,7 +489,12 @@ class Run(Values):
             why_not_drawn,
         )
         from granwave.analysis.figures.series import draw_axes, no_figure
-        from granwave.analysis.figures.user_axes import add_curves, plots_of
+        from granwave.analysis.figures.user_axes import (
+            UserFigure,
+            add_curves,
+            fit_to_axes,
+            plots_of,
+        )
 
         if not self._kind.of_spheres:
             raise no_figure(self.name, name, ())
@@ -523,6 +528,8 @@ class Run(Values):
                     f"{self.name}: figure {name} has no curves that can be overlaid with "
                     f"{against.name}; gw.compare shows maps of several runs"
                 )
+            if into:
+                fit_to_axes(UserFigure(into))
             left = [panel for panel in panels if panel.get_figure() is not None]
             return left[0] if len(left) == 1 else left
         return axes

@@ -38,6 +38,7 @@ from granwave.analysis.formatting.values import grains_called_in, unique_labels,
 from granwave.analysis.measures.zone_size import PERIODIC_SIDES, Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, report_columns
 from granwave.analysis.reports.comparison.comparison import Comparison
+from granwave.analysis.reports.comparison.values import MARK, PARTIAL, marked
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.sentences import by_part, value_table
@@ -139,7 +140,6 @@ def results_section(inputs: ReportInputs, comparison: Comparison | None = None) 
     comparison
         Comparison of the runs, if there are several.
     """
-    without_ratio = {} if comparison is None else comparison.without_ratio
     blocks: list[Block] = []
     runs = [run for run in inputs.runs if run.has_balance]
     if len(runs) > 1:
@@ -148,7 +148,7 @@ def results_section(inputs: ReportInputs, comparison: Comparison | None = None) 
         )
     for alike in (runs, *by_part(inputs.runs)):
         if alike and len(alike) <= MOST_SIDE_BY_SIDE:
-            blocks.append(_side_by_side(alike, without_ratio if alike is runs else {}))
+            blocks += _side_by_side(alike, comparison if alike is runs else None)
     for scan in inputs.scans:
         parts = _scan_blocks(scan, inputs)
         folded = len(scan.points) > MOST_OPEN
@@ -345,19 +345,21 @@ def _result_cell(key: str, summary: Mapping[str, Any], size: float = 1.0) -> Cel
     return cell_in_unit(value, size, tone="note" if noted else "")
 
 
-def _side_by_side(runs: Sequence[ReportRun], without_ratio: Mapping[str, str]) -> DocumentTable:
+def _side_by_side(runs: Sequence[ReportRun], comparison: Comparison | None) -> list[Block]:
     """Make a table of all values of the summaries, with a column for each run, and the difference
-    of two runs.
+    of two runs; of more runs with marks of the values that the end of their run truncates, and a
+    note on them.
 
     Parameters
     ----------
-    without_ratio
-        Words in place of the difference, by the names of values that the end of a run truncates,
-        that a boundary limits, or that runs define differently.
+    comparison
+        Comparison of these runs, which limits the differences; None without one.
     """
+    pair = len(runs) == 2
+    without_ratio = {} if comparison is None else comparison.without_ratio
+    truncated = {} if comparison is None or pair else comparison.truncated
     names = dict.fromkeys(chain.from_iterable(run.summary for run in runs))
     keys = [key for key in names if key not in _NOT_COMPARED]
-    pair = len(runs) == 2
     numbers = [*(run.label for run in runs), *["Difference"] * pair]
     columns = [
         TableColumn("Quantity", key=True),
@@ -367,7 +369,11 @@ def _side_by_side(runs: Sequence[ReportRun], without_ratio: Mapping[str, str]) -
     rows = []
     called = grains_called_in([run.summary for run in runs])
     for key, (unit, size) in units_of_values(keys, [run.summary for run in runs]).items():
-        cells = [_result_cell(key, run.summary, size) for run in runs]
+        cut = [one.run for one in truncated.get(key, ())]
+        cells = [
+            marked(_result_cell(key, run.summary, size), is_marked=any(run is one for one in cut))
+            for run in runs
+        ]
         label = runs[0].kind.label(runs[0], key) or label_of(key, called)
         row = [
             Cell(label, label, meaning=meaning_in(key, called)),
@@ -380,7 +386,9 @@ def _side_by_side(runs: Sequence[ReportRun], without_ratio: Mapping[str, str]) -
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
         rows.append(tuple(row))
     caption = "Values side by side" if len(runs) > 1 else f"Run {runs[0].label}"
-    return DocumentTable(caption, tuple(columns), tuple(rows), by_row=True)
+    table = DocumentTable(caption, tuple(columns), tuple(rows), by_row=True)
+    has_marks = any(cell.text.endswith(MARK) for row in rows for cell in row[2:])
+    return [table, Note(f"{MARK} {PARTIAL}.", "note")] if has_marks else [table]
 
 
 def _difference(first: Any, second: Any) -> Cell:

@@ -59,7 +59,11 @@ _LAW = "law"
 KIND_OF_PACKING = "packing.kind"
 ORIGIN = "packing.source"
 _OF_GRAVITY = ("precompression.acceleration", "precompression.strikers")
+_SCATTER = "packing.diameter_scatter"
 _OF_SCATTER = ("packing.scatter_distribution",)
+_SEED = "packing.seed"
+#: Keys of lattices that make a packing, or the position of a striker, depend on the seed.
+_RANDOM = (_SCATTER, "packing.vacancies", "replace", "striker")
 _REMARKS = ("material.source",)  # keys of the case that do not affect results
 
 
@@ -386,7 +390,10 @@ def _has_effect(key: str, case: Mapping[str, Any]) -> bool:
     static = STATIC_LOADS.get(str(case.get("precompression.kind")))
     if key in _OF_GRAVITY and static is not None and not static.takes_acceleration:
         return False
-    if key in _OF_SCATTER and not case.get("packing.diameter_scatter"):
+    if key in _OF_SCATTER and not case.get(_SCATTER):
+        return False
+    is_lattice = _SCATTER in case
+    if key == _SEED and is_lattice and all(is_nothing(case.get(name)) for name in _RANDOM):
         return False
     return not _is_of_other_laws(key, case)
 

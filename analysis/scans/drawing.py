@@ -55,7 +55,7 @@ _LINE_OF_NAME = 28  # longest line of a category's name, characters
 _LINE_OF_LEGEND = 52  # longest line of a legend, characters
 _MOST_MARKED = 60  # largest number of points of a curve with markers
 _SPREAD = 30.0  # largest / smallest value above which an axis of values is logarithmic
-_DECADE = 10.0  # largest / smallest abscissa above which an axis may be logarithmic
+_DECADE = 10.0  # largest / smallest value above which an axis may be logarithmic
 
 Titles = tuple[str, str]
 
@@ -345,19 +345,27 @@ def _errors(part: DataFrame, name: str) -> dict[str, Any]:
     return {name: part.half_width if part.half_width.notna().any() else None, "capsize": 2}
 
 
-def _is_wide(values: NDArray[np.float64]) -> bool:
-    """Return True for positive values with a range too large for a linear axis."""
-    return bool(values.min() > 0 and values.max() > _SPREAD * values.min())
+def _is_wide(values: NDArray[np.float64], spread: float = _SPREAD) -> bool:
+    """Return True for positive values with a range too large for a linear axis.
+
+    Parameters
+    ----------
+    spread
+        Largest value divided by the smallest one on a linear axis.
+    """
+    return bool(values.min() > 0 and values.max() > spread * values.min())
 
 
 def _scale_values(axes: Axes, points: DataFrame) -> None:
-    """Set the scale of values: logarithmic for a large range, from 0 if 0 is close, and without
+    """Set the scale of values: logarithmic for a large range, or for more than a decade against
+    logarithmic abscissae, whose powers are then straight lines; from 0 if 0 is close, and without
     enlarging noise.
     """
     widths = points.half_width.fillna(0.0)
     low = float((points["mean"] - widths).min())
     high = float((points["mean"] + widths).max())
-    if _is_wide(points["mean"].to_numpy()):
+    is_log = axes.get_xscale() == "log"
+    if _is_wide(points["mean"].to_numpy(), _DECADE if is_log else _SPREAD):
         axes.set_yscale("log")
     elif 0 <= low < 0.5 * high:
         axes.set_ylim(0, 1.08 * high)

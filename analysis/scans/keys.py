@@ -25,6 +25,7 @@ from granwave.analysis.formatting.values import (
     unique_labels,
     unit_of,
 )
+from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
 from granwave.analysis.scans.table import (
@@ -289,8 +290,10 @@ _MAIN = (
     "peak_force_N",
     "peak_force_with_walls_N",
     "max_force_N",
+    "wall_peak_force_N",
     "n_plastic_spheres",
 )
+_OF_ZONE = ("n_plastic_", "plastic_zone_", "zone_")  # names of values of the plastic zone
 _TRENDS = ("rises", "falls")
 _BETWEEN = "peak_force_N"  # force of contacts between spheres
 _WITH_WALLS = "peak_force_with_walls_N"
@@ -317,6 +320,8 @@ class Means:
         `granwave.analysis.scans.result.protects`.
     called
         Word for the grains of its runs.
+    has_limited_zones
+        True if the plastic zone of a point reaches a boundary, which limits its values.
     """
 
     keys: tuple[VariedKey, ...]
@@ -325,6 +330,7 @@ class Means:
     half_widths: Mapping[str, Sequence[float | None]]
     protection: bool = False
     called: str = SPHERES
+    has_limited_zones: bool = False
 
     @property
     def figures(self) -> dict[str, str]:
@@ -345,7 +351,8 @@ class Means:
                 rank = _MAIN.index(key) if key in _MAIN else len(_MAIN) + number
                 change = self._change(key)
                 is_slight = change <= _CLEAR and key not in _AIMS
-                quantities.append((change <= _SAME, is_slight, rank, name, key))
+                is_limited = self.has_limited_zones and key.startswith(_OF_ZONE)
+                quantities.append((change <= _SAME, is_limited, is_slight, rank, name, key))
         return [(name, key) for *_, name, key in sorted(quantities)]
 
     def varies(self, name: str) -> bool:
@@ -478,6 +485,7 @@ def means_of(scan: ScanResult) -> Means:
         _rows_of(widths, kept),
         protects(scan.varied, summaries),
         grains_called_in(summaries),
+        has_limited_zones=any(mark_of(summary) is Mark.CUT for summary in summaries),
     )
 
 

@@ -54,12 +54,22 @@ def _values(comparison: Comparison) -> str:
     heads = ["quantity", "unit", *names]
     rows = [[*heads, "ratio"] if has_ratio else heads]
     for value in values:
-        numbers = ["" if number is None else f"{number:.5g}" for number in value.values]
+        numbers = [_number(value, place) for place in range(len(value.values))]
         cells = [value.name, value.unit, *numbers]
         if has_ratio:
             cells.append(_ratio(value))
         rows.append(cells)
     return columns(rows, left=(0, 1))
+
+
+def _number(value: ComparedValue, place: int) -> str:
+    """Return a value of the run at a position, with a mark if the end of the run truncates it."""
+    from granwave.analysis.reports.comparison.values import MARK
+
+    number = value.values[place]
+    if number is None:
+        return ""
+    return f"{number:.5g}{MARK if place in value.marked_places else ''}"
 
 
 def _ratio(value: ComparedValue) -> str:

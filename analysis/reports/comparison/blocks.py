@@ -43,6 +43,7 @@ from granwave.analysis.reports.comparison.subjects import (
 from granwave.analysis.reports.comparison.values import (
     ComparedValue,
     factor,
+    marked,
     shown_values,
 )
 from granwave.analysis.reports.figures import picture_of
@@ -119,7 +120,10 @@ def _units(values: Sequence[ComparedValue]) -> dict[str, tuple[str, float]]:
 
 def _value_row(value: ComparedValue, unit: str, size: float) -> tuple[Cell, ...]:
     """Return label, unit, values and ratio, in a unit of a size."""
-    cells = [cell_in_unit(number, size) for number in value.values]
+    cells = [
+        marked(cell_in_unit(number, size), is_marked=place in value.marked_places)
+        for place, number in enumerate(value.values)
+    ]
     if len(cells) > 1:
         cells.append(_ratio(value))
     return (Cell(value.label, value.label), Cell(unit), *cells)
@@ -133,8 +137,8 @@ def _ranges(runs: Sequence[ComparedRun], values: Sequence[ComparedValue]) -> Doc
     for value in values:
         named = [
             (number, name)
-            for number, name in zip(value.values, names, strict=True)
-            if number is not None
+            for place, (number, name) in enumerate(zip(value.values, names, strict=True))
+            if number is not None and place not in value.places_left_out
         ]
         if not named:
             continue

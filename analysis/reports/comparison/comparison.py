@@ -49,6 +49,8 @@ from granwave.analysis.reports.comparison.values import (
     ComparedValue,
     compared_values,
     differing_values,
+    partial_note,
+    results_and_details,
     sentence,
     truncation_note,
     unknown_values,
@@ -113,12 +115,26 @@ class Comparison:
 
     @cached_property
     def without_ratio(self) -> dict[str, str]:
-        """Words in place of the ratios of all results that the end of a run truncates, that a
-        boundary limits, or that runs define differently, by name.
+        """Words in place of the ratios of all results and details that ends of runs truncate, that
+        a boundary limits, or that runs define differently, by name.
         """
-        values = compared_values(self.runs) if self.quantities else self.values
+        values = self._results_and_details
         words = {value.name: value.without_ratio for value in values if value.without_ratio}
         return words | dict.fromkeys(unlike_names(self.runs), DIFFERENT_MEANING)
+
+    @cached_property
+    def truncated(self) -> dict[str, tuple[ComparedRun, ...]]:
+        """Runs whose end truncates a value, by its name; ratios are of the other runs."""
+        return {
+            value.name: tuple(self.runs[place] for place in sorted(value.incomplete))
+            for value in self._results_and_details
+            if value.incomplete
+        }
+
+    @cached_property
+    def _results_and_details(self) -> list[ComparedValue]:
+        """All results, and details that ends or boundaries limit."""
+        return results_and_details(self.runs)
 
     @cached_property
     def _finished(self) -> tuple[ComparedRun, ...]:
@@ -251,7 +267,8 @@ class Comparison:
 
         Units are in ``attrs["units"]``, by name. The ratio is that of the second to the first of
         two runs, of the largest to the smallest value of more runs; NaN where a value is zero or
-        missing, or where the end of a run truncates it or a boundary limits it.
+        missing, where a boundary limits it, or where fewer than two runs are complete; runs whose
+        end truncates the value are left out.
         """
         import pandas
 
@@ -470,6 +487,8 @@ class Comparison:
             first.append(f"Unfinished, compared up to the last output: {listed}.")
         definitions: list[str] = []
         limits = self._unlike_ends()
+        if partial := partial_note(self.values, [run.name for run in self.runs]):
+            limits.append(partial)
         if len(self.runs) >= _LEAST_RUNS:
             definitions = definition_notes(self.runs, self._names_compared)
             limits += limit_notes(self.runs, self._names_compared)

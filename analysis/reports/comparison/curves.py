@@ -150,6 +150,16 @@ def has_peak_at_bottom(run: ComparedRun) -> bool:
     return record is None or record.has_known_peak
 
 
+def has_own_peak(run: ComparedRun) -> bool:
+    """Return True if the record of a run shows by itself that it includes the largest force on the
+    bottom: the force has passed its peak, and most of the momentum of the impact has arrived.
+
+    False where other bodies take up momentum, so that it does not show whether pulses are missing.
+    """
+    record = bottom_record(run)
+    return record is not None and record.arrived_momentum is not None and record.has_known_peak
+
+
 def has_static_load(run: ComparedRun) -> bool:
     """Return True if the case of a run has a static load."""
     return any(key.startswith(_STATIC_LOAD) for key in run.run.case)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from fnmatch import fnmatchcase
 from typing import Protocol
 
@@ -16,6 +16,7 @@ from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
     bottom_record,
+    has_own_peak,
     has_peak_at_bottom,
 )
 from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError, names_in_words
@@ -125,34 +126,107 @@ def same_case_sentence(runs: Sequence[ComparedRun]) -> str:
 
 
 def truncated_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the values that the end of a run truncates: an earlier end, or an end before they
-    are known, see `definitions`.
+    """Return the values that ends of runs truncate, so that fewer than two runs can be compared,
+    see `truncated_runs`.
+    """
+    truncated = truncated_runs(names, runs)
+    return {name for name, cut in truncated.items() if is_without_pair(name, runs, cut)}
+
+
+def is_without_pair(name: str, runs: Sequence[ComparedRun], cut: Collection[ComparedRun]) -> bool:
+    """Return True if the end of a run truncates a value, and fewer than two other runs have it.
+
+    Parameters
+    ----------
+    cut
+        Runs whose end truncates the value.
+    """
+    complete = [run for run in runs if run not in cut and run.run.number(name) is not None]
+    return bool(cut) and len(complete) < _LEAST_RUNS
+
+
+def truncated_runs(
+    names: Sequence[str], runs: Sequence[ComparedRun]
+) -> dict[str, frozenset[ComparedRun]]:
+    """Return by value the runs whose end truncates it: an end earlier than others, or an end before
+    the value is known, see `definitions`; without values that no run truncates.
 
     A value is complete if it is final at the earliest end in every run: the longer runs hardly
     change it afterwards, and the shortest run hardly changes it in the last tenth of its time.
     With different cases, whose waves may differ in speed, it is also complete if every run has it
     by half of its own time, and in runs that ended since they had settled. Values whose course is
-    not recorded count as truncated.
+    not recorded count as truncated. The runs with the earliest end are left out until the value is
+    complete in the others, or the others end at the same time.
+
+    Values of the peak force on the bottom have no common end if the cases differ: each run is
+    complete if its own record includes the peak, see
+    `has_own_peak`; where the record does not show this, the ends decide.
     """
     is_one_case = differ_in_end_only(runs)
-    unknown = _unknown_names(names, runs)
-    final: dict[tuple[Course, tuple[ComparedRun, ...]], bool] = {}
-    truncated: set[str] = set()
+    unknown = frozenset(run for run in runs if not has_peak_at_bottom(run))
+    remaining: dict[tuple[tuple[Course, ...], tuple[ComparedRun, ...]], frozenset[ComparedRun]] = {}
+    truncated: dict[str, frozenset[ComparedRun]] = {}
     for name in names:
-        compared = tuple(run for run in runs if run.run.number(name) is not None)
-        if _matches(name, _INDEPENDENT) or not have_unlike_ends(compared):
-            continue
-        if not is_one_case:
-            compared = tuple(run for run in compared if not _has_settled(run))
-        courses = _courses_of(name)
-        for course in courses:
-            if (course, compared) not in final:
-                final[course, compared] = _is_final(course, compared) or (
-                    not is_one_case and _is_early(course, compared)
-                )
-        if compared and not (courses and all(final[course, compared] for course in courses)):
-            truncated.add(name)
-    return truncated | unknown
+        cut = unknown if _matches(name, _OF_BOTTOM) else frozenset()
+        compared = tuple(run for run in runs if run not in cut and run.run.number(name) is not None)
+        if not _matches(name, _INDEPENDENT):
+            key = (_courses_of(name), compared)
+            if key not in remaining:
+                is_of_peak = _matches(name, _PEAKS_AT_BOTTOM)
+                remaining[key] = _early_runs(*key, is_one_case=is_one_case, is_of_peak=is_of_peak)
+            cut |= remaining[key]
+        if cut:
+            truncated[name] = cut
+    return truncated
+
+
+def _early_runs(
+    courses: Sequence[Course],
+    runs: Sequence[ComparedRun],
+    *,
+    is_one_case: bool,
+    is_of_peak: bool,
+) -> frozenset[ComparedRun]:
+    """Return the runs whose end is too early for a value, as of `truncated_runs`.
+
+    Parameters
+    ----------
+    courses
+        Courses that determine the value; empty if they are not recorded.
+    runs
+        Runs that have the value.
+    is_one_case
+        True if all runs of the comparison have one case.
+    is_of_peak
+        True for values of the peak force on the bottom.
+    """
+    if not have_unlike_ends(runs):
+        return frozenset()
+    own = is_of_peak and not is_one_case
+    settled = () if is_one_case else tuple(filter(_has_settled, runs))
+    unsettled = [run for run in runs if run not in settled]
+    doubtful = [run for run in unsettled if not (own and has_own_peak(run))]
+    cut: set[ComparedRun] = set()
+    while doubtful and have_unlike_ends([run for run in runs if run not in cut]):
+        earliest = min(end_of(run) for run in unsettled if run not in cut)
+        if courses and _are_final(courses, doubtful, earliest, is_one_case=is_one_case):
+            break
+        first = min(map(end_of, doubtful))
+        cut.update(run for run in doubtful if end_of(run) <= LATER * first)
+        doubtful = [run for run in doubtful if run not in cut]
+    return frozenset(cut)
+
+
+def _are_final(
+    courses: Sequence[Course], runs: Sequence[ComparedRun], earliest: float, *, is_one_case: bool
+) -> bool:
+    """Return True if the courses of a value are final at the earliest end, s, or if runs of
+    different cases have each course by half of their own times.
+    """
+    return all(
+        _is_final(course, runs, earliest) or (not is_one_case and _is_early(course, runs))
+        for course in courses
+    )
 
 
 def limited_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
@@ -167,6 +241,13 @@ def limited_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]
 def is_zone_size(name: str) -> bool:
     """Return True for sizes of the plastic zone and counts of its parts."""
     return _matches(name, _OF_SIZE)
+
+
+def is_limited_by_end(name: str) -> bool:
+    """Return True for values that ends of runs may truncate although no table of results shows
+    them: values of the peak force on the bottom, sizes of the plastic zone, values at the end.
+    """
+    return _matches(name, (*_OF_BOTTOM, *_OF_SIZE, *AT_THE_END))
 
 
 def growing_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
@@ -205,15 +286,6 @@ def _has_all_yielded(run: ComparedRun) -> bool:
         return True
 
 
-def _unknown_names(names: Sequence[str], runs: Sequence[ComparedRun]) -> set[str]:
-    """Return the values of a force on the bottom that has not passed its peak at the end of a
-    run.
-    """
-    if all(has_peak_at_bottom(run) for run in runs):
-        return set()
-    return {name for name in names if _matches(name, _OF_BOTTOM)}
-
-
 def _has_settled(run: ComparedRun) -> bool:
     """Return True for a run that ended by itself, since it had settled."""
     return not run.run.is_unfinished and run.run.summary.get("end_reason") == SETTLED
@@ -231,9 +303,8 @@ def _matches(name: str, patterns: Sequence[str]) -> bool:
     return any(fnmatchcase(name, pattern) for pattern in patterns)
 
 
-def _is_final(course: Course, runs: Sequence[ComparedRun]) -> bool:
-    """Return True if a value is final in every run at the earliest end of all runs."""
-    earliest = min(map(end_of, runs), default=0.0)
+def _is_final(course: Course, runs: Sequence[ComparedRun], earliest: float) -> bool:
+    """Return True if a value is final in every run at the earliest end of all runs, s."""
     for run in runs:
         is_shortest = end_of(run) <= LATER * earliest
         time = (1 - _LAST_PART) * earliest if is_shortest else earliest

@@ -7,13 +7,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from granwave.analysis.document.model import named
 from granwave.analysis.formatting.numbers import number, plain, quantity_in
 from granwave.analysis.measures.zone_size import Mark, mark_of
 from granwave.analysis.reports.comparison.curves import (
     has_peak_at_bottom,
     static_force_at_bottom,
 )
-from granwave.analysis.reports.comparison.ends import GROWING, truncated_names
+from granwave.analysis.reports.comparison.ends import GROWING, truncated_runs
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import ComparedRun, names_in_words
 from granwave.analysis.reports.setting import target_of
@@ -115,12 +116,11 @@ def protection_rankings(runs: Sequence[ComparedRun], names: Sequence[str]) -> li
 def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     """Return the order of the runs by the peak force below the packing; empty without one."""
     place = "target" if all(target_of(run.run.case) for run in runs) else "bottom"
-    n_runs = len(runs)
-    kept = [n for n, run in enumerate(runs) if has_peak_at_bottom(run)]
+    compared = names
+    early = truncated_runs([_FORCE], runs).get(_FORCE, ())
+    kept = [n for n, run in enumerate(runs) if has_peak_at_bottom(run) and run not in early]
     runs = [runs[n] for n in kept]
     names = [names[n] for n in kept]
-    if truncated_names([_FORCE], runs):
-        return ""
     if have_same_input([run for run in runs if run.run.number(_FORCE)]):
         static = [static_force_at_bottom(run) for run in runs]
         force = "peak dynamic force" if any(static) else "peak force"
@@ -133,7 +133,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
             "better",
             "best",
         )
-        return _ordered(phrase, entries, partial(quantity_in, unit="N"), n_runs)
+        return _ordered(phrase, entries, partial(quantity_in, unit="N"), compared)
     relative = [_Entry(entry.name, 1 / entry.value) for entry in _entries(_REDUCTION, runs, names)]
     reduced = (
         f"Inputs differ; the peak force on the {place} relative to the same impact without the "
@@ -147,7 +147,7 @@ def _force_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         "lower",
         "lowest",
     )
-    return _ordered(phrase, relative, number, n_runs)
+    return _ordered(phrase, relative, number, compared)
 
 
 def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
@@ -155,8 +155,8 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
     if not have_same_input([run for run in runs if run.run.number(_DEPTH)]):
         return ""
     complete = [place for place, run in enumerate(runs) if _has_complete_zone(run)]
-    if truncated_names([_DEPTH], [runs[place] for place in complete]):
-        return ""
+    early = truncated_runs([_DEPTH], [runs[place] for place in complete]).get(_DEPTH, ())
+    complete = [place for place in complete if runs[place] not in early]
     entries = _entries(
         _DEPTH, [runs[place] for place in complete], [names[place] for place in complete]
     )
@@ -168,7 +168,7 @@ def _depth_sentence(runs: Sequence[ComparedRun], names: Sequence[str]) -> str:
         "shallower",
         "shallowest",
     )
-    text = _ordered(phrase, entries, partial(quantity_in, unit="m"), len(runs))
+    text = _ordered(phrase, entries, partial(quantity_in, unit="m"), names)
     without = [
         name
         for run, name in zip(runs, names, strict=True)
@@ -188,14 +188,17 @@ def _has_complete_zone(run: ComparedRun) -> bool:
 
 
 def _ordered(
-    phrase: _Phrase, entries: Sequence[_Entry], text: Callable[[float], str], n_runs: int
+    phrase: _Phrase,
+    entries: Sequence[_Entry],
+    text: Callable[[float], str],
+    compared: Sequence[str],
 ) -> str:
     """Return the runs in the order of their values; empty for fewer than two.
 
     Parameters
     ----------
-    n_runs
-        Number of runs of the comparison, also without such a value.
+    compared
+        Names of the runs of the comparison, also without such a value.
     """
     if len(entries) < _LEAST_RUNS:
         return ""
@@ -203,7 +206,7 @@ def _ordered(
     first = rising[0]
     last = rising[-1]
     if last.value <= first.value * (1 + _SAME):
-        return _equal(phrase, rising, text, n_runs)
+        return _equal(phrase, rising, text, compared)
     degree = phrase.of_two if len(rising) == _LEAST_RUNS else phrase.of_more
     equal = [entry for entry in rising if entry.value <= first.value * (1 + _SAME)]
     names: dict[tuple[str, str], list[str]] = {}
@@ -219,13 +222,19 @@ def _ordered(
         values = dict.fromkeys([text(first.value), text(equal[-1].value)])
         best = phrase.best_equal.format(listed, degree, " to ".join(values))
     if len(rising) > _MOST_LISTED:
-        return f"{best}. The largest value of the {len(rising)} runs is {parts[-1]}."
+        ranked = {entry.name for entry in rising}
+        others = [name for name in compared if name not in ranked]
+        which = f"{len(rising)} ranked runs" if others else f"{len(rising)} runs"
+        text_of_largest = f"{best}. The largest value of the {which} is {parts[-1]}"
+        if not others:
+            return f"{text_of_largest}."
+        return f"{text_of_largest}; not ranked: {named(others, _MOST_LISTED)}."
     listed = " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
     return f"{best}, compared with {listed}."
 
 
 def _equal(
-    phrase: _Phrase, rising: Sequence[_Entry], text: Callable[[float], str], n_runs: int
+    phrase: _Phrase, rising: Sequence[_Entry], text: Callable[[float], str], compared: Sequence[str]
 ) -> str:
     """Return the sentence on runs whose values hardly differ, as of `_ordered`; with the smallest
     and the largest value, unless they are equal with the digits of a sentence.
@@ -235,7 +244,7 @@ def _equal(
     difference = last.value / first.value - 1
     percent = plain(f"{100 * difference:.1g}")
     runs = "both runs" if len(rising) == _LEAST_RUNS else f"all {len(rising)} runs"
-    if len(rising) < n_runs:
+    if len(rising) < len(compared):
         runs = names_in_words([entry.name for entry in rising])
     least = text(first.value)
     most = text(last.value)

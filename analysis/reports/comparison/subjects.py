@@ -48,6 +48,7 @@ _LONGEST = 40  # characters of a label
 _LONGEST_VALUE = 24  # characters of a value in a label
 _BETWEEN_DIFFERENCES = ", "
 _BETWEEN_WORDS = r"[-_ /]"  # separators in the name of a run
+_POINT = r".+ #\d+"  # name of a point of a scan, which says nothing about its case
 _KILO = 1e3
 _MOST_LISTED = 4  # runs that a sentence lists; of more the first and the last
 _LEAST_RANGE = 3  # runs in a row that are named by the first and the last
@@ -313,9 +314,16 @@ def _texts(runs: Sequence[ReportRun]) -> list[str]:
             for key, part in parts.items()
             if 0 < len(part) <= _longest_value(key) and part not in in_name
         ]
+        if not said and re.fullmatch(_POINT, run.label):
+            said = [_with_name(key, "0") for key in parts if _is_zero(run.case.get(key))]
         more = ["…"] if len(said) > _MOST_KEYS else []
         texts.append(_BETWEEN_DIFFERENCES.join([*said[:_MOST_KEYS], *more]))
     return texts
+
+
+def _is_zero(value: Any) -> bool:
+    """Return True for a number 0, such as the diameter scatter of a regular packing."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and value == 0
 
 
 def _longest_value(key: str) -> int:

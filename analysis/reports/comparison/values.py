@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from granwave.analysis.document.model import label_of, named, unit_of_value
+from granwave.analysis.document.model import Cell, label_of, named, unit_of_value
 from granwave.analysis.errors import did_you_mean
 from granwave.analysis.formatting.numbers import number, plain, quantity_in
 from granwave.analysis.formatting.values import grains_called_in
@@ -15,9 +15,11 @@ from granwave.analysis.reports.comparison.ends import (
     AT_THE_END,
     growing_names,
     have_unlike_ends,
+    is_limited_by_end,
+    is_without_pair,
     is_zone_size,
     limited_names,
-    truncated_names,
+    truncated_runs,
 )
 from granwave.analysis.reports.comparison.energy_inputs import have_same_input
 from granwave.analysis.reports.comparison.subjects import (
@@ -73,6 +75,9 @@ NOT_COMPARED = "Not compared, since they depend on the end time of a run"
 LIMITED = "limited"
 #: The same for a value that kinds of runs define differently.
 DIFFERENT_MEANING = "defined differently"
+MARK = "*"  # after a value that the end of its run truncates
+PARTIAL = "Truncated by the end of the run"
+_PAIR = 2
 _IN_SENTENCE = 3
 _ALL_COMPLETE = "that are complete in every run"  # follows "results"
 _COMPLETE = "that is complete in every run"  # follows "result"
@@ -99,7 +104,10 @@ class ComparedValue:
     unit
         SI unit; empty if there is none.
     is_truncated
-        True if the end of a run truncates it, so that it has no ratio.
+        True if ends of runs truncate it so that fewer than two runs are complete, or if it still
+        grows; it then has no ratio.
+    incomplete
+        Positions of the runs whose end truncates it; the ratio is of the other runs.
     is_limited
         True for a size of plastic zones of which a boundary limits at least one, so that it has no
         ratio.
@@ -121,6 +129,34 @@ class ComparedValue:
     is_growing: bool = False
     is_of_input: bool = False
     differs_in_meaning: bool = False
+    incomplete: frozenset[int] = frozenset()
+
+    @property
+    def places_left_out(self) -> frozenset[int]:
+        """Positions of the runs that are not compared, because others are complete."""
+        return frozenset() if self.is_truncated and not self.is_growing else self.incomplete
+
+    @property
+    def marked_places(self) -> frozenset[int]:
+        """Positions of the runs whose end truncates it; none for two runs, where a word in place of
+        the ratio shows this.
+        """
+        return self.incomplete if len(self.values) > _PAIR else frozenset()
+
+    @property
+    def compared(self) -> list[float | None]:
+        """Values of the runs that are compared: of all, if the value is truncated."""
+        return [value for n, value in enumerate(self.values) if n not in self.places_left_out]
+
+    @property
+    def is_cut(self) -> bool:
+        """True if the end of any run truncates it."""
+        return bool(self.incomplete) or (self.is_truncated and not self.is_growing)
+
+    @property
+    def compared_numbers(self) -> list[float]:
+        """Values of the runs that are compared, of those that have it."""
+        return [value for value in self.compared if value is not None]
 
     @property
     def numbers(self) -> list[float]:
@@ -135,18 +171,19 @@ class ComparedValue:
     @property
     def ratio(self) -> float | None:
         """Ratio of the second to the first value of two runs; for more runs, of the largest to the
-        smallest magnitude.
+        smallest magnitude, without the runs whose end truncates the value.
 
-        None for a single run, if a run has no value or the value zero, if the value is truncated,
-        still grows or is limited, or if runs define it differently.
+        None for a single run, if a compared run has no value or the value zero, if the value is
+        truncated, still grows or is limited, or if runs define it differently.
         """
-        if self.without_ratio or None in self.values or not all(self.numbers):
+        numbers = self.compared_numbers
+        if self.without_ratio or None in self.compared or not all(numbers):
             return None
-        if len(self.numbers) < 2:
+        if len(numbers) < 2:
             return None
-        if len(self.numbers) == 2:
-            return self.numbers[1] / self.numbers[0]
-        smallest, *_, largest = sorted(self.numbers, key=abs)
+        if len(self.values) == _PAIR:
+            return numbers[1] / numbers[0]
+        smallest, *_, largest = sorted(numbers, key=abs)
         return largest / smallest
 
     @property
@@ -167,7 +204,14 @@ class ComparedValue:
         """True for a value that every run has and defines in the same way, and that neither the end
         of a run nor a boundary limits.
         """
-        return not self.without_ratio and None not in self.values
+        return not self.without_ratio and not self.incomplete and None not in self.values
+
+    @property
+    def has_complete_runs(self) -> bool:
+        """True for a value that the runs have whose end does not truncate it, and that neither
+        grows nor is limited.
+        """
+        return not self.without_ratio and None not in self.compared
 
     @property
     def is_main(self) -> bool:
@@ -179,17 +223,18 @@ class ComparedValue:
     @property
     def is_negligible(self) -> bool:
         """True for fractions that are zero in a run and hardly more in the others."""
-        sizes = [abs(number) for number in self.numbers]
+        sizes = [abs(number) for number in self.compared_numbers]
         is_fraction = self.name.endswith(_FRACTION)
         return is_fraction and min(sizes, default=0.0) == 0 and max(sizes) < _NO_FRACTION
 
     @property
     def spread(self) -> float:
         """Logarithm of largest over smallest magnitude; infinite for zero next to a number."""
-        sizes = [abs(number) for number in self.numbers]
-        if len(sizes) < 2 or self.is_zero:
+        numbers = self.compared_numbers
+        sizes = [abs(number) for number in numbers]
+        if len(sizes) < 2 or not any(sizes):
             return 0.0
-        if min(sizes) <= _ROUNDING * max(sizes) or min(self.numbers) < 0 < max(self.numbers):
+        if min(sizes) <= _ROUNDING * max(sizes) or min(numbers) < 0 < max(numbers):
             return math.inf
         return math.log(max(sizes) / min(sizes))
 
@@ -212,23 +257,43 @@ def compared_values(runs: Sequence[ComparedRun], names: Iterable[str] = ()) -> l
     """
     asked = list(names)
     wanted = asked or _outcomes(runs)
-    truncated = truncated_names(wanted, runs)
-    limited = limited_names(wanted, runs)
-    growing = growing_names(wanted, runs) - truncated
-    values = [
-        _value(
-            name,
-            runs,
-            is_truncated=name in truncated | growing,
-            is_limited=name in limited,
-            is_growing=name in growing,
-        )
-        for name in wanted
-    ]
+    values = _limited_values(wanted, runs)
     if asked:
         return values
     shown = [value for value in values if len(value.numbers) > 1 and not value.is_zero]
     return sorted(_without_repetitions(shown), key=_rank)
+
+
+def results_and_details(runs: Sequence[ComparedRun]) -> list[ComparedValue]:
+    """Return all results, and all details that the ends of runs or boundaries limit, such as the
+    50 % sizes of the plastic zone.
+    """
+    details = [name for name in _keys(runs) if is_limited_by_end(name)]
+    return _limited_values(list(dict.fromkeys([*_outcomes(runs), *details])), runs)
+
+
+def _limited_values(names: Sequence[str], runs: Sequence[ComparedRun]) -> list[ComparedValue]:
+    """Return values with the limits by the ends of runs and by boundaries."""
+    truncated = truncated_runs(names, runs)
+    limited = limited_names(names, runs)
+    growing_by_run = {run: growing_names(names, [run]) for run in runs}
+    values: list[ComparedValue] = []
+    for name in names:
+        cut = truncated.get(name, frozenset())
+        is_truncated = is_without_pair(name, runs, cut)
+        is_growing = not is_truncated and any(
+            name in growing for run, growing in growing_by_run.items() if run not in cut
+        )
+        value = _value(
+            name,
+            runs,
+            is_truncated=is_truncated or is_growing,
+            is_limited=name in limited,
+            is_growing=is_growing,
+            incomplete=frozenset(n for n, run in enumerate(runs) if run in cut),
+        )
+        values.append(value)
+    return values
 
 
 def _without_repetitions(values: Sequence[ComparedValue]) -> list[ComparedValue]:
@@ -316,7 +381,7 @@ def sentence(
         if others_stated:
             return ""
         return _without_difference(values, compared, runs, asked=asked)
-    is_truncated = any(value.is_truncated and not value.is_growing for value in values)
+    is_truncated = any(value.is_cut for value in values)
     distinct = [value for value in different if value.spread > _HARDLY and not value.is_negligible]
     if not distinct:
         largest = max(different, key=lambda value: value.spread)
@@ -363,7 +428,7 @@ def _without_difference(
     """Return the sentence on runs whose compared values are equal, or that have none."""
     end = "an earlier end" if have_unlike_ends(runs) else "the end of a run"
     names = names_in_words([run.name for run in runs])
-    is_truncated = any(value.is_truncated and not value.is_growing for value in values)
+    is_truncated = any(value.is_cut for value in values)
     reasons = [f"{end} truncates it"] if is_truncated else []
     if any(value.is_growing for value in values):
         reasons.append("it still grows at the end of a run")
@@ -380,7 +445,7 @@ def _without_difference(
         return f"The requested values do not differ between {names}, or a run lacks them."
     if any(value.is_of_input and value.is_complete and value.spread > _SAME for value in values):
         return "Only energies and sizes of the plastic zone differ, which depend on the input."
-    has_truncated = any(value.is_truncated for value in values)
+    has_truncated = any(value.is_truncated or value.incomplete for value in values)
     result = f"result {_COMPLETE}" if has_truncated else "result"
     return f"No {result} differs between {names}."
 
@@ -392,6 +457,31 @@ def truncation_note(values: Sequence[ComparedValue]) -> str:
     if not labels:
         return ""
     return f"{NOT_COMPARED}: {named(labels, _MOST_LABELS)}."
+
+
+def partial_note(values: Sequence[ComparedValue], names: Sequence[str]) -> str:
+    """Return a sentence on the runs whose end truncates values of which other runs are compared;
+    empty if there are none.
+
+    Parameters
+    ----------
+    names
+        Names of the runs: (n_runs,).
+    """
+    partial = [value for value in values if value.places_left_out]
+    if not partial:
+        return ""
+    places = sorted(frozenset().union(*(value.incomplete for value in partial)))
+    cut = named([names[place] for place in places], _MOST_NAMED)
+    labels = named([_in_sentence(value.label) for value in partial], _MOST_LABELS)
+    return f"{PARTIAL} ({MARK} in tables), and not part of ratios: values of {cut} ({labels})."
+
+
+def marked(cell: Cell, *, is_marked: bool) -> Cell:
+    """Return the cell of a value, with the mark of a value that the end of its run truncates."""
+    if not is_marked or cell.value is None:
+        return cell
+    return replace(cell, text=f"{cell.text}{MARK}", meaning=f"{PARTIAL}.")
 
 
 def factor(ratio: float) -> str:
@@ -458,6 +548,7 @@ def _value(
     is_truncated: bool = False,
     is_limited: bool = False,
     is_growing: bool = False,
+    incomplete: frozenset[int] = frozenset(),
 ) -> ComparedValue:
     numbers = [_number(name, run) for run in runs]
     finite = [None if value is None or not math.isfinite(value) else value for value in numbers]
@@ -480,6 +571,7 @@ def _value(
         is_growing=is_growing,
         is_of_input=is_of_input,
         differs_in_meaning=name in unlike_names(runs),
+        incomplete=incomplete,
     )
 
 
@@ -495,10 +587,10 @@ def _number(name: str, run: ComparedRun) -> float | None:
 
 def _rank(value: ComparedValue) -> tuple[bool, float]:
     """Return the order of a value: zeros next to numbers and different signs, then the most
-    different; values that a run lacks or that are truncated or limited, and negligible fractions
-    come last.
+    different; values that a compared run lacks or that are truncated or limited, and negligible
+    fractions come last.
     """
-    return not value.is_complete or value.is_negligible, -value.spread
+    return not value.has_complete_runs or value.is_negligible, -value.spread
 
 
 def _family(name: str) -> str:

@@ -30,6 +30,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.workflows.scanning.header import TABLE_OF_KEYS
 
 _REPLACE = "replace"
+_ROUNDING = 1e-9  # relative difference between a value and a limit that it meets exactly
 _MOST_IDS = 1_000_000  # most ids of grains that one key changes
 #: Values of a packing that limits may concern and that are known before a run.
 KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
@@ -206,21 +207,33 @@ class DesignLimit:
 
     def margin(self, value: float) -> float:
         """Return how far a value is beyond a bound, divided by the bound; 0 or negative within the
-        bounds.
+        bounds, and 0 for a value that differs from a bound by rounding only.
         """
-        margins = []
-        for sign, bound in ((1, self.high), (-1, self.low)):
-            if bound is not None:
-                margins.append(float(sign * (value - bound) / (abs(bound) or 1.0)))
-        return max(margins, default=0.0)
+        margins = [_beyond(value, self.high, 1), _beyond(value, self.low, -1)]
+        known = [margin for margin in margins if margin is not None]
+        return max(known, default=0.0)
 
     def fault(self, value: float) -> str:
         """Return a value beyond its bounds in words, with the bound; empty within the bounds."""
-        if self.high is not None and value > self.high:
+        if (_beyond(value, self.high, 1) or 0.0) > 0:
             return f"{self.name} {value:.4g}, at most {self.high:g}"
-        if self.low is not None and value < self.low:
+        if (_beyond(value, self.low, -1) or 0.0) > 0:
             return f"{self.name} {value:.4g}, at least {self.low:g}"
         return ""
+
+
+def _beyond(value: float, bound: float | None, sign: int) -> float | None:
+    """Return how far a value is beyond a bound, divided by the bound; None without a bound.
+
+    Parameters
+    ----------
+    sign
+        1 for an upper bound, -1 for a lower bound.
+    """
+    if bound is None:
+        return None
+    margin = float(sign * (value - bound) / (abs(bound) or 1.0))
+    return 0.0 if abs(margin) <= _ROUNDING else margin
 
 
 @dataclasses.dataclass(frozen=True)

@@ -8,6 +8,8 @@ from matplotlib import pyplot
 
 from granwave.analysis import analyse
 from granwave.analysis.errors import MissingDataError
+from granwave.analysis.figures.legends import covers_curve
+from granwave.analysis.figures.titles import in_lines
 from granwave.analysis.notebook.run import Run
 from granwave.lammps_inputs.errors import InputError
 from tests.helpers.made_up import synthetic
@@ -122,3 +124,42 @@ def test_the_legend_of_two_runs_leaves_the_axes_their_size(runs):
 def test_a_plane_for_a_figure_with_its_own(runs):
     with pytest.raises(InputError, match=r"use peak_force_section"):
         runs[0].figure("peak_force_principal", plane=[0, 1, 0])
+
+
+@pytest.mark.filterwarnings("error:constrained_layout not applied")
+def test_titles_and_legends_fit_small_axes(runs):
+    """Axes keep their room; titles are no longer than their axes, also of figures that were drawn
+    before the layout changed.
+    """
+    slow, fast = runs
+    figure, panels = pyplot.subplots(2, 2, figsize=(7, 5), layout="constrained")
+    slow.figure("bottom_force", ax=panels[0, 0], against=fast)
+    slow.figure("peak_force_depth", ax=panels[0, 1])
+    slow.figure("peak_force_section", ax=panels[1, 0], plane="y")
+    slow.figure("impactor_velocity", ax=panels[1, 1])
+    figure.draw_without_rendering()
+    for axes in panels.flat:
+        assert axes.bbox.width > 0.2 * figure.bbox.width
+        assert axes.xaxis.label.get_window_extent().width <= axes.bbox.width
+        assert axes.yaxis.label.get_window_extent().height <= axes.bbox.height
+        legend = axes.get_legend()
+        if legend is not None:
+            assert legend.get_window_extent().width <= axes.bbox.width
+            assert not covers_curve(axes, legend)
+    assert "\n" in panels[1, 0].get_xlabel()
+    pyplot.close(figure)
+
+
+def test_the_legend_of_wide_axes_covers_no_curve(runs):
+    slow, fast = runs
+    figure, axes = pyplot.subplots(figsize=(10, 3), layout="constrained")
+    slow.figure("bottom_force", ax=axes, against=fast)
+    figure.draw_without_rendering()
+    assert not covers_curve(axes, axes.get_legend())
+    pyplot.close(figure)
+
+
+def test_formulas_are_not_broken():
+    text = in_lines("Peak force $F / F_y$ of the layer", 3)
+    assert text == "Peak force\n$F / F_y$ of\nthe layer"
+    assert in_lines("$a b$", 2) == "$a b$"

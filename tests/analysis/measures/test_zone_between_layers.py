@@ -48,6 +48,22 @@ def test_straight_between_layers():
     assert extent_holding(depth, energy, 0.75) == 1.0
 
 
+def test_a_shell_with_little_energy_is_crossed_by_a_small_change():
+    """The interpolated radius is continuous, but steep: a change of the dissipation by 1 % moves it
+    across a shell that dissipates 0.2 %. The values are of `fcc-small` with 10 x 10 x 6 spheres.
+    """
+    radius = np.array([15.3, 17.3, 20.0, 20.8, 50.0])
+    regular = np.diff([0.0, 0.8643, 0.9004, 0.9023, 0.9310, 1.0])
+    scattered = np.diff([0.0, 0.8529, 0.8910, 0.8927, 0.9213, 1.0])
+    sizes = [
+        interpolated_extent(radius, regular + part * (scattered - regular), 0.9)
+        for part in np.linspace(0, 1, 1001)
+    ]
+    assert sizes[0] < 17.3
+    assert sizes[-1] > 20.0
+    assert np.abs(np.diff(sizes)).max() < 0.05
+
+
 def test_parts_without_energy_and_the_order_of_the_rows_do_not_matter():
     depth = np.array([0.0, 1.0, 2.0, 5.0])
     energy = np.array([1.0, 0.0, 1.0, 0.0])

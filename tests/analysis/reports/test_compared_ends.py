@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -12,18 +13,21 @@ from granwave.analysis.reports.comparison.comparison import Comparison, compare_
 from granwave.analysis.reports.comparison.curves import (
     SampledCurve,
     bottom_record,
+    has_own_peak,
     has_peak_at_bottom,
 )
 from granwave.analysis.reports.comparison.ends import _is_final_at, truncated_names
 from granwave.analysis.reports.comparison.subjects import compared_runs
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.results import results_section
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.compare import text_of
 
 pytestmark = pytest.mark.xdist_group("ends of compared runs")  # its fixture is made once
 
 SMALL = {"packing.size": [6, 6, 4]}
+SLOW = {"packing.size": [6, 6, 6], "material": "ptfe", "contact.law": "hertz"}
 ENDS = {"early": 4e-5, "full": 2e-4}
 #: Values of the early run that the longer run changes.
 TRUNCATED = ("wall_peak_force_N", "wall_impulse_Ns", "n_plastic_spheres", "impactor_velocity_m_s")
@@ -42,7 +46,12 @@ def place(tmp_path_factory):
 
 
 def compared(place, *names: str, **options) -> Comparison:
-    return compare_runs(list(read_inputs([place / name for name in names], place).runs), **options)
+    return compared_in([place / name for name in names], **options)
+
+
+def compared_in(folders, **options) -> Comparison:
+    runs = [run for folder in folders for run in read_inputs([folder], folder.parent).runs]
+    return compare_runs(runs, **options)
 
 
 def test_one_case_that_stops_earlier_is_no_comparison_of_results(place):
@@ -135,8 +144,7 @@ def test_a_value_is_final_if_it_does_not_change_after_the_earliest_end(place):
 
 def test_a_slower_wave_in_a_longer_run_is_complete(place, tmp_path):
     """Its peak comes after the end of the other run, in the first half of its own time."""
-    slow = {"packing.size": [6, 6, 6], "material": "ptfe", "contact.law": "hertz"}
-    slow["run.end_time"] = 1.5e-3
+    slow = SLOW | {"run.end_time": 1.5e-3}
     run_case(load_case("fcc-small", slow), tmp_path / "slow", figures=False)
     full, of_slow_wave = read_inputs([place / "full", tmp_path / "slow"], tmp_path).runs
     record = bottom_record(compared_runs([of_slow_wave])[0])
@@ -170,15 +178,99 @@ def test_one_run_beside_a_measured_curve_has_no_ratio(place, tmp_path):
 
 def test_truncated_forces_are_not_ranked(place, tmp_path):
     """A force that passes its peak after the end of the other run, and shortly before its own, is
-    neither compared in the table nor ranked in the first sentence.
+    neither compared in the table nor ranked in the first sentence, if its own record does not show
+    that the peak is complete: rough sides take up momentum.
     """
-    slow = {"packing.size": [6, 6, 6], "material": "ptfe", "contact.law": "hertz"}
-    slow["run.end_time"] = 4e-4  # the peak is at 282 us
+    slow = SLOW | {"run.end_time": 4e-4, "boundary.sides": "wall", "contact.friction": 0.3}
     run_case(load_case("fcc-small", slow), tmp_path / "slow", figures=False)
-    (full,) = read_inputs([place / "full"], place).runs
-    (other,) = read_inputs([tmp_path / "slow"], tmp_path).runs
-    comparison = compare_runs([full, other])
+    comparison = compared_in([place / "full", tmp_path / "slow"])
     assert all(map(has_peak_at_bottom, comparison.runs))
+    assert [has_own_peak(run) for run in comparison.runs] == [True, False]
     assert comparison.without_ratio["wall_peak_force_N"] == "truncated"
     assert comparison.protection == []
     assert not any("on the bottom" in text for text in comparison.paragraphs)
+
+
+def test_the_record_of_a_run_shows_that_its_peak_is_complete(place, tmp_path):
+    """The force passes its peak at 282 us, after the end of the other run. With more than 80 % of
+    the momentum on the bottom it is complete: a run of 1.5 ms has the same force.
+    """
+    for name, end in {"slow": 4e-4, "long": 1.5e-3}.items():
+        slow = SLOW | {"run.end_time": end}
+        run_case(load_case("fcc-small", slow), tmp_path / name, figures=False)
+    comparison = compared_in([place / "full", tmp_path / "slow"])
+    assert all(map(has_own_peak, comparison.runs))
+    assert "wall_peak_force_N" not in comparison.without_ratio
+    assert comparison.protection[0].startswith("Inputs differ; the peak force on the bottom")
+    longer = compared_in([place / "full", tmp_path / "long"])
+    for name in ("wall_peak_force_N", "base_arrival_s", "peak_reduction"):
+        ratio = comparison.table.loc[name, "ratio"]
+        assert ratio == pytest.approx(longer.table.loc[name, "ratio"], rel=1e-4)
+
+
+def test_chains_of_different_speed_are_compared_at_the_bottom(tmp_path):
+    """The peak in PTFE, at 1 ms, is later than the end of the chain of steel, 0.4 ms; a longer run
+    of steel gives the same ratios.
+    """
+    chain = {"packing": {"kind": "chain", "size": 20, "diameter": 0.0095}, "load": {"velocity": 1}}
+    ends = {"steel": ("stainless-steel", 4e-4), "longer": ("stainless-steel", 3e-3)}
+    for name, (material, end) in (ends | {"ptfe": ("ptfe", 3e-3)}).items():
+        table = {"material": material, "contact": {"law": "hertz"}, "run": {"end_time": end}}
+        bottom = {"bottom": {"material": material}}
+        case = case_from_dict(chain | table | {"boundary": bottom})
+        run_case(case, tmp_path / name, figures=False)
+    names = ["wall_peak_force_N", "base_arrival_s", "peak_reduction"]
+    early = compared(tmp_path, "steel", "ptfe")
+    late = compared(tmp_path, "longer", "ptfe")
+    assert not set(names) & set(early.without_ratio)
+    ratios = early.table.loc[names, "ratio"]
+    assert ratios.to_numpy() == pytest.approx(late.table.loc[names, "ratio"].to_numpy(), rel=1e-5)
+    assert "wall_impulse_Ns" in early.without_ratio
+    (note,) = [note for note in early.notes if "since they depend on the end time" in note]
+    assert not any(words in note for words in ("peak force", "arrival", "reduction"))
+
+
+def test_a_short_run_does_not_remove_the_comparison_of_the_others(place):
+    """The ratios are the ratios without it, and its values are marked in all tables."""
+    pair = compared(place, "full", "fast")
+    comparison = compared(place, "full", "early", "fast")
+    names = ["wall_peak_force_N", "base_arrival_s", "peak_reduction", "dissipated_fraction"]
+    values = {value.name: value for value in comparison.values}
+    for name in names:
+        assert values[name].incomplete == {1}
+        ratio = pair.table.loc[name, "ratio"]
+        expected = max(ratio, 1 / ratio)  # largest / smallest
+        assert comparison.table.loc[name, "ratio"] == pytest.approx(expected)
+    rows = {row[0].text: [cell.text for cell in row] for row in value_table(comparison).rows}
+    of_force = rows["Peak force on the bottom"]
+    assert [text.endswith("*") for text in of_force[2:5]] == [False, True, False]
+    assert not any(text.endswith("*") for text in rows["Peak contact force, excluding walls"])
+    assert rows["Arrival at the bottom"][3] == "\N{EN DASH}"  # early: not known
+    (note,) = [note for note in comparison.notes if note.startswith("Truncated by the end")]
+    assert "values of early (" in note and "peak force on the bottom" in note
+    assert not any("since they depend on the end" in note for note in comparison.notes)
+    (line,) = [line for line in text_of(comparison).splitlines() if line.startswith(names[0])]
+    assert line.count("*") == 1
+
+
+def test_truncated_values_are_marked_in_the_table_of_all_values(place):
+    inputs = read_inputs([place / name for name in ("full", "early", "fast")], place)
+    blocks = results_section(inputs, compare_runs(inputs.runs)).blocks
+    (table,) = [one for one in blocks if getattr(one, "caption", "") == "Values side by side"]
+    rows = {row[0].text: [cell.text for cell in row[2:]] for row in table.rows}
+    marks = {label: [text.endswith("*") for text in texts] for label, texts in rows.items()}
+    assert marks["Peak force on the bottom"] == [False, True, False]
+    assert marks["Peak force on the target"] == [False, True, False]
+    assert not any(marks["Energy input"])
+    note = blocks[blocks.index(table) + 1]
+    assert note.text == "* Truncated by the end of the run."
+
+
+def test_all_sizes_of_a_limited_zone_have_no_difference_in_the_table_of_all_values(place):
+    """The 50 and 99 % sizes too, which no table of results has."""
+    inputs = read_inputs([place / "full", place / "fast"], place)
+    comparison = compare_runs(inputs.runs)
+    blocks = results_section(inputs, comparison).blocks
+    (table,) = [one for one in blocks if getattr(one, "caption", "") == "Values side by side"]
+    sizes = [row[-1].text for row in table.rows if re.match(r"Plastic zone, \d+ %", row[0].text)]
+    assert len(sizes) > 10 and set(sizes) == {"limited"}

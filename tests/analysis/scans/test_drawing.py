@@ -273,6 +273,21 @@ def test_keys_of_two_values_and_constant_quantities_have_no_axis(tmp_path):
     assert "plastic_spheres_vs_load_velocity" not in names
 
 
+@pytest.mark.parametrize(
+    ("velocities", "forces", "scales"),
+    [
+        ([1, 2, 5, 10, 20], [10, 22, 60, 130, 280], ("log", "log")),
+        ([1, 2, 5, 10, 20], [10, 15, 30, 50, 80], ("log", "linear")),
+        ([1, 2, 3, 4, 5], [10, 40, 90, 160, 250], ("linear", "linear")),
+    ],
+)
+def test_values_over_a_decade_are_logarithmic_with_their_abscissae(velocities, forces, scales):
+    table = points(velocities, np.array(forces, float))
+    drawing = draw_curves(table, "Velocity (m/s)", "Force (N)", [], ("velocity", "force"))
+    axes = drawing.figure.axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == scales
+
+
 def test_the_peak_force_on_the_bottom_is_drawn_in_newtons(tmp_path):
     scan = write_scan(tmp_path, grid(load__velocity=[1, 2, 4]))
     change_summaries(

@@ -587,3 +587,31 @@ def test_main_figure(tmp_path, plate):
         assert sentence.startswith("Dissipated fraction") and "Peak reduction" not in str(
             shown.table
         )
+
+
+def test_values_of_limited_zones_come_last(tmp_path):
+    """Where the zone of a point reaches a boundary, the force on the bottom is the main result, and
+    the values of zones follow those without a limit.
+    """
+    scan = write_scan(tmp_path, grid(packing__diameter_scatter=[0, 2e-6, 5e-6]))
+    wall_forces = [1869.0, 1200.0, 940.0]
+    for number, point in enumerate(ScanResult(scan).points):
+        path = point.directory / "summary.json"
+        summary = json.loads(path.read_text()) | {
+            "dissipated_fraction": 0.7 + 0.001 * number,
+            "peak_force_N": 700.0 + number,
+            "n_plastic_spheres": 426 + 55 * number,
+            "plastic_zone_depth_m": 0.04 + 0.01 * number,
+            "wall_peak_force_N": wall_forces[number],
+            "zone_cut": [],
+        }
+        write_json(path, summary)
+    keys = [key for _, key in means_of(ScanResult(scan)).quantities()]
+    assert keys[:2] == ["wall_peak_force_N", "n_plastic_spheres"]
+    path = ScanResult(scan).points[2].directory / "summary.json"
+    write_json(path, json.loads(path.read_text()) | {"zone_cut": ["bottom"]})
+    means = means_of(ScanResult(scan))
+    keys = [key for _, key in means.quantities() if means.varies(key)]
+    assert keys[:3] == ["wall_peak_force_N", "dissipated_fraction", "peak_force_N"]
+    assert set(keys[-2:]) == {"n_plastic_spheres", "plastic_zone_depth_m"}
+    assert means.sentence(keys[0]).startswith("Peak force on the bottom: from 940 N")

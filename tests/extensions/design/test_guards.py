@@ -14,6 +14,7 @@ from granwave.extensions.design.search.guards import (
     has_passed,
     late_impulse,
 )
+from granwave.extensions.design.search.problem import DesignLimit
 from granwave.extensions.design.search.study import Design
 from tests.extensions.design.chain_search import problem_of
 
@@ -156,3 +157,16 @@ def test_limits_in_headings_have_their_unit():
         == ", at least 0.1 kg, at most 0.5 kg"
     )
     assert limit_in_heading("height_m", {}) == ""
+
+
+def test_a_value_that_equals_a_limit_is_within_it():
+    """Five layers of 8 mm are 0.04000000000000001 m high."""
+    height = DesignLimit("height_m", None, 0.04)
+    assert height.fault(5 * 0.008 * (1 + 2e-16)) == ""
+    assert height.margin(5 * 0.008 * (1 + 2e-16)) == 0.0
+    assert height.fault(0.041) == "height_m 0.041, at most 0.04"
+    assert height.margin(0.041) == pytest.approx(0.025)
+    fraction = DesignLimit("dissipated_fraction", 0.5, None)
+    assert fraction.fault(0.5 - 1e-12) == ""
+    assert fraction.fault(0.4) == "dissipated_fraction 0.4, at least 0.5"
+    assert DesignLimit("n_spheres", None, None).margin(5.0) == 0.0

@@ -104,6 +104,21 @@ def test_means_and_a_sentence(tmp_path):
     )
 
 
+def test_the_force_on_the_bottom_is_in_the_table_of_means(tmp_path):
+    """Values of zones that reach a boundary give their place to the force on the bottom."""
+    points = grid(packing__diameter_scatter=[1e-6, 5e-6], packing__seed=[1, 2, 3])
+    scan = write_scan(tmp_path / "scan", points)
+    for point in ScanResult(scan).points:
+        path = point.directory / "summary.json"
+        force = 2000.0 - 2e8 * point.labels["packing.diameter_scatter"]
+        more = {"wall_peak_force_N": force + point.labels["packing.seed"], "zone_cut": ["sides"]}
+        path.write_text(json.dumps(json.loads(path.read_text()) | more))
+    text = outcome_text(ScanOutcome(scan, done=6, failed=0, missing=0, stopped=None))
+    (head,) = [line for line in text.splitlines() if "Diameter scatter (µm)" in line]
+    assert "Peak force on the bottom (N)" in head and "Yielded spheres" not in head
+    assert "\nPeak force on the bottom: from " in text
+
+
 def test_without_replicates_there_is_the_sentence_alone(tmp_path):
     text = end_of(tmp_path, grid(load__velocity=[1, 2, 4]), lambda p: 0.1 * p["load.velocity"])
     assert "means of" not in text

@@ -13,6 +13,7 @@ from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import ReportKind
 from tests.analysis.reports.comparison.runs import compared, drawn
 from tests.helpers.made_up.synthetic_report import write_run
+from tests.helpers.made_up.synthetic_scan import write_scan
 
 pytestmark = pytest.mark.xdist_group("comparison of runs")  # its fixture is made once
 
@@ -48,6 +49,21 @@ def test_labels_show_the_diameter(tmp_path):
     fast = changes["b"] | {"load__velocity": 9}
     runs[1] = write_run(tmp_path / "c", figures=False, **fast)
     assert compared_runs(read_inputs(runs, tmp_path).runs)[1].label == "c: hcp, 9 × 9 × 6, 6 mm, …"
+
+
+def test_a_point_without_scatter_is_named_by_its_scatter(tmp_path):
+    """The seed has no effect without scatter; runs with names of their own keep them."""
+    points = [
+        {"packing.diameter_scatter": scatter, "packing.seed": seed}
+        for scatter, seed in ((0, 1), (2e-6, 1), (2e-6, 2), (5e-6, 1))
+    ]
+    scan = write_scan(tmp_path / "scand", points)
+    runs = list(read_inputs([scan], tmp_path).results())
+    labels = [run.label for run in compared_runs(runs)]
+    assert labels[0] == "scand #1: diameter scatter 0"
+    assert labels[2] == "scand #3: diameter scatter 2 µm, seed 2"
+    named = [dataclasses.replace(run, label=f"run-{n}") for n, run in enumerate(runs)]
+    assert compared_runs(named)[0].label == "run-0"
 
 
 def test_keys_that_a_law_does_not_use_are_no_difference(tmp_path):

@@ -132,6 +132,12 @@ def test_protection_of_many_runs_and_of_equal_ones(tmp_path):
         "run-2 protects the bottom best: its peak force is 1 N. The largest value of the 5 runs is "
         "5 N in run-1 (5 times as high)."
     )
+    with_single = {"n_spheres": [9, 9, 9, 9, 9, 1], "wall_peak_force_N": [*forces, 9.0]}
+    (sentence,) = protected(tmp_path, energy_input_J=[1.0] * 6, **with_single)
+    assert sentence.endswith(
+        "The largest value of the 5 ranked runs is 5 N in run-1 (5 times as high); not ranked: "
+        "run-6."
+    )
     (sentence,) = protected(tmp_path, energy_input_J=[1, 1], wall_peak_force_N=[1000.0, 1001.0])
     assert sentence == (
         "The peak force on the bottom is 1 kN in run-1 and 1.001 kN in run-2, 0.1 % apart."
