@@ -81,9 +81,14 @@ class Quantity:
         return self.phrase.format(format(value, self.digits))
 
 
+_PERSON = "von Mises"  # keeps its capital, and its small letter at the beginning
+
+
 def readable(name: str) -> str:
     """A file's or key's name as words."""
-    words = name.replace("_", " ").strip()
+    words = name.replace("_", " ").strip().replace(_PERSON.lower(), _PERSON)
+    if words.startswith(_PERSON):
+        return words
     return words[:1].upper() + words[1:]
 
 

@@ -187,7 +187,10 @@ class ReportKind:
     energies
         Values of the summary that are parts of the energy at the end, besides those of all runs.
     ledger
-        Data sets of ``/energy`` of result.h5 that make up each form of energy of a comparison.
+        Data sets of ``/energy`` of result.h5 that make up each form of energy of a comparison; the
+        dissipated energy is that of the dissipated fraction.
+    numerical
+        Other data sets of ``/energy``, of the numerical method, with their names in words.
     limits
         Sentences on energies and their balance.
     main_figures
@@ -215,6 +218,7 @@ class ReportKind:
         "elastic": ("elastic",),
         "dissipated": ("dissipated",),
     }
+    numerical: ClassVar[Mapping[str, str]] = {}
     limits: ClassVar[str] = ""
     main_figures: ClassVar[Sequence[str]] = ()
     captions: ClassVar[Mapping[str, str]] = {}

@@ -17,8 +17,14 @@ _OF_PUNCH = (
 )
 _LEDGER = {
     "kinetic": ("kinetic", "punch"),
-    "elastic": ("elastic", "contact"),
-    "dissipated": ("plastic", "viscous", "hourglass", "damping"),
+    "elastic": ("elastic",),
+    "dissipated": ("plastic",),
+}
+_NUMERICAL = {
+    "viscous": "artificial viscosity",
+    "hourglass": "hourglass control",
+    "contact": "contact",
+    "damping": "damping",
 }
 _LOOKS = {
     "plastic_strain": "The coloured region is the plastic zone.",
@@ -38,6 +44,7 @@ class ElementKind(ReportKind):
     accepted_error = 2e-2  # accepted error of results that do not record it
     energies = ("energy_punch_J", "energy_viscous_J", "energy_hourglass_J")
     ledger = _LEDGER
+    numerical = _NUMERICAL
     limits = "A continuum run above the accepted error is stopped."
     main_figures = ("plastic_strain", "von_mises", "energies")
     looks = _LOOKS

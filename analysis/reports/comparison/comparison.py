@@ -45,6 +45,7 @@ from granwave.analysis.reports.comparison.subjects import (
     names_with_cases,
 )
 from granwave.analysis.reports.comparison.values import (
+    DIFFERENT_MEANING,
     ComparedValue,
     compared_values,
     differing_values,
@@ -53,6 +54,7 @@ from granwave.analysis.reports.comparison.values import (
     sentence,
     truncation_note,
     unknown_values,
+    unlike_names,
 )
 from granwave.analysis.reports.inputs import ReportInputs
 from granwave.analysis.reports.kinds import ReportRun, warning_notes
@@ -67,6 +69,7 @@ BOTTOM_FORCE = "bottom_force"  # default quantity for a measured curve
 _UNITS = "units"  # key of ``attrs`` of a table
 _RATIO = "ratio"
 _LEAST_RUNS = 2
+_LEAST_KINDS = 2
 
 
 class Comparison:
@@ -112,11 +115,12 @@ class Comparison:
 
     @cached_property
     def without_ratio(self) -> dict[str, str]:
-        """Words in place of the ratios of all results and details that ends of runs truncate or
-        that a boundary limits, by name.
+        """Words in place of the ratios of all results and details that ends of runs truncate, that
+        a boundary limits, or that runs define differently, by name.
         """
         values = self._results_and_details
-        return {value.name: value.without_ratio for value in values if value.without_ratio}
+        words = {value.name: value.without_ratio for value in values if value.without_ratio}
+        return words | dict.fromkeys(unlike_names(self.runs), DIFFERENT_MEANING)
 
     @cached_property
     def truncated(self) -> dict[str, tuple[ComparedRun, ...]]:
@@ -293,10 +297,28 @@ class Comparison:
 
     @property
     def wanted_figures(self) -> list[str]:
-        """Names of the figures that are drawn if runs have their data."""
+        """Names of the figures that are drawn if runs have their data: the requested figures, or
+        all figures without those of one run of another kind.
+        """
         asked = [name for name in FIGURES if name in self.quantities]
         asked += [name for name in self.measured if name not in asked]
-        return asked if self.quantities else list(FIGURES)
+        if self.quantities:
+            return asked
+        return [name for name in FIGURES if name not in self._figures_of_one_run]
+
+    @cached_property
+    def _figures_of_one_run(self) -> dict[str, ComparedRun]:
+        """Run by the name of a figure that would show only this run, in a comparison of runs of
+        several kinds; such figures are drawn only if they are requested.
+        """
+        if self.quantities or len({run.run.kind for run in self.runs}) < _LEAST_KINDS:
+            return {}
+        present = {name: list(self.data(name).present) for name in FIGURES}
+        return {
+            name: runs[0]
+            for name, runs in present.items()
+            if len(runs) == 1 and name not in self.measured
+        }
 
     def data(self, name: str) -> FigureData:
         """Return the data of the runs for a figure, and the reasons for missing runs."""
@@ -475,7 +497,7 @@ class Comparison:
         for name, curve in self.measured.items():
             last += coverage_notes(curve, self._named_deviations(name))
             last += range_notes(curve, self._named_deviations(name), _units_of(name))
-        return first, definitions, limits, last + self._undrawn()
+        return first, definitions, limits, [*last, *self._undrawn(), *self._not_compared()]
 
     def _undrawn(self) -> list[str]:
         """Return a sentence on the runs that are in no figure; nothing if there is none."""
@@ -485,6 +507,19 @@ class Comparison:
             if reasons and reasons[0] and all(reasons):
                 undrawn[run] = reasons[0]
         return [f"In no figure: {by_reason(undrawn)}."] if undrawn else []
+
+    def _not_compared(self) -> list[str]:
+        """Return a sentence on the figures that are left out since only one run has them; nothing
+        if there are none.
+        """
+        names: dict[ComparedRun, list[str]] = {}
+        for figure, run in self._figures_of_one_run.items():
+            if FIGURES[figure].least == 1:
+                names.setdefault(run, []).append(figure)
+        parts = [f"{', '.join(figures)} ({run.name})" for run, figures in names.items()]
+        if not parts:
+            return []
+        return [f"Figures that only one run has are drawn only on request: {'; '.join(parts)}."]
 
     def _unlike_ends(self) -> list[str]:
         """Return sentences on runs that end at different times; nothing if they do not."""

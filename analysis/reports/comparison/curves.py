@@ -31,6 +31,7 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 FORMS = ("kinetic", "elastic", "dissipated")  # forms of energy, in the order of their panels
 _LEAST_LAYERS = 2  # fewest layers of a curve
 _LEAST_YIELDED = 3  # fewest yielded spheres of a zone that grows
+_NO_FORCE = "the force on its bottom is not recorded"
 _STATIC_LOAD = "precompression"  # beginning of the keys of a static load
 
 
@@ -114,10 +115,12 @@ class GrowthCurves:
 
 def force_at_bottom(run: ComparedRun) -> SampledCurve:
     """Return the force on the bottom against time: s, N."""
+    if not run.has_spheres:
+        raise LackingError(_NO_FORCE)
     with run.opened() as result:
         record = reached(result)
         if record is None:
-            raise LackingError("the force on its bottom is not recorded")
+            raise LackingError(_NO_FORCE)
         return SampledCurve(record.time, record.force)
 
 
@@ -186,6 +189,22 @@ def energy_shares(run: ComparedRun) -> dict[str, SampledCurve]:
     if not is_whole or not len(time) or not given[-1] > 0:
         raise LackingError("the energy input is zero, or its record is damaged")
     return {form: SampledCurve(time, values / given[-1]) for form, values in columns.items()}
+
+
+def numerical_shares(run: ComparedRun) -> dict[str, float]:
+    """Return the energies of the numerical method at the end, divided by the input, by name; empty
+    for a run without such energies.
+    """
+    shares: dict[str, float] = {}
+    try:
+        with h5py.File(regular(run.run.directory / RESULT_FILE), "r") as file:
+            given = float(_dataset(file, "energy/input")[-1])
+            for name, words in run.run.kind.numerical.items():
+                if f"energy/{name}" in file:
+                    shares[words] = float(_dataset(file, f"energy/{name}")[-1]) / given
+    except (OSError, KeyError, ValueError, TypeError, IndexError):
+        raise LackingError(f"{RESULT_FILE} has no energies") from None
+    return shares
 
 
 def _form(file: h5py.File, names: Sequence[str]) -> Array:

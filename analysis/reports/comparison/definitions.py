@@ -22,6 +22,7 @@ _OF_ZONE = ("zone_", "plastic_zone_", "n_plastic_", "n_dissipating_")
 _LAW = "contact.law"
 _BILINEAR = "bilinear"
 _FORCE = "wall_peak_force_N"
+_PEAK_FORCE = "peak_force_N"
 _HEIGHT = "packing_height_m"
 _SAME_HEIGHT = 1.01  # largest over smallest height of packings that are equally high
 _DEPTH = "zone_depth_90_m"
@@ -44,6 +45,8 @@ def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -
         Values that are compared, which limit the subjects of the sentences; empty for all.
     """
     notes = [_inputs(runs), _static_forces(runs)]
+    if _concerns(names, (_PEAK_FORCE,)):
+        notes.append(_forces_of_kinds(runs))
     if _concerns(names, _OF_BOTTOM):
         notes += [_heights(runs), " ".join(_without_force(runs))]
     if _concerns(names, _OF_ZONE):
@@ -137,6 +140,17 @@ def _depths_of_kinds(runs: Sequence[ComparedRun]) -> str:
     return (
         "Depths of the plastic zone are measured from the centre of the impacted sphere in a "
         "packing, and from the loaded face in a block."
+    )
+
+
+def _forces_of_kinds(runs: Sequence[ComparedRun]) -> str:
+    """Return a sentence on the peak forces of packings and blocks; empty for one kind."""
+    has_force = [run for run in runs if run.run.number(_PEAK_FORCE)]
+    if len({run.has_spheres for run in has_force}) < 2:
+        return ""
+    return (
+        "The peak contact force is the largest force between two spheres in a packing, and the "
+        "force on the punch of a block, so that it has no ratio."
     )
 
 

@@ -73,6 +73,8 @@ TRUNCATED = "truncated"
 STILL_GROWING = "still growing"
 NOT_COMPARED = "Not compared, since they depend on the end time of a run"
 LIMITED = "limited"
+#: The same for a value that kinds of runs define differently.
+DIFFERENT_MEANING = "defined differently"
 MARK = "*"  # after a value that the end of its run truncates
 PARTIAL = "Truncated by the end of the run"
 _PAIR = 2
@@ -114,6 +116,8 @@ class ComparedValue:
     is_of_input
         True for an energy in J or a size of the plastic zone, of runs with different inputs, which
         depends on the input.
+    differs_in_meaning
+        True for a value that the kinds of these runs define differently, so that it has no ratio.
     """
 
     name: str
@@ -124,6 +128,7 @@ class ComparedValue:
     is_limited: bool = False
     is_growing: bool = False
     is_of_input: bool = False
+    differs_in_meaning: bool = False
     incomplete: frozenset[int] = frozenset()
 
     @property
@@ -168,8 +173,8 @@ class ComparedValue:
         """Ratio of the second to the first value of two runs; for more runs, of the largest to the
         smallest magnitude, without the runs whose end truncates the value.
 
-        None for a single run, if a compared run has no value or the value zero, or if the value is
-        truncated, still grows or is limited.
+        None for a single run, if a compared run has no value or the value zero, if the value is
+        truncated, still grows or is limited, or if runs define it differently.
         """
         numbers = self.compared_numbers
         if self.without_ratio or None in self.compared or not all(numbers):
@@ -183,9 +188,11 @@ class ComparedValue:
 
     @property
     def without_ratio(self) -> str:
-        """Words in place of the ratio of a value that is truncated, still grows or is limited;
-        empty otherwise.
+        """Words in place of the ratio of a value that is truncated, still grows or is limited, or
+        that runs define differently; empty otherwise.
         """
+        if self.differs_in_meaning:
+            return DIFFERENT_MEANING
         if self.is_truncated and not self.is_growing:
             return TRUNCATED
         if self.is_limited:
@@ -194,8 +201,8 @@ class ComparedValue:
 
     @property
     def is_complete(self) -> bool:
-        """True for a value that every run has, and that neither the end of a run nor a boundary
-        limits.
+        """True for a value that every run has and defines in the same way, and that neither the end
+        of a run nor a boundary limits.
         """
         return not self.without_ratio and not self.incomplete and None not in self.values
 
@@ -425,11 +432,15 @@ def _without_difference(
     reasons = [f"{end} truncates it"] if is_truncated else []
     if any(value.is_growing for value in values):
         reasons.append("it still grows at the end of a run")
+    is_alike = not any(value.differs_in_meaning for value in values)
+    if not is_alike:
+        reasons.append("packings and blocks define it differently")
     if any(value.is_limited for value in values):
         reasons.append("a boundary limits the plastic zone")
     if reasons and not compared:
         which = "requested value" if asked else "result"
-        return f"No {which} is complete in {names}: {', or '.join(reasons)}."
+        state = "complete" if is_alike else "comparable"
+        return f"No {which} is {state} in {names}: {', or '.join(reasons)}."
     if asked:
         return f"The requested values do not differ between {names}, or a run lacks them."
     if any(value.is_of_input and value.is_complete and value.spread > _SAME for value in values):
@@ -510,13 +521,16 @@ def _in_sentence(label: str) -> str:
 
 def _outcomes(runs: Sequence[ComparedRun]) -> list[str]:
     """Return the names of the results that the runs have, in the order of reports."""
-    left_out = {*_NO_OUTCOME}
-    if len({run.run.kind for run in runs}) > 1:
-        left_out |= {*_OF_ONE_KIND}
+    left_out = {*_NO_OUTCOME, *unlike_names(runs)}
     names = [name for name in (*report_columns(), *_FURTHER) if name not in left_out]
     keys = _keys(runs)
     of_parts = [key for key in keys if key.startswith(_OF_PARTS) and key not in quantities()]
     return [name for name in [*names, *of_parts] if name in keys]
+
+
+def unlike_names(runs: Sequence[ComparedRun]) -> set[str]:
+    """Return the names of values that the kinds of these runs define differently."""
+    return {*_OF_ONE_KIND} if len({run.run.kind for run in runs}) > 1 else set()
 
 
 def _keys(runs: Sequence[ComparedRun]) -> list[str]:
@@ -556,6 +570,7 @@ def _value(
         is_limited=is_limited,
         is_growing=is_growing,
         is_of_input=is_of_input,
+        differs_in_meaning=name in unlike_names(runs),
         incomplete=incomplete,
     )
 

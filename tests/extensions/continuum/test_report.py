@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import h5py
+import pytest
+
+from granwave.analysis.figures.style import style
+from granwave.analysis.quantities import readable
 from granwave.analysis.reports.comparison.comparison import compare_runs
+from granwave.analysis.reports.comparison.figures.registry import FIGURES
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
+from granwave.extensions.continuum.punch.case import ContinuumCase
+from granwave.extensions.continuum.punch.run import run_continuum
+from granwave.workflows import load_case, run_case
 from tests.helpers.made_up.synthetic_report import build, notes, table, write_run
 from tests.helpers.made_up.synthetic_scan import write_json
 
@@ -76,3 +85,95 @@ def test_a_block_and_a_packing_are_compared_by_fractions_of_the_input(tmp_path):
     assert "Inputs differ: 5 J (100 g at 10 m/s) in block, 50 mJ (1 g at 10 m/s) in" in definitions
     assert "from the loaded face in a block" in definitions
     assert "reaches a boundary" in limits and "still grows" in limits
+
+
+@pytest.fixture(scope="module")
+def block_and_packing(tmp_path_factory):
+    """Comparison of a short run of a packing with a block, which is much shorter."""
+    place = tmp_path_factory.mktemp("kinds")
+    block = {"name": "block", "material": "brass", "run": {"elements": 500, "end_time": 1e-5}}
+    block |= {"block": {"diameter": 0.1, "height": 0.1}, "punch": {"velocity": 10.0}}
+    run_continuum(ContinuumCase.from_dict(block), place / "block", figures=False)
+    packing = load_case("fcc-small", {"packing.size": [6, 6, 4], "run.end_time": 1e-4})
+    run_case(packing, place / "packing", figures=False)
+    return compare_runs(read_inputs([place / "packing", place / "block"], place).runs)
+
+
+def test_dissipated_energy_of_a_block_is_that_of_the_table(block_and_packing):
+    """Numerical energies are in no panel, and the caption gives them: all add up to the input."""
+    block = block_and_packing.runs[1]
+    curves = block_and_packing.data("energies").present[block]
+    fraction = block.run.summary["dissipated_fraction"]
+    assert curves["dissipated"].y[-1] == pytest.approx(fraction, rel=1e-9)
+    names = {"viscous": "artificial viscosity", "contact": "contact", "hourglass": "hourglass"}
+    caption = block_and_packing.caption("energies")
+    with h5py.File(block.run.directory / "result.h5") as file:
+        shares = {name: file[f"energy/{name}"][-1] / file["energy/input"][-1] for name in names}
+    total = sum(curve.y[-1] for curve in curves.values()) + sum(shares.values())
+    assert total == pytest.approx(1, abs=1e-2)
+    assert f"artificial viscosity {100 * shares['viscous']:.3g} %" in caption
+    assert "no contact and no element dissipates any more" in caption
+    assert "no panel" not in _caption_of(block_and_packing.runs[0], "energies")
+
+
+def _caption_of(run, name):
+    """Return the caption of a figure of a comparison of a run with itself."""
+    return compare_runs([run.run, run.run]).caption(name)
+
+
+def test_curves_on_a_logarithmic_axis_start_at_their_first_record(block_and_packing):
+    """A point at time zero would be drawn as a flat line from the edge of the panel."""
+    with style():
+        panels = block_and_packing.drawing("energies").figure.axes
+    for axes in panels:
+        assert axes.get_xscale() == "log"
+        for line in axes.lines:
+            time = line.get_xdata()
+            assert time[0] == 0 and time[1] > 0
+            shown = axes.transData.transform(line.get_xydata())
+            assert not (abs(shown[0]) < float("inf")).all()
+            assert (abs(shown[1:]) < float("inf")).all()
+
+
+def test_force_on_the_bottom_of_a_block_is_not_recorded(block_and_packing):
+    """A block has a bottom: that it has no grains is a reason for other figures only."""
+    assert "block (the force on its bottom is not recorded)" in block_and_packing.caption(
+        "bottom_force"
+    )
+    assert "block (it is a continuum run, without grains)" in block_and_packing.caption("fronts")
+
+
+def test_forces_of_a_punch_and_of_a_contact_have_no_ratio(block_and_packing):
+    """A rigid punch carries far more than a contact of two spheres, which is no result."""
+    words = "defined differently"
+    assert block_and_packing.without_ratio["peak_force_N"] == words
+    note = "in a packing, and the force on the punch of a block, so that it has no ratio"
+    assert any(note in text for text in block_and_packing.notes)
+    asked = compare_runs([run.run for run in block_and_packing.runs], ["peak_force_N"])
+    (value,) = asked.values
+    assert value.ratio is None and value.without_ratio == words
+    assert "packings and blocks define it differently" in asked.sentence
+    packing = block_and_packing.runs[0].run
+    assert "peak_force_N" not in compare_runs([packing, packing]).without_ratio
+    page = build([run.run.directory for run in block_and_packing.runs], packing.directory)
+    row = {row["Quantity"].text: row for row in table(page, "results", "Values side by side")}
+    assert row["Peak contact force, excluding walls"]["Difference"].text == words
+
+
+def test_figures_that_only_the_packing_has_are_drawn_on_request(block_and_packing):
+    """They compare nothing; the note names each of them."""
+    assert block_and_packing.figures == ("energies",)
+    (note,) = [text for text in block_and_packing.notes if "only on request" in text]
+    packing, block = (run.run for run in block_and_packing.runs)
+    left_out = [name for name in FIGURES if f" {name}" in note]
+    assert "bottom_force" in left_out and "peak_force_difference" not in left_out
+    assert "(packing)" in note and "(block)" not in note
+    for name in left_out:
+        assert compare_runs([packing, block], [name]).figures == (name,)
+    assert "bottom_force" in compare_runs([packing, packing, block]).figures
+
+
+def test_names_of_persons_keep_their_capitals():
+    assert readable("von_mises") == "von Mises"
+    assert readable("plastic_zone") == "Plastic zone"
+    assert readable("largest_von_mises") == "Largest von Mises"

@@ -111,12 +111,12 @@ def legend_above(figure: MatplotlibFigure) -> None:
 
 def show_times_up_to(axes: Axes, ends: Sequence[float]) -> None:
     """Show the longest run completely; the axis is logarithmic if the lengths of the runs differ a
-    lot.
+    lot. Curves on a logarithmic axis start at their first positive time.
     """
     longest = max(ends) * _MICRO
     shortest = min(ends) * _MICRO
     if 0 < shortest * _UNLIKE < longest:
-        axes.set_xscale("log")
+        axes.set_xscale("log", nonpositive="mask")
         axes.set_xlim(shortest / _UNLIKE**2, longest)
         return
     axes.set_xlim(0, longest or 1.0)

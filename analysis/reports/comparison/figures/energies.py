@@ -9,7 +9,12 @@ import numpy as np
 from granwave.analysis.figures.series import against_time, column_name, label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.reports.comparison.curves import FORMS, SampledCurve, energy_shares
+from granwave.analysis.reports.comparison.curves import (
+    FORMS,
+    SampledCurve,
+    energy_shares,
+    numerical_shares,
+)
 from granwave.analysis.reports.comparison.figures.axes import (
     legend_above,
     run_styles,
@@ -17,7 +22,8 @@ from granwave.analysis.reports.comparison.figures.axes import (
 )
 from granwave.analysis.reports.comparison.figures.figure import ComparisonFigure
 from granwave.analysis.reports.comparison.measured import MeasuredCurve
-from granwave.analysis.reports.comparison.subjects import ComparedRun
+from granwave.analysis.reports.comparison.subjects import ComparedRun, LackingError
+from granwave.analysis.reports.sentences import share
 
 _NOTHING = 1e-9  # fraction of the input: energy that is due to rounding
 
@@ -55,10 +61,38 @@ def _has_energy(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]], form: 
     return any(np.abs(shares[form].y).max() > _NOTHING for shares in curves.values())
 
 
+def energy_notes(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]]) -> str:
+    """Return sentences on the dissipated energy, and on energies that are in no panel."""
+    blocks = [run for run in curves if not run.has_spheres]
+    if not blocks:
+        return "A constant dissipated energy shows that no contact dissipates any more."
+    first = "A constant dissipated energy shows that no contact and no element dissipates any more."
+    parts = [text for run in blocks if (text := _numerical_text(run))]
+    if not parts:
+        return first
+    return (
+        f"{first} The dissipated energy of a continuum run is its plastic dissipation, as in the "
+        f"dissipated fraction. Energies of its numerical method are in no panel: {'; '.join(parts)}."
+    )
+
+
+def _numerical_text(run: ComparedRun) -> str:
+    """Return the energies of the numerical method of a run in words, the largest first; empty
+    without them.
+    """
+    try:
+        shares = numerical_shares(run)
+    except LackingError:
+        return f"not readable ({run.name})"
+    named = sorted(shares.items(), key=lambda entry: -abs(entry[1]))
+    parts = [f"{name} {share(part)}" for name, part in named if abs(part) > _NOTHING]
+    return f"{', '.join(parts)} of the input at the end ({run.name})" if parts else ""
+
+
 ENERGIES = ComparisonFigure(
     "Kinetic, elastic and dissipated energy against time, relative to the input",
     energy_shares,
     draw_energies,
-    look="A constant dissipated energy shows that no contact dissipates any more.",
+    notes=energy_notes,
     values=("dissipated_fraction",),
 )

@@ -42,6 +42,8 @@ class ComparisonFigure:
         False if this curve only rises, so that it has no peak.
     most
         Largest number of runs that it shows.
+    least
+        Smallest number of runs that it shows.
     is_cumulative
         True if it shows largest values or sums up to the end of each run, so that its caption
         states different ends.
@@ -58,6 +60,7 @@ class ComparisonFigure:
     curve: Callable[[Any], SampledCurve] | None = None
     has_peak: bool = True
     most: int = MOST_CURVES
+    least: int = 1
     is_cumulative: bool = False
     values: tuple[str, ...] = ()
 

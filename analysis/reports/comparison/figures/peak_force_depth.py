@@ -143,22 +143,58 @@ def decay_notes(peaks: Mapping[ComparedRun, PeaksByDepth]) -> str:
     without = _without_fit(peaks, fits)
     if not fits:
         return without
-    is_exponential = isinstance(next(iter(fits.values())), ForceDecay)
-    law = "exponential, F ~ exp(-bz), fitted" if is_exponential else "power law, F ~ z^-n, fitted"
-    constant = "b" if is_exponential else "n"
+    common = next(iter(fits.values()))
+    constant = "b" if isinstance(common, ForceDecay) else "n"
+    has_several = sum(one.decays is not None for one in peaks.values()) > 1
+    why = "the same law for all runs so that its constants can be compared, " if has_several else ""
     names: dict[tuple[str, str], list[str]] = {}
     for run, fit in fits.items():
-        quality = f"{fit.n_layers} layers, rms {100 * fit.misfit:.2g} %"
-        names.setdefault((_constant(fit), quality), []).append(run.name)
+        names.setdefault((_constant(fit), _quality(fit)), []).append(run.name)
     parts = [
         f"{constant_of_runs} ({', '.join(runs)}, {quality})"
         for (constant_of_runs, quality), runs in names.items()
     ]
     fitted = (
-        f"Dotted: {law} to the largest force between the impacted and the last layer; {constant} "
-        f"and its standard error: {'; '.join(parts)}."
+        f"Dotted: {_law(common)}, {why}fitted to the largest force between the impacted and the "
+        f"last layer; {constant} and its standard error: {'; '.join(parts)}."
     )
-    return f"{fitted} {without}".rstrip()
+    return " ".join(filter(None, [fitted, _other_law(peaks, common), without]))
+
+
+def _other_law(peaks: Mapping[ComparedRun, PeaksByDepth], common: Decay) -> str:
+    """Return a sentence on the runs that the other law describes better; empty if there are none.
+
+    Parameters
+    ----------
+    common
+        A fit of the law that all runs have in the figure.
+    """
+    better = {run: better_of(one.decays) for run, one in peaks.items() if one.decays is not None}
+    others = {
+        run: fit
+        for run, fit in better.items()
+        if type(fit) is not type(common) and not objection(fit)
+    }
+    if not others:
+        return ""
+    parts = [f"{_constant(fit)} ({run.name}, {_quality(fit)})" for run, fit in others.items()]
+    law = _law(next(iter(others.values())))
+    return (
+        f"The other law, {law}, describes some runs better, and is in the figures of these runs: "
+        f"{'; '.join(parts)}."
+    )
+
+
+def _law(fit: Decay) -> str:
+    """Return the name and the formula of the law of a fit."""
+    if isinstance(fit, ForceDecay):
+        return "exponential, F ~ exp(-bz)"
+    return "power law, F ~ z^-n"
+
+
+def _quality(fit: Decay) -> str:
+    """Return the number of layers of a fit and its misfit."""
+    return f"{fit.n_layers} layers, rms {100 * fit.misfit:.2g} %"
 
 
 def _constant(fit: Decay) -> str:

@@ -36,7 +36,7 @@ def draw_field_difference(
     fields: Mapping[ComparedRun, ForceField], measured: Sequence[MeasuredCurve]
 ) -> Drawing | None:
     """Draw the difference of peak forces, of runs with the same grains."""
-    return draw_difference(fields) if len(fields) > 1 else None
+    return draw_difference(fields) if len(fields) >= PEAK_FORCE_DIFFERENCE.least else None
 
 
 def _difference_notes(fields: Mapping[ComparedRun, ForceField]) -> str:
@@ -63,6 +63,7 @@ PEAK_FORCE_DIFFERENCE = ComparisonFigure(
     draw_field_difference,
     notes=_difference_notes,
     most=MOST_PANELS,
+    least=2,
     is_cumulative=True,
     values=("peak_force_N",),
 )

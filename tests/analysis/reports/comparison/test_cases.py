@@ -118,5 +118,8 @@ def test_unlike_kinds_say_what_they_are(place):
     comparison = compare_runs([runs[0], other])
     assert list(comparison.differences.index) == ["kind of run", "setting"]
     assert "Not drawn: block (it is a continuum run, without grains)." in comparison.caption(
+        "peak_force_depth"
+    )
+    assert "Not drawn: block (the force on its bottom is not recorded)." in comparison.caption(
         "bottom_force"
     )

@@ -9,6 +9,7 @@ from granwave.analysis.figures.style import style
 from granwave.analysis.measures.force_decay import (
     ForceDecay,
     PowerDecay,
+    _power,
     exponential_of_depth,
     power_decay,
 )
@@ -148,3 +149,32 @@ def test_all_runs_have_the_law_that_fits_them_better():
         kind = ForceDecay if law == "exponential" else PowerDecay
         assert all(isinstance(fit, kind) for fit in chosen.values())
     assert chosen["a"].exponent == pytest.approx(1.5)
+
+
+def test_caption_gives_the_law_of_a_run_that_the_common_law_describes_less_well(place):
+    """Figure of the run and comparison have two laws: the caption says why, and gives both."""
+    runs = compared(place, "fcc", "hcp").runs
+    depth = np.arange(1.0, 13.0)
+    forces = (np.exp(-0.2 * depth), depth**-1.5)
+    peaks = {
+        run: PeaksByDepth(
+            depth,
+            force,
+            force,
+            (exponential_of_depth(depth, force), _power(depth, force, 1.0)),
+        )
+        for run, force in zip(runs, forces, strict=True)
+    }
+    exponentials = [one.decays[0] for one in peaks.values()]
+    powers = [one.decays[1] for one in peaks.values()]
+    assert exponentials[0].misfit < powers[0].misfit < 0.3
+    assert powers[1].misfit < exponentials[1].misfit
+    text = decay_notes(peaks)
+    assert text.startswith("Dotted: power law, F ~ z^-n, ")
+    assert "the same law for all runs so that its constants can be compared" in text
+    sentence = text[text.index("The other law") :]
+    assert sentence.startswith("The other law, exponential, F ~ exp(-bz), describes some runs")
+    assert ": 0.2" in sentence and "(fcc, 12 layers, rms" in sentence and "hcp" not in sentence
+    alone = decay_notes({runs[0]: peaks[runs[0]]})
+    assert alone.startswith("Dotted: exponential, F ~ exp(-bz), fitted to")
+    assert "other law" not in alone and "same law" not in alone
