@@ -72,7 +72,8 @@ def energy_notes(curves: Mapping[ComparedRun, Mapping[str, SampledCurve]]) -> st
         return first
     return (
         f"{first} The dissipated energy of a continuum run is its plastic dissipation, as in the "
-        f"dissipated fraction. Energies of its numerical method are in no panel: {'; '.join(parts)}."
+        f"dissipated fraction. Energies of its numerical method are in no panel: "
+        f"{'; '.join(parts)}."
     )
 
 
