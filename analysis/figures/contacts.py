@@ -253,7 +253,9 @@ def force_distribution(result: Result) -> Drawing | None:
     if not states:
         return None
     is_wide = user_figure() is None and any(_is_wide(state) for state in states)
-    figure, axes, *of_all = panels(_TALL_FIGURE if is_wide else _LOW_FIGURE, rows=1 + is_wide)
+    figure, axes, *of_all = panels(
+        _TALL_FIGURE if is_wide else _LOW_FIGURE, rows=2 if is_wide else 1
+    )
     all_alike = all(_is_alike(state) for state in states)
     columns: dict[str, ArrayLike] = {}
     for state in states:

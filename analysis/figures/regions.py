@@ -131,7 +131,7 @@ def energy_by_region(result: Result) -> Drawing | None:
     lost = energy.share.get(DISSIPATED, np.zeros(len(total)))
     has_rest = user_figure() is None and float(lost.max()) > _MOST
     figure, axes, *below = panels(
-        _TALL_FIGURE if has_rest else _LOW_FIGURE, rows=1 + has_rest, sharex=True
+        _TALL_FIGURE if has_rest else _LOW_FIGURE, rows=2 if has_rest else 1, sharex=True
     )
     shown = [name for name in names if float(energy.share[name].max()) >= _LEAST_SHOWN]
     _draw_areas(axes, energy.time, [(name, energy.share[name]) for name in shown], list(regions))

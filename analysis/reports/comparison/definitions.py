@@ -26,6 +26,14 @@ _PEAK_FORCE = "peak_force_N"
 _HEIGHT = "packing_height_m"
 _SAME_HEIGHT = 1.01  # largest over smallest height of packings that are equally high
 _DEPTH = "zone_depth_90_m"
+_DEPTHS_OF_KINDS = (
+    "Depths of the plastic zone are measured from the centre of the impacted sphere in a packing, "
+    "and from the loaded face in a block."
+)
+_FORCES_OF_KINDS = (
+    "The peak contact force is the largest force between two spheres in a packing, and the force "
+    "on the punch of a block, so that it has no ratio."
+)
 _SPHERES = "n_spheres"
 _MOST_LISTED = 4  # runs that a sentence lists
 #: Beginnings of sentences on values that the end of a run limits.
@@ -46,11 +54,12 @@ def definition_notes(runs: Sequence[ComparedRun], names: Collection[str] = ()) -
     """
     notes = [_inputs(runs), _static_forces(runs)]
     if _concerns(names, (_PEAK_FORCE,)):
-        notes.append(_forces_of_kinds(runs))
+        notes += [_FORCES_OF_KINDS] if _differ_in_kind(runs, _PEAK_FORCE) else []
     if _concerns(names, _OF_BOTTOM):
         notes += [_heights(runs), " ".join(_without_force(runs))]
     if _concerns(names, _OF_ZONE):
-        notes += [_yielding_of_laws(runs), _depths_of_kinds(runs)]
+        notes.append(_yielding_of_laws(runs))
+        notes += [_DEPTHS_OF_KINDS] if _differ_in_kind(runs, _DEPTH) else []
     return [note for note in notes if note]
 
 
@@ -132,26 +141,9 @@ def _yielding_of_laws(runs: Sequence[ComparedRun]) -> str:
     )
 
 
-def _depths_of_kinds(runs: Sequence[ComparedRun]) -> str:
-    """Return a sentence on the origin of depths in packings and blocks; empty for one kind."""
-    has_zone = [run for run in runs if run.run.number(_DEPTH)]
-    if len({run.has_spheres for run in has_zone}) < 2:
-        return ""
-    return (
-        "Depths of the plastic zone are measured from the centre of the impacted sphere in a "
-        "packing, and from the loaded face in a block."
-    )
-
-
-def _forces_of_kinds(runs: Sequence[ComparedRun]) -> str:
-    """Return a sentence on the peak forces of packings and blocks; empty for one kind."""
-    has_force = [run for run in runs if run.run.number(_PEAK_FORCE)]
-    if len({run.has_spheres for run in has_force}) < 2:
-        return ""
-    return (
-        "The peak contact force is the largest force between two spheres in a packing, and the "
-        "force on the punch of a block, so that it has no ratio."
-    )
+def _differ_in_kind(runs: Sequence[ComparedRun], name: str) -> bool:
+    """Return True if both packings and blocks have a value."""
+    return len({run.has_spheres for run in runs if run.run.number(name)}) > 1
 
 
 def _cut_zones(runs: Sequence[ComparedRun]) -> list[str]:

@@ -590,8 +590,8 @@ def test_main_figure(tmp_path, plate):
 
 
 def test_values_of_limited_zones_come_last(tmp_path):
-    """Where the zone of a point reaches a boundary, the force on the bottom is the main result, and
-    the values of zones follow those without a limit.
+    """The force on the bottom is the main result if the zone of a point reaches a boundary; values
+    of zones follow values without a limit.
     """
     scan = write_scan(tmp_path, grid(packing__diameter_scatter=[0, 2e-6, 5e-6]))
     wall_forces = [1869.0, 1200.0, 940.0]
