@@ -128,3 +128,15 @@ def disk_space_message(what: str, needed: float, spare: float, free: float) -> s
     needed, spare, free = (size / 1e9 for size in (needed, spare, free))
     left = f" and {spare:.3g} GB must stay free" if spare else ""
     return f"{what} require about {needed:.3g} GB{left}, but only {free:.3g} GB are free"
+
+
+def label_of(case: str, directory: Path) -> str:
+    """Return the name of a run in messages: its case, and its directory if that is named otherwise.
+
+    Examples
+    --------
+    >>> label_of("fcc-small", Path("runs/brass-10"))
+    'fcc-small in brass-10'
+    """
+    name = directory.resolve().name
+    return case if name == case else f"{case} in {name}"

@@ -29,7 +29,7 @@ from granwave.analysis.result.trajectory import COMPRESSION
 from granwave.analysis.versions import versions_of
 from granwave.extensions.continuum.files import CONTINUUM
 from granwave.extensions.continuum.frame import ElementCase, check_memory
-from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.directories import label_of, results_directory
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import plain, regular, replace_text
 from granwave.lammps_inputs.own_files import AnyPath, figure_files
@@ -245,11 +245,12 @@ def run_elements(
     if there is not None:
         return there
     run = kind(case)
+    label = label_of(case.name, results.path)
     started = time.perf_counter()
     try:
         digits = digits_of(run.total)
         total = None if run.total is None else round(run.total, digits)
-        with progress_bar(progress, total=total, desc=case.name, unit=kind.UNIT) as bar:
+        with progress_bar(progress, total=total, desc=label, unit=kind.UNIT) as bar:
 
             def show() -> None:
                 place, note = run.progress()
@@ -266,13 +267,13 @@ def run_elements(
             )
             results.note_files(name for name in kind.RESULTS if name != CASE_FILE)
     if words := run.warning(summary):
-        logger.warning("%s: %s", case.name, words)
+        logger.warning("%s: %s", label, words)
     if figures:
         draw_figures(kind, results)
     if run.end_reason == "refused":
         off, remedy = run.refusal()
         raise RunError(
-            f"{case.name}: energy balance error too large: {off} is accepted; the results are "
+            f"{label}: energy balance error too large: {off} is accepted; the results are "
             f"kept in {results}. {remedy}"
         )
     return summary

@@ -44,7 +44,7 @@ def continuum(options: argparse.Namespace) -> int:
     else:
         table = summary_table(summary, rows_of(results.kind.rows))
         print(f"{table}\n\nresults in {directory}")
-    warn_of_zone(summary, results.kind.body)
+    warn_of_zone(summary, results.path, results.kind.body)
     return 0
 
 

@@ -232,7 +232,9 @@ def test_good_files_stay_on_a_full_disk(run, small_disk, monkeypatch, capsys, wo
 
 def test_a_run_ends_with_a_checkpoint_before_the_disk_is_full(whole, tmp_path, monkeypatch):
     free = iter([1e12])
-    monkeypatch.setattr("granwave.workflows.run.driver.free_space", lambda _: next(free, 1000.0))
+    for room in ("driver", "failures"):
+        name = f"granwave.workflows.run.{room}.free_space"
+        monkeypatch.setattr(name, lambda _: next(free, 1000.0))
     with pytest.raises(RunError) as caught:
         run_case(TWO_SPHERES, tmp_path / "r", figures=False)
     message = str(caught.value)

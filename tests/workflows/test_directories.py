@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.directories import check_disk, results_directory
+from granwave.lammps_inputs.directories import check_disk, label_of, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, plain, read_json, replace_text, replacing
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -162,3 +162,16 @@ def test_plain_numbers_survive_json(tmp_path):
         "c": [3, None, "x"],
         "d": {"e": None, "f": True},
     }
+
+
+def test_messages_of_a_run_name_its_directory(tmp_path):
+    """Two runs of one case in different directories are told apart; a run that has the name of its
+    case is not named twice.
+    """
+    assert label_of("fcc-small", tmp_path / "fcc-small") == "fcc-small"
+    assert label_of("fcc-small", tmp_path / "brass-10") == "fcc-small in brass-10"
+
+
+def test_messages_name_the_current_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert label_of("fcc-small", Path()) == f"fcc-small in {tmp_path.name}"

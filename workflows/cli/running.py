@@ -16,7 +16,7 @@ from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import read_deck, write_deck
-from granwave.lammps_inputs.directories import check_disk, results_directory
+from granwave.lammps_inputs.directories import check_disk, label_of, results_directory
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.cost import analysing_ranks, expected_deck
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
@@ -66,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
         print_json(summary) if options.json else print(
             f"{summary_table(summary)}\n\nresults in {outcome.directory}"
         )
-        warn_of_zone(summary)
+        warn_of_zone(summary, directory)
         warn_of_force(summary, directory, assembly)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
@@ -191,7 +191,7 @@ def analyse(options: argparse.Namespace) -> int:
                 summary = shared(comm, partial(work, assembly=assembly), stop.noticed, most)
     if mpi.is_first():
         print_json(summary) if options.json else print(summary_table(summary))
-        warn_of_zone(summary)
+        warn_of_zone(summary, directory)
         warn_of_force(summary, directory)
     return 0
 
@@ -215,10 +215,10 @@ def warn_of_force(
     from granwave.analysis.measures.target_record import rising_force_warning
 
     if warning := rising_force_warning(directory, assembly):
-        warn(f"{summary['name']}: {warning}")
+        warn(f"{label_of(summary['name'], directory)}: {warning}")
 
 
-def warn_of_zone(summary: Mapping[str, Any], body: str = "packing") -> None:
+def warn_of_zone(summary: Mapping[str, Any], directory: Path, body: str = "packing") -> None:
     """Print a warning if the size of the packing, or of another body, limits the plastic zone."""
     if warning := zone_warning(summary, body):
-        warn(f"{summary['name']}: {warning}")
+        warn(f"{label_of(summary['name'], directory)}: {warning}")

@@ -13,12 +13,8 @@ import dataclasses
 import logging
 import threading
 import time
-from collections.abc import Mapping
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
-
-import numpy as np
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.pipeline import analyse
@@ -30,9 +26,13 @@ from granwave.lammps_inputs.deck.commands import PARTS
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
-from granwave.lammps_inputs.directories import disk_space_message, free_space, results_directory
+from granwave.lammps_inputs.directories import (
+    disk_space_message,
+    free_space,
+    label_of,
+    results_directory,
+)
 from granwave.lammps_inputs.errors import GranwaveError, RunError
-from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.lammps_inputs.packing.assembly import Assembly, of_case
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.cost import analysing_ranks
@@ -60,6 +60,7 @@ from granwave.workflows.run.directory import (
     held,
     start,
 )
+from granwave.workflows.run.failures import describe_removal, unfinished_analysis, with_advice
 from granwave.workflows.run.initial_state import make_spheres
 from granwave.workflows.run.kept_warnings import keeping_warnings
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
@@ -67,6 +68,7 @@ from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, worl
 from granwave.workflows.run.progress import Progress, announce
 from granwave.workflows.run.ranks import shared
 from granwave.workflows.run.static_progress import StaticProgress
+from granwave.workflows.run.static_state import look_at_rolling, look_at_strikers
 from granwave.workflows.run.turns import refuse_threads_of_ranks, turn
 
 if TYPE_CHECKING:
@@ -198,6 +200,7 @@ class _Run:
         self.figures = figures
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
+        self.label = label_of(self.case.name, self.directory)
         self.record = record.Record(name=self.case.name, n_ranks=comm.size)
         accepted = self.case.run.accepted_balance_error
         self.balance = checks.Balance(
@@ -214,7 +217,7 @@ class _Run:
     def _plan(self) -> float:
         """Keep the warnings about the case, and return the disk space to be kept free, bytes."""
         self.warnings += case_warnings(self.assembly)
-        with keeping_warnings(self.case.name, self.warnings):
+        with keeping_warnings((self.case.name, self.label), self.warnings):
             return plan(self.assembly).disk_reserve
 
     # ------------------------------------------------------------------ attempts
@@ -222,13 +225,14 @@ class _Run:
     def complete(self, *, go_on: bool) -> Outcome:
         """Integrate in time, and analyse."""
         if self.show:
-            announce(plan(self.assembly, n_ranks=self.comm.size, figures=self.figures))
+            expected = plan(self.assembly, n_ranks=self.comm.size, figures=self.figures)
+            announce(expected, self.label)
         try:
             with StopRequest(self.comm) as stop:
                 self.integrate(stop, go_on=go_on)
             return self.analyse()
         except (OSError, GranwaveError) as error:
-            if gone := self.gone():
+            if gone := describe_removal(self._places()):
                 raise RunError(gone) from error
             raise
 
@@ -243,7 +247,7 @@ class _Run:
         while True:
             deck = self._deck(timestep, go_on)
             try:
-                with keeping_warnings(self.case.name, self.warnings):
+                with keeping_warnings((self.case.name, self.label), self.warnings):
                     self._attempt(deck, stop, go_on)
             except (RunError, OSError) as error:
                 self._fail(error)
@@ -275,7 +279,7 @@ class _Run:
         """Record the error that ends the run, and raise it; if the disk is full, with advice on
         resuming.
         """
-        failure = self._with_advice(error)
+        failure = self._describe(error)
         if isinstance(failure, SingleRankError) and self.comm.size > 1:
             # the first rank may be waiting inside LAMMPS: this rank writes the record and ends all
             failed = dataclasses.replace(self.record, state=record.FAILED, reason=str(failure))
@@ -285,43 +289,19 @@ class _Run:
             self._note(state=record.FAILED, reason=str(failure))
         raise failure from error
 
-    def _with_advice(self, error: RunError | OSError) -> RunError:
-        """Return an error of the integration with advice that fits the state of the directory."""
-        saved = self.record.checkpoint
-        where = (
-            f"from the checkpoint at step {saved['step']}"
-            if saved
-            else "from the beginning, since there is no checkpoint"
-        )
-        kept = (
-            "results so far are kept; {}, then run the same command with resume=True to "
-            "continue " + where
-        )
-        if gone := self.gone():
-            return RunError(gone)
-        if isinstance(error, OSError):
-            what = f"{error.filename or self.directory}: {error.strerror or error}"
-            cure = "free disk space" if error.errno in DISK_IS_FULL else "fix this"
-            return RunError(f"{what}; {kept.format(cure)}")
-        if free_space(self.directory) < self.reserve:
-            advice = kept.format("free disk space")
-            return type(error)(f"{self.directory}: the disk is full: {error}; {advice}")
-        return error
-
-    def gone(self) -> str:
-        """Describe that the directory, or its output, was removed or moved meanwhile; empty if
-        not.
-        """
-        places = [self.directory]
-        if self.began:
-            places += [self.directory / DUMPS, self.balance.path]
-        missing = next((path for path in places if not path.exists()), None)
-        if missing is None:
-            return ""
+    def _describe(self, error: RunError | OSError) -> RunError:
+        """Return an error of the integration with advice on resuming."""
+        gone = describe_removal(self._places())
         return (
-            f"{missing}: was removed or moved during the run, which cannot be resumed; do not "
-            "change the directory, and run the case again with force=True"
+            RunError(gone)
+            if gone
+            else with_advice(error, self.directory, self.record.checkpoint, self.reserve)
         )
+
+    def _places(self) -> list[Path]:
+        """Return the paths that a run needs until its end."""
+        written = [self.directory / DUMPS, self.balance.path] if self.began else []
+        return [self.directory, *written]
 
     def analyse(self, *, take_up: bool = False) -> Outcome:
         """Analyse the output; ``take_up`` is True for output of an earlier session."""
@@ -352,11 +332,7 @@ class _Run:
         except MissingOutputError:
             raise
         except OSError as error:
-            cure = "free disk space" if error.errno in DISK_IS_FULL else "fix this"
-            raise RunError(
-                f"{error.filename or self.directory}: {error.strerror or error}; the output of "
-                f"LAMMPS is kept; {cure}, then run the same command with resume=True to analyse it"
-            ) from error
+            raise unfinished_analysis(error, self.directory) from error
         self._note(state=self.state)  # a run counts as finished only after its analysis
         if self.comm.rank == 0 and self.state != record.INTERRUPTED:
             self.results.keep_checkpoint(None)
@@ -410,9 +386,7 @@ class _Run:
                 self.lost_before_block = saved["lost_before_block"]
                 engine.commands(f"log {LOG_FILE} append")
             elif self.case.precompression and self.show:
-                logger.info(
-                    "%s: static stage, until the packing is in equilibrium ...", self.case.name
-                )
+                logger.info("%s: static stage, until the packing is in equilibrium ...", self.label)
             setup = part(script, "setup")
             grid = on_first(self.comm, lambda: grid_of(self.assembly, self.comm.size))
             engine.commands("processors " + " ".join(map(str, grid)))
@@ -435,36 +409,14 @@ class _Run:
                         f"{found['yielded']:.0f} contacts yielded, or their indentations grew, "
                         "under the precompression"
                     )
-                self._look_at_strikers(engine)
+                look_at_strikers(engine, self.assembly, self.comm)
                 if checks.rolls_on(found):
-                    self._look_at_rolling(engine, found)
+                    look_at_rolling(engine, self.assembly, self.comm, found)
             elif not saved:
                 expected = on_first(self.comm, lambda: checks.expected_neighbours(self.assembly))
                 checks.check_coordination(self.case.packing.kind, expected, engine)
             self._advance(engine, deck.schedule, stop)
             engine.commands(part(script, "end"))
-
-    def _look_at_strikers(self, engine: Engine) -> None:
-        """Warn of strikers that no longer touch their spheres after the static stage."""
-        chosen = set(chain.from_iterable(self.assembly.striker_contacts))
-        if not chosen:
-            return
-        centres = zip(engine.per_atom("id").tolist(), engine.per_atom("x").tolist(), strict=True)
-        gathered = self.comm.gather([row for row in centres if row[0] in chosen])
-        if gathered is not None:  # only on the first rank
-            everywhere = {number: np.array(at) for number, at in chain.from_iterable(gathered)}
-            checks.warn_of_strikers(self.assembly, everywhere)
-
-    def _look_at_rolling(self, engine: Engine, found: Mapping[str, float]) -> None:
-        """Warn of grains that still roll after the static stage of a bed."""
-        n = self.assembly.lattice.n_spheres
-        forces = zip(engine.per_atom("id").tolist(), engine.per_atom("f").tolist(), strict=True)
-        gathered = self.comm.gather([row for row in forces if row[0] <= n])
-        if gathered is not None:  # only on the first rank
-            everywhere = {
-                number: np.array(force) for number, force in chain.from_iterable(gathered)
-            }
-            checks.warn_of_rolling(self.assembly, found, everywhere)
 
     def _set_up(self, engine: Engine, commands: str, stop: StopRequest, *, static: bool) -> None:
         """Execute the commands before the first step; a request to stop ends them, as a static
@@ -487,7 +439,7 @@ class _Run:
         try:
             with stop.answered_at_once(end):
                 if static:
-                    StaticProgress(engine, self.case.name, enabled=self.show).commands(commands)
+                    StaticProgress(engine, self.label, enabled=self.show).commands(commands)
                 else:
                     engine.commands(commands)
         except RunError as error:
@@ -504,7 +456,7 @@ class _Run:
         blocks = schedule.block_steps
         bar = Progress(
             schedule.n_steps,
-            self.case.name,
+            self.label,
             enabled=self.show,
             done=engine.step,
             at_most=blocks > 0,
@@ -621,4 +573,4 @@ class _Run:
 
     def _log(self, text: str) -> None:
         if self.comm.rank == 0:
-            logger.warning("%s: %s", self.case.name, text)
+            logger.warning("%s: %s", self.label, text)

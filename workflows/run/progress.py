@@ -36,16 +36,19 @@ def not_enough_memory(why: str) -> str:
     return f"not enough memory ({why}); granwave check shows the memory required by a case"
 
 
-def announce(expected: Plan) -> None:
+def announce(expected: Plan, label: str) -> None:
     """Announce the expected duration of a long run, and the reason for its short steps, before it
     starts.
+
+    Parameters
+    ----------
+    label
+        Name of the run in messages.
     """
     if expected.slowness:
-        _LOG.warning(
-            "%s: about %s: %s", expected.name, duration(expected.wall_time), expected.slowness
-        )
+        _LOG.warning("%s: about %s: %s", label, duration(expected.wall_time), expected.slowness)
     elif expected.wall_time > _LONG:
-        _LOG.info("%s: about %s", expected.name, duration(expected.wall_time))
+        _LOG.info("%s: about %s", label, duration(expected.wall_time))
 
 
 _LINE_EVERY = 30.0  # s between lines of a batch log

@@ -77,8 +77,8 @@ def test_only_warnings_about_the_case_are_kept():
     """Each once; messages of other levels, and about other cases, are not kept."""
     kept: list[str] = []
     logger = logging.getLogger("granwave.tests")
-    with keeping_warnings("mine", kept):
-        for text in ("mine: a", "mine: a", "other: b", "mine: c: d"):
+    with keeping_warnings(["mine", "mine in here"], kept):
+        for text in ("mine: a", "mine in here: a", "other: b", "mine: c: d"):
             logger.warning(text)
         logger.info("mine: e")
     logger.warning("mine: f")

@@ -190,7 +190,7 @@ def test_rounded_beds_relax(
     assert record["residual"] < 1e-6
     assert run.summary["energy_balance_error"] < 1e-5
     (bar,) = bars
-    assert bar.label == "bed: static stage"
+    assert bar.label == "bed in out: static stage"
     shares = [share for share, _ in bar.looks]
     assert shares == sorted(shares)
     assert shares[-1] == 1000
