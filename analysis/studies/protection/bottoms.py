@@ -45,7 +45,7 @@ def title(runs: Sequence[TargetRun]) -> str:
 def text(runs: Sequence[TargetRun]) -> str:
     """Describe the comparison."""
     return (
-        f"The same impact through {_layers(runs)} on each bottom. The reduction is the peak "
+        f"The same impact hits {_layers(runs)} on each bottom. The reduction is the peak "
         "force of the same impact directly on the target, divided by the peak force on the "
         "target below the packing. The impulse is the impulse of the last layer on the target, "
         "up to the end of the run. A packing spreads the impulse in space and time but does "

@@ -24,8 +24,7 @@ SMOOTH = 0.02  # half-width of an average, in the logarithm of the overlap
 REMARKS = (
     "The source states about 6 % at most. This range of overlaps is hardly visible in its Fig. "
     "2.8, which extends to 800 yield overlaps.",
-    "The source states about 6 % at most, and that its law gives too large a force at large "
-    "overlaps.",
+    "According to the source, its law gives too large a force at large overlaps.",
 )
 
 
