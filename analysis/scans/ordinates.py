@@ -18,7 +18,7 @@ from pandas import Series
 from granwave.analysis.document.model import is_number
 from granwave.analysis.formatting.values import printed_unit
 from granwave.analysis.quantities import quantity, scan_figures
-from granwave.analysis.scans.keys import with_values
+from granwave.analysis.scans.means import is_mostly_known, with_values
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, protects
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
@@ -79,7 +79,7 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
         (_ordinate(name, key, scales), (name, key)) for name, key in scan_figures(present).items()
     ]
     left_out = set()
-    if not all(math.isfinite(_number(point, "restitution")) for point in done):
+    if not is_mostly_known([point.summary.get("restitution") for point in done]):
         left_out.add("restitution")
     if any(math.isfinite(_number(point, "n_plastic_spheres")) for point in done):
         left_out.add("plastic_zone_volume")  # shown by the number of spheres

@@ -18,7 +18,8 @@ from granwave.analysis.figures.scales import plain_powers
 from granwave.analysis.figures.style import style
 from granwave.analysis.scans.drawing import _scale_abscissae, draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.figures import draw_scan_figures, drawings
-from granwave.analysis.scans.keys import key_of, means_of
+from granwave.analysis.scans.keys import key_of
+from granwave.analysis.scans.means import means_of
 from granwave.analysis.scans.result import ScanResult
 from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
 

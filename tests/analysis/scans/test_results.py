@@ -17,7 +17,8 @@ from granwave.analysis.document.model import Beside, Note
 from granwave.analysis.measures.waves import first_arrivals, front_arrivals, wave_speed
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.figures import draw_scan_figures, drawings
-from granwave.analysis.scans.keys import key_of, means_of
+from granwave.analysis.scans.keys import key_of
+from granwave.analysis.scans.means import means_of
 from granwave.analysis.scans.result import ScanResult, protects
 from granwave.analysis.scans.table import (
     column_unit,
