@@ -22,7 +22,7 @@ from granwave.analysis.formatting.numbers import (
 )
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.collision import TOUCHING_ENERGY
-from granwave.analysis.measures.zone_size import Mark, mark_of
+from granwave.analysis.measures.zone_size import Mark, is_collision, mark_of
 from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.keys import VariedKey, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, ScanResult, protects
@@ -380,8 +380,8 @@ def _reason(summary: Mapping[str, Any]) -> str:
     stored = summary.get("energy_elastic_J")
     given = summary.get("energy_input_J")
     end = summary.get("end_time_s")
-    is_collision = summary.get("n_spheres") in (1, 2) and summary.get(_RESTITUTION) is None
-    if not is_collision or not (is_number(stored) and is_number(given) and is_number(end)):
+    is_unknown = is_collision(summary) and summary.get(_RESTITUTION) is None
+    if not is_unknown or not (is_number(stored) and is_number(given) and is_number(end)):
         return ""
     if stored <= TOUCHING_ENERGY * given:
         return ""
