@@ -205,10 +205,15 @@ class Means:
         )
 
     def range_in_words(self, name: str) -> str:
-        """Return the range of a quantity and its trends, without the points at the ends."""
+        """Return the range of a quantity, its trends, and the number of points without it; without
+        the points at the ends.
+        """
         low, high = self._ends(name)
-        ends = f"{self.in_words(name, low)} to {self.in_words(name, high)}"
-        return in_grains("; ".join([ends, *self._trends(name)]), self.called)
+        parts = [f"{self.in_words(name, low)} to {self.in_words(name, high)}", *self._trends(name)]
+        n_missing = len(self.counts) - len(self.known_rows(name))
+        if n_missing:
+            parts.append(f"unknown at {n_missing} of {len(self.counts)} points")
+        return in_grains("; ".join(parts), self.called)
 
     def _ends(self, name: str) -> tuple[int, int]:
         """Return the rows of the smallest and of the largest value."""
