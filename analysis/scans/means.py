@@ -55,7 +55,7 @@ _MAIN = (
     "n_plastic_spheres",
 )
 _OF_ZONE = ("n_plastic_", "plastic_zone_", "zone_")  # names of values of the plastic zone
-_OF_PACKING = ("packing.", "striker.", "replace.")  # keys whose values change a random packing
+_OF_PACKING = ("packing.", "striker", "replace")  # keys whose values change a random packing
 _RESTITUTION = "restitution"
 _MOST_MISSING = 3  # most points without a value that a sentence names
 _SINGLE = (
@@ -256,7 +256,7 @@ class Means:
         key = self.keys[n]
         if not key.numeric:
             return []
-        is_varied = key.name.startswith(_OF_PACKING)
+        is_varied = is_of_packing(key.name)
         courses = []
         for line in self.lines_along(n):
             rows = [row for row in line if self.values[main][row] is not None]
@@ -358,24 +358,29 @@ def _single_packings(
 
     Points that differ in other keys than those of the packing are alike, and are read once.
     """
-    of_packing = [name for name in names if name.startswith(_OF_PACKING)]
+    of_packing = [name for name in names if is_of_packing(name)]
     known: dict[tuple[Any, ...], bool] = {}
     single = []
     for group in groups:
         point = group[0]
         setting = tuple(point.labels.get(name) for name in of_packing)
         if len(group) == 1 and setting not in known:
-            known[setting] = _has_random_packing(point)
+            known[setting] = has_random_packing(point.directory or Path())
         single.append(len(group) == 1 and known[setting])
     return tuple(single)
 
 
-def _has_random_packing(point: PointResult) -> bool:
-    """Return True if the packing of a point depends on the seed; False if its case is unknown."""
+def has_random_packing(directory: Path) -> bool:
+    """Return True if the packing of a run depends on the seed; False if its case is unknown."""
     try:
-        return is_random(read_stored_case((point.directory or Path()) / CASE_FILE))
+        return is_random(read_stored_case(directory / CASE_FILE))
     except (InputError, OSError):
         return False
+
+
+def is_of_packing(key: str) -> bool:
+    """Return True for a key of a case whose values change a random packing."""
+    return key.startswith(_OF_PACKING)
 
 
 def _reason(summary: Mapping[str, Any]) -> str:
