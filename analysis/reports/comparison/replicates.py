@@ -29,12 +29,18 @@ _SINGLE = (
 )
 
 
-def replicate_sets(runs: Sequence[ReportRun]) -> list[list[int]]:
-    """Return the positions of the runs, grouped by replicates; other runs are alone."""
+def replicate_sets(runs: Sequence[ReportRun], random: Sequence[bool]) -> list[list[int]]:
+    """Return the positions of the runs, grouped by replicates; other runs are alone.
+
+    Parameters
+    ----------
+    random
+        True for runs of random packings: (n_runs,).
+    """
     sets: dict[tuple[object, ...], list[int]] = {}
     for place, run in enumerate(runs):
         case = tuple((key, str(value)) for key, value in run.case.items() if key != SEED)
-        setting = (run.kind.result_kind, *case) if is_of_random_packing(run) else (place,)
+        setting = (run.kind.result_kind, *case) if random[place] else (place,)
         sets.setdefault(setting, []).append(place)
     return list(sets.values())
 

@@ -141,7 +141,8 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
         is_said = text == name or not text
         label = _shortened(name if is_said else _with_differences(name, text))
         labels.append(distinct(label, labels))
-    sets = replicate_sets(runs)
+    random = list(map(is_of_random_packing, runs))
+    sets = replicate_sets(runs, random)
     leaders = {place: members[0] for members in sets for place in members}
     is_reduced = len(runs) > MOST_SIDE_BY_SIDE and len(sets) > 1
     repeated = [is_reduced and leaders[place] != place for place in range(len(runs))]
@@ -155,7 +156,7 @@ def compared_runs(runs: Sequence[ReportRun]) -> list[ComparedRun]:
             place,
             looks[place],
             leaders[place],
-            is_of_random_packing(run),
+            random[place],
             repeated[place],
         )
         for place, run in enumerate(runs)
