@@ -28,7 +28,7 @@ from granwave.analysis.figures.style import (
 )
 from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures.force_decay import BEFORE_END
-from granwave.analysis.measures.leading_wave import leading_peaks
+from granwave.analysis.measures.leading_wave import FirstWave, first_wave, known_peaks
 from granwave.analysis.measures.lines import sensor_forces
 from granwave.analysis.result.reader import Result
 
@@ -68,8 +68,9 @@ def along_chain(result: Result) -> Drawing | None:
     """Draw peak force and dissipated energy of every contact along the chain.
 
     The forces are those of the first wave, before the reflection from the end, above the static
-    force; grey marks are the largest forces of the run where they are larger. Under a load that
-    keeps oscillating they are the largest of the run only. None for a single contact.
+    force; open circles are contacts at which a larger pulse may still arrive. Grey marks are the
+    largest forces of the run where they are larger. Under a load that keeps oscillating they are
+    the largest of the run only. None for a single contact.
     """
     if "chain" not in result:
         return None
@@ -79,11 +80,11 @@ def along_chain(result: Result) -> Drawing | None:
         return None
     number = np.arange(1, len(peak) + 1)
     is_first = not result.case.load.keeps_oscillating
-    first = leading_peaks(result) if is_first else np.zeros(len(peak))
+    wave = first_wave(result) if is_first else None
     has_panel_of_loss = bool(np.any(lost > 0))
     n_panels = 1 + has_panel_of_loss
     figure, upper, *lower = panels(1.0 + 1.4 * n_panels, rows=n_panels, sharex=True)
-    _draw_peaks_along(upper, result, first)
+    _draw_peaks_along(upper, result, wave)
     for axes in lower:
         energy, name = energy_unit(float(lost.max()))
         _dots(axes, number, lost * energy, "dissipated")
@@ -92,18 +93,19 @@ def along_chain(result: Result) -> Drawing | None:
     figure.axes[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     ids = {"i": result["chain/contact_i"], "j": result["chain/contact_j"]}
     columns = {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost}
-    if is_first:
-        columns["first_wave_peak_force_N"] = first
+    if wave is not None:
+        columns["first_wave_peak_force_N"] = known_peaks(wave)
+        columns["first_wave_is_passing"] = wave.is_passing.astype(int)
     return Drawing(figure, columns)
 
 
-def _draw_peaks_along(axes: Axes, result: Result, first: NDArray[np.float64]) -> None:
+def _draw_peaks_along(axes: Axes, result: Result, wave: FirstWave | None) -> None:
     """Draw the peak forces of the first wave along a chain, and of the run where they differ.
 
     Parameters
     ----------
-    first
-        Of the first wave, above the static force: (n_contacts,), N; 0 or NaN where not known.
+    wave
+        None under a load that keeps oscillating.
     """
     peak = result.along_chain("peak_force")
     has_risen = result.along_chain("time_peak") < BEFORE_END * float(result["energy/time"][-1])
@@ -113,7 +115,12 @@ def _draw_peaks_along(axes: Axes, result: Result, first: NDArray[np.float64]) ->
     scale, unit = _unit(peak)
     whole = np.where(has_risen, peak - static, 0.0) * scale
     whole = np.where(whole > _LEAST_FORCE * whole.max(initial=0.0), whole, 0.0)
-    shown = np.nan_to_num(first) * scale
+    shown = np.zeros(len(peak))
+    passing = np.zeros(len(peak))
+    if wave is not None:
+        shown = np.where(wave.is_known, wave.peak, 0.0) * scale
+        passing = np.where(wave.is_passing, wave.peak, 0.0) * scale
+        passing[passing <= _LEAST_FORCE * whole.max(initial=0.0)] = 0.0
     number = np.arange(1, len(peak) + 1)
     differs = whole > (1 + _SAME) * shown
     if np.any(differs):
@@ -121,8 +128,12 @@ def _draw_peaks_along(axes: Axes, result: Result, first: NDArray[np.float64]) ->
         axes.plot(number[differs], whole[differs], "x", **look)
     if np.any(shown > 0):
         _dots(axes, number, shown, "first wave")
+    if np.any(passing > 0):
+        look = {"color": BLUE, "markerfacecolor": "none", "markersize": 3}
+        name = "larger pulse may follow"
+        axes.plot(number[passing > 0], passing[passing > 0], "o", label=name, **look)
     kind = "Dynamic peak force" if np.any(static > 0) else "Peak force"
-    _scale_axis(axes, np.maximum(whole, shown), f"{kind} ({unit})")
+    _scale_axis(axes, np.maximum.reduce([whole, shown, passing]), f"{kind} ({unit})")
     legend_above(axes, 2)
 
 
