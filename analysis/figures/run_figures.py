@@ -137,9 +137,8 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Equal successive pulses are a steady wave; pulses that become lower and longer lose energy."),
     ("along_chain", chains.along_chain, "Peak force of the first wave above the static force, "
         "and dissipation, along the chain; crosses: larger forces later in the run",
-     "Constant values show a wave without decay; decreasing values show its decay. Open circles: a "
-     "larger pulse may follow after the reflection, or after the end of the run. Forces that "
-     "still rise there are omitted."),
+     "Constant values: no decay. Open circles: a larger pulse may follow, after the reflection or "
+     "the end of the run."),
     ("bead_velocities", chains.bead_velocities, "Velocities along the chain",
      "Each curve is the whole chain at one instant: the front moves to the right, and its height "
      "shows the decay."),

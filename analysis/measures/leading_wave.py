@@ -36,7 +36,7 @@ from granwave.analysis.result.reader import Result
 
 _LEAD = 5  # beads, including the impacted one, in which the wave takes its shape
 _FEWEST_BEADS = 4  # fewest beads of a speed
-_SAME = 0.01  # a pulse that is larger by this fraction of the peak is larger
+SAME_PEAK = 0.01  # a pulse that is larger by this fraction of the peak is larger
 _REACHED = 1e-3  # fraction of the largest rise of all: the wave has reached the contact
 
 
@@ -117,7 +117,7 @@ def _awaits_larger_pulse(time: Array, rise: Array) -> NDArray[np.bool_]:
         before = np.flatnonzero(arrived <= arrived[contact])
         unseen = arrived[before] + time[-1] - arrived[contact]
         rows = np.minimum(np.searchsorted(time, unseen), len(time) - 1)
-        is_awaited[contact] = later[rows, before].max() > (1 + _SAME) * peak[contact]
+        is_awaited[contact] = later[rows, before].max() > (1 + SAME_PEAK) * peak[contact]
     return is_awaited
 
 
