@@ -26,10 +26,20 @@ def course_of_peaks(run: ReportRun) -> str:
         with Result(run.results) as result:
             if "chain" not in result:
                 return ""
-            wave = first_wave(result)
             depth = np.abs(result["chain/contact_position"] - result.origin[2])
+            return course_in_words(first_wave(result), depth)
     except (GranwaveError, KeyError, ValueError, IndexError):
         return ""
+
+
+def course_in_words(wave: FirstWave, depth: NDArray[np.float64]) -> str:
+    """Return the course of the peak force of a wave, as `course_of_peaks`.
+
+    Parameters
+    ----------
+    depth
+        Depths of the contacts below the impacted bead: (n_contacts,), m.
+    """
     peak = np.where(wave.is_known, wave.peak, 0.0)
     known = np.flatnonzero(peak > _REACHED * peak.max(initial=0.0))
     if len(known) < _FEWEST_CONTACTS:
