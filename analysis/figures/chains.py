@@ -30,10 +30,14 @@ from granwave.analysis.formatting.numbers import instant
 from granwave.analysis.measures.force_decay import BEFORE_END
 from granwave.analysis.measures.leading_wave import FirstWave, first_wave, known_peaks
 from granwave.analysis.measures.lines import sensor_forces
+from granwave.analysis.measures.signals import maxima
 from granwave.analysis.result.reader import Result
 
 _KILO = 1e-3
 _MOST_CURVES = 5
+_N_INSTANTS = 4
+_FRONT = 0.5  # fraction of the largest speed of a bead: earlier maxima are not the front
+_LEAST_SPEED = 1e-3  # fraction of the largest speed: beads that the front has reached
 _FEWEST = 2  # fewest contacts along which forces are drawn
 _SAME = 1e-3  # relative difference of equal forces
 _LEAST_FORCE = 1e-4  # fraction of the largest force: contacts that the wave reached
@@ -157,25 +161,60 @@ def _scale_axis(axes: Axes, values: NDArray[np.float64], quantity: str) -> None:
 
 
 def bead_velocities(result: Result) -> Drawing | None:
-    """Draw the velocity along the chain at four instants."""
+    """Draw the velocity along the chain at up to four instants of the passage of the front: when
+    the velocity of the bead at a quarter, a half, three quarters and the end of its way is first
+    largest. Under a load that keeps oscillating, at four even instants.
+    """
     if "chain" not in result:
         return None
     time = result["chain/time"]
     velocity = result["chain/velocity"]
-    chosen = np.unique(np.linspace(0, len(time) - 1, 5).round().astype(int))[1:]
+    passed = _instants_of_front(result)
+    if not passed:
+        chosen = np.unique(np.linspace(0, len(time) - 1, _N_INSTANTS + 1).round().astype(int))[1:]
+        passed = dict.fromkeys(chosen.tolist(), "")
     figure, axes = panels(2.6)
     bead = np.arange(1, velocity.shape[1] + 1)
-    scale, unit = velocity_unit(float(np.abs(velocity[chosen]).max(initial=0.0)))
-    for n, line in zip(chosen, LINES, strict=False):
-        name = instant(time[n])
+    rows = list(passed)
+    scale, unit = velocity_unit(float(np.abs(velocity[rows]).max(initial=0.0)))
+    for (n, which), line in zip(passed.items(), LINES, strict=False):
+        name = instant(time[n]) + which
         axes.plot(bead, velocity[n] * scale, linestyle=line, linewidth=0.9, label=name)
     axes.axhline(0, color="black", linewidth=0.5)
     label(axes, f"Bead, {_counted(result)}", f"Velocity ({unit})")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     legend_above(axes, 2)
     return Drawing(
-        figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in chosen}
+        figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in rows}
     )
+
+
+def _instants_of_front(result: Result) -> dict[int, str]:
+    """Return the records at which the front is at a bead, with the words of the bead, for up to
+    four beads on its way; empty under a load that keeps oscillating, and without a front.
+
+    The front is at a bead when its speed is first largest, before the reflection.
+    """
+    if result.case.load.keeps_oscillating or not len(result["chain/contact_i"]):
+        return {}
+    time = result["chain/time"]
+    start = first_wave(result).reflection
+    n_rows = len(time) if start is None else int(np.searchsorted(time, start, side="right"))
+    speed = np.abs(result["chain/velocity"][:n_rows])
+    if not speed.any():
+        return {}
+    largest = speed.max(axis=0)
+    crests = [maxima(one, _FRONT * float(one.max())) for one in speed.T]
+    is_passed = np.array([len(crest) > 0 for crest in crests]) & (
+        largest > _LEAST_SPEED * largest.max()
+    )
+    first = int(largest.argmax())
+    passed = np.flatnonzero(is_passed & (np.arange(len(largest)) >= first))
+    if len(passed) < _N_INSTANTS:
+        return {}
+    way = np.arange(1, _N_INSTANTS + 1) / _N_INSTANTS
+    beads = passed[np.ceil(way * len(passed)).astype(int) - 1]
+    return {int(crests[bead][0]): f", bead {bead + 1}" for bead in beads.tolist()}
 
 
 def bars(result: Result) -> Drawing | None:

@@ -77,10 +77,13 @@ _SENTENCES = (
     "None of the input energy of {kept} was dissipated.",
     "{n_loaded_contacts} of {n_contacts} contacts were loaded.",
 )
-_ALONG_LINE = (  # values along a line, with its name
-    "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}.",
-    "Its peak speed decays by {{line_{0}_decay_per_m}}.",
+_ALONG_LINE = "Along the line {0} the front speed is {{line_{0}_front_speed_m_s}}."
+_ONE_DECAY = "Its peak speed decays by {{line_{0}_decay_per_m}}."
+_TWO_DECAYS = (
+    "Its peak speed decays by {{line_{0}_decay_first_per_m}} up to {{line_{0}_decay_border_m}} from "
+    "its first grain, and by {{line_{0}_decay_second_per_m}} beyond."
 )
+_SAME_DECAY = 0.1  # relative difference of two rates that are given as one
 _SENSORS = (  # values of the sensors with the largest and smallest signal, with their names
     "Sensors recorded at most {{sensor_{0}_peak_velocity_m_s}} ({0}) and at least "
     "{{sensor_{1}_peak_velocity_m_s}} ({1})."
@@ -316,7 +319,8 @@ def in_words(run: ReportRun) -> str:
     values = {name: text for name, text in values.items() if text}
     lines = list[str]()
     for name in _named(summary, "line_", "_front_speed_m_s"):
-        lines += [text.format(name) for text in _ALONG_LINE]
+        decay = _TWO_DECAYS if _has_two_decays(run, name) else _ONE_DECAY
+        lines += [text.format(name) for text in (_ALONG_LINE, decay)]
     seen = {name: summary[f"sensor_{name}_peak_velocity_m_s"] or 0.0
             for name in _named(summary, "sensor_", "_peak_velocity_m_s")}  # fmt: skip
     ends = (
@@ -326,6 +330,15 @@ def in_words(run: ReportRun) -> str:
     )
     sensors = [_SENSORS.format(*ends)] if ends else []
     return sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
+
+
+def _has_two_decays(run: ReportRun, line: str) -> bool:
+    """Return True if the peak speed along a line decays by different rates in two regions."""
+    first = run.number(f"line_{line}_decay_first_per_m")
+    second = run.number(f"line_{line}_decay_second_per_m")
+    if first is None or second is None:
+        return False
+    return abs(second - first) > _SAME_DECAY * max(abs(first), abs(second))
 
 
 def _name_forces(run: ReportRun, values: dict[str, str]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.chains import along_chain
+from granwave.analysis.figures.chains import along_chain, bead_velocities
 from granwave.analysis.figures.style import style
 from granwave.analysis.measures.force_decay import (
     exponential_of_depth,
@@ -189,6 +189,31 @@ def test_figure_along_a_chain_is_of_the_first_wave(tmp_path):
         later.get_ydata()[-1]
     )
     assert drawing.columns["first_wave_peak_force_N"] == pytest.approx(first, nan_ok=True)
+
+
+@pytest.mark.parametrize(("law", "n_beads"), [("elastoplastic", 25), ("hertz", 40)])
+def test_velocities_are_at_instants_of_the_front(tmp_path, law, n_beads):
+    """Also where the run lasts five times as long as the passage: each curve is largest, ahead of
+    the later pulses, at the bead of its name, and without losses all have the same height.
+    """
+    long = YIELDING | {"contact.law": law, "packing.size": n_beads, "run.end_time": 2.5e-3}
+    with run(tmp_path, long) as result, style():
+        drawing = bead_velocities(result)
+        end = first_wave(result).reflection
+    curves = drawing.figure.axes[0].lines[:4]
+    beads = [int(curve.get_label().split("bead ")[1]) for curve in curves]
+    assert beads == sorted(set(beads)) and beads[-1] >= n_beads - 3
+    heights = []
+    for curve, bead in zip(curves, beads, strict=True):
+        front = curve.get_ydata()[bead - 1 :]
+        assert front.argmax() == 0
+        heights.append(front[0])
+    instants = [float(name.split("_")[2]) for name in drawing.columns if name != "bead"]
+    assert instants == sorted(instants) and instants[-1] <= end
+    if law == "hertz":
+        assert heights[1:] == pytest.approx([heights[-1]] * 3, rel=0.01)
+    else:
+        assert heights == sorted(heights, reverse=True)
 
 
 def test_speeds_of_two_materials(tmp_path):

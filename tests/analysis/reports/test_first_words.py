@@ -293,3 +293,16 @@ def test_symbols_of_two_runs_name_the_run_of_each_value(tmp_path):
     hard, soft = (quantity_in(law.yield_force, "N") for law in laws)
     assert f"F_y = {hard} (brass) and {soft} (soft) is the force" in note.text
     assert "e_in = 50 mJ is the energy input" in note.text
+
+
+def test_a_decay_in_two_regions_has_two_rates():
+    """One rate through both regions describes neither; rates within 10 % are one."""
+    rates = {"decay_first_per_m": 2.79, "decay_second_per_m": 6.11, "decay_border_m": 0.076}
+    line = {f"line_x_{name}": value for name, value in rates.items()}
+    line |= {"line_x_front_speed_m_s": 700.0, "line_x_decay_per_m": 3.678}
+    assert in_words(run_with(**line)).endswith(
+        "Its peak speed decays by 2.79 1/m up to 76 mm from its first grain, and by 6.11 1/m "
+        "beyond."
+    )
+    alike = line | {"line_x_decay_second_per_m": 2.9}
+    assert in_words(run_with(**alike)).endswith("Its peak speed decays by 3.678 1/m.")
