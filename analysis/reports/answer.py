@@ -43,7 +43,8 @@ from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.sentences import by_part, printed, sentences, share, value_table
 from granwave.analysis.reports.setting import is_chain, target_of
 from granwave.analysis.result.reader import Result
-from granwave.analysis.scans.keys import WORTH, Means, VariedKey
+from granwave.analysis.scans.keys import VariedKey
+from granwave.analysis.scans.means import WORTH, Means
 from granwave.analysis.summary_table import has_no_pairs
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import regular
