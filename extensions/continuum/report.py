@@ -27,12 +27,15 @@ _NUMERICAL = {
     "damping": "damping",
 }
 _LOOKS = {
-    "plastic_strain": "The coloured region is the plastic zone.",
-    "plastic_zone": "The outline is the largest zone; the material outside it remained elastic.",
+    "plastic_strain": "The coloured region is the plastic zone; a small zone is shown alone, at the "
+    "edge of the punch.",
+    "plastic_zone": "From the first yield to the end of yielding. The outline is the largest zone; "
+    "the material outside it remained elastic.",
     "plastic_zone_volume": "The wave has passed when the zone at one instant decreases after its "
     "peak.",
-    "punch": "When the velocity is constant, the punch has left the block.",
-    "von_mises": "Colours at the yield strength show the zone that yields at this instant.",
+    "punch": "During the contact: when the velocity is constant, the punch has left the block.",
+    "von_mises": "At the largest plastic zone, or at the largest stress if nothing yields. Colours "
+    "at the yield strength show the zone that yields at this instant.",
 }
 
 
